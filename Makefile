@@ -1,0 +1,68 @@
+# Everything runs in .venv, which is made and kept up to date from the pinned versions on its own.
+PYTHON ?= python3
+VENV := .venv
+PY := $(VENV)/bin/python
+STAMP := $(VENV)/.installed
+MAKEFLAGS += --no-print-directory
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.DEFAULT_GOAL := help
+.PHONY: help run case-exists test test-all lint check bench clean distclean
+.DELETE_ON_ERROR:
+
+help:
+	@echo "make run CASE=name [ARGS=...]  run cases/name.yaml into outputs/name"
+	@echo "make test                      tests without the slow ones"
+	@echo "make test-all                  all tests"
+	@echo "make lint                      ruff and mypy"
+	@echo "make check                     lint and test"
+	@echo "make bench                     benchmarks"
+	@echo "make clean | distclean         remove outputs and caches | and .venv"
+
+# Without the stamp the environment is new or half made: start afresh. With it, only bring the versions up to date.
+$(STAMP): .requirements.lock pyproject.toml
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) not found: install Python 3.11 or newer, or set PYTHON=" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "crackgrow needs Python 3.11 or newer, $(PYTHON) is $$($(PYTHON) --version 2>&1): set PYTHON=" >&2; exit 1; }
+	@if [ ! -f $@ ] || ! $(PY) -m pip --version >/dev/null 2>&1; then \
+		echo "making $(VENV)"; \
+		$(PYTHON) -m venv --clear $(VENV) || \
+			{ echo "$(PYTHON) cannot make $(VENV): install its venv module (python3-venv)" >&2; exit 1; }; \
+	fi
+	@rm -f $@
+	@echo "installing the pinned versions"
+	@$(PY) -m pip install --quiet --requirement .requirements.lock
+	@$(PY) -m pip install --quiet --no-deps --no-build-isolation --editable .
+	@touch $@
+
+run: case-exists $(STAMP)
+	@$(PY) -m crackgrow run "cases/$(CASE).yaml" --out "outputs/$(CASE)" $(ARGS)
+
+case-exists:
+	@if [ -z "$(CASE)" ] || [ ! -f "cases/$(CASE).yaml" ]; then \
+		if [ -z "$(CASE)" ]; then echo "which case? make run CASE=name"; else echo "no case cases/$(CASE).yaml"; fi >&2; \
+		echo "cases:" $$(ls cases 2>/dev/null | sed -n 's/\.yaml$$//p') >&2; exit 2; \
+	fi
+
+test: $(STAMP)
+	@$(PY) -m pytest -q -m "not slow"
+
+test-all: $(STAMP)
+	@$(PY) -m pytest -q
+
+lint: $(STAMP)
+	@$(PY) -m ruff check .
+	@$(PY) -m mypy
+
+check: lint test
+
+bench: $(STAMP)
+	@$(PY) tests/benchmarks/run.py
+
+clean:
+	@find outputs -mindepth 1 ! -name .gitkeep -delete
+	@rm -rf build dist .pytest_cache .mypy_cache .ruff_cache
+	@find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
+
+distclean: clean
+	@rm -rf $(VENV) *.egg-info

@@ -1,0 +1,56 @@
+"""Frictional crack growth in rock by MLS-NMM (moving least squares, numerical manifold method).
+
+The parts, from the ground up; each imports only from those above it:
+
+case           a YAML file becomes a checked, frozen Case in SI units
+geometry       polygons, crack polylines, cutting, tolerances
+cover          lattice, mathematical patches, physical patches, numbering of dofs
+approximation  weights, moving least squares, tip functions: value and gradient of every dof at points
+quadrature     integration rules and cells, cut by the cracks
+solid          elasticity: stiffness, loads, supports, linear solver, stress
+contact        crack faces: jump, Coulomb law, the contact solvers, history
+fracture       tip stress, stress intensity, growth criteria, advance of a tip
+run            one step, and the loop over the steps
+results        tables, frames and figures on disk, made from the results alone
+study          trade-offs, sweeps and comparisons that drive runs
+cli            the command line, the only place that prints
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from crackgrow.case import dump_case, load_case
+    from crackgrow.case.model import Case
+    from crackgrow.results.overview import overview
+    from crackgrow.results.writer import RunWriter
+    from crackgrow.run import grow
+    from crackgrow.run.result import RunEnd, StepResult
+
+__version__ = "0.1.0"
+
+__all__ = ["Case", "RunEnd", "RunWriter", "StepResult", "__version__", "dump_case", "grow", "load_case", "overview"]
+
+# Loaded on first use: importing crackgrow stays cheap, and the command line can set thread limits before numpy.
+_HOMES = {
+    "Case": "crackgrow.case.model",
+    "RunEnd": "crackgrow.run.result",
+    "RunWriter": "crackgrow.results.writer",
+    "StepResult": "crackgrow.run.result",
+    "dump_case": "crackgrow.case",
+    "grow": "crackgrow.run",
+    "load_case": "crackgrow.case",
+    "overview": "crackgrow.results.overview",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,38 @@
+"""The four tip functions sqrt(r) {cos t/2, sin t/2, cos 3t/2, sin 3t/2}, paper eq. (1), on kinked cracks.
+
+Where the crack is no longer one line as seen from the tip they fade out with chi = (1 - (r/L)^2)^2, L = `Tip.fade`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.cover.tips import Tip
+
+Floats = NDArray[np.float64]
+
+
+def tip_functions(tip: Tip, r: Floats, t: Floats) -> tuple[Floats, Floats]:
+    """Values (n, 4) and gradients (n, 4, 2), per lattice spacing and in lattice axes, at polar coordinates r, t (n,).
+
+    At r = 0 the gradients are infinite; zero is returned there.
+    """
+    root = np.sqrt(r)
+    arguments = np.stack([0.5 * t, 1.5 * t], axis=1)
+    cosines, sines = np.cos(arguments), np.sin(arguments)
+    angular = np.stack([cosines[:, 0], sines[:, 0], cosines[:, 1], sines[:, 1]], axis=1)
+    slope = np.stack([-0.5 * sines[:, 0], 0.5 * cosines[:, 0], -1.5 * sines[:, 1], 1.5 * cosines[:, 1]], axis=1)
+    value = root[:, None] * angular
+    over_root = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)[:, None]
+    by_r = 0.5 * over_root * angular
+    by_t = over_root * slope  # (1/r) d/dt
+    if np.isfinite(tip.fade):
+        rest = np.maximum(1.0 - (r / tip.fade) ** 2, 0.0)
+        chi, dchi = rest**2, -4.0 * rest * r / tip.fade**2
+        by_r = by_r * chi[:, None] + value * dchi[:, None]
+        by_t = by_t * chi[:, None]
+        value = value * chi[:, None]
+    c, s = np.cos(t)[:, None], np.sin(t)[:, None]
+    local = np.stack([c * by_r - s * by_t, s * by_r + c * by_t], axis=2)
+    return value, local @ tip.rotation

@@ -1,0 +1,57 @@
+"""Reading a case file: text, overrides, format, checks, model; all faults are raised together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from crackgrow.case.build import build_case
+from crackgrow.case.check_cracks import check_cracks
+from crackgrow.case.check_supports import check_supports
+from crackgrow.case.checks import check_counts, check_material, check_numerics, scene_of
+from crackgrow.case.model import Case
+from crackgrow.case.overrides import apply_override
+from crackgrow.case.reader import Table, read_file
+from crackgrow.case.report import Report
+from crackgrow.case.scalars import Context
+from crackgrow.case.scene import CASE, UNITS_SPEC
+from crackgrow.case.units import Units
+
+
+def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
+    """Return the checked case of a YAML file, in SI units.
+
+    path: the case file; the case is named after it
+    overrides: settings such as "numerics.spacing=1.5" that replace those of the file, the last one wins
+
+    Raises CaseError with every fault found.
+    """
+    report = Report(str(path))
+    root = read_file(path, report)
+    if not isinstance(root, Table):
+        if root is not None and not report.faults:
+            report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
+        raise report.error()
+    for override in overrides:
+        apply_override(root, override, report)
+    units = _units_of(root)
+    context = Context(report, units or Units())
+    resolved: Any = CASE.read(root, (), context)
+    if units is not None:
+        scene = scene_of(resolved, report, units)
+        for check in (check_counts, check_material, check_numerics, check_cracks, check_supports):
+            check(scene)
+    if report.faults:
+        raise report.error()
+    resolved["units"] = {"length": "m", "stress": "Pa"}
+    return build_case(Path(path).stem, resolved)
+
+
+def _units_of(root: Table) -> Units | None:
+    """Return what bare numbers mean, None if that is faulty; the faults are reported with the rest of the case."""
+    if "units" not in root.entries:
+        return Units()
+    scratch = Report("")
+    values: Any = UNITS_SPEC.read(root.entries["units"].node, ("units",), Context(scratch, Units()))
+    return None if scratch.faults else Units(**values)

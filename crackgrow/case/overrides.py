@@ -1,0 +1,57 @@
+"""Overrides from the command line: "numerics.spacing=1.5" set into the node tree before it is checked."""
+
+from __future__ import annotations
+
+import re
+
+from crackgrow.case.reader import MAX_DEPTH, Broken, Entry, Listing, Node, Scalar, Table, parse
+from crackgrow.case.report import Place, Report, clean, quoted
+
+
+def apply_override(root: Table, override: str, report: Report) -> None:
+    """Set one "key.path=value" into the tree; what is wrong with it goes to the report."""
+    key, equals, text = override.partition("=")
+    key = key.strip()
+    place = Place(f"--set {clean(key)}", None)
+    parts = tuple(key.split("."))
+    if not equals:
+        report.fault((), f"{quoted(override)} has no '='; an override is written key.path=value", place)
+        return
+    if not all(parts) or len(parts) > MAX_DEPTH:
+        report.fault((), f"{quoted(key)} is not a key path such as numerics.spacing", place)
+        return
+    n_faults = len(report.faults)
+    value = parse(text, report, place, parts)
+    if len(report.faults) == n_faults:
+        _set(root, parts, value or Scalar("", True, place), place, report)
+
+
+def _set(root: Table, parts: tuple[str, ...], value: Node, place: Place, report: Report) -> None:
+    node: Node = root
+    for depth, part in enumerate(parts):
+        last = depth == len(parts) - 1
+        if isinstance(node, Table):
+            if last:
+                node.entries[part] = Entry(place, value)
+            elif part not in node.entries:
+                node.entries[part] = Entry(place, Table({}, place), implied=True)
+            node = node.entries[part].node
+        elif isinstance(node, Listing):
+            index = _index(part, len(node.items))
+            if index is None:
+                here = f"a list of {len(node.items)}, counted from 0; {quoted(part)} is none of its numbers"
+                report.fault(parts[: depth + 1], f"{'.'.join(parts[:depth])} is {here}", place)
+                return
+            if last:
+                node.items[index] = value
+            node = node.items[index]
+        elif not isinstance(node, Broken):
+            here = clean(".".join(parts[:depth]))
+            report.fault(parts[: depth + 1], f"{here} is the single value {quoted(node.text)}: no key inside it", place)
+            return
+
+
+def _index(text: str, length: int) -> int | None:
+    if not re.fullmatch("[0-9]{1,9}", text):
+        return None
+    return int(text) if int(text) < length else None

@@ -1,0 +1,197 @@
+"""Specs of mappings and lists: the case format is one tree of these, `scene.CASE`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping as AnyMapping
+from copy import deepcopy
+from dataclasses import dataclass, field
+from typing import Final
+
+from crackgrow.case.reader import Listing, Node, Table
+from crackgrow.case.report import Path, did_you_mean, nearest, quoted
+from crackgrow.case.scalars import INVALID, NOT_YET, Context, Spec, refuse
+
+_NAME = re.compile(r"\w[\w-]{0,63}")
+
+REQUIRED: Final = object()  # the key must be given
+OPTIONAL: Final = object()  # the key may be left out and then stays out
+BY_PARTS: Final = object()  # left out means: as if it were given without any key in it
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One key of a mapping."""
+
+    spec: Spec
+    doc: str  # one line for the user
+    default: object = REQUIRED  # a plain SI value, or REQUIRED, OPTIONAL, BY_PARTS
+
+
+@dataclass(frozen=True, slots=True)
+class Mapping:
+    """A mapping with known keys.
+
+    fields: what each key takes, in the order of the resolved case.
+    later: keys of the format that this version cannot do.
+    at_least_one: whether an empty mapping is a fault although no key is required.
+    """
+
+    fields: AnyMapping[str, Field]
+    later: tuple[str, ...] = ()
+    at_least_one: bool = False
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return f"a mapping of {', '.join(self.fields)}"
+
+    def defaults(self) -> dict[str, object]:
+        """Return what the mapping holds if no key is given; only for mappings without required keys."""
+        return {key: _default(field) for key, field in self.fields.items() if field.default is not OPTIONAL}
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
+        if not isinstance(node, Table):
+            return refuse(node, self.describe(), path, context)
+        misspelt = self._report_unknown(node, path, context)
+        values: dict[str, object] = {}
+        for key, wanted in self.fields.items():
+            inner = (*path, key)
+            if key in node.entries:
+                context.report.put(inner, node.entries[key].place)
+                values[key] = wanted.spec.read(node.entries[key].node, inner, context)
+            elif wanted.default is REQUIRED:
+                if key in misspelt:
+                    context.report.doubt(inner)
+                else:
+                    context.report.fault(inner, f"missing: {wanted.doc} ({wanted.spec.describe()})")
+            elif wanted.default is not OPTIONAL:
+                values[key] = _default(wanted)
+        if self.at_least_one and not any(key in self.fields for key in node.entries):
+            context.report.fault(path, f"needs at least one of {', '.join(self.fields)}")
+        return values
+
+    def _report_unknown(self, node: Table, path: Path, context: Context) -> set[str]:
+        """Report keys that the mapping does not take; return the keys that were probably meant."""
+        guesses = set()
+        for key, entry in node.entries.items():
+            if key in self.later:
+                context.report.fault((*path, key), f"{quoted(key)} {NOT_YET}", entry.place)
+            elif key not in self.fields:
+                free = [known for known in (*self.fields, *self.later) if known not in node.entries]
+                hint = did_you_mean(key, free) or did_you_mean(key, self.fields)
+                message = f"unknown key; allowed: {', '.join(self.fields)}{hint}"
+                context.report.fault((*path, key), message, entry.place)
+                guesses.add(nearest(key, free) or "")
+        return guesses
+
+
+def _default(wanted: Field) -> object:
+    if wanted.default is BY_PARTS:
+        if not isinstance(wanted.spec, Mapping):
+            raise TypeError("BY_PARTS is for mappings")
+        return wanted.spec.defaults()
+    return deepcopy(wanted.default)
+
+
+@dataclass(frozen=True, slots=True)
+class OneOf:
+    """One of several mappings, told apart by the keys that are given.
+
+    later: keys that tell a form of the format which this version cannot do.
+    """
+
+    forms: tuple[Mapping, ...]
+    later: tuple[str, ...] = ()
+    common: frozenset[str] = field(init=False)  # keys that every form has
+
+    def __post_init__(self) -> None:
+        """Find the common keys."""
+        common = frozenset.intersection(*(frozenset(form.fields) for form in self.forms))
+        object.__setattr__(self, "common", common)
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return " or ".join(form.describe() for form in self.forms)
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the value of the form that is given."""
+        if not isinstance(node, Table):
+            return refuse(node, self.describe(), path, context)
+        later = [key for key in self.later if key in node.entries]
+        if later:
+            for key in later:
+                context.report.fault((*path, key), f"{quoted(key)} {NOT_YET}", node.entries[key].place)
+            return INVALID
+        if len(self.forms) == 1:
+            return self.forms[0].read(node, path, context)
+        own = [[key for key in form.fields if key not in self.common] for form in self.forms]
+        matches = [form for form, keys in zip(self.forms, own, strict=True) if any(k in node.entries for k in keys)]
+        if len(matches) == 1:
+            return matches[0].read(node, path, context)
+        known = [key for keys in own for key in (*keys, *self.common)]
+        if not matches:
+            for key, entry in node.entries.items():
+                if key not in known:
+                    message = f"unknown key; allowed: {', '.join(dict.fromkeys(known))}{did_you_mean(key, known)}"
+                    context.report.fault((*path, key), message, entry.place)
+        forms = " or ".join(f"{{{', '.join(keys)}}}" for keys in own)
+        context.report.fault(path, f"give either {forms}")
+        return INVALID
+
+
+@dataclass(frozen=True, slots=True)
+class ListOf:
+    """A list of values of one kind."""
+
+    spec: Spec
+    length: int | None = None  # None: any
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return f"a list{'' if self.length is None else f' of {self.length}'}: each item {self.spec.describe()}"
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return a list; faulty items are INVALID and keep their place."""
+        if not isinstance(node, Listing):
+            return refuse(node, self.describe(), path, context)
+        if self.length is not None and len(node.items) != self.length:
+            message = f"a list of {len(node.items)} given; wanted: {self.describe()}"
+            context.report.fault(path, message)
+            return INVALID
+        values = []
+        for index, item in enumerate(node.items):
+            context.report.put((*path, index), item.place)
+            values.append(self.spec.read(item, (*path, index), context))
+        return values
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """Things under names of the user's choice."""
+
+    thing: str
+    spec: Spec
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return f"a mapping of names, each a {self.thing}"
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return a dict of the values in file order."""
+        if not isinstance(node, Table):
+            return refuse(node, self.describe(), path, context)
+        values: dict[str, object] = {}
+        for name, entry in node.entries.items():
+            inner = (*path, name)
+            context.report.put(inner, entry.place)
+            if entry.implied:
+                known = [other for other, its in node.entries.items() if not its.implied]
+                message = f"the case has no {self.thing} {quoted(name)}; it has: {', '.join(known) or 'none'}"
+                context.report.fault(inner, message + did_you_mean(name, known), entry.place)
+            elif not _NAME.fullmatch(name):
+                message = f"{quoted(name)} is not a name; use letters, digits, _ and -, 64 at most"
+                context.report.fault(inner, message, entry.place)
+            else:
+                values[name] = self.spec.read(entry.node, inner, context)
+        return values

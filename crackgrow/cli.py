@@ -1,0 +1,200 @@
+"""The command line: the only place that prints.
+
+Exit codes: 0 done, 2 the case is wrong, 3 it can't be solved or written as asked, 130 interrupted, 1 a bug.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import difflib
+import os
+import shutil
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import crackgrow
+from crackgrow.errors import CaseError, CrackgrowError, Fault
+from crackgrow.results.atomic import OutputError
+from crackgrow.results.log import step_label, step_line
+
+if TYPE_CHECKING:
+    from crackgrow.case.model import Case
+    from crackgrow.results.writer import RunWriter
+    from crackgrow.run.result import RunEnd, StepResult
+
+EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
+THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+BAR_WIDTH = 20
+MOST_WARNINGS = 5  # printed at the end; run.log has all
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line `argv` (default: that of the process) and return the exit code."""
+    for name in THREAD_SETTINGS:  # before numpy loads: its and scipy's own copies of BLAS would fight for the cores
+        os.environ.setdefault(name, "1")
+    arguments = _parser().parse_args(argv)
+    command: Callable[[argparse.Namespace], int] = arguments.command
+    try:
+        return command(arguments)
+    except CaseError as error:
+        for fault in error.faults:
+            _complain(str(fault))
+        return error.exit_code
+    except CrackgrowError as error:
+        _complain(f"crackgrow: {error}")
+        return error.exit_code
+    except KeyboardInterrupt:
+        _complain("crackgrow: interrupted")
+        return EXIT_INTERRUPTED
+    except Exception:
+        _complain("crackgrow: internal error, a bug in the program:")
+        traceback.print_exc()
+        return EXIT_BUG
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run."""
+    case = _load(arguments)
+    folder = arguments.out or Path("outputs") / case.name
+    steps = crackgrow.grow(case)  # starts with its first step
+    writer = crackgrow.RunWriter(case, folder)
+    writer.begin()
+    progress = Progress(case, quiet=arguments.quiet)
+    try:
+        end = _write_steps(steps, writer, progress)
+    except OutputError as error:
+        with contextlib.suppress(OutputError):  # a small file may still fit
+            writer.fail(str(error))
+        raise
+    except KeyboardInterrupt:
+        _fail(writer, "interrupted")
+        raise
+    except CrackgrowError as error:
+        _fail(writer, str(error))
+        raise
+    except Exception as error:
+        _fail(writer, f"internal error: {type(error).__name__}: {error}")
+        raise
+    finally:
+        progress.close()
+    if end.status == "failed":
+        _complain(f"crackgrow: {end.reason}")
+        return EXIT_UNSOLVED
+    if not arguments.quiet:
+        print(f"{end.status}: {end.reason}\nresults in {folder}")
+    return EXIT_DONE
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """`crackgrow check`: validate a case and say what it models."""
+    print(crackgrow.overview(_load(arguments)))
+    return EXIT_DONE
+
+
+class Progress:
+    """How far a run is: one live line on a terminal, otherwise a line a step."""
+
+    def __init__(self, case: Case, *, quiet: bool) -> None:
+        self._n_steps = case.growth.steps if case.growth else None
+        self._quiet = quiet
+        self._live = not quiet and sys.stdout.isatty()
+        self._n_advances = 0
+        self._seconds = 0.0
+        self._warnings: dict[str, None] = {}
+        if not quiet:
+            print(f"{case.name}: {case.title}")
+
+    def show(self, result: StepResult) -> None:
+        """Tell of a solved step."""
+        self._n_advances += sum(tip.advanced for tip in result.tips)
+        self._seconds += sum(result.seconds.values())
+        self._warnings.update(dict.fromkeys(result.warnings))
+        if self._live:
+            width = shutil.get_terminal_size().columns - 1
+            print(f"\r{self._bar(result)[:width]}\x1b[K", end="", flush=True)
+        elif not self._quiet:
+            print(step_line(result, self._n_steps), flush=True)
+
+    def close(self) -> None:
+        """Leave the live line and print the warnings of the steps, each once."""
+        if self._live:
+            print()
+        if not self._quiet:
+            texts = list(self._warnings)
+            for text in texts[:MOST_WARNINGS]:
+                print(f"warning: {text}")
+            if len(texts) > MOST_WARNINGS:
+                print(f"and {len(texts) - MOST_WARNINGS} more warnings in run.log")
+
+    def _bar(self, result: StepResult) -> str:
+        done = result.step / self._n_steps if self._n_steps else 1.0
+        filled = round(BAR_WIDTH * min(done, 1.0))
+        return (
+            f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] {step_label(result.step, self._n_steps)}, "
+            f"{self._n_advances} tip advances, {result.contact_iterations} contact iterations, {self._seconds:.1f} s"
+        )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="crackgrow", description="Frictional crack growth in rock by MLS-NMM.")
+    parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    case = argparse.ArgumentParser(add_help=False)
+    case.add_argument("case", type=Path, metavar="CASE.yaml", help="the case file")
+    case.add_argument(
+        "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
+    )
+    command = commands.add_parser("run", parents=[case], help="run a case and write its results")
+    command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<case>)")
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    command.set_defaults(command=run)
+    command = commands.add_parser("check", parents=[case], help="validate a case and say what it models")
+    command.set_defaults(command=check)
+    return parser
+
+
+def _load(arguments: argparse.Namespace) -> Case:
+    path: Path = arguments.case
+    if not path.is_file():
+        raise CaseError([Fault(str(path), None, "", _missing_message(path))])
+    return crackgrow.load_case(path, arguments.overrides)
+
+
+def _missing_message(path: Path) -> str:
+    if path.is_dir():
+        return "is a folder, not a case file"
+    names = sorted(file.name for file in path.parent.glob("*.yaml"))
+    near = difflib.get_close_matches(path.name, names, n=1)
+    if near:
+        return f"no such case file; did you mean {path.parent / near[0]}?"
+    return f"no such case file; {path.parent} has {', '.join(names) or 'no case files'}"
+
+
+def _write_steps(steps: Iterator[StepResult], writer: RunWriter, progress: Progress) -> RunEnd:
+    """Write each step as it comes, then the end, and return it."""
+    while True:
+        try:
+            result = next(steps)
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            break
+        writer.add(result)
+        progress.show(result)
+    writer.finish(end)
+    return end
+
+
+def _fail(writer: RunWriter, reason: str) -> None:
+    """Keep what was solved; a disk that refuses now doesn't hide the first error."""
+    try:
+        writer.fail(reason)
+    except CrackgrowError as error:
+        _complain(f"crackgrow: {error}")
+
+
+def _complain(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

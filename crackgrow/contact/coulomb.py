@@ -1,0 +1,229 @@
+"""The condensed contact problem with Coulomb friction: data, law, residual and the linear solve of one active set.
+
+Unknown are the tractions p of n contact points, all normals first, then all tangentials (no tangential rows
+without friction). With free the jump without contact traction, the jump of the displacement is
+
+    du = free - A p,    A = G K^-1 G' W + diag(1/k),
+
+and every point satisfies (Li, Zheng, Guo 2017, equations (4) to (6), in total slip from the unloaded state)
+
+    gap = du_n >= 0,   p_n <= 0,   gap p_n = 0,
+    |p_t| <= b = cohesion - friction p_n,   du_t = 0 where |p_t| < b, else du_t has the sign of p_t.
+
+The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a point passes
+a cohesion of zero where the bond is lost; an open point then carries no shear. The semismooth Newton and Lemke
+solvers (`newton`, `lemke`) both solve exactly this problem.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.errors import SolveError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+OPEN: Final = 0
+STICK: Final = 1
+SLIP: Final = 2
+
+SOLVED_RESIDUAL: Final = 1e-8  # a solver that ends above this complementarity residual does not say "solved"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactProblem:
+    """Compliance, free jump and friction law of n contact points; arrays are seen read-only, not copied.
+
+    Raises SolveError for a wrong shape, a value that is not finite, a diagonal entry of the compliance that is not
+    positive, or negative friction or cohesion.
+    """
+
+    compliance: Floats  # (m, m) m/Pa: A; m = n without friction, else 2 n; need not be symmetric
+    free: Floats  # (m,) m: gap and slip without contact traction
+    friction: Floats | None = None  # (n,) coefficient, or None where there are no tangential rows
+    cohesion: Floats | None = None  # (n,) Pa, None for zero; without meaning where friction is None
+
+    def __post_init__(self) -> None:
+        for name in ("compliance", "free", "friction", "cohesion"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, _read_only(name, value))
+        n_rows = self.free.size
+        n_points = n_rows if self.friction is None else self.friction.size
+        _check_shape("free", self.free, (n_points if self.friction is None else 2 * n_points,))
+        _check_shape("compliance", self.compliance, (n_rows, n_rows))
+        if self.friction is not None:
+            if self.cohesion is None:
+                object.__setattr__(self, "cohesion", _read_only("cohesion", np.zeros(n_points)))
+            for name in ("friction", "cohesion"):
+                value = getattr(self, name)
+                _check_shape(name, value, (n_points,))
+                _check_sign(name, value, value >= 0.0, "zero or positive")
+        diagonal = self.compliance.diagonal()
+        _check_sign("compliance diagonal", diagonal, diagonal > 0.0, "positive: merge or drop contact points there")
+
+    @property
+    def n_points(self) -> int:
+        """Number of contact points."""
+        return int(self.free.size if self.friction is None else self.friction.size)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactSolution:
+    """Tractions of one contact problem and how their computation ended."""
+
+    traction: Floats  # (m,) Pa, ordered as the rows of the problem
+    status: str  # "solved", "limit" (too many iterations), "ray" (Lemke found none), "inaccurate"
+    iterations: int  # linear solves of Newton, pivots of Lemke
+    state: Ints  # (n,) OPEN, STICK or SLIP
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ActiveSet:
+    """Which branch of the contact law every point is on."""
+
+    closed: Bools  # (n,): gap = 0 is imposed, else p_n = 0
+    slip: Ints  # (n,): 0 sticks (du_t = 0), +1 or -1 slips (p_t = slip * b); +1 throughout without friction
+
+    def key(self) -> bytes:
+        """Bytes that are equal for equal sets."""
+        return self.closed.tobytes() + self.slip.astype(np.int8).tobytes()
+
+    def states(self) -> Ints:
+        """(n,) OPEN, STICK or SLIP; an open point is OPEN whatever shear its cohesion carries."""
+        return np.where(self.closed, np.where(self.slip == 0, STICK, SLIP), OPEN).astype(np.int64)
+
+
+def jump(problem: ContactProblem, p: Floats) -> Floats:
+    """(m,) m: du = free - A p, the gap and slip under tractions p (m,)."""
+    du: Floats = problem.free - problem.compliance @ p
+    return du
+
+
+def project(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
+    """(m,) Pa: tractions of the contact law for p pushed by the jump, r = 1/diag(A); a solution is a fixed point.
+
+    p_n = min(0, p_n + r du_n), p_t = clip(p_t + r du_t, -b, b) with b from the projected p_n.
+    """
+    n = problem.n_points
+    trial = p + du / problem.compliance.diagonal()
+    trial[:n] = np.minimum(trial[:n], 0.0)
+    if problem.friction is not None:
+        b = shear_bound(problem, trial[:n])
+        trial[n:] = np.clip(trial[n:], -b, b)
+    return trial
+
+
+def active_set(problem: ContactProblem, p: Floats, du: Floats) -> ActiveSet:
+    """Return the branch of `project` that each point is on, for tractions p (m,) and jump du (m,)."""
+    n = problem.n_points
+    trial = p + du / problem.compliance.diagonal()
+    closed = trial[:n] < 0.0
+    slip = np.ones(n, dtype=np.int64)
+    if problem.friction is not None:
+        b = shear_bound(problem, np.minimum(trial[:n], 0.0))
+        slip[trial[n:] < b] = 0
+        slip[trial[n:] <= -b] = -1
+    return ActiveSet(closed, slip)
+
+
+def shear_bound(problem: ContactProblem, p_n: Floats) -> Floats:
+    """(n,) Pa: b = cohesion - friction p_n, not below zero, for normal tractions p_n (n,); equation (6)."""
+    assert problem.friction is not None
+    assert problem.cohesion is not None
+    bound: Floats = np.maximum(0.0, problem.cohesion - problem.friction * p_n)
+    return bound
+
+
+def solve_active(problem: ContactProblem, active: ActiveSet) -> Floats:
+    """(m,) Pa: tractions with the equations of one active set, by a dense solve for the unknown rows only.
+
+    Unknown are p_n of closed and p_t of sticking points; p_t = slip (cohesion - friction p_n) elsewhere. A singular
+    system (rigid contact, more points than the displacement can follow) gets its least-squares solution.
+    """
+    A, n = problem.compliance, problem.n_points
+    p = np.zeros(problem.free.size)
+    closed = np.flatnonzero(active.closed)
+    if problem.friction is None or problem.cohesion is None:
+        p[closed] = _solve(A[np.ix_(closed, closed)], problem.free[closed])
+        return p
+    rows = np.concatenate([closed, n + np.flatnonzero(active.slip == 0)])
+    K = A[np.ix_(rows, rows)]
+    position = np.flatnonzero(active.slip[closed] != 0)  # columns of closed, slipping points
+    points = closed[position]
+    K[:, position] -= A[np.ix_(rows, n + points)] * (active.slip * problem.friction)[points]
+    p[n:] = active.slip * problem.cohesion
+    p[rows] = _solve(K, (problem.free - A @ p)[rows])
+    p[n + points] -= active.slip[points] * problem.friction[points] * p[points]
+    return p
+
+
+def complementarity_residual(problem: ContactProblem, p: Floats) -> float:
+    """Worst relative violation of the contact law by tractions p (m,): zero for a solution, order one for a wrong one.
+
+    Jumps are measured by the largest free jump, or the largest diag(A) |p| where that is more; tractions by the
+    largest |p|, or the least traction that could make up the free jump. Needs nothing but the problem and p.
+    Raises SolveError where p has the wrong shape or is not finite.
+    """
+    p = _read_only("traction", p)
+    _check_shape("traction", p, problem.free.shape)
+    if p.size == 0:
+        return 0.0
+    n, A = problem.n_points, problem.compliance
+    largest_free = float(np.abs(problem.free).max())
+    length = max(largest_free, float((A.diagonal() * np.abs(p)).max()))
+    traction = max(float(np.abs(p).max()), largest_free / float(np.abs(A).sum(axis=1).max()))
+    if length == 0.0:
+        return 0.0
+    du = jump(problem, p) / length
+    violation = np.abs(np.minimum(du[:n], -p[:n] / traction))
+    worst = float(violation.max())
+    if problem.friction is not None:
+        b = shear_bound(problem, p[:n])
+        beyond = np.maximum(np.abs(p[n:]) - b, 0.0) / traction
+        below_forward = np.minimum(np.maximum(du[n:], 0.0), np.abs(b - p[n:]) / traction)
+        below_backward = np.minimum(np.maximum(-du[n:], 0.0), np.abs(b + p[n:]) / traction)
+        worst = max(worst, float(beyond.max()), float(below_forward.max()), float(below_backward.max()))
+    return worst
+
+
+def states(problem: ContactProblem, p: Floats) -> Ints:
+    """(n,) OPEN, STICK or SLIP of tractions p (m,) that solve the problem; without friction closed points SLIP."""
+    return active_set(problem, p, jump(problem, p)).states()
+
+
+def _solve(K: Floats, right: Floats) -> Floats:
+    """Solution of K x = right, the least-squares one where K is singular."""
+    try:
+        x: Floats = np.asarray(np.linalg.solve(K, right), dtype=np.float64)
+        if np.isfinite(x).all():
+            return x
+    except np.linalg.LinAlgError:
+        pass
+    return np.asarray(np.linalg.lstsq(K, right)[0], dtype=np.float64)
+
+
+def _read_only(name: str, value: Floats) -> Floats:
+    view = np.ascontiguousarray(value, dtype=np.float64).view()
+    if not np.isfinite(view).all():
+        place = tuple(int(i) for i in np.argwhere(~np.isfinite(view))[0])
+        raise SolveError(f"contact {name}: entry {place} is {view[place]}, must be finite: check supports and loads")
+    view.flags.writeable = False
+    return view
+
+
+def _check_shape(name: str, value: Floats, shape: tuple[int, ...]) -> None:
+    if value.shape != shape:
+        raise SolveError(f"contact {name}: shape is {value.shape}, must be {shape}")
+
+
+def _check_sign(name: str, value: Floats, fine: Bools, rule: str) -> None:
+    if not fine.all():
+        point = int(np.flatnonzero(~fine)[0])
+        raise SolveError(f"contact {name}: entry {point} is {value[point]:.6g}, must be {rule}")

@@ -1,0 +1,193 @@
+"""Contact discretizations of the crack faces: mortar nodes, or the paper's Gauss points.
+
+Both are the same data: integration points along the cracks, and contact points k with functions N_k on them. Tractions
+are p(s) = sum N_k(s) p_k; gap and slip of a contact point are averages of the jump weighted with N_k.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import block_diag, csr_array
+
+from crackgrow.cover.cover import Cover
+from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
+from crackgrow.quadrature.lines import on_edges_with_tips
+from crackgrow.quadrature.rules import gauss
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+STRETCH_KINK = np.deg2rad(20.0)
+"""A kink sharper than this ends a stretch: hat functions do not reach round it, since the normal turns there."""
+
+POINTS_PER_EDGE = 5
+"""Gauss points between two neighbouring mortar nodes, lattice crossings or kinks."""
+
+GAUSS_PARTS, GAUSS_POINTS = 10, 5
+"""The paper's contact segments: each straight stretch in 10 parts with 5 Gauss points."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FacePoints:
+    """Points along cracks where the jump of displacement is evaluated, in lattice coordinates."""
+
+    crack: Ints  # (n,)
+    s: Floats  # (n,) arc length from the crack's start
+    points: Floats  # (n, 2)
+    normal: Floats  # (n, 2) from the minus face (right of the crack) to the plus face (left)
+    plus: Ints  # (n,) element on the plus face
+    minus: Ints  # (n,) element on the minus face
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactFaces:
+    """The contact points of all cracks whose faces can touch."""
+
+    points: FacePoints  # n integration points
+    lengths: Floats  # (n,) their integration weights, spacings
+    functions: csr_array  # (contact points, n) N_k
+    crack: Ints  # (contact points,)
+    s: Floats  # (contact points,)
+    stretch: Ints  # (contact points,) number of the stretch on its crack
+    positions: Floats  # (contact points, 2)
+
+    @property
+    def n(self) -> int:
+        """Number of contact points."""
+        return len(self.s)
+
+    @property
+    def weights(self) -> Floats:
+        """Integral of N_k (contact points,), spacings."""
+        return np.asarray(self.functions @ self.lengths)
+
+
+def stretch_ends(points: Floats) -> Floats:
+    """Arc lengths (m + 1,) at which the m stretches of a polyline (n, 2) begin and end: its ends and sharp kinks."""
+    s = arc_lengths(points)
+    sharp = np.abs(kink_angles(points)) > STRETCH_KINK
+    return np.concatenate([s[:1], s[1:-1][sharp], s[-1:]])
+
+
+def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
+    """Mortar nodes about `spacing` (lattice spacings) apart along each stretch of the cracks `touching` (indices).
+
+    The end pieces of a stretch are constant: no node lies on a tip, and a short stretch has one node.
+    """
+    parts = [_mortar_on_crack(cover, crack, spacing) for crack in touching]
+    return _joined(cover, touching, parts)
+
+
+def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
+    """The paper's contact points: Gauss points on ten parts of every segment of the cracks `touching` (indices)."""
+    parts = []
+    x, w = gauss(GAUSS_POINTS)
+    for crack in touching:
+        corners = arc_lengths(cover.cracks[crack].points)
+        size = np.repeat(np.diff(corners) / GAUSS_PARTS, GAUSS_PARTS)
+        start = np.concatenate([corners[:1], corners[0] + np.cumsum(size)[:-1]])
+        s = (start[:, None] + size[:, None] * x).ravel()
+        n = len(s)
+        functions = csr_array((np.ones(n), np.arange(n), np.arange(n + 1)), shape=(n, n))
+        stretch = np.repeat(np.arange(len(corners) - 1), GAUSS_PARTS * GAUSS_POINTS)
+        parts.append((points_at(cover, crack, s), (size[:, None] * w).ravel(), functions, s, stretch))
+    return _joined(cover, touching, parts)
+
+
+def face_vertices(cover: Cover, crack: int) -> FacePoints:
+    """Both ends of all edges of the arrangement along a crack, in order of arc length."""
+    edges = cover.elements.cracks[crack]
+    owner = np.repeat(np.arange(len(edges.s)), 2)
+    return _on_edges(cover, crack, owner, edges.s.ravel())
+
+
+_Part = tuple[FacePoints, Floats, csr_array, Floats, Ints]  # integration points, lengths, N_k, s and stretch of nodes
+
+
+def _mortar_on_crack(cover: Cover, crack: int, spacing: float) -> _Part:
+    path = cover.cracks[crack]
+    ends = stretch_ends(path.points)
+    nodes, stretch = [], []
+    for number, (start, end) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+        n_pieces = max(round((end - start) / spacing), 2)
+        nodes.append(start + (end - start) * np.arange(1, n_pieces) / n_pieces)
+        stretch.append(np.full(n_pieces - 1, number))
+    all_nodes, all_stretch = np.concatenate(nodes), np.concatenate(stretch)
+    points, lengths = _integration_points(cover, crack, np.concatenate([ends[1:-1], all_nodes]))
+    stretch_of_point = np.searchsorted(ends[1:-1], points.s, side="right")
+    functions = np.zeros((len(all_nodes), len(points.s)))
+    for number in range(len(ends) - 1):
+        mine, there = np.flatnonzero(all_stretch == number), np.flatnonzero(stretch_of_point == number)
+        for row, unit in zip(mine, np.eye(len(mine)), strict=True):
+            functions[row, there] = np.interp(points.s[there], all_nodes[mine], unit)
+    return points, lengths, csr_array(functions), all_nodes, all_stretch
+
+
+def _integration_points(cover: Cover, crack: int, breaks: Floats) -> tuple[FacePoints, Floats]:
+    """Gauss points between the crack's edge ends and `breaks`, drawn to the tips where sqrt(distance) acts."""
+    edges = cover.elements.cracks[crack]
+    limits = np.unique(np.concatenate([edges.s.ravel(), breaks]))
+    start, size = limits[:-1], np.diff(limits)
+    keep = size > 1e-9  # edges that are the same place but for rounding
+    start, size = start[keep], size[keep]
+    tip_at_start, tip_at_end = np.zeros((2, len(start)), dtype=bool)
+    tip_at_start[0], tip_at_end[-1] = cover.cracks[crack].tip_at_start, cover.cracks[crack].tip_at_end
+    position, weights = on_edges_with_tips(tip_at_start, tip_at_end, POINTS_PER_EDGE)
+    s = (start[:, None] + size[:, None] * position).ravel()
+    return points_at(cover, crack, s), (size[:, None] * weights).ravel()
+
+
+def points_at(cover: Cover, crack: int, s: Floats) -> FacePoints:
+    """Face points at arc lengths s (n,) of a crack."""
+    edges = cover.elements.cracks[crack]
+    owner = np.clip(np.searchsorted(edges.s[:, 0], s, side="right") - 1, 0, len(edges.s) - 1)
+    return _on_edges(cover, crack, owner, s)
+
+
+def _on_edges(cover: Cover, crack: int, owner: Ints, s: Floats) -> FacePoints:
+    """Face points at arc lengths s (n,) that lie on edges `owner` (n,) of a crack."""
+    edges = cover.elements.cracks[crack]
+    tangent = segment_directions(cover.cracks[crack].points)[edges.segment[owner]]
+    points = edges.points[owner, 0] + (s - edges.s[owner, 0])[:, None] * tangent
+    return FacePoints(
+        np.full(len(s), crack),
+        s,
+        points,
+        np.stack([-tangent[:, 1], tangent[:, 0]], axis=1),
+        edges.plus[owner],
+        edges.minus[owner],
+    )
+
+
+def _joined(cover: Cover, touching: list[int], parts: list[_Part]) -> ContactFaces:
+    """All cracks' contact points as one set."""
+    points = [part[0] for part in parts]
+    joined = FacePoints(
+        *(
+            np.concatenate([getattr(p, name) for p in points]) if points else empty
+            for name, empty in (
+                ("crack", np.empty(0, dtype=np.int64)),
+                ("s", np.empty(0)),
+                ("points", np.empty((0, 2))),
+                ("normal", np.empty((0, 2))),
+                ("plus", np.empty(0, dtype=np.int64)),
+                ("minus", np.empty(0, dtype=np.int64)),
+            )
+        )
+    )
+    none = np.empty(0)
+    crack = np.concatenate([np.full(len(part[3]), index) for index, part in zip(touching, parts, strict=True)] or [none])
+    s = np.concatenate([part[3] for part in parts] or [none])
+    positions = [points_at(cover, index, part[3]).points for index, part in zip(touching, parts, strict=True)]
+    return ContactFaces(
+        joined,
+        np.concatenate([part[1] for part in parts] or [none]),
+        csr_array(block_diag([part[2] for part in parts])) if parts else csr_array((0, 0)),
+        crack.astype(np.int64),
+        s,
+        np.concatenate([part[4] for part in parts] or [none]).astype(np.int64),
+        np.concatenate(positions or [np.empty((0, 2))]),
+    )

@@ -1,0 +1,108 @@
+"""Semismooth Newton method for the condensed contact problem, with projected Gauss-Seidel sweeps against cycling.
+
+The contact law is the fixed point p = project(p + r du) (`coulomb.project`). Its generalised derivative is that of
+the branch every point is on, including the dependence of the shear bound on the normal traction; all branches are
+linear, so that one Newton step is one linear solve with the current active set (Hintermueller, Ito, Kunisch 2002;
+Alart, Curnier 1991 for friction). The problem is that of Li, Zheng, Guo 2017, equations (4) to (6) and (16).
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from crackgrow.contact.coulomb import (
+    ActiveSet,
+    ContactProblem,
+    ContactSolution,
+    Floats,
+    active_set,
+    jump,
+    project,
+    solve_active,
+)
+from crackgrow.errors import SolveError
+
+ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p|, that a dense solve can leave
+REPEATED_ROUND_OFF: Final = 1e-10  # the same where the active set repeats: another step cannot lower it
+FIRST_SWEEPS: Final = 3  # Gauss-Seidel sweeps before the first step
+MAX_SWEEPS: Final = 200  # most sweeps after one cycle
+
+
+def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_iterations: int = 100) -> ContactSolution:
+    """Tractions of the contact problem; status "solved", or "limit" with the best tractions found.
+
+    `start` (m,) Pa is a guess, such as the tractions of the previous step. An iteration is one linear solve. Where an
+    active set comes back without convergence, projected Gauss-Seidel sweeps (5, 10, 20, ...) lead out of the cycle.
+    "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
+    points than the displacement can follow, or friction beyond the range in which a solution exists.
+    Raises SolveError for a start of wrong shape or with a value that is not finite.
+    """
+    p = _first_guess(problem, start)
+    best, least = p, np.inf
+    active = active_set(problem, p, jump(problem, p))
+    seen: set[bytes] = set()
+    n_sweeps = 5
+    for iteration in range(1, max_iterations + 1):
+        seen.add(active.key())
+        p = solve_active(problem, active)
+        du = jump(problem, p)
+        residual = _change(problem, p, du)
+        following = _through_stick(active, active_set(problem, p, du))
+        repeated = following.key() == active.key()
+        if residual < least:
+            best, least = p, residual
+        if residual <= (REPEATED_ROUND_OFF if repeated else ROUND_OFF):
+            p[: problem.n_points] = np.minimum(p[: problem.n_points], 0.0)
+            return ContactSolution(p, "solved", iteration, active.states())
+        if following.key() in seen:
+            p = sweep(problem, p, n_sweeps)
+            n_sweeps = min(2 * n_sweeps, MAX_SWEEPS)
+            following = active_set(problem, p, jump(problem, p))
+            seen.clear()
+        active = following
+    return ContactSolution(best, "limit", max_iterations, active_set(problem, best, jump(problem, best)).states())
+
+
+def sweep(problem: ContactProblem, p: Floats, n_sweeps: int) -> Floats:
+    """(m,) Pa: tractions p after projected Gauss-Seidel sweeps, point by point, normal before tangential."""
+    A, n = problem.compliance, problem.n_points
+    p = p.copy()
+    free, diagonal = problem.free.tolist(), A.diagonal().tolist()
+    rows = list(A)
+    if problem.friction is not None and problem.cohesion is not None:
+        friction, cohesion = problem.friction.tolist(), problem.cohesion.tolist()
+    for _ in range(n_sweeps):
+        for i in range(n):
+            p_n = min(0.0, float(p[i]) + (free[i] - float(rows[i].dot(p))) / diagonal[i])
+            p[i] = p_n
+            if problem.friction is not None:
+                t = n + i
+                b = max(0.0, cohesion[i] - friction[i] * p_n)
+                p[t] = min(b, max(-b, float(p[t]) + (free[t] - float(rows[t].dot(p))) / diagonal[t]))
+    return p
+
+
+def _first_guess(problem: ContactProblem, start: Floats | None) -> Floats:
+    if start is None:
+        return sweep(problem, np.zeros(problem.free.size), FIRST_SWEEPS)
+    if start.shape != problem.free.shape or not np.isfinite(start).all():
+        raise SolveError(
+            f"contact start: shape {start.shape} with {np.count_nonzero(~np.isfinite(start))} values that are not "
+            f"finite, must be finite of shape {problem.free.shape}: leave it out to start from zero"
+        )
+    return np.asarray(start, dtype=np.float64)
+
+
+def _change(problem: ContactProblem, p: Floats, du: Floats) -> float:
+    """Largest change of p by `project`, relative to the largest traction before or after."""
+    projected = project(problem, p, du)
+    scale = max(float(np.abs(p).max(initial=0.0)), float(np.abs(projected).max(initial=0.0)))
+    return float(np.abs(projected - p).max()) / scale if scale > 0.0 else 0.0
+
+
+def _through_stick(active: ActiveSet, following: ActiveSet) -> ActiveSet:
+    """Let a point stick for one step before it slips the other way: this ends most cycles of reversing points."""
+    reversing = active.slip * following.slip < 0
+    return ActiveSet(following.closed, np.where(reversing, 0, following.slip))

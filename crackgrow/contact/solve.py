@@ -1,0 +1,162 @@
+"""The contact problem of one step, condensed onto the contact points that can be closed.
+
+u = u_free - K0^-1 G' W p, so that gap and slip of the contact points are free - S W p with S = G K0^-1 G'
+(traction form of paper eqs. (15), (16): no penalty enters K, and k = infinity is allowed). Points that are open
+without contact tractions are left out; those that then overlap are taken in, until none does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from crackgrow.contact.coulomb import OPEN, ContactProblem, ContactSolution, complementarity_residual, jump
+from crackgrow.contact.lemke import solve_by_lemke
+from crackgrow.contact.newton import solve_by_newton
+from crackgrow.errors import SolveError
+from crackgrow.solid.linear_solver import ConstrainedSystem
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+OVERLAP = 1e-10
+"""A gap above minus this fraction of the largest displacement is no overlap but round-off."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactLaw:
+    """Law of every contact point."""
+
+    friction: Floats  # (n,)
+    cohesion: Floats  # (n,) Pa
+    compliance: Floats  # (n,) m/Pa: 1/k, zero for rigid contact
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactOutcome:
+    """Displacements and the state of all contact points."""
+
+    u: Floats  # (n_dofs,) m
+    multipliers: Floats  # (m,) of the supports
+    normal_traction: Floats  # (n,) Pa, negative in compression
+    tangential_traction: Floats  # (n,) Pa
+    gap: Floats  # (n,) m
+    slip: Floats  # (n,) m
+    state: Ints  # (n,)
+    n_unknowns: int
+    iterations: int
+    penetration: float  # m: overlap beyond |p| / k
+    complementarity: float  # relative
+    status: Literal["none", "solved"]
+
+
+def solve_contact(
+    system: ConstrainedSystem,
+    loads: Floats,
+    given: Floats,
+    operators: tuple[csr_array, csr_array],
+    weights: Floats,
+    law: ContactLaw,
+    solver: Literal["newton", "lemke"],
+) -> ContactOutcome:
+    """Solve for displacements and contact tractions.
+
+    `loads` (n_dofs,), `given` support displacements (m,), `operators` gap and slip (n, n_dofs), `weights` length of
+    every contact point (n,) m. Raises SolveError where the contact solver finds no solution.
+    """
+    u_free, multipliers = system.solve(loads, given)
+    gap_of, slip_of = operators
+    free_gap, free_slip = gap_of @ u_free, slip_of @ u_free
+    n = len(weights)
+    tolerance = OVERLAP * np.abs(u_free).max(initial=0.0)
+    taken = free_gap < -tolerance
+    columns = _Columns(system, gap_of, slip_of, weights)
+    frictional = (law.friction > 0.0) | (law.cohesion > 0.0)
+    p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
+    iterations, complementarity = 0, 0.0
+    u, gap = u_free, free_gap
+    while taken.any():
+        rows = np.flatnonzero(taken)
+        sliding = rows if frictional[rows].any() else rows[:0]
+        response = np.concatenate([columns.of_gap(rows), columns.of_slip(sliding)], axis=1)
+        compliance = np.concatenate([gap_of[rows] @ response, slip_of[sliding] @ response])
+        compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
+        free = np.concatenate([free_gap[rows], free_slip[sliding]])
+        friction = law.friction[rows] if len(sliding) else None
+        problem = ContactProblem(compliance, free, friction, law.cohesion[rows] if len(sliding) else None)
+        solution = _solved(problem, solver)
+        iterations += solution.iterations
+        complementarity = complementarity_residual(problem, solution.traction)
+        p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
+        p_n[rows], state[rows] = solution.traction[: len(rows)], solution.state
+        p_t[sliding] = solution.traction[len(rows) :]
+        u = u_free - response @ solution.traction
+        gap = gap_of @ u
+        missed = ~taken & (gap < -tolerance)
+        if not missed.any():
+            multipliers = multipliers - columns.multipliers(rows, sliding) @ solution.traction
+            break
+        taken |= missed
+    return ContactOutcome(
+        u=u,
+        multipliers=multipliers,
+        normal_traction=p_n,
+        tangential_traction=p_t,
+        gap=gap,
+        slip=slip_of @ u,
+        state=state,
+        n_unknowns=int(taken.sum()) * (2 if frictional[taken].any() else 1),
+        iterations=iterations,
+        penetration=float(np.max(-(gap - law.compliance * p_n), initial=0.0)),
+        complementarity=complementarity,
+        status="solved" if taken.any() else "none",
+    )
+
+
+class _Columns:
+    """Displacements per unit traction of contact points, K0^-1 G' W, each solved for once and only when needed."""
+
+    def __init__(self, system: ConstrainedSystem, gap_of: csr_array, slip_of: csr_array, weights: Floats) -> None:
+        self._system, self._weights = system, weights
+        self._operators = (gap_of, slip_of)
+        self._known: tuple[dict[int, tuple[Floats, Floats]], ...] = ({}, {})
+
+    def of_gap(self, rows: Ints) -> Floats:
+        """(n_dofs, k) for normal tractions at contact points `rows` (k,)."""
+        return self._of(0, rows)
+
+    def of_slip(self, rows: Ints) -> Floats:
+        """(n_dofs, k) for tangential tractions at contact points `rows` (k,)."""
+        return self._of(1, rows)
+
+    def multipliers(self, rows: Ints, sliding: Ints) -> Floats:
+        """(m, k + l) support multipliers per unit traction."""
+        parts = [self._known[0][row][1] for row in rows.tolist()] + [self._known[1][row][1] for row in sliding.tolist()]
+        return np.stack(parts, axis=1)
+
+    def _of(self, kind: int, rows: Ints) -> Floats:
+        known, operator = self._known[kind], self._operators[kind]
+        new = [row for row in rows.tolist() if row not in known]
+        if new:
+            u, multipliers = self._system.solve((operator[new].T * self._weights[new]).toarray())
+            known.update({row: (u[:, i], multipliers[:, i]) for i, row in enumerate(new)})
+        n_dofs = operator.shape[1]
+        return np.stack([known[row][0] for row in rows.tolist()], axis=1) if len(rows) else np.empty((n_dofs, 0))
+
+
+def _solved(problem: ContactProblem, solver: Literal["newton", "lemke"]) -> ContactSolution:
+    solution = solve_by_newton(problem) if solver == "newton" else solve_by_lemke(problem)
+    if solution.status != "solved":
+        raise SolveError(
+            f"the contact problem of {problem.n_points} points was not solved by {solver}: status '{solution.status}' "
+            f"after {solution.iterations} iterations, complementarity residual "
+            f"{complementarity_residual(problem, solution.traction):.2g}, largest gap "
+            f"{np.abs(jump(problem, solution.traction)).max():.3g} m; try the other solver, a coarser contact spacing, "
+            "or a softer contact stiffness"
+        )
+    return solution

@@ -1,0 +1,1 @@
+"""The cover: lattice, mathematical patches, manifold elements, physical patches and the numbering of functions."""

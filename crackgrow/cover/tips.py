@@ -1,0 +1,79 @@
+"""Crack tips: polar coordinates round a tip whose angle jumps on the crack itself.
+
+With alpha(r) the polar angle of the crack at distance r from its tip (near +pi), the angle t of a point lies in
+(alpha(r) - 2 pi, alpha(r)]. That needs every circle round the tip to cross the crack once; where that ends (a sharp
+bend back, or the crack's other tip inside of the same patches) the tip functions fade out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+N_TIP_FUNCTIONS = 4
+"""Tip functions on a singular patch, paper eq. (1)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tip:
+    """A crack tip in lattice coordinates."""
+
+    point: Floats  # (2,)
+    rotation: Floats  # (2, 2) rows: outward direction of the tip, and its left normal
+    path: Floats  # (n, 2) the crack seen from the tip, in local axes; the first point is (0, 0)
+    radii: Floats  # (n,) distances of `path` from the tip, increasing
+    fade: float  # L; inf where nothing fades
+
+
+def make_tip(points_from_tip: Floats, reach: float, far_end_is_tip: bool) -> Tip:
+    """Tip of a crack given by its vertices (n, 2) from the tip on; `reach` is how far tip functions can be seen."""
+    direction = points_from_tip[0] - points_from_tip[1]
+    direction = direction / np.hypot(*direction)
+    rotation = np.array([direction, [-direction[1], direction[0]]])
+    path = (points_from_tip - points_from_tip[0]) @ rotation.T
+    radii = np.hypot(path[:, 0], path[:, 1])
+    steps = np.diff(path, axis=0)
+    outward = np.sum(path[:-1] * steps, axis=1) >= 0.0  # the distance grows all along the segment
+    n_good = len(steps) if outward.all() else int(np.argmin(outward))
+    ends = np.inf if n_good == len(steps) and not far_end_is_tip else radii[n_good]
+    return Tip(
+        point=points_from_tip[0],
+        rotation=rotation,
+        path=path[: n_good + 1],
+        radii=radii[: n_good + 1],
+        fade=float(ends) if ends < reach else np.inf,
+    )
+
+
+def tip_angle(tip: Tip, points: Floats, reference: Floats) -> tuple[Floats, Floats]:
+    """Distance r and angle t (n,) of points (n, 2), each on the same side of the crack as its `reference` (n, 2).
+
+    The reference lies off the crack; the point may lie on it.
+    """
+    local = (points - tip.point) @ tip.rotation.T
+    seen = (reference - tip.point) @ tip.rotation.T
+    side = np.arctan2(seen[:, 1], seen[:, 0])
+    alpha = crack_angle(tip, np.hypot(seen[:, 0], seen[:, 1]))
+    side = alpha - np.mod(alpha - side, 2.0 * np.pi)
+    angle = np.arctan2(local[:, 1], local[:, 0])
+    angle += 2.0 * np.pi * np.round((side - angle) / (2.0 * np.pi))
+    return np.hypot(local[:, 0], local[:, 1]), angle
+
+
+def crack_angle(tip: Tip, r: Floats) -> Floats:
+    """Polar angle alpha (n,) of the crack at distances r (n,) from its tip, counted from the tip's direction."""
+    segment = np.clip(np.searchsorted(tip.radii, r, side="right") - 1, 0, len(tip.radii) - 2)
+    start = tip.path[segment]
+    step = tip.path[segment + 1] - start
+    # |start + tau step| = r, the larger root: the distance grows along the segment
+    a = np.sum(step * step, axis=1)
+    half_b = np.sum(start * step, axis=1)
+    c = np.sum(start * start, axis=1) - r * r
+    tau = (-half_b + np.sqrt(np.maximum(half_b * half_b - a * c, 0.0))) / a
+    at = start + tau[:, None] * step
+    winding = np.arctan2(-at[:, 1], -at[:, 0])  # from the direction straight back: no jump there
+    return np.pi + winding

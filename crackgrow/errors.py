@@ -1,0 +1,47 @@
+"""The one family of errors that crackgrow raises on purpose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+class CrackgrowError(Exception):
+    """Base of every error that the program raises on purpose; `exit_code` is what the command line returns."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One thing that is wrong in a case file: where it is and what is allowed there."""
+
+    source: str  # file name, or "--set" for an override
+    line: int | None  # counted from 1; None for an override
+    key: str  # dotted key path, "" for the whole file
+    message: str  # what was given, what is allowed
+
+    def __str__(self) -> str:
+        place = self.source if self.line is None else f"{self.source}:{self.line}"
+        return f"{place}: {self.key}: {self.message}" if self.key else f"{place}: {self.message}"
+
+
+class CaseError(CrackgrowError):
+    """The case is wrong; carries every fault found, in file order."""
+
+    exit_code = 2
+
+    def __init__(self, faults: list[Fault] | tuple[Fault, ...]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+class GeometryError(CrackgrowError):
+    """A geometry that the cover cannot represent; the message names the place and the remedy."""
+
+    exit_code = 3
+
+
+class SolveError(CrackgrowError):
+    """A system that has no acceptable solution; the message names the quantity, its value and the remedy."""
+
+    exit_code = 3

@@ -1,0 +1,61 @@
+"""The advance of cracks: which tips grow, and the new vertices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from crackgrow.case.model import Crack
+from crackgrow.errors import GeometryError
+from crackgrow.geometry.polyline import exit_point, tip_direction
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TIE = 1e-6
+"""Tips whose criticality differs by less than this fraction are equally critical: the first one grows."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GrowingCrack:
+    """A crack and the step in which each of its vertices was made (0: given)."""
+
+    crack: Crack
+    steps: Ints  # (n,)
+
+
+def growing_tips(criticality: Floats, advance: Literal["most_critical", "all"]) -> Ints:
+    """Numbers of the tips that grow, given each tip's criticality (n,): those from 1 on, or the largest of them."""
+    critical = np.flatnonzero(criticality >= 1.0)
+    if advance == "all" or len(critical) == 0:
+        return critical
+    largest = criticality[critical].max()
+    return critical[criticality[critical] >= largest * (1.0 - TIE)][:1]
+
+
+def advanced(
+    growing: GrowingCrack, at_end: bool, kink: float, increment: float, step: int, region: shapely.Polygon
+) -> tuple[GrowingCrack, bool]:
+    """The crack with `increment` (m) added to a tip, turned by `kink` (rad), and whether it has left `region`.
+
+    A segment that would leave the region (m) ends on its boundary, and the crack has no tip there any more. Raises
+    GeometryError where the new segment would cross the crack itself.
+    """
+    crack = growing.crack
+    direction = tip_direction(crack.points, at_end)
+    c, s = np.cos(kink), np.sin(kink)
+    tip = crack.points[-1] if at_end else crack.points[0]
+    new = tip + increment * np.array([c * direction[0] - s * direction[1], s * direction[0] + c * direction[1]])
+    on_boundary = exit_point(region, tip, new)
+    end = new if on_boundary is None else on_boundary
+    rest = crack.points[:-1] if at_end else crack.points[1:]
+    if len(rest) > 1 and shapely.LineString([tip, end]).intersects(shapely.LineString(rest)):
+        raise GeometryError(f"crack '{crack.name}' would cross itself at ({end[0]:g}, {end[1]:g}) m")
+    points = np.vstack([crack.points, end]) if at_end else np.vstack([end, crack.points])
+    steps = np.append(growing.steps, step) if at_end else np.insert(growing.steps, 0, step)
+    tips = {"tip_at_end" if at_end else "tip_at_start": on_boundary is None}
+    return GrowingCrack(replace(crack, points=points, **tips), steps), on_boundary is not None

@@ -1,0 +1,106 @@
+"""Growth criteria: when a tip grows, and where to.
+
+Strength: tension cut-off sigma_1 >= T0, else Mohr-Coulomb shear |tau| >= c - tan(phi) sigma_n (paper, section 3).
+`strength` applies it to the averaged stress of the tip, `directional_strength` to hoop tension and shear on every ray.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.case.model import Strength
+from crackgrow.fracture.tip_stress import TipField
+from crackgrow.solid.recovery import principal
+
+Floats = NDArray[np.float64]
+
+LARGEST_KINK = np.deg2rad(150.0)
+"""Rays further back than this lie along the crack itself."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verdict:
+    """What a criterion says of a tip."""
+
+    sigma_1: float  # Pa, of the averaged stress
+    sigma_3: float  # Pa
+    branch: Literal["tension", "shear", "none"]
+    criticality: float  # stress over strength: the tip grows from 1 on
+    kink: float  # rad, from the tip's direction to the growth direction
+
+
+Criterion = Callable[[TipField, Strength], Verdict]
+
+
+def strength(field: TipField, limits: Strength) -> Verdict:
+    """Strength of the averaged stress: growth perpendicular to sigma_1, or on a Mohr-Coulomb plane.
+
+    The planes lie at 45 - phi/2 degrees to the major compression; of the two, growth takes the one on which the ray
+    from the tip carries the larger shear stress.
+    """
+    s1, s3, axis = (float(v[0]) for v in principal(field.mean[None]))
+    tension = s1 / limits.tension
+    phi = np.deg2rad(limits.friction_angle)
+    centre, radius = 0.5 * (s1 + s3), 0.5 * (s1 - s3)
+    shear = _ratio(radius, limits.cohesion * np.cos(phi) - centre * np.sin(phi))
+    compression_axis = axis + 0.5 * np.pi - field.direction
+    if tension >= 1.0 or tension >= shear:
+        kink = _forward(compression_axis)  # perpendicular to sigma_1
+        return Verdict(s1, s3, "tension" if tension >= 1.0 else "none", tension, kink)
+    planes = [_forward(compression_axis + sense * (0.25 * np.pi - 0.5 * phi)) for sense in (-1.0, 1.0)]
+    _, along = hoop_and_shear(field, field.rays)
+    shears = [abs(np.interp(plane, field.angles, along)) for plane in planes]
+    kink = planes[int(np.argmax(shears))]
+    return Verdict(s1, s3, "shear" if shear >= 1.0 else "none", shear, kink)
+
+
+def directional_strength(field: TipField, limits: Strength) -> Verdict:
+    """Strength on every ray from the tip: hoop tension first, then Mohr-Coulomb shear on the ray."""
+    s1, s3, _ = (float(v[0]) for v in principal(field.mean[None]))
+    hoop, shear = hoop_and_shear(field, field.rays)
+    ahead = (np.abs(field.angles) <= LARGEST_KINK) & np.isfinite(hoop)
+    angles, hoop, shear = field.angles[ahead], hoop[ahead], shear[ahead]
+    tension, kink = _peak(angles, hoop / limits.tension)
+    resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * hoop
+    sliding, shear_kink = _peak(angles, _ratio(np.abs(shear), resistance))
+    if tension >= 1.0 or tension >= sliding:
+        return Verdict(s1, s3, "tension" if tension >= 1.0 else "none", tension, kink)
+    return Verdict(s1, s3, "shear" if sliding >= 1.0 else "none", sliding, shear_kink)
+
+
+CRITERIA: dict[str, Criterion] = {"strength": strength, "directional_strength": directional_strength}
+
+
+def hoop_and_shear(field: TipField, stress: Floats) -> tuple[Floats, Floats]:
+    """Hoop stress and shear stress (n,) Pa on the rays of a field, from stress (n, 3) there."""
+    t = field.direction + field.angles
+    c, s = np.cos(t), np.sin(t)
+    xx, yy, xy = stress.T
+    return xx * s * s + yy * c * c - 2.0 * xy * s * c, (yy - xx) * s * c + xy * (c * c - s * s)
+
+
+def _ratio(load: Floats | float, resistance: Floats | float) -> Floats:
+    """Load over resistance; a resistance that is used up (by tension) counts as none."""
+    small = np.finfo(float).tiny
+    return np.asarray(load / np.maximum(resistance, small))
+
+
+def _forward(angle: float) -> float:
+    """The direction of an axis (rad, from the tip's direction) that points ahead: in [-pi/2, pi/2)."""
+    return float((angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
+
+
+def _peak(angles: Floats, values: Floats) -> tuple[float, float]:
+    """Largest value and its angle, by a parabola through the three samples round it."""
+    i = int(np.argmax(values))
+    if i in (0, len(values) - 1) or not np.isclose(angles[i + 1] - angles[i], angles[i] - angles[i - 1]):
+        return float(values[i]), float(angles[i])
+    before, at, after = values[i - 1 : i + 2]
+    curvature = before - 2.0 * at + after
+    shift = 0.5 * (before - after) / curvature if curvature < 0.0 else 0.0
+    return float(at - 0.25 * (before - after) * shift), float(angles[i] + shift * (angles[i] - angles[i - 1]))

@@ -1,0 +1,70 @@
+"""Stress at a crack tip by Shepard interpolation over the quadrature points of a disc.
+
+sigma(tip) = sum w_q sigma_q / sum w_q with w_q = A_q / r_q, A_q the quadrature weight (area) and r_q the distance of a
+point (Shepard 1968). The points are a polar rule of the disc, so the value does not depend on where the lattice's own
+points happen to lie; points outside of the body do not count. The radius is a material length: for the singular field
+<s_yy> = 1.5279 K_I / sqrt(2 pi R) and <s_xy> = 1.0186 K_II / sqrt(2 pi R).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.cover.cover import Cover
+from crackgrow.cover.elements import locate
+from crackgrow.quadrature.rules import gauss
+from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.recovery import stress_at
+
+Floats = NDArray[np.float64]
+
+N_RAYS = 72
+"""Rays of the polar rule, 5 degrees apart."""
+
+N_RADIAL = 6
+"""Points on a ray."""
+
+MEAN_FACTOR_I = 1.5279
+"""<s_yy> sqrt(2 pi R) / K_I of the disc average with the weight area / distance."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TipField:
+    """Stress round a tip. Angles are counted counter-clockwise from the direction of the tip."""
+
+    direction: float  # rad from +x: outward direction of the tip
+    angles: Floats  # (n,) rad, of the rays
+    rays: Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray (nan where the ray is outside)
+    mean: Floats  # (3,) Pa: Shepard average over the disc
+    ring: Floats  # (n, 3) Pa: at distance R
+
+
+def tip_field(cover: Cover, materials: list[PlaneElasticity], u: Floats, tip: int, radius: float) -> TipField:
+    """Stress round tip number `tip` of the cover within `radius` (m); `u` (n_dofs,) m."""
+    point, rotation = cover.tips[tip].point, cover.tips[tip].rotation
+    direction = float(np.arctan2(rotation[0, 1], rotation[0, 0]))
+    angles = np.pi * (2.0 * np.arange(N_RAYS) + 1.0 - N_RAYS) / N_RAYS
+    x, w = gauss(N_RADIAL)
+    r = np.append(x**2, 1.0) * radius / cover.lattice.spacing  # r^(-1/2) dr is a polynomial in x; the last is R
+    weight = 2.0 * x * w  # area / distance = dr dt
+    toward = np.stack([np.cos(direction + angles), np.sin(direction + angles)], axis=1)
+    points = (point + toward[:, None] * r[None, :, None]).reshape(-1, 2)
+    elements = locate(cover.lattice, cover.elements, points)
+    inside = elements >= 0
+    stress = np.full((len(points), 3), np.nan)
+    stress[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
+    stress = stress.reshape(N_RAYS, -1, 3)
+    weights = inside.reshape(N_RAYS, -1)[:, :-1] * weight
+    filled = np.nan_to_num(stress[:, :-1])
+    along = np.einsum("nr,nrc->nc", weights, filled)
+    total = weights.sum(axis=1)
+    rays = np.divide(along, total[:, None], out=np.full_like(along, np.nan), where=total[:, None] > 0.0)
+    return TipField(direction, angles, rays, along.sum(axis=0) / total.sum(), stress[:, -1])
+
+
+def effective_toughness(tension: float, radius: float) -> float:
+    """K_I (Pa sqrt(m)) at which the averaged sigma_1 reaches the tensile strength (Pa) for averaging `radius` (m)."""
+    return float(tension * np.sqrt(2.0 * np.pi * radius) / MEAN_FACTOR_I)

@@ -1,0 +1,1 @@
+"""Plane geometry: polylines and the planar arrangement of lines that cuts the lattice."""

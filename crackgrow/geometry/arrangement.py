@@ -1,0 +1,83 @@
+"""The planar arrangement: a set of lines cut into faces and edges that share their vertices exactly.
+
+GEOS nodes and polygonizes; every vertex lies on a grid that holds the integers exactly (`tolerance.GRID`), so vertices
+and edges are compared as whole numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from crackgrow.geometry.tolerance import GRID
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edges:
+    """Undirected edges between faces; `left` sees the edge from vertex `a` to vertex `b` counter-clockwise."""
+
+    a: Ints  # (n,) vertex ids
+    b: Ints  # (n,)
+    left: Ints  # (n,) face on the left of a -> b
+    right: Ints  # (n,) face on the right, -1 where there is none
+
+
+def on_grid(points: Floats) -> Floats:
+    """Points (n, 2) rounded to the grid of the arrangement."""
+    return np.asarray(np.rint(points / GRID) * GRID)
+
+
+def faces_of(lines: list[shapely.Geometry] | NDArray[np.object_]) -> NDArray[np.object_]:
+    """Faces (polygons, counter-clockwise) that `lines` enclose, all vertices on the grid."""
+    noded = shapely.union_all(lines, grid_size=GRID)
+    polygons = shapely.get_parts(shapely.polygonize([noded]))
+    return np.asarray(shapely.orient_polygons(polygons))
+
+
+def ring_vertices(polygons: NDArray[np.object_]) -> tuple[Floats, Ints, Ints]:
+    """Directed ring edges of polygons: start points (n, 2), the position of each edge's end among them, polygon ids."""
+    rings, polygon_of_ring = shapely.get_rings(polygons, return_index=True)
+    coordinates, ring_of_point = shapely.get_coordinates(rings, return_index=True)
+    n = len(coordinates)
+    last = np.empty(n, dtype=bool)
+    last[:-1] = ring_of_point[1:] != ring_of_point[:-1]
+    last[-1:] = True
+    keep = ~last  # the closing point repeats the first
+    position = np.cumsum(keep) - 1
+    first_of_ring = position[np.searchsorted(ring_of_point, np.arange(len(rings)))]
+    following = np.arange(n) + 1
+    end = np.where(last[np.minimum(following, n - 1)], first_of_ring[ring_of_point], position[np.minimum(following, n - 1)])
+    return coordinates[keep], end[keep].astype(np.int64), polygon_of_ring[ring_of_point[keep]].astype(np.int64)
+
+
+def vertex_ids(points: Floats) -> Ints:
+    """Ids (n,) of points (n, 2) on the grid: equal for equal points, dense from 0."""
+    scaled = np.rint(points / GRID).astype(np.int64)
+    _, column = np.unique(scaled[:, 0], return_inverse=True)
+    rows, row = np.unique(scaled[:, 1], return_inverse=True)
+    _, ids = np.unique(column * len(rows) + row, return_inverse=True)
+    return ids.astype(np.int64)
+
+
+def edges_between(start: Ints, end: Ints, face: Ints) -> Edges:
+    """Pair directed face edges (start vertex, end vertex, face), all (n,), into undirected ones."""
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    forward = start < end
+    key = low * (int(high.max(initial=0)) + 1) + high
+    _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
+    n = len(first)
+    left = np.full(n, -1, dtype=np.int64)
+    right = np.full(n, -1, dtype=np.int64)
+    left[inverse[forward]] = face[forward]
+    right[inverse[~forward]] = face[~forward]
+    a, b = low[first], high[first]
+    turn = left < 0  # only a right face: turn the edge round, so that `left` always exists
+    a[turn], b[turn] = b[turn].copy(), a[turn].copy()
+    left[turn], right[turn] = right[turn], -1
+    return Edges(a, b, left, right)

@@ -1,0 +1,13 @@
+"""The tolerances of plane geometry, in lattice spacings: their only home.
+
+All cutting happens in lattice units (the lattice lines are integers), so that size and units never matter.
+"""
+
+GRID = 2.0**-30
+"""Every vertex of the arrangement is a whole multiple of this: about 1e-9 spacings, exact for lattice lines."""
+
+ON_LINE = 16 * GRID
+"""Two things closer than this are the same place."""
+
+TOUCH = 1e-6
+"""A tile closer to a line than this is cut together with it, so that neighbours share their vertices."""

@@ -1,0 +1,48 @@
+"""Files that a reader never sees half written: a temporary name in the same folder, then a rename."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from crackgrow.errors import CrackgrowError
+
+
+class OutputError(CrackgrowError):
+    """A result file cannot be written; the message names the file and why."""
+
+    exit_code = 3
+
+
+def temporary_path(path: Path) -> Path:
+    """Where `path` is written before it is renamed: hidden, in the same folder, with the same suffix."""
+    return path.with_name(f".{path.stem}.tmp{path.suffix}")
+
+
+def write_atomically(path: Path, write: Callable[[Path], None]) -> None:
+    """Let `write` fill a temporary file and rename it to `path`; makes the folder where it is missing.
+
+    If `write` raises, `path` stays as it was and the temporary file is removed.
+    Raises OutputError where the system refuses; what else `write` raises passes through.
+    """
+    temporary = temporary_path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            write(temporary)
+            temporary.replace(path)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror or error}; free or choose another folder") from error
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write `text` (UTF-8, line ends as given) to `path` atomically; raises OutputError."""
+
+    def write(temporary: Path) -> None:
+        with temporary.open("w", encoding="utf-8", newline="") as file:
+            file.write(text)
+
+    write_atomically(path, write)

@@ -1,0 +1,153 @@
+"""Pictures of a run: the crack paths, and the major principal stress on the displaced specimen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from crackgrow.case.model import Case
+from crackgrow.results.atomic import write_atomically
+from crackgrow.results.stress import principal_stresses
+from crackgrow.run.result import CrackPath, Frame
+
+Floats = NDArray[np.float64]
+
+DISPLACED_SHARE = 0.04  # of the specimen's size: how far the most displaced point is drawn from its place
+COLOUR_PERCENTILES = (2.0, 98.0)  # colours span these, so that a singular tip doesn't wash out the rest
+ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
+LONG_SIDE = 7.0  # inches
+DPI = 150
+MOST_STEP_TICKS = 11  # on the colour bar of steps
+
+
+def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
+    """Draw the specimen's outline, the given cracks in black and each advance in the colour of its step.
+
+    Raises OutputError.
+    """
+    scale, unit = _length_unit(case)
+    low, high = _extent([body.outline for body in case.bodies])
+    figure, axes = _equal_axes(low * scale, high * scale, unit)
+    for body in case.bodies:
+        axes.fill(*(body.outline * scale).T, facecolor="0.94", edgecolor="0.35", linewidth=1.0)
+    last = max((int(crack.steps.max()) for crack in cracks), default=0)
+    colours = _step_colours(max(last, 1))
+    for crack in cracks:
+        segments = np.stack([crack.points[:-1], crack.points[1:]], axis=1) * scale
+        made = np.maximum(crack.steps[:-1], crack.steps[1:])  # a segment is as young as its younger vertex
+        given = LineCollection(list(segments[made == 0]), colors="black", linewidths=2.4, capstyle="round", zorder=3)
+        axes.add_collection(given)
+        axes.add_collection(
+            LineCollection(list(segments[made > 0]), colors=list(colours.to_rgba(made[made > 0])), linewidths=2.0)
+        )
+        grown = crack.steps > 0
+        x, y = (crack.points[grown] * scale).T
+        axes.scatter(x, y, s=7, color=colours.to_rgba(crack.steps[grown]), zorder=4)
+    axes.set_title(case.title, fontsize=10, wrap=True)
+    if last > 0:
+        every = -(-last // MOST_STEP_TICKS)
+        bar = figure.colorbar(colours, ax=axes, ticks=range(1, last + 1, every), shrink=0.8)
+        bar.minorticks_off()
+        bar.set_label("step of the advance (given crack: black)")
+    _save(path, figure)
+
+
+def draw_sigma_1(path: Path, case: Case, frame: Frame, step: int) -> None:
+    """Draw the major in-plane principal stress as filled cells of the displaced, magnified specimen.
+
+    The mean translation is taken off first; the title says the magnification. Raises OutputError.
+    """
+    scale, unit = _length_unit(case)
+    magnification = displayed_magnification(frame)
+    points = (frame.points + magnification * (frame.displacement - frame.displacement.mean(axis=0))) * scale
+    sigma_1, _ = principal_stresses(frame.stress)
+    sigma, stress_unit = (sigma_1 / 1e6, "MPa") if np.abs(sigma_1).max(initial=0.0) >= 1e4 else (sigma_1, "Pa")
+    norm, colormap = _stress_colours(sigma)
+    low, high = _extent([points])
+    figure, axes = _equal_axes(low, high, unit)
+    polygons = [*points[frame.triangles], *points[frame.quads]]
+    cells = PolyCollection(polygons, array=sigma, cmap=colormap, norm=norm, edgecolors="none", antialiaseds=False)
+    axes.add_collection(cells)
+    edges = points[boundary_edges(frame)]
+    axes.add_collection(LineCollection(list(edges), colors="0.15", linewidths=0.5))
+    bar = figure.colorbar(cells, ax=axes, extend="both", shrink=0.8)
+    bar.set_label(f"$\\sigma_1$, most tensile in-plane principal stress [{stress_unit}]")
+    axes.set_title(f"{case.title}\nstep {step}, displacement x {magnification:g}", fontsize=10, wrap=True)
+    _save(path, figure)
+
+
+def displayed_magnification(frame: Frame) -> float:
+    """Factor, two digits, that draws the largest displacement off the mean as DISPLACED_SHARE of the size.
+
+    It is 1 where nothing is displaced.
+    """
+    largest = np.linalg.norm(frame.displacement - frame.displacement.mean(axis=0), axis=1).max()
+    size = np.ptp(frame.points, axis=0).max()
+    if not largest > 0:
+        return 1.0
+    return float(f"{DISPLACED_SHARE * size / largest:.1e}")
+
+
+def boundary_edges(frame: Frame) -> NDArray[np.int64]:
+    """Edges (n, 2) that one cell alone has: the outline and both faces of the cracks."""
+    edges = [np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in _cell_groups(frame)]
+    unique, counts = np.unique(np.sort(np.concatenate(edges), axis=1), axis=0, return_counts=True)
+    outer: NDArray[np.int64] = unique[counts == 1]
+    return outer
+
+
+def _cell_groups(frame: Frame) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    return frame.triangles.reshape(-1, 3), frame.quads.reshape(-1, 4)
+
+
+def _stress_colours(values: Floats) -> tuple[Normalize, str]:
+    """Limits that outliers don't move; two-sided and symmetrical where both signs matter."""
+    low, high = (float(limit) for limit in np.percentile(values, COLOUR_PERCENTILES))
+    largest = max(abs(low), abs(high))
+    if min(-low, high) > ONE_SIGN_SHARE * largest:
+        return Normalize(-largest, largest), "RdBu_r"
+    if high - low <= 1e-9 * largest:  # one value: any width shows it
+        low, high = low - 0.5 * (largest or 1.0), high + 0.5 * (largest or 1.0)
+    return Normalize(low, high), "viridis"
+
+
+def _step_colours(last: int) -> ScalarMappable:
+    """One colour for each of the steps 1..last; none so pale that it is lost on the specimen."""
+    colours = mpl.colormaps["plasma"](np.linspace(0.05, 0.85, last))
+    return ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(list(colours)))
+
+
+def _length_unit(case: Case) -> tuple[float, str]:
+    low, high = _extent([body.outline for body in case.bodies])
+    return (1e3, "mm") if (high - low).max() < 1 else (1.0, "m")
+
+
+def _extent(points: Sequence[Floats]) -> tuple[Floats, Floats]:
+    stacked = np.concatenate(points)
+    return stacked.min(axis=0), stacked.max(axis=0)
+
+
+def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
+    """A figure in the specimen's proportions, with room for titles and a colour bar."""
+    width, height = LONG_SIDE * (high - low) / (high - low).max()
+    figure = Figure(figsize=(max(width, 2.5) + 2.2, max(height, 2.2) + 1.2), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    margin = 0.03 * (high - low).max()
+    axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
+    axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]", aspect="equal")
+    return figure, axes
+
+
+def _save(path: Path, figure: Figure) -> None:
+    write_atomically(path, lambda temporary: figure.savefig(temporary, format="png"))

@@ -1,0 +1,55 @@
+"""run.log, and the line that tells of a step."""
+
+from __future__ import annotations
+
+import time
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from crackgrow.results.atomic import write_text
+
+if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
+    from crackgrow.run.result import StepResult
+
+
+class RunLog:
+    """Lines with the seconds since the log began; the file is complete after every line."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._began = time.perf_counter()
+        self._lines: list[str] = []
+
+    def begin(self, text: str) -> None:
+        """Write the first line, with date and time; raises OutputError."""
+        self.write(f"{text}, {datetime.now().astimezone().isoformat(timespec='seconds')}")
+
+    def write(self, text: str) -> None:
+        """Append a line; raises OutputError."""
+        self._lines.append(f"{self.seconds:10.2f} s  {text}\n")
+        write_text(self.path, "".join(self._lines))
+
+    @property
+    def seconds(self) -> float:
+        """Seconds since the log began."""
+        return time.perf_counter() - self._began
+
+
+def step_label(step: int, n_steps: int | None) -> str:
+    """Name a step: "step 3/22", or "step 3" where the number of growth steps isn't known."""
+    return f"step {step}" if n_steps is None else f"step {step}/{n_steps}"
+
+
+def step_line(result: StepResult, n_steps: int | None) -> str:
+    """One line on a solved step: dofs, contact iterations, tips that advanced and by which branch, seconds."""
+    moved = [f"{tip.crack} {tip.tip} ({tip.criterion})" for tip in result.tips if tip.advanced]
+    return ", ".join(
+        [
+            step_label(result.step, n_steps),
+            f"{result.n_dofs} dofs",
+            f"{result.contact_iterations} contact iterations",
+            f"advanced: {', '.join(moved)}" if moved else "no tip advanced",
+            f"{sum(result.seconds.values()):.2f} s",
+        ]
+    )

@@ -1,0 +1,98 @@
+"""summary.json: how the run ended, what it cost, how good it is at its worst."""
+
+from __future__ import annotations
+
+import json
+import math
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+from crackgrow import __version__
+from crackgrow.case.model import Case
+from crackgrow.run.result import RunEnd, StepResult
+
+CHECKS = ("residual", "penetration", "complementarity")
+
+
+class Tally:
+    """What the summary needs of the steps, gathered one step at a time so that no step has to be kept."""
+
+    def __init__(self) -> None:
+        self.steps: list[int] = []
+        self.n_dofs: list[int] = []
+        self.seconds: dict[str, float] = {}
+        self.worst: dict[str, tuple[float, int]] = {}
+        self.warnings: list[str] = []
+
+    def add(self, result: StepResult) -> None:
+        """Count a step in; a check that is nan counts as worst of all."""
+        self.steps.append(int(result.step))
+        self.n_dofs.append(int(result.n_dofs))
+        for phase, seconds in result.seconds.items():
+            self.add_seconds(phase, seconds)
+        for check in CHECKS:
+            value = float(getattr(result, check))
+            if check not in self.worst or _badness(value) > _badness(self.worst[check][0]):
+                self.worst[check] = (value, int(result.step))
+        self.warnings.extend(f"step {result.step}: {text}" for text in result.warnings)
+
+    def add_seconds(self, phase: str, seconds: float) -> None:
+        """Add wall time to a phase."""
+        self.seconds[phase] = self.seconds.get(phase, 0.0) + float(seconds)
+
+
+def summarize(case: Case, tally: Tally, end: RunEnd, wall_seconds: float) -> dict[str, object]:
+    """The summary as a mapping that JSON can hold: SI units, seconds, MB; null for what has no value."""
+    commit, modified = git_state(Path(__file__).resolve().parents[2])
+    by_phase: dict[str, object] = {phase: round(seconds, 3) for phase, seconds in tally.seconds.items()}
+    return {
+        "case": case.name,
+        "title": case.title,
+        "status": end.status,
+        "stop_reason": end.reason,
+        "steps_done": len(tally.steps),
+        "last_step": tally.steps[-1] if tally.steps else None,
+        "version": __version__,
+        "git_commit": commit,
+        "git_modified": modified,
+        "n_dofs": {"first": tally.n_dofs[0], "last": tally.n_dofs[-1]} if tally.n_dofs else None,
+        "wall_seconds": {"total": round(wall_seconds, 3), "by_phase": by_phase},
+        "peak_memory_mb": round(peak_memory_mb(), 1),
+        "worst_checks": {
+            check: {"value": value if math.isfinite(value) else None, "step": step}
+            for check, (value, step) in tally.worst.items()
+        },
+        "warnings": tally.warnings,
+    }
+
+
+def summary_text(summary: dict[str, object]) -> str:
+    """The summary as JSON text."""
+    return json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def peak_memory_mb() -> float:
+    """Largest resident memory of this process so far, MB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # kB, but bytes on macOS
+    return peak / 1e6 if sys.platform == "darwin" else peak / 1e3
+
+
+def git_state(root: Path) -> tuple[str | None, bool | None]:
+    """Commit of the checkout that the program runs from and whether it was changed since; nulls where there is none.
+
+    `root` must be the checkout's top itself: a program installed inside somebody else's repository isn't of its commit.
+    """
+    if not (root / ".git").exists():
+        return None, None
+    command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, check=True, timeout=20).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return None, None
+    return answer.removesuffix("-dirty"), answer.endswith("-dirty")
+
+
+def _badness(value: float) -> float:
+    return math.inf if math.isnan(value) else abs(value)

@@ -1,0 +1,115 @@
+"""The CSV tables: one header, rows that grow with the steps, numbers in full precision."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from crackgrow.results.atomic import write_text
+from crackgrow.run.result import STATE_NAMES, CrackPath, StepResult
+
+Value = str | bool | int | float
+
+TIPS = ("step", "crack", "tip", "x", "y", "K_I", "K_II", "sigma_1", "sigma_3", "criterion", "kink_deg", "advanced",
+        "load_factor")  # fmt: skip
+PATHS = ("crack", "vertex", "x", "y", "step")
+CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state")
+PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
+STEPS = ("step", "n_dofs", "n_contact", "contact_iterations", "factorizations", "residual", "penetration",
+         *(f"seconds_{phase}" for phase in PHASES), "load_factor", "contact_status", "complementarity")  # fmt: skip
+
+
+class Table:
+    """Rows in memory, the file on disk rewritten as a whole: it is complete after every `write`."""
+
+    def __init__(self, path: Path, columns: Sequence[str]) -> None:
+        self.path = path
+        self._lines = [",".join(columns)]
+
+    def extend(self, rows: Iterable[Sequence[Value]]) -> None:
+        """Append rows, values in the order of the columns."""
+        self._lines.extend(",".join(format_value(value) for value in row) for row in rows)
+
+    def replace_last(self, row: Sequence[Value]) -> None:
+        """Replace the last row."""
+        self._lines[-1] = ",".join(format_value(value) for value in row)
+
+    def write(self) -> None:
+        """Bring the file up to date; raises OutputError."""
+        write_text(self.path, "\n".join(self._lines) + "\n")
+
+
+def format_value(value: Value) -> str:
+    """One cell: the shortest text that reads back to the same float; true and false; text quoted where it must be."""
+    if isinstance(value, str):
+        return '"' + value.replace('"', '""') + '"' if any(sign in value for sign in ',"\n\r') else value
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(float(value)) if isinstance(value, float) else str(int(value))
+
+
+def tip_rows(result: StepResult) -> list[tuple[Value, ...]]:
+    """Rows of tips.csv: m, Pa, Pa sqrt(m), degrees; the point is the tip before its advance."""
+    return [
+        (
+            int(result.step),
+            tip.crack,
+            tip.tip,
+            *(float(coordinate) for coordinate in tip.point),
+            float(tip.K_I),
+            float(tip.K_II),
+            float(tip.sigma_1),
+            float(tip.sigma_3),
+            tip.criterion,
+            float(tip.kink_deg),
+            bool(tip.advanced),
+            float(result.load_factor),
+        )
+        for tip in result.tips
+    ]
+
+
+def path_rows(cracks: Iterable[CrackPath]) -> list[tuple[Value, ...]]:
+    """Rows of paths.csv: vertices from start to end, m, with the step whose advance made them."""
+    return [
+        (crack.name, vertex, x, y, step)
+        for crack in cracks
+        for vertex, ((x, y), step) in enumerate(zip(crack.points.tolist(), crack.steps.tolist(), strict=True))
+    ]
+
+
+def contact_rows(result: StepResult) -> list[tuple[Value, ...]]:
+    """Rows of contact.csv: m and Pa, state as a word."""
+    contact = result.contact
+    numbers = (contact.normal_traction, contact.tangential_traction, contact.opening, contact.slip)
+    columns = zip(
+        contact.crack,
+        contact.s.tolist(),
+        contact.points.tolist(),
+        *(values.tolist() for values in numbers),
+        contact.state.tolist(),
+        strict=True,
+    )
+    return [
+        (int(result.step), crack, s, x, y, normal, tangential, opening, slip, STATE_NAMES[state])
+        for crack, s, (x, y), normal, tangential, opening, slip, state in columns
+    ]
+
+
+def step_row(result: StepResult, seconds_frames: float) -> tuple[Value, ...]:
+    """The row of steps.csv; `seconds_frames` is what writing the step's frames took, added to the output phase."""
+    seconds = {phase: float(result.seconds.get(phase, 0.0)) for phase in PHASES}
+    seconds["output"] += seconds_frames
+    return (
+        int(result.step),
+        int(result.n_dofs),
+        int(result.n_contact),
+        int(result.contact_iterations),
+        int(result.factorizations),
+        float(result.residual),
+        float(result.penetration),
+        *seconds.values(),
+        float(result.load_factor),
+        result.contact_status,
+        float(result.complementarity),
+    )

@@ -1,0 +1,127 @@
+"""Everything a run leaves in its folder, written as the run goes: what was solved is on disk after every step."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from crackgrow import __version__
+from crackgrow.case import dump_case
+from crackgrow.case.model import Case
+from crackgrow.results import tables
+from crackgrow.results.atomic import write_text
+from crackgrow.results.leftovers import cracks_name, frame_name, remove_leftovers, series_names
+from crackgrow.results.log import RunLog, step_line
+from crackgrow.results.summary import Tally, summarize, summary_text
+from crackgrow.run.result import CrackPath, RunEnd, StepResult
+
+
+class RunWriter:
+    """Writes one run into `folder`: `begin`, `add` for each step, then `finish` or `fail`.
+
+    Every method raises OutputError where the disk refuses.
+    """
+
+    def __init__(self, case: Case, folder: Path) -> None:
+        self.case = case
+        self.folder = folder
+        self._log = RunLog(folder / "run.log")
+        self._tally = Tally()
+        self._tips = tables.Table(folder / "tips.csv", tables.TIPS)
+        self._contact = tables.Table(folder / "contact.csv", tables.CONTACT)
+        self._steps = tables.Table(folder / "steps.csv", tables.STEPS)
+        self._first: StepResult | None = None
+        self._last: StepResult | None = None
+        self._frames: list[tuple[int, str]] = []
+        self._cracks: list[tuple[int, str]] = []
+
+    def begin(self) -> None:
+        """Make the folder, remove what an earlier run left of these files, write case.yaml and empty tables."""
+        remove_leftovers(self.folder, self.case.name)
+        write_text(self.folder / "case.yaml", dump_case(self.case))
+        self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
+        self._write_tables(self._tips, self._contact, self._steps)
+        self._write_paths(())
+
+    def add(self, result: StepResult) -> None:
+        """Write what a solved step gives; its frames' writing time goes into seconds_output."""
+        self._first = self._first or result
+        self._last = result
+        policy = self.case.output.frames
+        wanted = policy == "every_step" or (policy == "first_and_last" and result is self._first)
+        seconds = self._write_frames(result) if wanted else 0.0
+        self._tally.add(result)
+        self._tally.add_seconds("output", seconds)
+        self._tips.extend(tables.tip_rows(result))
+        self._contact.extend(tables.contact_rows(result))
+        self._steps.extend([tables.step_row(result, seconds)])
+        self._write_tables(self._tips, self._contact, self._steps)
+        self._write_paths(result.cracks)
+        self._log.write(step_line(result, self.case.growth.steps if self.case.growth else None))
+        for text in result.warnings:
+            self._log.write(f"step {result.step}, warning: {text}")
+
+    def finish(self, end: RunEnd) -> None:
+        """Write the final paths, what is left of frames, the figures, and last the summary."""
+        try:
+            self._write_paths(end.cracks)
+            self._write_last_frame()
+            if self.case.output.figures and self._last is not None:
+                began = time.perf_counter()
+                self._draw(self._last, end.cracks)
+                self._tally.add_seconds("output", time.perf_counter() - began)
+        finally:  # a figure that fails doesn't take the summary with it
+            summary = summarize(self.case, self._tally, end, self._log.seconds)
+            write_text(self.folder / "summary.json", summary_text(summary))
+            self._log.write(f"{end.status}: {end.reason}")
+
+    def fail(self, reason: str) -> None:
+        """End a run that broke off: what was solved is kept, the status is `failed`."""
+        cracks = self._last.cracks if self._last is not None else ()
+        self.finish(RunEnd("failed", reason, cracks))
+
+    def _write_tables(self, *changed: tables.Table) -> None:
+        for table in changed:
+            table.write()
+
+    def _write_paths(self, cracks: Sequence[CrackPath]) -> None:
+        table = tables.Table(self.folder / "paths.csv", tables.PATHS)
+        table.extend(tables.path_rows(cracks))
+        table.write()
+
+    def _write_last_frame(self) -> None:
+        """The second of first_and_last: only now is it known which step was the last."""
+        if self.case.output.frames != "first_and_last" or self._last is None or self._last is self._first:
+            return
+        seconds = self._write_frames(self._last)
+        self._tally.add_seconds("output", seconds)
+        self._steps.replace_last(tables.step_row(self._last, seconds))
+        self._steps.write()
+
+    def _write_frames(self, result: StepResult) -> float:
+        """Write a step's frame and crack faces and the series that list them; return the seconds it took."""
+        from crackgrow.results import vtk_frames  # here: loading VTK takes a second that a run without frames saves
+
+        began = time.perf_counter()
+        specimen_series, crack_series = series_names(self.case.name)
+        if result.frame is not None:
+            name = frame_name(result.step)
+            vtk_frames.write_frame(self.folder / name, result.frame, self.case.output.fields)
+            self._frames.append((result.step, name))
+            vtk_frames.write_series(self.folder / specimen_series, self._frames)
+        if result.faces:
+            name = cracks_name(result.step)
+            vtk_frames.write_cracks(self.folder / name, result)
+            self._cracks.append((result.step, name))
+            vtk_frames.write_series(self.folder / crack_series, self._cracks)
+        return time.perf_counter() - began
+
+    def _draw(self, last: StepResult, cracks: Sequence[CrackPath]) -> None:
+        from crackgrow.results import figures  # here: loading matplotlib takes half a second
+
+        folder = self.folder / "figures"
+        figures.draw_paths(folder / "path.png", self.case, cracks)
+        for name, result in (("sigma_1_first.png", self._first), ("sigma_1_last.png", last)):
+            if result is not None and result.frame is not None:
+                figures.draw_sigma_1(folder / name, self.case, result.frame, result.step)

@@ -1,0 +1,5 @@
+"""Running a case: one step, the growth loop, and what they hand out."""
+
+from crackgrow.run.loop import grow
+
+__all__ = ["grow"]

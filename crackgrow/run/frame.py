@@ -1,0 +1,75 @@
+"""The specimen as a mesh for output, its nodes double along cracks."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from crackgrow.cover.cover import Cover
+from crackgrow.cover.elements import Elements
+from crackgrow.geometry.arrangement import on_grid
+from crackgrow.quadrature.elements import triangulate
+from crackgrow.run.result import Frame
+from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.recovery import displacement_at, stress_at
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def make_frame(cover: Cover, materials: list[PlaneElasticity], u: Floats) -> Frame:
+    """Mesh of all elements: whole tiles as quads, polygons as triangles; `u` (n_dofs,) m."""
+    elements = cover.elements
+    triangles, triangle_element = triangulate(elements.polygons)
+    triangle_element = triangle_element + elements.n_whole
+    quads = elements.ring_start[: 4 * elements.n_whole].reshape(-1, 4)
+    corner_element = np.concatenate([np.repeat(triangle_element, 3), np.repeat(np.arange(elements.n_whole), 4)])
+    corner_vertex = np.concatenate([_vertex_of(elements, triangles.reshape(-1, 2)), quads.ravel()])
+    node, first = _nodes(elements, corner_vertex, corner_element)
+    n_corners = 3 * len(triangles)
+    points = elements.vertices[corner_vertex[first]]
+    centres = np.concatenate([triangles.mean(axis=1), elements.vertices[quads].mean(axis=1)])
+    cell_element = np.concatenate([triangle_element, np.arange(elements.n_whole)])
+    stress = stress_at(cover, materials, u, centres, cell_element)
+    body = elements.body[cell_element]
+    out_of_plane = np.array([material.zz for material in materials])[body]
+    return Frame(
+        points=cover.lattice.to_metres(points),
+        triangles=node[:n_corners].reshape(-1, 3),
+        quads=node[n_corners:].reshape(-1, 4),
+        displacement=displacement_at(cover, u, points, corner_element[first]),
+        stress=stress,
+        stress_zz=out_of_plane * (stress[:, 0] + stress[:, 1]),
+        body=body,
+    )
+
+
+def _vertex_of(elements: Elements, points: Floats) -> Ints:
+    """Vertex ids (n,) of points (n, 2) that are vertices."""
+    keys = np.concatenate([elements.vertices, points])
+    _, ids = np.unique(on_grid(keys) @ np.array([1.0, 1.0j]), return_inverse=True)
+    vertex = np.empty(int(ids.max()) + 1, dtype=np.int64)
+    vertex[ids[: len(elements.vertices)]] = np.arange(len(elements.vertices))
+    return vertex[ids[len(elements.vertices) :]]
+
+
+def _nodes(elements: Elements, vertex: Ints, element: Ints) -> tuple[Ints, Ints]:
+    """Node (n,) of every cell corner, and a corner (m,) of every node.
+
+    Corners at a vertex are one node if a way round the vertex leads from one to the other without crossing a crack.
+    """
+    pair = vertex * elements.n + element
+    pairs, inverse = np.unique(pair, return_inverse=True)
+    passable = (elements.edges.right >= 0) & ~elements.is_crack
+    passable &= elements.body[elements.edges.left] == elements.body[elements.edges.right]
+    ends = np.concatenate([elements.edges.a[passable], elements.edges.b[passable]])
+    left = np.searchsorted(pairs, ends * elements.n + np.tile(elements.edges.left[passable], 2))
+    right = np.searchsorted(pairs, ends * elements.n + np.tile(elements.edges.right[passable], 2))
+    n = len(pairs)
+    graph = coo_array((np.ones(len(left), dtype=np.int8), (left, right)), shape=(n, n))
+    _, label = connected_components(graph.tocsr(), directed=False)
+    node = label[inverse]
+    _, first = np.unique(node, return_index=True)
+    return node.astype(np.int64), first

@@ -1,0 +1,98 @@
+"""The growth loop: solve, judge, advance; one result a step."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.case.model import Case, Growth
+from crackgrow.errors import GeometryError, SolveError
+from crackgrow.fracture.advance import GrowingCrack, advanced, growing_tips
+from crackgrow.run.report import step_result
+from crackgrow.run.result import CrackPath, RunEnd, StepResult
+from crackgrow.run.scene import Scene, make_scene
+from crackgrow.run.step import StepSolution, solve_step
+
+Ints = NDArray[np.int64]
+
+
+def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
+    """Run a case: yields the result of every solved step, step 0 first, and returns why it ended.
+
+    Raises GeometryError or SolveError where a step can't be solved; the steps before it have been yielded.
+    """
+    scene = make_scene(case)
+    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    n_steps = case.growth.steps if case.growth else 0
+    ended: RunEnd | None = None
+    for step in range(n_steps + 1):
+        try:
+            solution = solve_step(scene, cracks, case.load_factors[-1])
+        except (SolveError, GeometryError):
+            if ended is None:
+                raise
+            return ended  # the body that a crack broke through can't be held any more
+        chosen = _choose(case.growth, solution, last=step == n_steps or ended is not None)
+        yield _reported(scene, cracks, solution, step, chosen)
+        if ended is not None:
+            return ended
+        if len(chosen) == 0 and step < n_steps:
+            return RunEnd("arrested", _why_arrested(solution, step), _paths(cracks))
+        if case.growth and step < n_steps:
+            cracks, left = _advance(scene, cracks, solution, chosen, step + 1)
+            if left:
+                ended = RunEnd("broke_through", f"step {step + 1}: {left} reached the outline", _paths(cracks))
+    done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
+    return RunEnd("completed", done, _paths(cracks))
+
+
+def _choose(growth: Growth | None, solution: StepSolution, last: bool) -> Ints:
+    """Numbers of the tips that advance after this solve; none after the last."""
+    if growth is None or last:
+        return np.empty(0, dtype=np.int64)
+    criticality = [tip.verdict.criticality for tip in solution.tips if tip.verdict is not None]
+    return growing_tips(np.array(criticality), growth.advance)
+
+
+def _advance(
+    scene: Scene, cracks: tuple[GrowingCrack, ...], solution: StepSolution, chosen: Ints, step: int
+) -> tuple[tuple[GrowingCrack, ...], str]:
+    """The cracks after the tips `chosen` have advanced, and the name of one that has left the body ("" for none)."""
+    growth = scene.case.growth
+    assert growth is not None
+    grown = list(cracks)
+    left = ""
+    for tip in chosen.tolist():
+        index, at_end = solution.cover.tip_ends[tip]
+        verdict = solution.tips[tip].verdict
+        assert verdict is not None
+        grown[index], out = advanced(
+            grown[index], at_end, verdict.kink, growth.increment, step, scene.regions[0]
+        )
+        if out:
+            left = f"crack '{grown[index].crack.name}' ({'end' if at_end else 'start'})"
+    return tuple(grown), left
+
+
+def _reported(
+    scene: Scene, cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, chosen: Ints
+) -> StepResult:
+    start = time.perf_counter()
+    frames = scene.case.output.frames
+    n_steps = scene.case.growth.steps if scene.case.growth else 0
+    wanted = frames == "every_step" or (frames == "first_and_last" and step in (0, n_steps))
+    return step_result(scene, _paths(cracks), solution, step, chosen, wanted, start)
+
+
+def _paths(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:
+    return tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in cracks)
+
+
+def _why_arrested(solution: StepSolution, step: int) -> str:
+    if not solution.tips:
+        return f"step {step}: no tip is left that could grow"
+    largest = max(tip.verdict.criticality for tip in solution.tips if tip.verdict is not None)
+    return f"step {step}: no tip meets the criterion; the most critical is at {largest:.3g} of its strength"

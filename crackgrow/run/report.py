@@ -1,0 +1,133 @@
+"""From a solved configuration to what is handed out: the step's result."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.contact.coulomb import OPEN
+from crackgrow.contact.faces import face_vertices
+from crackgrow.contact.jump import gap_and_slip
+from crackgrow.run.frame import make_frame
+from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, StepResult, TipResult
+from crackgrow.run.scene import Scene
+from crackgrow.run.step import StepSolution
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SMALL_RADIUS = 2.0
+"""An averaging radius below this many spacings sees too few cells to be independent of the spacing."""
+
+
+def step_result(
+    scene: Scene,
+    paths: tuple[CrackPath, ...],
+    solution: StepSolution,
+    step: int,
+    chosen: Ints,
+    with_frame: bool,
+    started: float,
+) -> StepResult:
+    """Result of step number `step`; tips `chosen` advance, `started` is when the reporting began (perf_counter)."""
+    outcome = solution.outcome
+    tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
+    faces = tuple(_faces(solution, scene, index) for index in range(len(paths)))
+    frame = make_frame(solution.cover, list(scene.materials), outcome.u) if with_frame else None
+    return StepResult(
+        step=step,
+        load_factor=scene.case.load_factors[-1],
+        cracks=paths,
+        tips=tips,
+        contact=_contact(solution, scene, paths),
+        faces=faces,
+        frame=frame,
+        n_dofs=solution.cover.n_dofs,
+        n_contact=outcome.n_unknowns,
+        contact_iterations=outcome.iterations,
+        contact_status=outcome.status,
+        factorizations=1,
+        residual=solution.residual,
+        penetration=outcome.penetration,
+        complementarity=outcome.complementarity,
+        seconds={**solution.seconds, "output": time.perf_counter() - started},
+        warnings=_warnings(scene, step),
+    )
+
+
+def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene) -> TipResult:
+    cover, state = solution.cover, solution.tips[tip]
+    index, at_end = cover.tip_ends[tip]
+    verdict = state.verdict
+    nan = float("nan")
+    return TipResult(
+        crack=cover.cracks[index].name,
+        tip="end" if at_end else "start",
+        point=scene.lattice.to_metres(cover.tips[tip].point),
+        K_I=state.K_I,
+        K_II=state.K_II,
+        sigma_1=verdict.sigma_1 if verdict else nan,
+        sigma_3=verdict.sigma_3 if verdict else nan,
+        criterion=verdict.branch if verdict else "none",
+        criticality=verdict.criticality if verdict else nan,
+        kink_deg=float(np.rad2deg(verdict.kink)) if verdict else nan,
+        advanced=advances,
+    )
+
+
+def _contact(solution: StepSolution, scene: Scene, paths: tuple[CrackPath, ...]) -> ContactPoints:
+    faces, outcome = solution.faces, solution.outcome
+    return ContactPoints(
+        crack=tuple(paths[index].name for index in faces.crack.tolist()),
+        s=faces.s * scene.lattice.spacing,
+        points=scene.lattice.to_metres(faces.positions),
+        normal_traction=outcome.normal_traction,
+        tangential_traction=outcome.tangential_traction,
+        opening=outcome.gap,
+        slip=outcome.slip,
+        state=outcome.state,
+    )
+
+
+def _faces(solution: StepSolution, scene: Scene, index: int) -> CrackFaces:
+    """Jump and tractions of one crack at the ends of all its edges, each place once; tractions of mortar nodes."""
+    cover, faces, outcome = solution.cover, solution.faces, solution.outcome
+    vertices = face_vertices(cover, index)
+    gap, slip = gap_and_slip(cover, vertices, outcome.u)
+    s, first = np.unique(vertices.s, return_index=True)
+    mine = np.flatnonzero(faces.crack == index)
+    normal, tangential = (np.zeros(len(s)) for _ in range(2))
+    state = np.full(len(s), OPEN, dtype=np.int64)
+    if len(mine):
+        normal, tangential = (
+            np.interp(s, faces.s[mine], values[mine])
+            for values in (outcome.normal_traction, outcome.tangential_traction)
+        )
+        nearest = np.abs(s[:, None] - faces.s[mine]).argmin(axis=1)
+        state = outcome.state[mine][nearest]
+    return CrackFaces(
+        crack=cover.cracks[index].name,
+        s=s * scene.lattice.spacing,
+        points=scene.lattice.to_metres(vertices.points[first]),
+        opening=gap[first],
+        slip=slip[first],
+        normal_traction=normal,
+        tangential_traction=tangential,
+        state=state,
+    )
+
+
+def _warnings(scene: Scene, step: int) -> tuple[str, ...]:
+    """What the user should know; once a run."""
+    case = scene.case
+    if step > 0 or case.growth is None:
+        return ()
+    radius, spacing = case.growth.tip_radius, case.numerics.spacing
+    if radius >= SMALL_RADIUS * spacing:
+        return ()
+    return (
+        f"the averaging radius {radius:g} m is below {SMALL_RADIUS:g} spacings ({spacing:g} m): "
+        "the tip stress depends on the spacing",
+    )

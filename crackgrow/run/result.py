@@ -1,0 +1,114 @@
+"""What one step and one run give: frozen arrays, the only thing that `results` reads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+OPEN, STICK, SLIP = 0, 1, 2
+STATE_NAMES = ("open", "stick", "slip")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrackPath:
+    """A crack as it lies in the step that was solved."""
+
+    name: str
+    points: Floats  # (n, 2) m, from start to end
+    steps: Ints  # (n,) the step whose advance made the vertex; 0 for the given crack
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TipResult:
+    """Fracture quantities at one tip."""
+
+    crack: str
+    tip: Literal["start", "end"]
+    point: Floats  # (2,) m, before the advance
+    K_I: float  # Pa sqrt(m), from the face displacements; nan where it can't be evaluated
+    K_II: float  # Pa sqrt(m)
+    sigma_1: float  # Pa, major (most tensile) averaged principal stress; nan without growth
+    sigma_3: float  # Pa
+    criterion: Literal["tension", "shear", "none"]  # the branch that is met
+    criticality: float  # strength ratio: >= 1 where the criterion is met
+    kink_deg: float  # degrees, from the tip's direction to the growth direction, counter-clockwise
+    advanced: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactPoints:
+    """Contact points of all cracks that have a contact law, crack by crack, in order of s."""
+
+    crack: tuple[str, ...]  # (n,)
+    s: Floats  # (n,) m, arc length from the crack's start
+    points: Floats  # (n, 2) m
+    normal_traction: Floats  # (n,) Pa, negative in compression
+    tangential_traction: Floats  # (n,) Pa
+    opening: Floats  # (n,) m
+    slip: Floats  # (n,) m
+    state: Ints  # (n,) index into STATE_NAMES
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrackFaces:
+    """Samples along one crack, from start to end, both ends included."""
+
+    crack: str
+    s: Floats  # (n,) m
+    points: Floats  # (n, 2) m
+    opening: Floats  # (n,) m, jump of displacement across the crack
+    slip: Floats  # (n,) m
+    normal_traction: Floats  # (n,) Pa
+    tangential_traction: Floats  # (n,) Pa
+    state: Ints  # (n,) index into STATE_NAMES
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """The specimen as a mesh for output: nodes are double along cracks. Cells: triangles first, then quads."""
+
+    points: Floats  # (n, 2) m
+    triangles: Ints  # (t, 3)
+    quads: Ints  # (q, 4)
+    displacement: Floats  # (n, 2) m
+    stress: Floats  # (t + q, 3) Pa: xx, yy, xy at cell centres
+    stress_zz: Floats  # (t + q,) Pa
+    body: Ints  # (t + q,) index of the body
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepResult:
+    """One solved step."""
+
+    step: int
+    load_factor: float
+    cracks: tuple[CrackPath, ...]
+    tips: tuple[TipResult, ...]
+    contact: ContactPoints
+    faces: tuple[CrackFaces, ...]
+    frame: Frame | None
+    n_dofs: int
+    n_contact: int  # contact unknowns that the solver saw
+    contact_iterations: int
+    contact_status: str  # "none" | "solved"
+    factorizations: int
+    residual: float  # relative equilibrium residual
+    penetration: float  # m, largest overlap at a contact point beyond what the contact stiffness explains
+    complementarity: float  # relative complementarity residual of the contact conditions
+    seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunEnd:
+    """Why a run ended."""
+
+    status: Literal["completed", "arrested", "broke_through", "failed"]
+    reason: str
+    cracks: tuple[CrackPath, ...]  # the final paths, the last advance included

@@ -1,0 +1,40 @@
+"""Isotropic linear elasticity in the plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class PlaneElasticity:
+    """sigma_xx = c11 e_xx + c12 e_yy, sigma_xy = c33 2 e_xy, sigma_zz = zz (sigma_xx + sigma_yy)."""
+
+    c11: float  # Pa
+    c12: float  # Pa
+    c33: float  # Pa, the shear modulus
+    zz: float
+    young_prime: float  # Pa: E' = E / (1 - nu^2) in plane strain, E in plane stress
+
+    @property
+    def matrix(self) -> Floats:
+        """(3, 3) Pa, for the strain (e_xx, e_yy, 2 e_xy)."""
+        return np.array([[self.c11, self.c12, 0.0], [self.c12, self.c11, 0.0], [0.0, 0.0, self.c33]])
+
+
+def plane_elasticity(young: float, poisson: float, plane: Literal["strain", "stress"]) -> PlaneElasticity:
+    """Elasticity for Young's modulus (Pa) and Poisson's ratio in plane strain or plane stress."""
+    shear_modulus = young / (2.0 * (1.0 + poisson))
+    if plane == "stress":
+        e_prime = young
+        c11 = young / (1.0 - poisson**2)
+        return PlaneElasticity(c11, poisson * c11, shear_modulus, 0.0, e_prime)
+    scale = young / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+    return PlaneElasticity(
+        scale * (1.0 - poisson), scale * poisson, shear_modulus, poisson, young / (1.0 - poisson**2)
+    )

@@ -1,0 +1,40 @@
+"""Displacement and stress at points."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.approximation.basis import basis_at
+from crackgrow.cover.cover import Cover
+from crackgrow.solid.elasticity import PlaneElasticity
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
+    """Displacement (n, 2) m at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
+    basis = basis_at(cover, points, elements)
+    coefficients = np.append(u, (0.0, 0.0)).reshape(-1, 2)  # the last row serves the index -1
+    return np.einsum("nk,nkc->nc", basis.values, coefficients[basis.ids])
+
+
+def stress_at(
+    cover: Cover, materials: list[PlaneElasticity], u: Floats, points: Floats, elements: Ints
+) -> Floats:
+    """Stress (n, 3) Pa: xx, yy, xy at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
+    basis = basis_at(cover, points, elements)
+    coefficients = np.append(u, (0.0, 0.0)).reshape(-1, 2)
+    gradient = np.einsum("nkd,nkc->ncd", basis.gradients, coefficients[basis.ids])  # du_c / dx_d
+    strain = np.stack([gradient[:, 0, 0], gradient[:, 1, 1], gradient[:, 0, 1] + gradient[:, 1, 0]], axis=1)
+    matrices = np.stack([material.matrix for material in materials])[cover.elements.body[elements]]
+    return np.einsum("nij,nj->ni", matrices, strain)
+
+
+def principal(stress: Floats) -> tuple[Floats, Floats, Floats]:
+    """Principal stresses s1 >= s3 (n,) Pa and the angle (n,) rad of s1's axis from +x, for stresses (n, 3)."""
+    xx, yy, xy = stress.T
+    centre, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    radius = np.hypot(half, xy)
+    return centre + radius, centre - radius, 0.5 * np.arctan2(xy, half)

@@ -1,0 +1,178 @@
+"""Files that are no case: always a CaseError with a place, never another exception, and never any action."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.errors import CaseError, Fault
+
+COMPRESSION = (Path(__file__).parents[3] / "cases" / "compression30.yaml").read_bytes()
+
+
+def only_fault(path: Path) -> Fault:
+    with pytest.raises(CaseError) as caught:
+        load_case(path)
+    (fault,) = caught.value.faults
+    return fault
+
+
+def written(tmp_path: Path, data: bytes) -> Path:
+    path = tmp_path / "scene.yaml"
+    path.write_bytes(data)
+    return path
+
+
+def test_missing_file(tmp_path: Path):
+    fault = only_fault(tmp_path / "nowhere.yaml")
+    assert str(fault) == f"{tmp_path / 'nowhere.yaml'}: no such file"
+
+
+def test_directory(tmp_path: Path):
+    assert "is a directory" in only_fault(tmp_path).message
+
+
+def test_pipe_does_not_block(tmp_path: Path):
+    os.mkfifo(tmp_path / "pipe")
+    assert "not a regular file" in only_fault(tmp_path / "pipe").message
+
+
+def test_name_that_no_file_can_have():
+    assert only_fault(Path("a\0b")).message
+    assert only_fault(Path("a" * 5000)).message
+
+
+def test_huge_file(tmp_path: Path):
+    assert "larger than" in only_fault(written(tmp_path, b"# " + b"x" * 3_000_000)).message
+
+
+@pytest.mark.parametrize(
+    ("data", "line", "words"),
+    [
+        (b"", 1, "the file is empty"),
+        (b"# nothing\n", 1, "the file is empty"),
+        (b"--- ~\n", 1, "the file is empty"),
+        (b"\xff\xfe\x00", 1, "not a text in UTF-8"),
+        (b"a: 1\nb: \xe9\n", 2, "not a text in UTF-8"),
+        (b"a: 1\nb: \x00\n", 2, "'\\x00' is not allowed"),
+        (b"a: 1\nb: [1, 2\nc: 3\n", 3, "not valid YAML"),
+        (b"a: 1\n\tb: 2\n", 2, "not valid YAML"),
+        (b"a: 'open\n", 2, "not valid YAML"),
+        (b'a: "\\U00ffffff"\n', 1, "not valid YAML"),
+        (b"%YAML 9.9\n---\na: 1\n", 1, "not valid YAML"),
+        (b"plain words\n", 1, "holds no mapping"),
+        (b"- a\n- b\n", 1, "holds no mapping"),
+        (b"*me\n", 1, "aliases are not allowed"),
+        (b"!!python/object/apply:os.system ['exit 3']\n", 1, "is not allowed"),
+        (b"\n" + b"[" * 100_000, 2, "nested deeper than"),
+        (b"\n" + b"{a: " * 100_000, 2, "nested deeper than"),
+        (b"- " * 50_000 + b"a", 1, "nested deeper than"),
+    ],
+)
+def test_no_case(data: bytes, line: int, words: str, tmp_path: Path):
+    fault = only_fault(written(tmp_path, data))
+    assert words in fault.message
+    assert fault.line == line
+
+
+def test_second_document(tmp_path: Path):
+    data = COMPRESSION + b"---\ntitle: another\n"
+    fault = only_fault(written(tmp_path, data))
+    assert "second YAML document" in fault.message
+    assert fault.line == data[: data.index(b"---")].count(b"\n") + 1
+
+
+def test_byte_order_mark_is_accepted(tmp_path: Path):
+    assert load_case(written(tmp_path, b"\xef\xbb\xbf" + COMPRESSION)).plane == "strain"
+
+
+def test_windows_line_ends_are_accepted(tmp_path: Path):
+    data = COMPRESSION.replace(b"\n", b"\r\n")
+    assert load_case(written(tmp_path, data)).growth is not None
+    fault = only_fault(written(tmp_path, data.replace(b"plane: strain", b"plane: strian")))
+    assert fault.line == 6
+
+
+def test_harmless_tags_and_anchors_are_accepted(tmp_path: Path):
+    data = COMPRESSION.replace(b"young: 10000", b"young: &E !!float 10000").replace(b"strain ", b"!!str strain ")
+    assert load_case(written(tmp_path, data)).bodies[0].material.young == 1e10
+
+
+def test_recursive_and_exploding_aliases(tmp_path: Path):
+    lines = ["a0: &a0 [x, x]", *(f"a{n}: &a{n} [*a{n - 1}, *a{n - 1}]" for n in range(1, 60)), "me: &me [*me]"]
+    with pytest.raises(CaseError) as caught:
+        load_case(written(tmp_path, "\n".join(lines).encode()))
+    assert sum("aliases are not allowed" in fault.message for fault in caught.value.faults) == 2 * 59 + 1
+
+
+def test_surrogate_halves_are_refused(tmp_path: Path):
+    data = COMPRESSION.replace(b"title: Closed", b'title: "\\ud800" #')
+    fault = only_fault(written(tmp_path, data))
+    assert (fault.key, fault.line) == ("title", 3)
+    str(fault).encode()
+
+
+FRAGMENTS = [
+    b":",
+    b"- ",
+    b"[",
+    b"]",
+    b"{",
+    b"}",
+    b"&a ",
+    b"*a",
+    b"!!x ",
+    b"'",
+    b'"',
+    b"\n",
+    b"  ",
+    b"1e999",
+    b"~",
+    b"? ",
+]
+FRAGMENTS += [
+    b"| ",
+    b"> ",
+    b"%",
+    b"---\n",
+    b"\xff",
+    b"\0",
+    b"-",
+    b"0",
+    b".nan",
+    b"none",
+    b"\xe2\x80\xa8",
+    b"<<: ",
+    b", ",
+    b"#",
+]
+
+
+def faults_of_damaged(path: Path) -> tuple[Fault, ...]:
+    try:
+        load_case(path)
+    except CaseError as error:
+        return error.faults
+    return ()
+
+
+def test_damaged_cases_give_faults_only(tmp_path: Path):
+    """Cut, repeat and replace pieces of a good case at random: it loads or raises CaseError, nothing else."""
+    rng = np.random.default_rng(11)
+    n_refused = 0
+    for _ in range(400):
+        data = bytearray(COMPRESSION)
+        for _ in range(rng.integers(1, 4)):
+            start = int(rng.integers(len(data)))
+            end = min(len(data), start + int(rng.integers(12)))
+            data[start:end] = FRAGMENTS[rng.integers(len(FRAGMENTS))] * int(rng.integers(4))
+        faults = faults_of_damaged(written(tmp_path, bytes(data)))
+        n_refused += bool(faults)
+        n_lines = bytes(data).decode(errors="replace").replace("\u2028", "\n").count("\n") + 1
+        assert all(fault.line is not None and 1 <= fault.line <= n_lines for fault in faults)
+        "".join(map(str, faults)).encode()
+    assert n_refused > 100

@@ -1,0 +1,152 @@
+"""Cracks inside their body, and supports that hold it: what is refused and what is allowed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import Case, load_case
+from crackgrow.errors import CaseError
+
+FILE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+
+
+def load(*overrides: str) -> Case:
+    return load_case(FILE, overrides)
+
+
+def message(*overrides: str) -> str:
+    """Return the message of the only fault."""
+    with pytest.raises(CaseError) as caught:
+        load(*overrides)
+    (fault,) = caught.value.faults
+    return fault.message
+
+
+@pytest.mark.parametrize(
+    ("points", "tips", "words"),
+    [
+        ("[[0, 0], [16, 0]]", "both", "end (16 mm, 0 mm) lies outside the outline of body 'rock'"),
+        ("[[0, 0], [16, 0]]", "none", "end (16 mm, 0 mm) lies outside"),
+        ("[[0, 0], [20, 0], [1, 1]]", "both", "vertex 1 (20 mm, 0 mm) lies outside"),
+        ("[[0, 0], [15.5, 0]]", "both", "the tip at the end (15.5 mm, 0 mm) lies on the outline"),
+        ("[[0, 0], [15.5, 0]]", "end", "the tip at the end"),
+        ("[[-15.5, 0], [1, 0]]", "start", "the tip at the start"),
+        ("[[0, 0], [15.5, 1], [3, 3]]", "none", "vertex 1 (15.5 mm, 1 mm) lies on the outline"),
+        ("[[15.5, 0], [15.5, 9]]", "none", "runs along its outline"),
+        ("[[0, 0], [4, 4], [4, 0], [0, 4]]", "both", "crosses or touches itself"),
+        ("[[0, 0], [4, 4], [4, 0], [0, 0]]", "both", "crosses or touches itself"),
+        ("[[0, 0], [4, 0], [2, 0]]", "both", "crosses or touches itself"),
+        ("[[0, 0], [4, 0], [4, 1], [2, 0]]", "both", "crosses or touches itself"),
+        ("[[1, 1], [1, 1]]", "both", "at least two different points"),
+        ("[[1, 1]]", "both", "at least two different points"),
+        ("[]", "both", "at least two different points"),
+        ("[[0, 0], [0.001, 0]]", "both", "less than 0.001 of the lattice spacing"),
+    ],
+)
+def test_crack_refused(points: str, tips: str, words: str):
+    assert words in message(f"cracks.flaw.path={{points: {points}}}", f"cracks.flaw.tips={tips}")
+
+
+@pytest.mark.parametrize(
+    ("points", "tips"),
+    [
+        ("[[0, 0], [15.5, 0]]", "start"),
+        ("[[-15.5, 0], [1, 0]]", "end"),
+        ("[[0, 0], [15.5, 0]]", "none"),
+        ("[[0, 0], [0.002, 0]]", "both"),
+        ("[[0, 0], [4, 0], [4, 4], [0, 4], [0, 1]]", "both"),
+    ],
+)
+def test_crack_allowed(points: str, tips: str):
+    crack = load(f"cracks.flaw.path={{points: {points}}}", f"cracks.flaw.tips={tips}").cracks[0]
+    assert len(crack.points) == points.count("],") + 1
+
+
+@pytest.mark.parametrize("angle", [0, 90, 180, 270, 360, -90, 450])
+def test_right_angles_are_exact(angle: int):
+    start, end = load(f"cracks.flaw.path.angle={angle}").cracks[0].points
+    direction = (end - start) / 0.01
+    assert direction.tolist() == [[1, 0], [0, 1], [-1, 0], [0, -1]][angle // 90 % 4]
+
+
+def test_two_cracks_may_not_meet():
+    other = "cracks.other={path: {points: [[POINT], [0, 20]]}, contact: none}"
+    assert "crosses or touches crack 'flaw'" in message(other.replace("POINT", "0, -5"))
+    assert "crosses or touches crack 'flaw'" in message("cracks.flaw.path.angle=0", other.replace("POINT", "5, 0"))
+    assert len(load(other.replace("POINT", "0, 0.1")).cracks) == 2
+
+
+@pytest.mark.parametrize(
+    ("supports", "free"),
+    [
+        ("[]", "translation in x and translation in y and rotation about (0 mm, 0 mm)"),
+        ("[{at: [3, -9], displacement: {x: 0, y: 0}}]", "rotation about (3 mm, -9 mm)"),
+        ("[{at: [3, -9], displacement: {y: 0}}]", "translation in x and rotation about (3 mm, 0 mm)"),
+        ("[{at: [3, -9], displacement: {x: 0}}]", "translation in y and rotation about (0 mm, -9 mm)"),
+        ("[{on: {body: rock, edge: bottom}, displacement: {y: 0}}]", "translation in x"),
+        ("[{on: {body: rock, edge: left, from: 1, to: 2}, displacement: {x: 0}}]", "translation in y"),
+        (
+            "[{on: {body: rock, edge: bottom}, displacement: {x: 0}}]",
+            "translation in y and rotation about (0 mm, -27.5 mm)",
+        ),
+        (
+            "[{at: [3, -9], displacement: {x: 0}}, {at: [5, 9], displacement: {y: 0}}]",
+            "rotation about (5 mm, -9 mm)",
+        ),
+        (
+            "[{at: [3, -9], displacement: {x: 0, y: 0}}, {at: [5, -9], displacement: {x: 0}}]",
+            "rotation about (3 mm, -9 mm)",
+        ),
+    ],
+)
+def test_free_motion_is_named(supports: str, free: str):
+    assert message(f"supports={supports}").startswith(f"body 'rock' is free to move: {free};")
+
+
+@pytest.mark.parametrize(
+    "supports",
+    [
+        "[{on: {body: rock, edge: bottom, from: -1, to: 1}, displacement: {x: 0, y: 0}}]",
+        "[{at: [3, -9], displacement: {x: 0, y: 0}}, {at: [5, 9], displacement: {x: 0}}]",
+        "[{on: {body: rock, edge: left}, displacement: {x: 0}}, {at: [15.5, -9], displacement: {y: 0}}]",
+    ],
+)
+@pytest.mark.parametrize("unit", ["um", "mm", "km"])
+def test_held_at_any_size(supports: str, unit: str):
+    assert load(f"supports={supports}", f"units.length={unit}").supports
+
+
+def test_two_supports_in_y_anywhere_leave_x():
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        x, y = rng.uniform(-10, 10, (2, 2)).round(3)
+        first, second = (f"{{at: [{a}, {b - 15}], displacement: {{y: 0}}}}" for a, b in zip(x, y, strict=True))
+        assert "translation in x;" in message(f"supports=[{first}, {second}]")
+
+
+def test_far_from_the_origin():
+    assert "too far" in message("bodies.rock.shape.rectangle.center=[1e9, 0]")
+
+
+def test_small_body_far_out_keeps_its_supports():
+    """One kilometre off, corners are still recognised as lying on the outline."""
+    case = load(
+        "bodies.rock.shape.rectangle.center=[1 km, 1 km]",
+        "cracks={}",
+        "supports.0.at=[999984.5, 999972.5]",
+        "supports.1.at=[1000015.5, 999972.5]",
+        "supports.2.at=[1000 m, 999972.5]",
+    )
+    assert len(case.supports) == 3
+
+
+def test_plane_stress_takes_poisson_one_half():
+    assert load("plane=stress", "bodies.rock.material.poisson=0.5").bodies[0].material.poisson == 0.5
+
+
+def test_gauss_with_a_finite_stiffness():
+    contact = load("numerics.contact={discretization: gauss, stiffness: 100}").numerics.contact
+    assert (contact.discretization, contact.stiffness) == ("gauss", 100.0)

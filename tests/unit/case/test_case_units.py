@@ -1,0 +1,69 @@
+"""Numbers and units: what is read, in SI, to the last bit; what is refused."""
+
+from __future__ import annotations
+
+import pytest
+
+from crackgrow.case.units import QuantityError, Units, parse_number, parse_quantity
+
+MM = Units("mm", "MPa")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("10", 10.0), ("1e10", 1e10), ("1.e10", 1e10), (".5", 0.5), ("-3.25E-2", -0.0325), ("+7", 7.0), ("010", 10.0)],
+)
+def test_numbers(text: str, value: float):
+    assert parse_number(text) == value
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x", "1_000", "0x10", "1:30", "1e", "--1", "1,5", "٣", "1 2", "nan", "-.inf", "1e61"]
+)
+def test_not_a_number(text: str):
+    with pytest.raises(QuantityError):
+        parse_number(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "value"),
+    [
+        ("31", "length", 0.031),
+        ("31 mm", "length", 0.031),
+        ("31mm", "length", 0.031),
+        (" 3.1 cm ", "length", 0.031),
+        ("0.1 um", "length", 1e-7),
+        ("10 GPa", "stress", 1e10),
+        ("1e1GPa", "stress", 1e10),
+        ("0.7", "stress", 700000.0),
+        ("2500", "density", 2500.0),
+        ("2.7 g/cm^3", "density", 2700.0),
+        ("30 deg", "angle", 30.0),
+    ],
+)
+def test_quantities_are_the_nearest_floats(text: str, kind: str, value: float):
+    assert parse_quantity(text, kind, MM) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("31 MPa", "unit of stress"),
+        ("31 furlong", "unknown unit"),
+        ("31 MM", "unknown unit"),
+        ("mm", "neither"),
+        ("31 mm mm", "unknown unit"),
+        ("3 1 mm", "neither"),
+        ("inf mm", "neither"),
+        ("1e999 mm", "too large"),
+        ("1e60 km", "too large"),
+        ("1e-59 mm", "too small"),
+    ],
+)
+def test_refused_quantities(text: str, words: str):
+    with pytest.raises(QuantityError, match=words):
+        parse_quantity(text, "length", MM)
+
+
+def test_a_number_of_many_digits():
+    assert parse_number("1" + "0" * 40 + "." + "0" * 100_000) == 1e40

@@ -1,0 +1,174 @@
+"""Contact law, residual and active-set solve, on problems solved by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crackgrow.contact.coulomb import (
+    OPEN,
+    SLIP,
+    STICK,
+    ActiveSet,
+    ContactProblem,
+    active_set,
+    complementarity_residual,
+    jump,
+    project,
+    solve_active,
+    states,
+)
+from crackgrow.errors import SolveError
+
+ROUND_OFF = 1e-14
+
+
+def one_point(free_n, free_t, friction, cohesion=0.0):
+    """A_nn = 2, A_tt = 4, no coupling: p_n = free_n / 2, p_t = free_t / 4 where closed and sticking."""
+    return ContactProblem(np.diag([2.0, 4.0]), np.array([free_n, free_t]), np.array([friction]), np.array([cohesion]))
+
+
+# free_n, free_t, friction, cohesion -> p_n, p_t, state
+BY_HAND = [
+    (1.0, 3.0, 0.5, 0.0, 0.0, 0.0, OPEN),
+    (1.0, 3.0, 0.5, 0.2, 0.0, 0.2, OPEN),  # law (6) as written: cohesion acts at an open point
+    (1.0, 0.4, 0.5, 0.2, 0.0, 0.1, OPEN),
+    (-2.0, 1.0, 0.5, 0.0, -1.0, 0.25, STICK),
+    (-2.0, 8.0, 0.5, 0.0, -1.0, 0.5, SLIP),
+    (-2.0, -8.0, 0.5, 0.0, -1.0, -0.5, SLIP),
+    (-2.0, -8.0, 0.5, 0.25, -1.0, -0.75, SLIP),
+    (-2.0, 8.0, 0.0, 0.0, -1.0, 0.0, SLIP),
+    (-2.0, 8.0, 5.0, 0.0, -1.0, 2.0, STICK),
+]
+
+
+@pytest.mark.parametrize(("free_n", "free_t", "friction", "cohesion", "p_n", "p_t", "state"), BY_HAND)
+def test_solution_by_hand_has_no_residual(free_n, free_t, friction, cohesion, p_n, p_t, state):
+    problem = one_point(free_n, free_t, friction, cohesion)
+    p = np.array([p_n, p_t])
+    assert complementarity_residual(problem, p) <= ROUND_OFF
+    assert states(problem, p).tolist() == [state]
+    np.testing.assert_allclose(project(problem, p, jump(problem, p)), p, rtol=ROUND_OFF, atol=ROUND_OFF)
+    exact = solve_active(problem, active_set(problem, p, jump(problem, p)))
+    np.testing.assert_allclose(exact, p, rtol=ROUND_OFF, atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize(
+    ("p_n", "p_t", "wrong"),
+    [
+        (0.0, 0.0, "overlap"),
+        (-2.0, 0.5, "pressure across a gap"),
+        (0.5, 0.0, "tension"),
+        (-1.0, 0.8, "shear beyond the bound"),
+        (-1.0, 0.1, "slip below the bound"),
+        (-1.0, -0.5, "slip against the shear"),
+    ],
+)
+def test_wrong_tractions_are_detected(p_n, p_t, wrong):
+    problem = one_point(-2.0, 8.0, 0.5)  # slips: p = (-1, 0.5)
+    assert complementarity_residual(problem, np.array([p_n, p_t])) > 0.05, wrong
+
+
+@pytest.mark.parametrize(
+    ("free_n", "free_t", "p_n", "p_t", "violation"),
+    [
+        (-2.0, 0.0, -0.5, 0.0, "overlap alone"),
+        (-2.0, 0.0, -2.0, 0.0, "pressure across a gap alone"),
+        (2.0, 0.0, 0.5, 0.0, "tension alone"),
+        (-2.0, 4.0, -1.0, 1.0, "no slip, shear beyond the bound alone"),
+        (-2.0, -4.0, -1.0, -1.0, "the same backward"),
+        (-2.0, 8.0, -1.0, 0.1, "forward slip below the bound alone"),
+        (-2.0, -8.0, -1.0, -0.1, "backward slip below the bound alone"),
+    ],
+)
+def test_each_violation_alone_is_detected(free_n, free_t, p_n, p_t, violation):
+    assert complementarity_residual(one_point(free_n, free_t, 0.5), np.array([p_n, p_t])) > 0.1, violation
+
+
+def test_singular_active_set_gets_the_least_tractions():
+    problem = ContactProblem(np.ones((3, 3)), np.array([-1.0, -1.0, -1.0]))
+    p = solve_active(problem, ActiveSet(np.ones(3, dtype=bool), np.ones(3, dtype=np.int64)))
+    np.testing.assert_allclose(p, np.full(3, -1.0 / 3.0), rtol=1e-13)
+
+
+@pytest.mark.parametrize("traction_unit", [1e-9, 1.0, 1e8])
+@pytest.mark.parametrize("length_unit", [1e-9, 1.0, 1e6])
+def test_residual_does_not_depend_on_units(traction_unit, length_unit):
+    A = np.array([[2.0, 0.5], [0.5, 4.0]])
+    free, p = np.array([-2.0, 8.0]), np.array([-0.7, 0.9])
+    plain = complementarity_residual(ContactProblem(A, free, np.array([0.5]), np.array([0.1])), p)
+    scaled = ContactProblem(
+        A * length_unit / traction_unit, free * length_unit, np.array([0.5]), np.array([0.1]) * traction_unit
+    )
+    assert complementarity_residual(scaled, p * traction_unit) == pytest.approx(plain, rel=1e-12)
+
+
+def test_solve_active_imposes_each_branch():
+    rng = np.random.default_rng(5)
+    n = 6
+    B = rng.normal(size=(2 * n, 2 * n))
+    A = B @ B.T + np.eye(2 * n)
+    friction, cohesion = rng.uniform(0.1, 0.9, n), rng.uniform(0.0, 0.5, n)
+    problem = ContactProblem(A, rng.normal(size=2 * n), friction, cohesion)
+    active = ActiveSet(np.array([1, 1, 1, 0, 0, 0], dtype=bool), np.array([0, 1, -1, 0, 1, -1]))
+    p = solve_active(problem, active)
+    du = jump(problem, p)
+    assert np.abs(du[:3]).max() < 1e-12
+    assert p[3:6].tolist() == [0.0, 0.0, 0.0]
+    assert np.abs(du[[6, 9]]).max() < 1e-12
+    slipping = np.array([1, 2, 4, 5])
+    bound = (cohesion - friction * p[:n])[slipping]
+    np.testing.assert_allclose(p[n + slipping], active.slip[slipping] * bound, rtol=1e-13)
+
+
+def test_residual_and_law_change_nothing():
+    A = np.array([[2.0, 0.5], [0.5, 4.0]])
+    free, p, other = np.array([-2.0, 8.0]), np.array([-0.7, 0.9]), np.array([-0.1, -0.3])
+    problem = ContactProblem(A, free, np.array([0.5]), np.array([0.1]))
+    before = A.copy(), free.copy(), p.copy()
+    first = complementarity_residual(problem, p)
+    complementarity_residual(problem, other)
+    project(problem, p, jump(problem, p))
+    solve_active(problem, active_set(problem, p, jump(problem, p)))
+    assert complementarity_residual(problem, p) == first
+    for array, copy in zip((A, free, p), before, strict=True):
+        np.testing.assert_array_equal(array, copy)
+    with pytest.raises(ValueError, match="read-only"):
+        problem.free[0] = 1.0
+
+
+@pytest.mark.parametrize("name", ["compliance", "free", "friction", "cohesion"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_value_that_is_not_finite_names_its_field(name, value):
+    arrays = {"compliance": np.eye(4), "free": np.zeros(4), "friction": np.zeros(2), "cohesion": np.zeros(2)}
+    arrays[name].flat[1] = value
+    with pytest.raises(SolveError, match=f"contact {name}"):
+        ContactProblem(**arrays)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"free": np.zeros(3)}, "free: shape"),
+        ({"compliance": np.eye(3)}, "compliance: shape"),
+        ({"cohesion": np.zeros(3)}, "cohesion: shape"),
+        ({"friction": np.array([0.1, -0.1])}, "friction: entry 1"),
+        ({"cohesion": np.array([-1.0, 0.0])}, "cohesion: entry 0"),
+        ({"compliance": np.diag([1.0, 1.0, 0.0, 1.0])}, "diagonal: entry 2"),
+    ],
+)
+def test_wrong_problem_is_refused(change, message):
+    arrays = {"compliance": np.eye(4), "free": np.zeros(4), "friction": np.zeros(2), "cohesion": np.zeros(2)}
+    with pytest.raises(SolveError, match=message):
+        ContactProblem(**(arrays | change))
+
+
+def test_traction_that_is_not_finite_is_refused():
+    with pytest.raises(SolveError, match="traction"):
+        complementarity_residual(one_point(1.0, 1.0, 0.5), np.array([np.nan, 0.0]))
+
+
+def test_no_points_at_all():
+    problem = ContactProblem(np.zeros((0, 0)), np.zeros(0))
+    assert complementarity_residual(problem, np.zeros(0)) == 0.0
+    assert states(problem, np.zeros(0)).size == 0

@@ -1,0 +1,207 @@
+"""Semismooth Newton: by hand, on random and crack-like problems, against Lemke, from any start."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crackgrow.contact.coulomb import (
+    OPEN,
+    SLIP,
+    STICK,
+    ActiveSet,
+    ContactProblem,
+    complementarity_residual,
+    jump,
+    project,
+)
+from crackgrow.contact.lemke import solve_by_lemke
+from crackgrow.contact.newton import _through_stick, solve_by_newton, sweep
+from crackgrow.errors import SolveError
+
+AGREEMENT = 1e-8  # of two solvers, relative; Lemke accumulates round-off until its last solve
+EXACT = 1e-10  # complementarity residual of a solution
+
+
+def crack_problem(n, friction, cohesion, ratio, coupling, seed):
+    """Straight crack on (-1, 1) in an infinite plane: exact opening kernel, constant pressure per cell.
+
+    The normal and tangential rows are coupled by a random block that leaves the whole positive definite (coupling
+    below one); the diagonal carries an elastic compliance `ratio` times smaller than that of the solid.
+    """
+    rng = np.random.default_rng(seed)
+    x = (2.0 * np.arange(n) + 1.0) / n - 1.0
+    distance = np.abs(x[:, None] - x)
+    np.fill_diagonal(distance, np.exp(-1.0) / n)  # mean of the logarithm over one cell
+    root = np.sqrt(np.outer(1.0 - x**2, 1.0 - x**2))
+    K = 2.0 / n * np.log((1.0 - np.outer(x, x) + root) / distance)
+    values, vectors = np.linalg.eigh(K)
+    half = vectors * np.sqrt(values) @ vectors.T
+    Q = rng.normal(size=(n, n))
+    C = half @ (Q * (coupling / np.linalg.norm(Q, 2))) @ half
+    A = np.block([[K, C], [C.T, K]]) + np.diag(np.tile(K.diagonal() / ratio, 2))
+    waves = np.cos(np.pi * np.arange(1, 9)[:, None] * x + rng.uniform(0.0, 6.0, (8, 1)))
+    free = np.concatenate([K @ (rng.normal(size=8) @ waves - 1.0), K @ (rng.normal(size=8) @ waves + 0.5)])
+    return ContactProblem(A, free, np.full(n, friction), np.full(n, cohesion))
+
+
+def random_problem(n, friction, seed):
+    """Random positive definite compliance with a column scaling, as quadrature weights make it: not symmetric."""
+    rng = np.random.default_rng(seed)
+    B = rng.normal(size=(2 * n, 2 * n))
+    coupling = np.block([[np.ones((n, n)), np.full((n, n), 0.2)], [np.full((n, n), 0.2), np.ones((n, n))]])
+    weight = rng.uniform(0.5, 2.0, n)
+    A = ((B @ B.T / (2 * n)) * coupling + np.eye(2 * n)) * np.tile(weight, 2)
+    return ContactProblem(A, rng.normal(size=2 * n) - 0.3, np.full(n, friction), rng.uniform(0.0, 0.3, n))
+
+
+def check_both(problem):
+    newton, other = solve_by_newton(problem), solve_by_lemke(problem)
+    assert newton.status == other.status == "solved"
+    assert complementarity_residual(problem, newton.traction) < EXACT
+    assert complementarity_residual(problem, other.traction) < EXACT
+    scale = np.abs(newton.traction).max()
+    np.testing.assert_allclose(newton.traction, other.traction, rtol=0.0, atol=AGREEMENT * scale)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e2, 1e5, 1e8])
+@pytest.mark.parametrize("friction", [0.0, 0.3, 1.0, 3.0])
+@pytest.mark.parametrize(("cohesion", "coupling"), [(0.0, 0.0), (0.1, 0.0), (0.0, 0.5), (0.1, 0.5)])
+def test_crack_agrees_with_lemke(friction, cohesion, ratio, coupling):
+    for n in (2, 9, 30):
+        check_both(crack_problem(n, friction, cohesion, ratio, coupling, seed=n))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_random_problem_agrees_with_lemke(friction, seed):
+    check_both(random_problem(12, friction, seed))
+
+
+def test_rough_free_jump_at_high_friction_is_solved():
+    for seed in range(10):
+        problem = crack_problem(120, 5.0, 0.0, 1e3, 0.3, seed)
+        noise = np.random.default_rng(seed).normal(size=240) * np.abs(problem.free).max()
+        rough = ContactProblem(problem.compliance, problem.free + noise, problem.friction, problem.cohesion)
+        solution = solve_by_newton(rough)
+        assert solution.status == "solved"
+        assert complementarity_residual(rough, solution.traction) < EXACT
+
+
+@pytest.mark.parametrize("seed", [4, 8, 33, 48, 78, 97, 179])
+def test_cycles_are_left(seed):
+    """Strongly coupled problems with noise: without the sweeps these seeds return to an earlier active set for ever."""
+    smooth = crack_problem(3, 5.0, 0.1, 1e6, 0.8, seed)
+    noise = np.random.default_rng(seed).normal(size=6) * np.repeat([1.0, 3.0], 3)
+    free = noise * np.abs(smooth.free).max()
+    problem = ContactProblem(smooth.compliance, free, smooth.friction, smooth.cohesion)
+    solution = solve_by_newton(problem, np.zeros(6))
+    assert solution.status == "solved"
+    assert complementarity_residual(problem, solution.traction) < EXACT
+
+
+def test_a_reversing_point_sticks_first():
+    closed = np.ones(4, dtype=bool)
+    following = _through_stick(ActiveSet(closed, np.array([1, -1, 1, 0])), ActiveSet(closed, np.array([-1, 1, 1, -1])))
+    assert following.slip.tolist() == [0, 0, 1, -1]
+
+
+def test_more_iterations_never_end_with_worse_tractions():
+    problem = crack_problem(20, 2.0, 0.1, 1e6, 0.8, 1)
+    start = 1e3 * np.random.default_rng(1).normal(size=40)
+    changes = []
+    for limit in range(1, 7):
+        p = solve_by_newton(problem, start, max_iterations=limit).traction
+        projected = project(problem, p, jump(problem, p))
+        changes.append(np.abs(projected - p).max() / max(np.abs(projected).max(), np.abs(p).max()))
+    assert changes == sorted(changes, reverse=True)
+    assert changes[-1] < 0.1 * changes[0]
+
+
+def test_without_friction_rows():
+    full = crack_problem(40, 0.0, 0.0, 1e6, 0.0, 3)
+    normal = ContactProblem(full.compliance[:40, :40], full.free[:40])
+    newton, other = solve_by_newton(normal), solve_by_lemke(normal)
+    assert newton.status == other.status == "solved"
+    expected = solve_by_newton(full).traction[:40]
+    for solution in (newton, other):
+        assert complementarity_residual(normal, solution.traction) < EXACT
+        assert set(solution.state.tolist()) == {OPEN, SLIP}
+        np.testing.assert_allclose(solution.traction, expected, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4, 1.0])
+def test_every_start_gives_the_same(friction):
+    problem = crack_problem(50, friction, 0.05, 1e3, 0.4, 7)
+    expected = solve_by_newton(problem).traction
+    scale = np.abs(expected).max()
+    rng = np.random.default_rng(1)
+    starts = [np.zeros(100), expected, np.full(100, -scale), np.full(100, scale), 1e3 * scale * rng.normal(size=100)]
+    for start in starts:
+        before = start.copy()
+        solution = solve_by_newton(problem, start)
+        assert solution.status == "solved"
+        np.testing.assert_allclose(solution.traction, expected, rtol=0.0, atol=1e-11 * scale)
+        np.testing.assert_array_equal(start, before)
+    assert solve_by_newton(problem, expected).iterations == 1
+
+
+def test_all_states_occur_and_tractions_are_admissible():
+    problem = crack_problem(60, 0.4, 0.0, 1e4, 0.2, 11)
+    solution = solve_by_newton(problem)
+    assert set(solution.state.tolist()) == {OPEN, STICK, SLIP}
+    p_n, p_t = solution.traction[:60], solution.traction[60:]
+    assert p_n.max() <= 0.0
+    assert np.all(p_n[solution.state == OPEN] == 0.0)
+    assert np.all(np.abs(p_t) <= -0.4 * p_n + 1e-12 * np.abs(p_n).max())
+
+
+def test_repeated_evaluation_is_equal_bit_for_bit():
+    first, second = crack_problem(30, 0.3, 0.0, 1e3, 0.2, 1), crack_problem(30, 0.9, 0.0, 1e3, 0.2, 2)
+    one = solve_by_newton(first).traction
+    solve_by_newton(second)
+    np.testing.assert_array_equal(solve_by_newton(first).traction, one)
+
+
+def test_limit_is_reported_with_the_best_tractions():
+    problem = crack_problem(60, 0.4, 0.0, 1e3, 0.2, 11)
+    solution = solve_by_newton(problem, np.zeros(120), max_iterations=1)
+    assert solution.status == "limit"
+    assert solution.iterations == 1
+    assert complementarity_residual(problem, solution.traction) > 1e-6
+
+
+def test_problem_without_solution_ends_at_the_limit():
+    A = np.array([[1.0, -2.0], [-2.0, 1.0]])  # pressure on one point closes the other: the overlap has no cure
+    solution = solve_by_newton(ContactProblem(A, np.array([-1.0, -1.0])))
+    assert solution.status == "limit"
+
+
+def test_redundant_points_of_rigid_contact_share_the_load():
+    problem = ContactProblem(np.ones((3, 3)), np.array([-1.0, -1.0, -1.0]))
+    solution = solve_by_newton(problem)
+    assert solution.status == "solved"
+    assert solution.traction.sum() == pytest.approx(-1.0)
+
+
+def test_free_of_load_and_no_points():
+    unloaded = solve_by_newton(ContactProblem(np.eye(4), np.zeros(4), np.full(2, 0.3), np.zeros(2)))
+    assert unloaded.status == "solved"
+    assert not unloaded.traction.any()
+    assert solve_by_newton(ContactProblem(np.zeros((0, 0)), np.zeros(0))).status == "solved"
+
+
+def test_sweeps_approach_the_solution():
+    problem = crack_problem(20, 0.3, 0.0, 1.0, 0.2, 4)
+    expected = solve_by_newton(problem).traction
+    p = np.zeros(40)
+    errors = [np.abs(sweep(problem, p, k) - expected).max() for k in (0, 5, 20, 200)]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 1e-9 * np.abs(expected).max()
+    assert not p.any()
+
+
+@pytest.mark.parametrize("start", [np.zeros(3), np.array([np.nan, 0.0])])
+def test_wrong_start_is_refused(start):
+    with pytest.raises(SolveError, match="contact start"):
+        solve_by_newton(ContactProblem(np.eye(2), np.zeros(2)), start)

@@ -1,0 +1,138 @@
+"""Small hand-made cases and step results: a block with a closed crack across its middle."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from crackgrow.case.model import (
+    Body,
+    Case,
+    ContactNumerics,
+    CoulombContact,
+    Crack,
+    Growth,
+    Material,
+    Numerics,
+    Output,
+    Strength,
+)
+from crackgrow.run.result import (
+    SLIP,
+    STICK,
+    ContactPoints,
+    CrackFaces,
+    CrackPath,
+    Frame,
+    RunEnd,
+    StepResult,
+    TipResult,
+)
+
+WIDTH, HEIGHT = 0.03, 0.05
+N_X, N_Y = 6, 10
+CRACK = np.array([[-0.01, 0.0], [0.01, 0.0]])
+INCREMENT = 0.002
+
+
+def make_case(**output: Any) -> Case:
+    """A block of 30 x 50 mm with a horizontal crack of 20 mm that grows by two steps."""
+    x, y = WIDTH / 2, HEIGHT / 2
+    outline = np.array([[-x, -y], [x, -y], [x, y], [-x, y]])
+    edges = ("bottom", "right", "top", "left")
+    body = Body("rock", outline, edges, Material(1e10, 0.25), Strength(5e5, 1e7, 40.0))
+    settings = {"frames": "every_step", "fields": ("displacement", "stress"), "figures": False} | output
+    return Case(
+        name="block",
+        title="A block with a crack",
+        source="",
+        plane="strain",
+        bodies=(body,),
+        cracks=(Crack("flaw", CRACK, True, True, CoulombContact(0.3, 0.0)),),
+        supports=(),
+        loads=(),
+        load_factors=(1.0,),
+        growth=Growth(2, INCREMENT, "most_critical", "strength", 0.002, True),
+        numerics=Numerics(0.005, 2.0, 3, ContactNumerics(None, "mortar", "newton", 1.0)),
+        output=Output(**settings),
+        resolved={},
+    )
+
+
+def make_frame(scale: float = 1.0) -> Frame:
+    """A grid of quads, one of them halved; the nodes on the crack are double, the upper half slides to the right."""
+    x = np.linspace(-WIDTH / 2, WIDTH / 2, N_X + 1)
+    y = np.linspace(-HEIGHT / 2, HEIGHT / 2, N_Y + 1)
+    points = np.array([(a, b) for b in y for a in x])
+    ids = np.arange(len(points)).reshape(N_Y + 1, N_X + 1)
+    doubled = ids[N_Y // 2][np.abs(x) < CRACK[1, 0] - 1e-9]
+    copies = {int(node): len(points) + k for k, node in enumerate(doubled)}
+    quads = []
+    for row in range(N_Y):
+        for column in range(N_X):
+            cell = [ids[row, column], ids[row, column + 1], ids[row + 1, column + 1], ids[row + 1, column]]
+            quads.append([copies.get(int(n), int(n)) if row >= N_Y // 2 else int(n) for n in cell])
+    points = np.concatenate([points, points[doubled]])
+    displacement = np.column_stack([0.01 * points[:, 1], -0.02 * points[:, 1]]) * scale
+    displacement[len(ids.ravel()) :, 0] += 1e-4 * scale
+    a, b, c, d = quads.pop(0)
+    n_cells = len(quads) + 2
+    stress = np.column_stack([np.linspace(-5e6, 8e6, n_cells), np.full(n_cells, -2e7), np.full(n_cells, 1e6)]) * scale
+    return Frame(
+        points=points,
+        triangles=np.array([[a, b, c], [a, c, d]]),
+        quads=np.array(quads),
+        displacement=displacement,
+        stress=stress,
+        stress_zz=0.25 * (stress[:, 0] + stress[:, 1]),
+        body=np.zeros(n_cells, dtype=np.int64),
+    )
+
+
+def make_paths(n_advances: int) -> tuple[CrackPath, ...]:
+    """The crack after so many advances of its end."""
+    grown = [[0.01 + INCREMENT * k, INCREMENT * k] for k in range(1, n_advances + 1)]
+    points = np.concatenate([CRACK, np.array(grown).reshape(-1, 2)])
+    return (CrackPath("flaw", points, np.array([0, 0, *range(1, n_advances + 1)])),)
+
+
+def make_result(step: int, **changes: Any) -> StepResult:
+    """The result of a step, before its advance."""
+    paths = make_paths(step)
+    points = paths[0].points
+    n = len(points)
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    opening, slip = np.zeros(n), np.linspace(0, 1e-5, n)
+    normal, tangential = np.full(n, -1e6 / 3), np.full(n, 0.1 + 0.2)
+    state = np.where(np.arange(n) % 2 == 0, SLIP, STICK)
+    tips = (
+        TipResult("flaw", "start", points[0], np.nan, 1e6 / 3, 1e5, -2e6, "none", 0.2, 0.0, False),
+        TipResult("flaw", "end", points[-1], 2.0e6, -1e-300, 6e5, -2e6, "tension", 1.2, 70.5, True),
+    )
+    result = StepResult(
+        step=step,
+        load_factor=1.0,
+        cracks=paths,
+        tips=tips,
+        contact=ContactPoints(("flaw",) * n, s, points, normal, tangential, opening, slip, state),
+        faces=(CrackFaces("flaw", s, points, opening, slip, normal, tangential, state),),
+        frame=make_frame(1.0 + step),
+        n_dofs=400 + 8 * step,
+        n_contact=2 * n,
+        contact_iterations=3 + step,
+        contact_status="solved",
+        factorizations=1,
+        residual=1e-12,
+        penetration=1e-15 * (2 if step == 1 else 1),
+        complementarity=1e-10,
+        seconds={"cover": 0.1, "assembly": 0.2, "factorize": 0.3, "contact": 0.4, "criterion": 0.5, "output": 0.0625},
+        warnings=(),
+    )
+    return replace(result, **changes)
+
+
+def make_end(n_advances: int) -> RunEnd:
+    """A run that did all it was asked to."""
+    return RunEnd("completed", "2 growth steps done", make_paths(n_advances))

@@ -1,0 +1,51 @@
+"""Atomic writing: the old file survives a writer that fails."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from crackgrow.results.atomic import OutputError, write_atomically, write_text
+
+
+def test_text_is_written_and_nothing_else_is_left(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "a.csv"
+    write_text(path, "x,y\n1,µ\n")
+    assert path.read_bytes() == "x,y\n1,µ\n".encode()
+    assert [file.name for file in path.parent.iterdir()] == ["a.csv"]
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+def test_writer_that_raises_leaves_the_old_file(tmp_path: Path, error: type[BaseException]) -> None:
+    path = tmp_path / "a.csv"
+    write_text(path, "old")
+
+    def write_half(temporary: Path) -> None:
+        temporary.write_text("ha")
+        raise error
+
+    with pytest.raises(error):
+        write_atomically(path, write_half)
+    assert path.read_text() == "old"
+    assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_system_refusal_is_an_output_error_naming_the_file(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match=r"file/a\.csv") as caught:
+        write_text(tmp_path / "file" / "a.csv", "x")
+    assert caught.value.exit_code == 3
+
+
+def test_full_disk_leaves_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    write_text(path, "old")
+
+    def write(temporary: Path) -> None:
+        temporary.write_text("ha")
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(OutputError, match="No space left"):
+        write_atomically(path, write)
+    assert path.read_text() == "old"

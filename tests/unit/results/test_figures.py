@@ -1,0 +1,71 @@
+"""Figures: they show something, and what they show is scaled as they say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from crackgrow.results import figures
+from tests.unit.results.synthetic import N_X, N_Y, make_case, make_frame, make_paths
+
+WHITE = 0.999
+
+
+def inked_share(path: Path) -> float:
+    """Share of the pixels that aren't white."""
+    return float((imread(path)[..., :3].min(axis=2) < WHITE).mean())
+
+
+def n_colours(path: Path) -> int:
+    return len(np.unique(np.round(imread(path)[..., :3] * 31).astype(int).reshape(-1, 3), axis=0))
+
+
+def test_paths_figure_shows_every_advance_in_its_colour(tmp_path: Path) -> None:
+    figures.draw_paths(tmp_path / "given.png", make_case(), make_paths(0))
+    figures.draw_paths(tmp_path / "grown.png", make_case(), make_paths(5))
+    assert inked_share(tmp_path / "given.png") > 0.2
+    pixels = imread(tmp_path / "given.png")[..., :3]
+    assert np.ptp(pixels, axis=2).max() < 0.02  # black on grey: nothing has grown
+    for colour in figures._step_colours(5).to_rgba(np.arange(1, 6))[:, :3]:
+        distance = np.abs(imread(tmp_path / "grown.png")[..., :3] - colour).max(axis=2)
+        assert (distance < 0.02).sum() > 100
+
+
+def test_sigma_1_figure_shows_the_field(tmp_path: Path) -> None:
+    figures.draw_sigma_1(tmp_path / "figures" / "a.png", make_case(), make_frame(), 3)
+    assert inked_share(tmp_path / "figures" / "a.png") > 0.3
+    assert n_colours(tmp_path / "figures" / "a.png") > 20
+
+
+def test_sigma_1_figure_of_a_body_at_rest(tmp_path: Path) -> None:
+    figures.draw_sigma_1(tmp_path / "a.png", make_case(), make_frame(0.0), 0)
+    assert inked_share(tmp_path / "a.png") > 0.3
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 40.0])
+def test_magnification_draws_the_largest_displacement_as_four_percent(scale: float) -> None:
+    frame = make_frame(scale)
+    moved = frame.displacement + np.array([3.0, -1.0])  # a translation changes nothing
+    factor = figures.displayed_magnification(replace(frame, displacement=moved))
+    largest = np.linalg.norm(frame.displacement - frame.displacement.mean(axis=0), axis=1).max()
+    assert factor * largest / np.ptp(frame.points, axis=0).max() == pytest.approx(0.04, rel=0.05)  # two digits
+
+
+def test_boundary_edges_are_outline_and_both_crack_faces() -> None:
+    frame = make_frame()
+    edges = figures.boundary_edges(frame)
+    # three inner nodes of the crack are double: four edges on either face
+    assert len(edges) == 2 * (N_X + N_Y) + 2 * 4
+
+
+def test_colours_are_symmetrical_for_both_signs_and_ignore_outliers() -> None:
+    values = np.concatenate([np.linspace(-1.0, 2.0, 1000), [1e9]])
+    norm, _ = figures._stress_colours(values)
+    assert norm.vmin == -norm.vmax
+    assert norm.vmax == pytest.approx(1.94, rel=1e-2)
+    norm, _ = figures._stress_colours(np.linspace(1.0, 2.0, 101))
+    assert (norm.vmin, norm.vmax) == (pytest.approx(1.02), pytest.approx(1.98))

@@ -1,0 +1,104 @@
+"""The CSV tables: the columns of the contract, and numbers that read back to the same floats."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.results import tables
+from tests.unit.results.synthetic import make_paths, make_result
+
+
+def read(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_columns_are_those_of_the_contract() -> None:
+    assert (
+        ",".join(tables.TIPS) == "step,crack,tip,x,y,K_I,K_II,sigma_1,sigma_3,criterion,kink_deg,advanced,load_factor"
+    )
+    assert ",".join(tables.PATHS) == "crack,vertex,x,y,step"
+    assert (
+        ",".join(tables.CONTACT) == "step,crack,s,x,y,normal_traction,tangential_traction,opening,slip,state"
+    )  # fmt: skip
+    assert ",".join(tables.STEPS) == (
+        "step,n_dofs,n_contact,contact_iterations,factorizations,residual,penetration,seconds_cover,seconds_assembly,"
+        "seconds_factorize,seconds_contact,seconds_criterion,seconds_output,load_factor,contact_status,complementarity"
+    )
+
+
+def test_tips_round_trip(tmp_path: Path) -> None:
+    table = tables.Table(tmp_path / "tips.csv", tables.TIPS)
+    result = make_result(1)
+    table.extend(tables.tip_rows(result))
+    table.write()
+    start, end = read(table.path)
+    assert list(start) == list(tables.TIPS)
+    assert start["K_I"] == "nan"
+    assert float(start["K_II"]) == result.tips[0].K_II
+    assert (start["criterion"], start["advanced"]) == ("none", "false")
+    assert (end["crack"], end["tip"], end["criterion"], end["advanced"]) == ("flaw", "end", "tension", "true")
+    assert (float(end["x"]), float(end["y"])) == tuple(result.tips[1].point)
+    assert float(end["K_II"]) == -1e-300
+    assert float(end["kink_deg"]) == 70.5
+
+
+def test_contact_round_trip(tmp_path: Path) -> None:
+    table = tables.Table(tmp_path / "contact.csv", tables.CONTACT)
+    result = make_result(2)
+    table.extend(tables.contact_rows(result))
+    table.write()
+    rows = read(table.path)
+    for name in ("s", "normal_traction", "tangential_traction", "opening", "slip"):
+        np.testing.assert_array_equal([float(row[name]) for row in rows], getattr(result.contact, name))
+    np.testing.assert_array_equal([(float(row["x"]), float(row["y"])) for row in rows], result.contact.points)
+    assert [row["state"] for row in rows] == ["slip", "stick", "slip", "stick"]
+    assert {row["step"] for row in rows} == {"2"}
+
+
+def test_paths_round_trip(tmp_path: Path) -> None:
+    table = tables.Table(tmp_path / "paths.csv", tables.PATHS)
+    (path,) = make_paths(2)
+    table.extend(tables.path_rows([path]))
+    table.write()
+    rows = read(table.path)
+    np.testing.assert_array_equal([(float(row["x"]), float(row["y"])) for row in rows], path.points)
+    assert [(row["crack"], row["vertex"], row["step"]) for row in rows] == [
+        ("flaw", "0", "0"),
+        ("flaw", "1", "0"),
+        ("flaw", "2", "1"),
+        ("flaw", "3", "2"),
+    ]
+
+
+def test_step_row_adds_the_frames_to_the_output_phase(tmp_path: Path) -> None:
+    table = tables.Table(tmp_path / "steps.csv", tables.STEPS)
+    table.extend([tables.step_row(make_result(0), 0.0), tables.step_row(make_result(1), 0.25)])
+    table.replace_last(tables.step_row(make_result(1), 0.5))
+    table.write()
+    first, second = read(table.path)
+    assert (first["step"], second["step"]) == ("0", "1")
+    assert float(first["seconds_output"]) == 0.0625
+    assert float(second["seconds_output"]) == 0.5625
+    assert (second["contact_status"], second["n_dofs"]) == ("solved", "408")
+    assert float(second["complementarity"]) == 1e-10
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.1 + 0.2, "0.30000000000000004"),
+        (np.float64(1) / 3, "0.3333333333333333"),
+        (float("nan"), "nan"),
+        (np.int64(3), "3"),
+        (True, "true"),
+        ("plain", "plain"),
+        ('a,"b"', '"a,""b"""'),
+    ],
+)
+def test_format_value(value: tables.Value, text: str) -> None:
+    assert tables.format_value(value) == text

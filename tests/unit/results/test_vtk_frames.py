@@ -1,0 +1,83 @@
+"""Frames read back by pyvista: double nodes, tensor components, time series."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyvista
+
+from crackgrow.results import vtk_frames
+from crackgrow.results.atomic import OutputError
+from tests.unit.results.synthetic import make_frame, make_result
+
+
+def test_frame_round_trip_keeps_double_nodes(tmp_path: Path) -> None:
+    frame = make_frame()
+    path = tmp_path / "frames" / "step_0000.vtu"
+    vtk_frames.write_frame(path, frame, ("displacement", "stress"))
+    grid = pyvista.read(path)
+    np.testing.assert_array_equal(grid.points[:, :2], frame.points)
+    assert len(np.unique(grid.points, axis=0)) == grid.n_points - 3
+    np.testing.assert_array_equal(grid.point_data["displacement"][:, :2], frame.displacement)
+    np.testing.assert_array_equal(grid.point_data["displacement"][:, 2], 0)
+    np.testing.assert_array_equal(grid.celltypes, [5, 5] + [9] * len(frame.quads))
+    np.testing.assert_array_equal(grid.get_cell(1).point_ids, frame.triangles[1])
+    np.testing.assert_array_equal(grid.get_cell(2).point_ids, frame.quads[0])
+    np.testing.assert_array_equal(grid.cell_data["body"], frame.body)
+
+
+def test_stress_is_a_named_tensor_with_its_principal_values(tmp_path: Path) -> None:
+    frame = make_frame()
+    vtk_frames.write_frame(tmp_path / "a.vtu", frame, ("stress",))
+    grid = pyvista.read(tmp_path / "a.vtu")
+    array = grid.GetCellData().GetArray("stress")
+    assert [array.GetComponentName(k) for k in range(6)] == ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]
+    stress = grid.cell_data["stress"]
+    np.testing.assert_array_equal(stress[:, [0, 1, 3]], frame.stress)
+    np.testing.assert_array_equal(stress[:, 2], frame.stress_zz)
+    tensors = np.array([[[xx, xy], [xy, yy]] for xx, yy, xy in frame.stress])
+    principal = np.linalg.eigvalsh(tensors)  # ascending
+    np.testing.assert_allclose(grid.cell_data["sigma_3"], principal[:, 0], rtol=1e-12)
+    np.testing.assert_allclose(grid.cell_data["sigma_1"], principal[:, 1], rtol=1e-9)  # cancellation near zero
+    assert "displacement" not in grid.point_data
+
+
+def test_cracks_round_trip(tmp_path: Path) -> None:
+    result = make_result(2)
+    vtk_frames.write_cracks(tmp_path / "a.vtp", result)
+    mesh = pyvista.read(tmp_path / "a.vtp")
+    face = result.faces[0]
+    assert mesh.n_cells == 1
+    np.testing.assert_array_equal(mesh.get_cell(0).point_ids, range(4))
+    np.testing.assert_array_equal(mesh.points[:, :2], face.points)
+    for name in ("s", "opening", "slip", "normal_traction", "tangential_traction", "state"):
+        np.testing.assert_array_equal(mesh.point_data[name], getattr(face, name))
+    np.testing.assert_array_equal(mesh.cell_data["crack"], [0])
+    assert list(mesh.field_data["crack_names"]) == ["flaw"]
+
+
+def test_series_lists_files_at_their_steps(tmp_path: Path) -> None:
+    files = [(step, f"frames/step_{step:04d}.vtu") for step in (0, 7)]
+    for _, name in files:
+        vtk_frames.write_frame(tmp_path / name, make_frame(), ())
+    vtk_frames.write_series(tmp_path / "block.pvd", files)
+    reader = pyvista.get_reader(tmp_path / "block.pvd")
+    assert reader.time_values == [0.0, 7.0]
+    assert [dataset.path for dataset in reader.datasets] == ["frames/step_0000.vtu", "frames/step_0007.vtu"]
+    assert reader.read()[0].n_points == len(make_frame().points)
+
+
+def test_failing_vtk_writer_raises_and_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.vtu"
+    path.write_text("old")
+
+    class Refusing(vtk_frames.vtkXMLUnstructuredGridWriter):
+        def Write(self) -> int:
+            return 0
+
+    monkeypatch.setattr(vtk_frames, "vtkXMLUnstructuredGridWriter", Refusing)
+    with pytest.raises(OutputError, match=r"a\.vtu"):
+        vtk_frames.write_frame(path, make_frame(), ())
+    assert path.read_text() == "old"

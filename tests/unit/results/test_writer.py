@@ -1,0 +1,142 @@
+"""The writer: what was solved is on disk after every step, whatever ends the run."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+import pyvista
+
+from crackgrow.results import writer as writer_module
+from crackgrow.results.writer import RunWriter
+from tests.unit.results.synthetic import make_case, make_end, make_result
+
+
+@pytest.fixture(autouse=True)
+def dumped_case(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(writer_module, "dump_case", lambda case: f"title: {case.title}\n")
+
+
+def column(path: Path, name: str) -> list[str]:
+    with path.open(newline="") as file:
+        return [row[name] for row in csv.DictReader(file)]
+
+
+def files(folder: Path) -> set[str]:
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+
+
+TABLES = {"case.yaml", "run.log", "tips.csv", "paths.csv", "contact.csv", "steps.csv"}
+
+
+def test_everything_is_on_disk_after_every_step(tmp_path: Path) -> None:
+    writer = RunWriter(make_case(), tmp_path / "out")
+    writer.begin()
+    assert files(tmp_path / "out") == TABLES
+    assert (tmp_path / "out" / "case.yaml").read_text() == "title: A block with a crack\n"
+    for step in range(3):
+        writer.add(make_result(step))
+        steps = [str(k) for k in range(step + 1)]
+        assert column(tmp_path / "out" / "steps.csv", "step") == steps
+        assert column(tmp_path / "out" / "tips.csv", "step") == [k for k in steps for _ in range(2)]
+        assert sorted(set(column(tmp_path / "out" / "contact.csv", "step"))) == steps
+        assert len(column(tmp_path / "out" / "paths.csv", "x")) == 2 + step
+        for series in ("block.pvd", "block_cracks.pvd"):
+            assert pyvista.get_reader(tmp_path / "out" / series).time_values == list(range(step + 1))
+        assert pyvista.read(tmp_path / "out" / "frames" / f"step_{step:04d}.vtu").n_points > 0
+        assert f"step {step}/2" in (tmp_path / "out" / "run.log").read_text()
+    writer.finish(make_end(3))
+    assert len(column(tmp_path / "out" / "paths.csv", "x")) == 5
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["status"] == "completed"
+    frames = {f"{kind}/step_000{k}.{end}" for k in range(3) for kind, end in (("frames", "vtu"), ("cracks", "vtp"))}
+    assert files(tmp_path / "out") == TABLES | frames | {"block.pvd", "block_cracks.pvd", "summary.json"}
+
+
+def test_frame_time_is_added_to_the_output_phase(tmp_path: Path) -> None:
+    writer = RunWriter(make_case(), tmp_path)
+    writer.begin()
+    writer.add(make_result(0))
+    assert float(column(tmp_path / "steps.csv", "seconds_output")[0]) > 0.0625
+    writer = RunWriter(make_case(frames="none"), tmp_path)
+    writer.begin()
+    writer.add(make_result(0))
+    assert float(column(tmp_path / "steps.csv", "seconds_output")[0]) == 0.0625
+
+
+@pytest.mark.parametrize(("policy", "steps"), [("every_step", [0, 1, 2]), ("first_and_last", [0, 2]), ("none", [])])
+def test_frames_policy(tmp_path: Path, policy: str, steps: list[int]) -> None:
+    writer = RunWriter(make_case(frames=policy), tmp_path)
+    writer.begin()
+    for step in range(3):
+        writer.add(make_result(step))
+    writer.finish(make_end(2))
+    assert sorted(path.name for path in tmp_path.glob("frames/*")) == [f"step_{step:04d}.vtu" for step in steps]
+    assert sorted(path.name for path in tmp_path.glob("cracks/*")) == [f"step_{step:04d}.vtp" for step in steps]
+    assert [path.name for path in tmp_path.glob("*.pvd") if "cracks" not in path.name] == ["block.pvd"] * bool(steps)
+
+
+def test_first_and_last_of_one_step_is_one_frame(tmp_path: Path) -> None:
+    writer = RunWriter(make_case(frames="first_and_last"), tmp_path)
+    writer.begin()
+    writer.add(make_result(0))
+    writer.finish(make_end(0))
+    assert pyvista.get_reader(tmp_path / "block.pvd").time_values == [0.0]
+
+
+def test_failed_run_keeps_what_was_solved(tmp_path: Path) -> None:
+    writer = RunWriter(make_case(figures=True), tmp_path)
+    writer.begin()
+    writer.add(make_result(0))
+    writer.add(make_result(1))
+    writer.fail("contact did not converge")
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert (summary["status"], summary["stop_reason"]) == ("failed", "contact did not converge")
+    assert summary["steps_done"] == 2
+    assert column(tmp_path / "steps.csv", "step") == ["0", "1"]
+    assert len(column(tmp_path / "paths.csv", "x")) == 3
+    assert {"figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png"} <= files(tmp_path)
+    assert "failed: contact did not converge" in (tmp_path / "run.log").read_text()
+
+
+def test_run_that_fails_before_its_first_step(tmp_path: Path) -> None:
+    writer = RunWriter(make_case(figures=True), tmp_path)
+    writer.begin()
+    writer.fail("no support")
+    assert files(tmp_path) == TABLES | {"summary.json"}
+    assert json.loads((tmp_path / "summary.json").read_text())["steps_done"] == 0
+
+
+def test_step_without_mesh_and_cracks_writes_no_frame(tmp_path: Path) -> None:
+    writer = RunWriter(make_case(figures=True), tmp_path)
+    writer.begin()
+    writer.add(make_result(0, frame=None, faces=()))
+    writer.finish(make_end(0))
+    assert files(tmp_path) == TABLES | {"summary.json", "figures/path.png"}
+
+
+def test_figure_that_fails_does_not_take_the_summary_with_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise ValueError("no figure")
+
+    monkeypatch.setattr("crackgrow.results.figures.draw_paths", refuse)
+    writer = RunWriter(make_case(figures=True), tmp_path)
+    writer.begin()
+    writer.add(make_result(0))
+    with pytest.raises(ValueError, match="no figure"):
+        writer.finish(make_end(0))
+    assert json.loads((tmp_path / "summary.json").read_text())["status"] == "completed"
+
+
+def test_earlier_results_go_and_other_files_stay(tmp_path: Path) -> None:
+    mine = ["summary.json", "block.pvd", "frames/step_0007.vtu", "frames/step_12345.vtu", "frames/.step_0008.tmp.vtu",
+            "cracks/step_0007.vtp", "figures/path.png", ".tips.tmp.csv"]  # fmt: skip
+    others = ["notes.txt", "other.pvd", "frames/step_1.vtu", "frames/mine.vtu", "figures/own.png",
+              "cracks/step_0007.csv", "checkpoint/state"]  # fmt: skip
+    for name in mine + others:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(name)
+    RunWriter(make_case(), tmp_path).begin()
+    assert files(tmp_path) == TABLES | set(others)
+    assert all((tmp_path / name).read_text() == name for name in others)

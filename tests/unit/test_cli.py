@@ -1,0 +1,203 @@
+"""The command line: exit codes, messages, and what is left on disk however a run ends."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Generator
+from pathlib import Path
+
+import pytest
+
+import crackgrow
+from crackgrow import cli
+from crackgrow.case.model import Case
+from crackgrow.errors import CaseError, Fault, GeometryError, SolveError
+from crackgrow.results import writer
+from crackgrow.run.result import RunEnd, StepResult
+from tests.unit.results.synthetic import make_case, make_end, make_result
+
+Grow = Callable[[Case], Generator[StepResult, None, RunEnd]]
+
+
+def growing(case: Case) -> Generator[StepResult, None, RunEnd]:
+    for step in range(3):
+        yield make_result(step, warnings=("thin cell",))
+    return make_end(3)
+
+
+def breaking(error: BaseException, after: int = 2) -> Grow:
+    def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
+        for step in range(after):
+            yield make_result(step)
+        raise error
+
+    return grow
+
+
+@pytest.fixture
+def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a case file, as the current directory; loading and growing are stand-ins."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "block.yaml").write_text("title: A block with a crack\n")
+    monkeypatch.setattr(crackgrow, "load_case", lambda path, overrides: make_case(frames="none"), raising=False)
+    monkeypatch.setattr(crackgrow, "grow", growing, raising=False)
+    monkeypatch.setattr(writer, "dump_case", lambda case: "title: A block with a crack\n")
+    return tmp_path
+
+
+def summary(folder: Path) -> dict[str, object]:
+    loaded: dict[str, object] = json.loads((folder / "summary.json").read_text())
+    return loaded
+
+
+def n_rows(path: Path) -> int:
+    return len(path.read_text().splitlines()) - 1
+
+
+def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["run", "block.yaml"]) == 0
+    assert summary(scene / "outputs" / "block")["status"] == "completed"
+    out, err = capsys.readouterr()
+    assert err == ""
+    lines = out.splitlines()
+    assert lines[0] == "block: A block with a crack"
+    assert [line.split(",")[0] for line in lines[1:4]] == ["step 0/2", "step 1/2", "step 2/2"]
+    assert "advanced: flaw end (tension)" in lines[1]
+    assert lines[4:] == ["warning: thin cell", "completed: 2 growth steps done", "results in outputs/block"]
+
+
+def test_quiet_prints_nothing(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["run", "block.yaml", "--quiet", "--out", "here"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert n_rows(scene / "here" / "steps.csv") == 3
+
+
+def test_terminal_has_one_live_line(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    assert cli.main(["run", "block.yaml"]) == 0
+    live = capsys.readouterr().out.splitlines()[1:5]
+    assert [text for text in live if "step 2/2, 3 tip advances, 5 contact iterations" in text]
+    assert "[##########..........] step 1/2" in "".join(live)
+
+
+def test_overrides_reach_the_loader(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = []
+
+    def load(path: Path, overrides: list[str]) -> Case:
+        seen.append((path, overrides))
+        return make_case(frames="none")
+
+    monkeypatch.setattr(crackgrow, "load_case", load)
+    assert cli.main(["run", "block.yaml", "--set", "growth.steps=3", "--set", "plane=stress"]) == 0
+    assert seen == [(Path("block.yaml"), ["growth.steps=3", "plane=stress"])]
+
+
+def test_wrong_case_lists_its_faults_and_touches_nothing(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def load(path: Path, overrides: list[str]) -> Case:
+        raise CaseError([Fault("block.yaml", 3, "plane", "wrong"), Fault("--set", None, "x", "no such key")])
+
+    monkeypatch.setattr(crackgrow, "load_case", load)
+    (scene / "outputs" / "block").mkdir(parents=True)
+    (scene / "outputs" / "block" / "summary.json").write_text("old")
+    assert cli.main(["run", "block.yaml"]) == 2
+    assert capsys.readouterr() == ("", "block.yaml:3: plane: wrong\n--set: x: no such key\n")
+    assert (scene / "outputs" / "block" / "summary.json").read_text() == "old"
+    assert cli.main(["check", "block.yaml"]) == 2
+
+
+@pytest.mark.parametrize("error", [SolveError("contact did not converge"), GeometryError("contact did not converge")])
+def test_unsolvable_keeps_the_results_so_far(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    monkeypatch.setattr(crackgrow, "grow", breaking(error))
+    assert cli.main(["run", "block.yaml"]) == 3
+    assert capsys.readouterr().err == "crackgrow: contact did not converge\n"
+    written = summary(scene / "outputs" / "block")
+    assert (written["status"], written["stop_reason"], written["steps_done"]) == (
+        "failed",
+        "contact did not converge",
+        2,
+    )
+    assert n_rows(scene / "outputs" / "block" / "steps.csv") == 2
+
+
+def test_run_that_ends_as_failed_exits_3(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
+        yield make_result(0)
+        return RunEnd("failed", "singular", ())
+
+    monkeypatch.setattr(crackgrow, "grow", grow)
+    assert cli.main(["run", "block.yaml"]) == 3
+    assert capsys.readouterr().err == "crackgrow: singular\n"
+
+
+def test_interrupted_run_keeps_the_results_so_far(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crackgrow, "grow", breaking(KeyboardInterrupt()))
+    assert cli.main(["run", "block.yaml"]) == 130
+    written = summary(scene / "outputs" / "block")
+    assert (written["status"], written["stop_reason"], written["steps_done"]) == ("failed", "interrupted", 2)
+
+
+def test_bug_shows_its_traceback_and_keeps_the_results(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(crackgrow, "grow", breaking(ZeroDivisionError("oops")))
+    assert cli.main(["run", "block.yaml"]) == 1
+    err = capsys.readouterr().err
+    assert "internal error" in err
+    assert "Traceback" in err
+    assert summary(scene / "outputs" / "block")["stop_reason"] == "internal error: ZeroDivisionError: oops"
+
+
+def test_folder_that_cannot_be_written_exits_3(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (scene / "file").write_text("")
+    assert cli.main(["run", "block.yaml", "--out", "file/inner"]) == 3
+    err = capsys.readouterr().err
+    assert "file/inner" in err
+    assert "Traceback" not in err
+
+
+def test_disk_that_fills_during_a_run_exits_3(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def add(self: writer.RunWriter, result: StepResult) -> None:
+        raise cli.OutputError("cannot write tips.csv: No space left on device")
+
+    monkeypatch.setattr(writer.RunWriter, "add", add)
+    assert cli.main(["run", "block.yaml"]) == 3
+    assert capsys.readouterr().err == "crackgrow: cannot write tips.csv: No space left on device\n"
+    assert summary(scene / "outputs" / "block")["status"] == "failed"
+
+
+def test_missing_case_file_suggests_a_near_name(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["run", "blok.yaml"]) == 2
+    assert "blok.yaml: no such case file; did you mean block.yaml?" in capsys.readouterr().err
+    assert cli.main(["check", "."]) == 2
+    assert "is a folder" in capsys.readouterr().err
+
+
+def test_check_says_what_is_modelled(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["check", "block.yaml"]) == 0
+    assert "body rock" in capsys.readouterr().out
+    assert not (scene / "outputs").exists()
+
+
+def test_threads_are_limited_unless_the_user_says_otherwise(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "4")
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    cli.main(["check", "block.yaml"])
+    assert (os.environ["OMP_NUM_THREADS"], os.environ["OPENBLAS_NUM_THREADS"]) == ("4", "1")
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        cli.main(["--version"])
+    assert caught.value.code == 0
+    assert capsys.readouterr().out == f"crackgrow {crackgrow.__version__}\n"

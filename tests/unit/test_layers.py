@@ -1,0 +1,96 @@
+"""Imports go up the layers only; results read what a run gives, never the solver."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
+LAYERS = (
+    "errors", "case", "geometry", "cover", "approximation", "quadrature", "solid", "contact", "fracture", "run",
+    "results", "study", "cli",
+)  # fmt: skip
+RESULTS_MAY_READ = ("crackgrow", "crackgrow.errors", "crackgrow.case", "crackgrow.run.result", "crackgrow.results")
+ENTRIES = ("__init__.py", "__main__.py")  # the concept map with its lazy names, and python -m
+
+
+def modules() -> list[Path]:
+    return sorted(path for path in ROOT.rglob("*.py") if str(path.relative_to(ROOT)) not in ENTRIES)
+
+
+def imported(source: str, package: str) -> Iterator[str]:
+    """Dotted names that a module of `package` imports, also inside functions and under TYPE_CHECKING."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parents = package.split(".")[: len(package.split(".")) - node.level + 1]
+                base = ".".join([*parents, *([node.module] if node.module else [])])
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def faults(layer: str, source: str, package: str) -> list[str]:
+    """Imports of a module in `layer` that break the order."""
+    own = [name for name in imported(source, package) if name.split(".")[0] == "crackgrow"]
+    if layer == "results":
+        return [name for name in own if not any(allowed_in_results(name, home) for home in RESULTS_MAY_READ)]
+    below = LAYERS[: LAYERS.index(layer) + 1]
+    return [name for name in own if name.count(".") and name.split(".")[1] not in (*below, "__version__")]
+
+
+def allowed_in_results(name: str, home: str) -> bool:
+    if home == "crackgrow":  # the version alone
+        return name in ("crackgrow", "crackgrow.__version__")
+    return name == home or name.startswith(f"{home}.")
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda path: str(path.relative_to(ROOT)))
+def test_module_imports_from_its_layer_and_below(path: Path) -> None:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    package = ".".join(["crackgrow", *parts[:-1]])
+    assert parts[0] in LAYERS, f"{parts[0]} is no known layer"
+    assert faults(parts[0], path.read_text(encoding="utf-8"), package) == []
+
+
+@pytest.mark.parametrize(
+    ("layer", "source"),
+    [
+        ("solid", "from crackgrow.contact import law"),
+        ("solid", "import crackgrow.run.loop"),
+        ("solid", "def f():\n    from ..fracture import tips"),
+        ("case", "from crackgrow.geometry.polyline import length"),
+        ("errors", "from crackgrow import case"),
+        ("run", "from crackgrow.results import tables"),
+        ("results", "from crackgrow.run import grow"),
+        ("results", "from crackgrow.solid import elasticity"),
+        ("results", "from crackgrow import grow"),
+    ],
+)
+def test_import_up_the_layers_is_found(layer: str, source: str) -> None:
+    assert faults(layer, source, f"crackgrow.{layer}")
+
+
+@pytest.mark.parametrize(
+    ("layer", "source"),
+    [
+        ("solid", "from crackgrow.case.model import Case\nimport numpy\nfrom . import stiffness"),
+        ("results", "from crackgrow import __version__\nfrom crackgrow.run.result import StepResult"),
+        ("cli", "import crackgrow\nfrom crackgrow.results.log import step_line"),
+    ],
+)
+def test_import_down_the_layers_is_allowed(layer: str, source: str) -> None:
+    assert faults(layer, source, f"crackgrow.{layer}") == []
+
+
+def test_importing_the_package_and_the_command_line_is_cheap() -> None:
+    heavy = ("numpy", "scipy", "matplotlib", "pyvista", "vtkmodules", "shapely")
+    code = f"import sys, crackgrow.cli; sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
