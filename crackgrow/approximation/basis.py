@@ -14,10 +14,11 @@ from scipy.sparse import csr_array
 from crackgrow.approximation.mls import mls
 from crackgrow.approximation.tip_functions import tip_functions
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, tip_angle
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, tip_angle
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+_Columns = tuple[Ints, Floats, Floats]  # ids (n, k), values (n, k), gradients (n, k, 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +43,9 @@ def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
         enriched = np.where(ids >= 0, first[ids], -1)
         rows = np.flatnonzero((enriched >= 0).any(axis=1))
         if len(rows):
-            blocks.append(_enriched(cover, tip, rows, enriched, points, elements, phi, dphi))
+            reference = cover.elements.reference[elements[rows]]
+            products = _products(tip, points[rows], reference, enriched[rows], phi[rows], dphi[rows])
+            blocks.append(_spread(products, rows, len(points)))
     return Basis(
         np.concatenate([block[0] for block in blocks], axis=1),
         np.concatenate([block[1] for block in blocks], axis=1),
@@ -50,27 +53,29 @@ def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
     )
 
 
-def _enriched(cover, tip, rows, enriched, points, elements, phi, dphi):  # type: ignore[no-untyped-def]
-    """Products of MLS and tip functions in all rows, in as many columns as the longest row needs."""
+def _products(tip: Tip, points: Floats, reference: Floats, first: Ints, phi: Floats, dphi: Floats) -> _Columns:
+    """Products of MLS functions phi (n, w) and tip functions; `first` (n, w) numbers their fours, -1 for none."""
     n = len(points)
-    count = (enriched[rows] >= 0).sum(axis=1)
-    slots = np.argsort(enriched[rows] < 0, axis=1, kind="stable")[:, : int(count.max())]
-    first = np.take_along_axis(enriched[rows], slots, axis=1)
-    w = np.where(first >= 0, np.take_along_axis(phi[rows], slots, axis=1), 0.0)
-    dw = np.where(first[:, :, None] >= 0, np.take_along_axis(dphi[rows], slots[:, :, None], axis=1), 0.0)
-    r, t = tip_angle(tip, points[rows], cover.elements.reference[elements[rows]])
-    f, df = tip_functions(tip, r, t)
-    numbers = np.arange(N_TIP_FUNCTIONS)
-    ids = np.where(first[:, :, None] >= 0, first[:, :, None] + numbers, -1).reshape(len(rows), -1)
-    values = (w[:, :, None] * f[:, None, :]).reshape(len(rows), -1)
-    gradients = (dw[:, :, None, :] * f[:, None, :, None] + w[:, :, None, None] * df[:, None, :, :]).reshape(
-        len(rows), -1, 2
-    )
-    all_ids = np.full((n, ids.shape[1]), -1, dtype=np.int64)
-    all_values = np.zeros((n, ids.shape[1]))
-    all_gradients = np.zeros((n, ids.shape[1], 2))
-    all_ids[rows], all_values[rows], all_gradients[rows] = ids, values, gradients
-    return all_ids, all_values, all_gradients
+    longest = int((first >= 0).sum(axis=1).max())
+    slots = np.argsort(first < 0, axis=1, kind="stable")[:, :longest]
+    first = np.take_along_axis(first, slots, axis=1)
+    w = np.where(first >= 0, np.take_along_axis(phi, slots, axis=1), 0.0)
+    dw = np.where(first[:, :, None] >= 0, np.take_along_axis(dphi, slots[:, :, None], axis=1), 0.0)
+    f, df = tip_functions(tip, *tip_angle(tip, points, reference))
+    ids = np.where(first[:, :, None] >= 0, first[:, :, None] + np.arange(N_TIP_FUNCTIONS), -1)
+    values = w[:, :, None] * f[:, None, :]
+    gradients = dw[:, :, None, :] * f[:, None, :, None] + w[:, :, None, None] * df[:, None, :, :]
+    return ids.reshape(n, -1), values.reshape(n, -1), gradients.reshape(n, -1, 2)
+
+
+def _spread(columns: _Columns, rows: Ints, n: int) -> _Columns:
+    """Columns for the points `rows` only as columns for all n points."""
+    if len(rows) == n:
+        return columns
+    k = columns[0].shape[1]
+    ids, values, gradients = np.full((n, k), -1, dtype=np.int64), np.zeros((n, k)), np.zeros((n, k, 2))
+    ids[rows], values[rows], gradients[rows] = columns
+    return ids, values, gradients
 
 
 def value_matrix(basis: Basis, n_functions: int) -> csr_array:
@@ -80,7 +85,8 @@ def value_matrix(basis: Basis, n_functions: int) -> csr_array:
 
 def gradient_matrices(basis: Basis, n_functions: int) -> tuple[csr_array, csr_array]:
     """Sparse matrices (n, n_functions) of the derivatives by x and by y, per metre."""
-    return tuple(_matrix(basis.ids, basis.gradients[:, :, axis], n_functions) for axis in range(2))  # type: ignore[return-value]
+    by_x, by_y = (_matrix(basis.ids, basis.gradients[:, :, axis], n_functions) for axis in range(2))
+    return by_x, by_y
 
 
 def _matrix(ids: Ints, entries: Floats, n_functions: int) -> csr_array:

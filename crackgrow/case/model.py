@@ -99,7 +99,7 @@ class Growth:
 
     steps: int
     increment: float  # m
-    advance: Literal["most_critical", "all"]
+    advance: Literal["most_critical", "in_turn", "all"]
     criterion: Literal["strength", "directional_strength"]
     tip_radius: float  # m, Shepard averaging radius
     unload_between_steps: bool

@@ -145,7 +145,7 @@ def _read_float(
         context.report.fault(path, message)
         return INVALID
     try:
-        value = convert(node.text) + 0.0  # no negative zero
+        value = convert(node.text)
     except QuantityError as error:
         context.report.fault(path, f"{quoted(node.text)} {error}; wanted: {spec.describe()}{hint}")
         return INVALID

@@ -161,7 +161,7 @@ GROWTH: Final = Mapping(
     {
         "steps": Field(Integer(Bounds(at_least=1, at_most=10000)), "growth steps"),
         "increment": Field(Quantity("length", POSITIVE), "length added to a tip in one step"),
-        "advance": Field(Choice(("most_critical", "all")), "tips that advance in a step"),
+        "advance": Field(Choice(("most_critical", "in_turn", "all")), "tips that advance in a step"),
         "criterion": Field(CRITERION, "when and where a tip grows"),
         "tip_stress": Field(TIP_STRESS, "how the stress at a tip is taken"),
         "unload_between_steps": Field(Switch(), "start every step from the unloaded state", True),

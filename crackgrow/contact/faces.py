@@ -7,6 +7,7 @@ are p(s) = sum N_k(s) p_k; gap and slip of a contact point are averages of the j
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,7 +112,7 @@ def _mortar_on_crack(cover: Cover, crack: int, spacing: float) -> _Part:
     path = cover.cracks[crack]
     ends = stretch_ends(path.points)
     nodes, stretch = [], []
-    for number, (start, end) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+    for number, (start, end) in enumerate(pairwise(ends.tolist())):
         n_pieces = max(round((end - start) / spacing), 2)
         nodes.append(start + (end - start) * np.arange(1, n_pieces) / n_pieces)
         stretch.append(np.full(n_pieces - 1, number))
@@ -164,30 +165,35 @@ def _on_edges(cover: Cover, crack: int, owner: Ints, s: Floats) -> FacePoints:
 
 def _joined(cover: Cover, touching: list[int], parts: list[_Part]) -> ContactFaces:
     """All cracks' contact points as one set."""
-    points = [part[0] for part in parts]
-    joined = FacePoints(
-        *(
-            np.concatenate([getattr(p, name) for p in points]) if points else empty
-            for name, empty in (
-                ("crack", np.empty(0, dtype=np.int64)),
-                ("s", np.empty(0)),
-                ("points", np.empty((0, 2))),
-                ("normal", np.empty((0, 2))),
-                ("plus", np.empty(0, dtype=np.int64)),
-                ("minus", np.empty(0, dtype=np.int64)),
-            )
-        )
-    )
-    none = np.empty(0)
-    crack = np.concatenate([np.full(len(part[3]), index) for index, part in zip(touching, parts, strict=True)] or [none])
-    s = np.concatenate([part[3] for part in parts] or [none])
-    positions = [points_at(cover, index, part[3]).points for index, part in zip(touching, parts, strict=True)]
+    if not parts:
+        return _NO_FACES
+    points, lengths, functions, nodes, stretches = zip(*parts, strict=True)
+    positions = [points_at(cover, index, s).points for index, s in zip(touching, nodes, strict=True)]
     return ContactFaces(
-        joined,
-        np.concatenate([part[1] for part in parts] or [none]),
-        csr_array(block_diag([part[2] for part in parts])) if parts else csr_array((0, 0)),
-        crack.astype(np.int64),
-        s,
-        np.concatenate([part[4] for part in parts] or [none]).astype(np.int64),
-        np.concatenate(positions or [np.empty((0, 2))]),
+        points=FacePoints(
+            crack=np.concatenate([p.crack for p in points]),
+            s=np.concatenate([p.s for p in points]),
+            points=np.concatenate([p.points for p in points]),
+            normal=np.concatenate([p.normal for p in points]),
+            plus=np.concatenate([p.plus for p in points]),
+            minus=np.concatenate([p.minus for p in points]),
+        ),
+        lengths=np.concatenate(lengths),
+        functions=csr_array(block_diag(functions)),
+        crack=np.repeat(np.array(touching), [len(s) for s in nodes]),
+        s=np.concatenate(nodes),
+        stretch=np.concatenate(stretches),
+        positions=np.concatenate(positions),
     )
+
+
+_NO_NUMBERS, _NO_PLACES, _NO_IDS = np.empty(0), np.empty((0, 2)), np.empty(0, dtype=np.int64)
+_NO_FACES = ContactFaces(
+    FacePoints(_NO_IDS, _NO_NUMBERS, _NO_PLACES, _NO_PLACES, _NO_IDS, _NO_IDS),
+    _NO_NUMBERS,
+    csr_array((0, 0)),
+    _NO_IDS,
+    _NO_NUMBERS,
+    _NO_IDS,
+    _NO_PLACES,
+)

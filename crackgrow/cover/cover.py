@@ -36,7 +36,7 @@ class Cover:
     patch_nodes: Ints  # (n_patches, 2) node of each physical patch
     tips: tuple[Tip, ...]
     tip_ends: tuple[tuple[int, bool], ...]  # crack index and whether the tip is at its end, tip by tip
-    tip_function_ids: tuple[Ints, ...]  # tip by tip (n_patches,): first of four functions of a patch, -1 if not singular
+    tip_function_ids: tuple[Ints, ...]  # tip by tip (n_patches,): first of a patch's four functions, or -1
     n_functions: int
 
     @property
@@ -115,4 +115,4 @@ def _singular_patches(
     plus, minus = functions[edges.plus[last]], functions[edges.minus[last]]
     candidates = np.intersect1d(plus[plus >= 0], minus[minus >= 0])
     inside = np.abs(nodes[candidates] - crack.tip_point(at_end)).max(axis=1) < lattice.support - TOUCH
-    return candidates[inside]
+    return np.asarray(candidates[inside])

@@ -184,7 +184,7 @@ def _inside_points(polygons: NDArray[np.object_]) -> Floats:
     centroids = shapely.get_coordinates(shapely.centroid(polygons))
     outside = ~shapely.contains_xy(polygons, centroids)
     centroids[outside] = shapely.get_coordinates(shapely.point_on_surface(polygons[outside]))
-    return centroids
+    return np.asarray(centroids)
 
 
 def _tip_extension(lattice: Lattice, crack: CrackGeometry, at_end: bool) -> shapely.LineString:
@@ -236,7 +236,13 @@ def _edges_on_cracks(
         if abs(lengths.sum() - total) > 1e-6 * max(total, 1.0):
             raise GeometryError(f"crack '{crack.name}': {lengths.sum():g} of its {total:g} spacings could be cut")
         found.append(
-            CrackEdges(np.stack([s, s + lengths], axis=1)[order], points[order], segment[order], plus[order], minus[order])
+            CrackEdges(
+                s=np.stack([s, s + lengths], axis=1)[order],
+                points=points[order],
+                segment=segment[order],
+                plus=plus[order],
+                minus=minus[order],
+            )
         )
     return tuple(found), is_crack
 

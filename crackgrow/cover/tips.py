@@ -76,4 +76,4 @@ def crack_angle(tip: Tip, r: Floats) -> Floats:
     tau = (-half_b + np.sqrt(np.maximum(half_b * half_b - a * c, 0.0))) / a
     at = start + tau[:, None] * step
     winding = np.arctan2(-at[:, 1], -at[:, 0])  # from the direction straight back: no jump there
-    return np.pi + winding
+    return np.asarray(np.pi + winding)

@@ -16,8 +16,9 @@ from crackgrow.geometry.polyline import exit_point, tip_direction
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TIE = 1e-6
-"""Tips whose criticality differs by less than this fraction are equally critical: the first one grows."""
+TIE = 1e-3
+"""Tips whose criticality differs by less than this fraction, which is what the discretization resolves, are equally
+critical: the first one grows. A symmetric scene then never depends on round-off."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,14 +28,25 @@ class GrowingCrack:
     crack: Crack
     steps: Ints  # (n,)
 
+    def n_advances(self, at_end: bool) -> int:
+        """How often the tip at the end (or start) has advanced."""
+        given = np.flatnonzero(self.steps == 0)
+        return int(len(self.steps) - 1 - given[-1] if at_end else given[0])
 
-def growing_tips(criticality: Floats, advance: Literal["most_critical", "all"]) -> Ints:
-    """Numbers of the tips that grow, given each tip's criticality (n,): those from 1 on, or the largest of them."""
+
+def growing_tips(criticality: Floats, n_advances: Ints, advance: Literal["most_critical", "in_turn", "all"]) -> Ints:
+    """Numbers of the tips that grow, of those whose criticality (n,) is 1 or more.
+
+    `all`: all of them; `most_critical`: the largest; `in_turn`: the largest of those that have advanced least often,
+    `n_advances` (n,).
+    """
     critical = np.flatnonzero(criticality >= 1.0)
     if advance == "all" or len(critical) == 0:
         return critical
+    if advance == "in_turn":
+        critical = critical[n_advances[critical] == n_advances[critical].min()]
     largest = criticality[critical].max()
-    return critical[criticality[critical] >= largest * (1.0 - TIE)][:1]
+    return np.asarray(critical[criticality[critical] >= largest * (1.0 - TIE)][:1])
 
 
 def advanced(
@@ -57,5 +69,11 @@ def advanced(
         raise GeometryError(f"crack '{crack.name}' would cross itself at ({end[0]:g}, {end[1]:g}) m")
     points = np.vstack([crack.points, end]) if at_end else np.vstack([end, crack.points])
     steps = np.append(growing.steps, step) if at_end else np.insert(growing.steps, 0, step)
-    tips = {"tip_at_end" if at_end else "tip_at_start": on_boundary is None}
-    return GrowingCrack(replace(crack, points=points, **tips), steps), on_boundary is not None
+    tip_left = on_boundary is None
+    longer = replace(
+        crack,
+        points=points,
+        tip_at_start=crack.tip_at_start if at_end else tip_left,
+        tip_at_end=tip_left if at_end else crack.tip_at_end,
+    )
+    return GrowingCrack(longer, steps), not tip_left

@@ -23,6 +23,13 @@ LARGEST_KINK = np.deg2rad(150.0)
 """Rays further back than this lie along the crack itself."""
 
 
+LEAST_RESISTANCE = 1e-30
+"""Pa: a resistance below this, or negative, is used up."""
+
+LARGEST_RATIO = 1e30
+"""Ratio that stands for a resistance that is used up."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Verdict:
     """What a criterion says of a tip."""
@@ -47,7 +54,7 @@ def strength(field: TipField, limits: Strength) -> Verdict:
     tension = s1 / limits.tension
     phi = np.deg2rad(limits.friction_angle)
     centre, radius = 0.5 * (s1 + s3), 0.5 * (s1 - s3)
-    shear = _ratio(radius, limits.cohesion * np.cos(phi) - centre * np.sin(phi))
+    shear = float(_ratio(radius, limits.cohesion * np.cos(phi) - centre * np.sin(phi)))
     compression_axis = axis + 0.5 * np.pi - field.direction
     if tension >= 1.0 or tension >= shear:
         kink = _forward(compression_axis)  # perpendicular to sigma_1
@@ -86,8 +93,7 @@ def hoop_and_shear(field: TipField, stress: Floats) -> tuple[Floats, Floats]:
 
 def _ratio(load: Floats | float, resistance: Floats | float) -> Floats:
     """Load over resistance; a resistance that is used up (by tension) counts as none."""
-    small = np.finfo(float).tiny
-    return np.asarray(load / np.maximum(resistance, small))
+    return np.asarray(np.minimum(load / np.maximum(resistance, LEAST_RESISTANCE), LARGEST_RATIO))
 
 
 def _forward(angle: float) -> float:

@@ -7,11 +7,14 @@ a least-squares fit over the last straight stretch.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crackgrow.contact.faces import points_at, stretch_ends
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths
+
+Floats = NDArray[np.float64]
 
 FIT_SPACINGS = 3.0
 """The fit reaches this many spacings back from the tip, to the end of the last stretch, or to half of the crack."""

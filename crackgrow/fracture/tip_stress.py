@@ -8,6 +8,7 @@ points happen to lie; points outside of the body do not count. The radius is a m
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +43,7 @@ class TipField:
     ring: Floats  # (n, 3) Pa: at distance R
 
 
-def tip_field(cover: Cover, materials: list[PlaneElasticity], u: Floats, tip: int, radius: float) -> TipField:
+def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip: int, radius: float) -> TipField:
     """Stress round tip number `tip` of the cover within `radius` (m); `u` (n_dofs,) m."""
     point, rotation = cover.tips[tip].point, cover.tips[tip].rotation
     direction = float(np.arctan2(rotation[0, 1], rotation[0, 0]))
@@ -54,9 +55,9 @@ def tip_field(cover: Cover, materials: list[PlaneElasticity], u: Floats, tip: in
     points = (point + toward[:, None] * r[None, :, None]).reshape(-1, 2)
     elements = locate(cover.lattice, cover.elements, points)
     inside = elements >= 0
-    stress = np.full((len(points), 3), np.nan)
-    stress[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
-    stress = stress.reshape(N_RAYS, -1, 3)
+    found = np.full((len(points), 3), np.nan)
+    found[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
+    stress = found.reshape(N_RAYS, -1, 3)
     weights = inside.reshape(N_RAYS, -1)[:, :-1] * weight
     filled = np.nan_to_num(stress[:, :-1])
     along = np.einsum("nr,nrc->nc", weights, filled)

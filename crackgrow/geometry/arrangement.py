@@ -52,7 +52,8 @@ def ring_vertices(polygons: NDArray[np.object_]) -> tuple[Floats, Ints, Ints]:
     position = np.cumsum(keep) - 1
     first_of_ring = position[np.searchsorted(ring_of_point, np.arange(len(rings)))]
     following = np.arange(n) + 1
-    end = np.where(last[np.minimum(following, n - 1)], first_of_ring[ring_of_point], position[np.minimum(following, n - 1)])
+    following = np.minimum(following, n - 1)
+    end = np.where(last[following], first_of_ring[ring_of_point], position[following])
     return coordinates[keep], end[keep].astype(np.int64), polygon_of_ring[ring_of_point[keep]].astype(np.int64)
 
 
@@ -62,7 +63,7 @@ def vertex_ids(points: Floats) -> Ints:
     _, column = np.unique(scaled[:, 0], return_inverse=True)
     rows, row = np.unique(scaled[:, 1], return_inverse=True)
     _, ids = np.unique(column * len(rows) + row, return_inverse=True)
-    return ids.astype(np.int64)
+    return np.asarray(ids, dtype=np.int64)
 
 
 def edges_between(start: Ints, end: Ints, face: Ints) -> Edges:

@@ -25,7 +25,7 @@ def kink_angles(points: Floats) -> Floats:
     """Signed turning angle at every inner vertex of `points` (n, 2): (n - 2,) radians, counter-clockwise positive."""
     t = segment_directions(points)
     cross = t[:-1, 0] * t[1:, 1] - t[:-1, 1] * t[1:, 0]
-    return np.arctan2(cross, np.sum(t[:-1] * t[1:], axis=1))
+    return np.asarray(np.arctan2(cross, np.sum(t[:-1] * t[1:], axis=1)))
 
 
 def tip_direction(points: Floats, at_end: bool) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
@@ -19,7 +21,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def make_frame(cover: Cover, materials: list[PlaneElasticity], u: Floats) -> Frame:
+def make_frame(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats) -> Frame:
     """Mesh of all elements: whole tiles as quads, polygons as triangles; `u` (n_dofs,) m."""
     elements = cover.elements
     triangles, triangle_element = triangulate(elements.polygons)

@@ -35,7 +35,7 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
             if ended is None:
                 raise
             return ended  # the body that a crack broke through can't be held any more
-        chosen = _choose(case.growth, solution, last=step == n_steps or ended is not None)
+        chosen = _choose(case.growth, cracks, solution, last=step == n_steps or ended is not None)
         yield _reported(scene, cracks, solution, step, chosen)
         if ended is not None:
             return ended
@@ -49,12 +49,13 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
     return RunEnd("completed", done, _paths(cracks))
 
 
-def _choose(growth: Growth | None, solution: StepSolution, last: bool) -> Ints:
+def _choose(growth: Growth | None, cracks: tuple[GrowingCrack, ...], solution: StepSolution, last: bool) -> Ints:
     """Numbers of the tips that advance after this solve; none after the last."""
     if growth is None or last:
         return np.empty(0, dtype=np.int64)
     criticality = [tip.verdict.criticality for tip in solution.tips if tip.verdict is not None]
-    return growing_tips(np.array(criticality), growth.advance)
+    n_advances = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
+    return growing_tips(np.array(criticality), np.array(n_advances, dtype=np.int64), growth.advance)
 
 
 def _advance(
@@ -69,9 +70,7 @@ def _advance(
         index, at_end = solution.cover.tip_ends[tip]
         verdict = solution.tips[tip].verdict
         assert verdict is not None
-        grown[index], out = advanced(
-            grown[index], at_end, verdict.kink, growth.increment, step, scene.regions[0]
-        )
+        grown[index], out = advanced(grown[index], at_end, verdict.kink, growth.increment, step, scene.regions[0])
         if out:
             left = f"crack '{grown[index].crack.name}' ({'end' if at_end else 'start'})"
     return tuple(grown), left
@@ -80,10 +79,10 @@ def _advance(
 def _reported(
     scene: Scene, cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, chosen: Ints
 ) -> StepResult:
+    """The step's result; frames are made where files or figures can want them."""
     start = time.perf_counter()
-    frames = scene.case.output.frames
-    n_steps = scene.case.growth.steps if scene.case.growth else 0
-    wanted = frames == "every_step" or (frames == "first_and_last" and step in (0, n_steps))
+    output = scene.case.output
+    wanted = output.frames != "none" or output.figures
     return step_result(scene, _paths(cracks), solution, step, chosen, wanted, start)
 
 

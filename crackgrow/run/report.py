@@ -35,7 +35,7 @@ def step_result(
     outcome = solution.outcome
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
     faces = tuple(_faces(solution, scene, index) for index in range(len(paths)))
-    frame = make_frame(solution.cover, list(scene.materials), outcome.u) if with_frame else None
+    frame = make_frame(solution.cover, scene.materials, outcome.u) if with_frame else None
     return StepResult(
         step=step,
         load_factor=scene.case.load_factors[-1],

@@ -26,7 +26,5 @@ def make_scene(case: Case) -> Scene:
     """Place the lattice and evaluate the materials of a case."""
     corners = np.concatenate([body.outline for body in case.bodies])
     lattice = place_lattice(corners.min(axis=0), corners.max(axis=0), case.numerics.spacing, case.numerics.support)
-    materials = tuple(
-        plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies
-    )
+    materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     return Scene(case, lattice, materials, tuple(shapely.Polygon(body.outline) for body in case.bodies))

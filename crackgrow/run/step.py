@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
 from crackgrow.contact.jump import contact_operators
@@ -23,7 +24,6 @@ from crackgrow.fracture.criteria import CRITERIA, Verdict
 from crackgrow.fracture.stress_intensity import from_face_displacement
 from crackgrow.fracture.tip_stress import tip_field
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.quadrature.elements import element_points
 from crackgrow.run.scene import Scene
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
@@ -56,13 +56,13 @@ class StepSolution:
 
 def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: float) -> StepSolution:
     """Solve one configuration. Raises GeometryError or SolveError where that can't be done."""
-    case, seconds = scene.case, {}
+    case = scene.case
+    seconds: dict[str, float] = {}
     with _timed(seconds, "cover"):
         outlines = [scene.lattice.to_lattice(body.outline) for body in case.bodies]
         cover = build_cover(scene.lattice, outlines, [_geometry(scene, g) for g in growing])
     with _timed(seconds, "assembly"):
-        points = element_points(cover, case.numerics.quadrature)
-        matrix, _ = stiffness(cover, list(scene.materials), points, case.numerics.quadrature)
+        matrix = stiffness(cover, scene.materials, case.numerics.quadrature)
         rows, given = constraints(cover, case.bodies, case.supports)
         loads = load_factor * load_vector(cover, case.bodies, case.loads)
     with _timed(seconds, "factorize"):
@@ -114,7 +114,7 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
 def _residual(
     system: ConstrainedSystem,
     loads: Floats,
-    operators: tuple,  # type: ignore[type-arg]
+    operators: tuple[csr_array, csr_array],
     weights: Floats,
     outcome: ContactOutcome,
 ) -> float:
@@ -135,7 +135,7 @@ def _tip_state(scene: Scene, cover: Cover, u: Floats, tip: int) -> TipState:
     strength = case.bodies[0].strength
     if case.growth is None or strength is None:
         return TipState(k_1, k_2, None)
-    field = tip_field(cover, list(scene.materials), u, tip, case.growth.tip_radius)
+    field = tip_field(cover, scene.materials, u, tip, case.growth.tip_radius)
     return TipState(k_1, k_2, CRITERIA[case.growth.criterion](field, strength))
 
 

@@ -35,6 +35,4 @@ def plane_elasticity(young: float, poisson: float, plane: Literal["strain", "str
         c11 = young / (1.0 - poisson**2)
         return PlaneElasticity(c11, poisson * c11, shear_modulus, 0.0, e_prime)
     scale = young / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
-    return PlaneElasticity(
-        scale * (1.0 - poisson), scale * poisson, shear_modulus, poisson, young / (1.0 - poisson**2)
-    )
+    return PlaneElasticity(scale * (1.0 - poisson), scale * poisson, shear_modulus, poisson, young / (1.0 - poisson**2))

@@ -38,9 +38,7 @@ class Factorization:
         scaling = diags_array(self._scale)
         scaled = csc_array(scaling @ matrix @ scaling)
         try:
-            self._lu = splu(
-                scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-            )
+            self._lu = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         except RuntimeError as error:
             raise SolveError(f"the stiffness matrix is singular ({error}): is a body free to move?") from error
 

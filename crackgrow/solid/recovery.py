@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,19 +19,17 @@ def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> 
     """Displacement (n, 2) m at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
     basis = basis_at(cover, points, elements)
     coefficients = np.append(u, (0.0, 0.0)).reshape(-1, 2)  # the last row serves the index -1
-    return np.einsum("nk,nkc->nc", basis.values, coefficients[basis.ids])
+    return np.asarray(np.einsum("nk,nkc->nc", basis.values, coefficients[basis.ids]))
 
 
-def stress_at(
-    cover: Cover, materials: list[PlaneElasticity], u: Floats, points: Floats, elements: Ints
-) -> Floats:
+def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:
     """Stress (n, 3) Pa: xx, yy, xy at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
     basis = basis_at(cover, points, elements)
     coefficients = np.append(u, (0.0, 0.0)).reshape(-1, 2)
     gradient = np.einsum("nkd,nkc->ncd", basis.gradients, coefficients[basis.ids])  # du_c / dx_d
     strain = np.stack([gradient[:, 0, 0], gradient[:, 1, 1], gradient[:, 0, 1] + gradient[:, 1, 0]], axis=1)
     matrices = np.stack([material.matrix for material in materials])[cover.elements.body[elements]]
-    return np.einsum("nij,nj->ni", matrices, strain)
+    return np.asarray(np.einsum("nij,nj->ni", matrices, strain))
 
 
 def principal(stress: Floats) -> tuple[Floats, Floats, Floats]:

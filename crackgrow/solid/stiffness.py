@@ -6,35 +6,32 @@ material (and per kind of tile). The others are integrated one by one.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from crackgrow.approximation.basis import Basis, basis_at
+from crackgrow.approximation.basis import basis_at
 from crackgrow.approximation.mls import mls
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tiles import tile_lines
-from crackgrow.quadrature.elements import ElementPoints, plain_elements
+from crackgrow.quadrature.elements import ElementPoints, element_points, enriched_elements, plain_elements
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.elasticity import PlaneElasticity
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Block = tuple[Ints, Ints, Floats]  # rows, columns, entries
 
 
-def stiffness(
-    cover: Cover, materials: list[PlaneElasticity], points: ElementPoints, n: int
-) -> tuple[csc_array, Basis]:
-    """Stiffness K (n_dofs, n_dofs) in Pa, per metre of thickness, and the basis at `points`.
+def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc_array:
+    """Stiffness K (n_dofs, n_dofs) in Pa, per metre of thickness, with `n` Gauss points per direction.
 
-    `points` are those of `element_points(cover, n)`, `materials` one per body.
+    `materials` are one per body.
     """
-    basis = basis_at(cover, points.points, points.element)
-    blocks = _plain(cover, materials, n) + _cut(cover, materials, points, basis)
+    blocks = _plain(cover, materials, n) + _cut(cover, materials, element_points(cover, n))
     row, column, entry = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
-    matrix = csc_array((entry, (row, column)), shape=(cover.n_dofs, cover.n_dofs))
-    matrix.sum_duplicates()
-    return matrix, basis
+    return csc_array((entry, (row, column)), shape=(cover.n_dofs, cover.n_dofs))
 
 
 def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:
@@ -51,9 +48,8 @@ def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats
     return matrix
 
 
-def _plain(
-    cover: Cover, materials: list[PlaneElasticity], n: int
-) -> list[tuple[Ints, Ints, Floats]]:
+def _plain(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> list[Block]:
+    """The element matrix of every kind of whole tile, once per body and at all of its places."""
     lattice = cover.lattice
     elements = np.flatnonzero(plain_elements(cover))
     local, weights = square(n)
@@ -76,22 +72,25 @@ def _plain(
     return blocks
 
 
-def _cut(
-    cover: Cover, materials: list[PlaneElasticity], points: ElementPoints, basis: Basis
-) -> list[tuple[Ints, Ints, Floats]]:
+def _cut(cover: Cover, materials: Sequence[PlaneElasticity], points: ElementPoints) -> list[Block]:
+    """Element matrices one by one; elements with the same tip functions share the evaluation of the basis."""
     area = points.weights * cover.lattice.spacing**2
-    starts = np.flatnonzero(np.diff(points.element, prepend=-1))
-    ends = np.append(starts[1:], len(points.element))
+    pattern = (1 << np.arange(len(cover.tips))) @ enriched_elements(cover)[:, points.element]
     blocks = []
-    for start, end in zip(starts, ends, strict=True):
-        used = np.flatnonzero(basis.ids[start] >= 0)
-        material = materials[cover.elements.body[points.element[start]]]
-        matrix = element_matrix(material, basis.gradients[start:end, used], area[start:end])
-        blocks.append(_scattered(basis.ids[start, used][None], matrix[None]))
+    for kind in np.unique(pattern):
+        chosen = np.flatnonzero(pattern == kind)
+        element, weights = points.element[chosen], area[chosen]
+        basis = basis_at(cover, points.points[chosen], element)
+        starts = np.flatnonzero(np.diff(element, prepend=-1))
+        for start, end in zip(starts, np.append(starts[1:], len(element)), strict=True):
+            used = basis.ids[start] >= 0
+            gradients = basis.gradients[start:end] if used.all() else basis.gradients[start:end, used]
+            matrix = element_matrix(materials[cover.elements.body[element[start]]], gradients, weights[start:end])
+            blocks.append(_scattered(basis.ids[start, used][None], matrix[None]))
     return blocks
 
 
-def _scattered(ids: Ints, matrices: Floats) -> tuple[Ints, Ints, Floats]:
+def _scattered(ids: Ints, matrices: Floats) -> Block:
     """Rows, columns and entries of element matrices (m, k, 2, k, 2) for functions ids (m, k)."""
     dofs = 2 * ids[:, :, None] + np.arange(2)
     shape = matrices.shape

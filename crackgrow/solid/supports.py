@@ -53,7 +53,10 @@ def component_matrix(values: csr_array, component: int) -> csr_array:
 
 
 def edge_points(cover: Cover, bodies: tuple[Body, ...], region: EdgeRegion) -> tuple[Floats, Floats, Ints, Floats]:
-    """Gauss points along a region: points (n, 2) lattice, lengths (n,) m, elements (n,), arc length (n,) m from its start."""
+    """Gauss points along a region of an edge.
+
+    Points (n, 2) in lattice coordinates, their lengths (n,) m, elements (n,), arc length (n,) m from the edge's start.
+    """
     body_index = next(index for index, body in enumerate(bodies) if body.name == region.body)
     body = bodies[body_index]
     outlines = cover.elements.outlines
@@ -75,9 +78,7 @@ def edge_points(cover: Cover, bodies: tuple[Body, ...], region: EdgeRegion) -> t
     return points, length, np.repeat(elements, POINTS_PER_EDGE), s
 
 
-def _clipped(
-    cover: Cover, ends: Floats, elements: Ints, region: EdgeRegion, axis: int
-) -> tuple[Floats, Ints]:
+def _clipped(cover: Cover, ends: Floats, elements: Ints, region: EdgeRegion, axis: int) -> tuple[Floats, Ints]:
     """The edges (n, 2, 2) cut off at the region's coordinates along `axis`."""
     low, high = -np.inf, np.inf
     if region.start is not None:

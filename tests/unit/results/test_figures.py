@@ -26,13 +26,14 @@ def n_colours(path: Path) -> int:
 
 def test_paths_figure_shows_every_advance_in_its_colour(tmp_path: Path) -> None:
     figures.draw_paths(tmp_path / "given.png", make_case(), make_paths(0))
-    figures.draw_paths(tmp_path / "grown.png", make_case(), make_paths(5))
+    figures.draw_paths(tmp_path / "grown.png", make_case(), make_paths(2))
     assert inked_share(tmp_path / "given.png") > 0.2
     pixels = imread(tmp_path / "given.png")[..., :3]
     assert np.ptp(pixels, axis=2).max() < 0.02  # black on grey: nothing has grown
-    for colour in figures._step_colours(5).to_rgba(np.arange(1, 6))[:, :3]:
-        distance = np.abs(imread(tmp_path / "grown.png")[..., :3] - colour).max(axis=2)
-        assert (distance < 0.02).sum() > 100
+    grown = imread(tmp_path / "grown.png")[..., :3]
+    specimen = grown[:, : int(0.82 * grown.shape[1])]  # without the colour bar
+    for colour in figures._step_colours(2).to_rgba(np.arange(1, 3))[:, :3]:
+        assert (np.abs(specimen - colour).max(axis=2) < 0.02).sum() > 80  # more than the vertex alone
 
 
 def test_sigma_1_figure_shows_the_field(tmp_path: Path) -> None:

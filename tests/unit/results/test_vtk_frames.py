@@ -75,6 +75,7 @@ def test_failing_vtk_writer_raises_and_leaves_the_old_file(tmp_path: Path, monke
 
     class Refusing(vtk_frames.vtkXMLUnstructuredGridWriter):
         def Write(self) -> int:
+            Path(self.GetFileName()).write_text("half")
             return 0
 
     monkeypatch.setattr(vtk_frames, "vtkXMLUnstructuredGridWriter", Refusing)
