@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
 
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.tiles import tile_lines, tile_outlines, tiles_at, touched_tiles
@@ -94,7 +96,8 @@ def cut_elements(lattice: Lattice, bodies: list[Floats], cracks: list[CrackGeome
     tips = np.array([crack.tip_point(at_end) for crack in cracks for at_end in crack.tips()]).reshape(-1, 2)
     outline_segments = [np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in bodies]
     crack_segments = [np.stack([crack.points[:-1], crack.points[1:]], axis=1) for crack in cracks]
-    segments = np.concatenate(outline_segments + crack_segments)
+    extensions = [_tip_extension(lattice, crack, at_end)[None] for crack in cracks for at_end in crack.tips()]
+    segments = np.concatenate(outline_segments + crack_segments + extensions)
     touched = touched_tiles(lattice, segments, tips)
     regions = [shapely.Polygon(outline) for outline in bodies]
     shapely.prepare(regions)
@@ -104,7 +107,6 @@ def cut_elements(lattice: Lattice, bodies: list[Floats], cracks: list[CrackGeome
         [
             tile_outlines(lattice, np.argwhere(touched)),
             shapely.linestrings(segments),
-            [_tip_extension(lattice, crack, at_end) for crack in cracks for at_end in crack.tips()],
         ]
     )
     polygons = faces_of(lines)
@@ -187,8 +189,8 @@ def _inside_points(polygons: NDArray[np.object_]) -> Floats:
     return np.asarray(centroids)
 
 
-def _tip_extension(lattice: Lattice, crack: CrackGeometry, at_end: bool) -> shapely.LineString:
-    """The line from a tip straight on through the tip's tile: no element then has a crack that ends inside of it."""
+def _tip_extension(lattice: Lattice, crack: CrackGeometry, at_end: bool) -> Floats:
+    """The segment (2, 2) from a tip straight on through its tile, so that no element has a crack ending inside."""
     tip = crack.tip_point(at_end)
     direction = tip_direction(crack.points, at_end)
     far = tip + 2.0 * direction
@@ -202,7 +204,7 @@ def _tip_extension(lattice: Lattice, crack: CrackGeometry, at_end: bool) -> shap
     beyond = [length for length in exits if length > ON_LINE]
     if not beyond:
         raise GeometryError(f"crack '{crack.name}': its tip lies outside of the lattice")
-    return shapely.LineString([tip, tip + (min(beyond) + GRID) * direction])
+    return np.stack([tip, tip + (min(beyond) + GRID) * direction])
 
 
 def _edges_on_cracks(
@@ -218,8 +220,8 @@ def _edges_on_cracks(
         lines = shapely.linestrings(np.stack([crack.points[:-1], crack.points[1:]], axis=1))
         segment, hit = tree.query(lines, predicate="dwithin", distance=ON_LINE)
         hit, first = np.unique(hit, return_index=True)
-        segment = segment[first]
-        edge = candidates[hit]
+        chain = _chain(vertices, edges.a[candidates[hit]], edges.b[candidates[hit]], crack)
+        edge, segment = candidates[hit[chain]], segment[first[chain]]
         along = segment_directions(crack.points)[segment]
         forward = np.sum((vertices[edges.b[edge]] - vertices[edges.a[edge]]) * along, axis=1) > 0
         start = np.where(forward, edges.a[edge], edges.b[edge])
@@ -227,24 +229,40 @@ def _edges_on_cracks(
         offset = np.sum((vertices[start] - crack.points[segment]) * along, axis=1)
         lengths = np.sum((vertices[end] - vertices[start]) * along, axis=1)
         s = arc_lengths(crack.points)[segment] + offset
-        order = np.argsort(s)
-        plus = np.where(forward, edges.left[edge], edges.right[edge])
-        minus = np.where(forward, edges.right[edge], edges.left[edge])
-        points = np.stack([vertices[start], vertices[end]], axis=1)
         is_crack[edge] = True
-        total = arc_lengths(crack.points)[-1]
-        if abs(lengths.sum() - total) > 1e-6 * max(total, 1.0):
-            raise GeometryError(f"crack '{crack.name}': {lengths.sum():g} of its {total:g} spacings could be cut")
         found.append(
             CrackEdges(
-                s=np.stack([s, s + lengths], axis=1)[order],
-                points=points[order],
-                segment=segment[order],
-                plus=plus[order],
-                minus=minus[order],
+                s=np.stack([s, s + lengths], axis=1),
+                points=np.stack([vertices[start], vertices[end]], axis=1),
+                segment=segment,
+                plus=np.where(forward, edges.left[edge], edges.right[edge]),
+                minus=np.where(forward, edges.right[edge], edges.left[edge]),
             )
         )
     return tuple(found), is_crack
+
+
+def _chain(vertices: Floats, a: Ints, b: Ints, crack: CrackGeometry) -> Ints:
+    """The edges (a, b), of those that lie on a crack within rounding, that lead from its start to its end, in order.
+
+    A lattice line closer to the crack than rounding gives more than one way; the shortest is taken.
+    """
+    used, ends = np.unique(np.concatenate([a, b]), return_inverse=True)
+    ends = ends.reshape(2, -1)
+    n = len(used)
+    lengths = np.hypot(*(vertices[b] - vertices[a]).T)
+    graph = coo_array((lengths, tuple(ends)), shape=(n, n)).tocsr()
+    number = coo_array((np.arange(1, len(a) + 1), tuple(ends)), shape=(n, n)).tocsr()
+    first, last = (int(np.argmin(np.hypot(*(vertices[used] - p).T))) for p in crack.points[[0, -1]])
+    length, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
+    total = arc_lengths(crack.points)[-1]
+    if abs(length[last] - total) > 1e-6 * max(total, 1.0):
+        raise GeometryError(f"crack '{crack.name}' could not be cut along all of its {total:g} spacings")
+    chain = []
+    while last != first:
+        chain.append(number[before[last], last] + number[last, before[last]] - 1)
+        last = int(before[last])
+    return np.array(chain[::-1], dtype=np.int64)
 
 
 def _edges_on_outlines(bodies: list[Floats], vertices: Floats, edges: Edges, body: Ints) -> OutlineEdges:

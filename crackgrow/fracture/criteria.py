@@ -1,7 +1,9 @@
 """Growth criteria: when a tip grows, and where to.
 
 Strength: tension cut-off sigma_1 >= T0, else Mohr-Coulomb shear |tau| >= c - tan(phi) sigma_n (paper, section 3).
-`strength` applies it to the averaged stress of the tip, `directional_strength` to hoop tension and shear on every ray.
+`strength` applies it to the averaged stress of the tip, `directional_strength` to hoop tension and shear on every ray,
+averaged from the tip to the same radius with the same weights. (The stress at the ray's end alone would follow the
+direction of K less well: the stress parallel to the crack weighs more there.)
 """
 
 from __future__ import annotations
@@ -81,6 +83,14 @@ def directional_strength(field: TipField, limits: Strength) -> Verdict:
 
 
 CRITERIA: dict[str, Criterion] = {"strength": strength, "directional_strength": directional_strength}
+
+MEAN_FACTOR_I = {"strength": 1.5279, "directional_strength": 2.0}
+"""Averaged s_yy sqrt(2 pi R) / K_I in pure mode I: over the disc, and along the ray straight ahead."""
+
+
+def effective_toughness(criterion: str, tension: float, radius: float) -> float:
+    """K_I (Pa sqrt(m)) at which a criterion lets mode I grow, for a tensile strength (Pa) and a radius R (m)."""
+    return float(tension * np.sqrt(2.0 * np.pi * radius) / MEAN_FACTOR_I[criterion])
 
 
 def hoop_and_shear(field: TipField, stress: Floats) -> tuple[Floats, Floats]:

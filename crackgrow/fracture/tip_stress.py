@@ -28,9 +28,6 @@ N_RAYS = 72
 N_RADIAL = 6
 """Points on a ray."""
 
-MEAN_FACTOR_I = 1.5279
-"""<s_yy> sqrt(2 pi R) / K_I of the disc average with the weight area / distance."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TipField:
@@ -40,7 +37,6 @@ class TipField:
     angles: Floats  # (n,) rad, of the rays
     rays: Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray (nan where the ray is outside)
     mean: Floats  # (3,) Pa: Shepard average over the disc
-    ring: Floats  # (n, 3) Pa: at distance R
 
 
 def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip: int, radius: float) -> TipField:
@@ -49,7 +45,7 @@ def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip
     direction = float(np.arctan2(rotation[0, 1], rotation[0, 0]))
     angles = np.pi * (2.0 * np.arange(N_RAYS) + 1.0 - N_RAYS) / N_RAYS
     x, w = gauss(N_RADIAL)
-    r = np.append(x**2, 1.0) * radius / cover.lattice.spacing  # r^(-1/2) dr is a polynomial in x; the last is R
+    r = x**2 * radius / cover.lattice.spacing  # r^(-1/2) dr is a polynomial in x
     weight = 2.0 * x * w  # area / distance = dr dt
     toward = np.stack([np.cos(direction + angles), np.sin(direction + angles)], axis=1)
     points = (point + toward[:, None] * r[None, :, None]).reshape(-1, 2)
@@ -58,14 +54,8 @@ def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip
     found = np.full((len(points), 3), np.nan)
     found[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
     stress = found.reshape(N_RAYS, -1, 3)
-    weights = inside.reshape(N_RAYS, -1)[:, :-1] * weight
-    filled = np.nan_to_num(stress[:, :-1])
-    along = np.einsum("nr,nrc->nc", weights, filled)
+    weights = inside.reshape(N_RAYS, -1) * weight
+    along = np.einsum("nr,nrc->nc", weights, np.nan_to_num(stress))
     total = weights.sum(axis=1)
     rays = np.divide(along, total[:, None], out=np.full_like(along, np.nan), where=total[:, None] > 0.0)
-    return TipField(direction, angles, rays, along.sum(axis=0) / total.sum(), stress[:, -1])
-
-
-def effective_toughness(tension: float, radius: float) -> float:
-    """K_I (Pa sqrt(m)) at which the averaged sigma_1 reaches the tensile strength (Pa) for averaging `radius` (m)."""
-    return float(tension * np.sqrt(2.0 * np.pi * radius) / MEAN_FACTOR_I)
+    return TipField(direction, angles, rays, along.sum(axis=0) / total.sum())

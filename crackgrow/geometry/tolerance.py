@@ -6,7 +6,7 @@ All cutting happens in lattice units (the lattice lines are integers), so that s
 GRID = 2.0**-30
 """Every vertex of the arrangement is a whole multiple of this: about 1e-9 spacings, exact for lattice lines."""
 
-ON_LINE = 16 * GRID
+ON_LINE = 4 * GRID
 """Two things closer than this are the same place."""
 
 TOUCH = 1e-6

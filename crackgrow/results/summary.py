@@ -25,11 +25,13 @@ class Tally:
         self.seconds: dict[str, float] = {}
         self.worst: dict[str, tuple[float, int]] = {}
         self.warnings: list[str] = []
+        self.effective_toughness = math.nan
 
     def add(self, result: StepResult) -> None:
         """Count a step in; a check that is nan counts as worst of all."""
         self.steps.append(int(result.step))
         self.n_dofs.append(int(result.n_dofs))
+        self.effective_toughness = float(result.effective_toughness)
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
         for check in CHECKS:
@@ -52,14 +54,15 @@ def summarize(case: Case, tally: Tally, end: RunEnd, wall_seconds: float) -> dic
         "title": case.title,
         "status": end.status,
         "stop_reason": end.reason,
-        "steps_done": len(tally.steps),
-        "last_step": tally.steps[-1] if tally.steps else None,
+        "steps_done": tally.steps[-1] if tally.steps else 0,
+        "n_solves": len(tally.steps),
         "version": __version__,
         "git_commit": commit,
         "git_modified": modified,
         "n_dofs": {"first": tally.n_dofs[0], "last": tally.n_dofs[-1]} if tally.n_dofs else None,
         "wall_seconds": {"total": round(wall_seconds, 3), "by_phase": by_phase},
         "peak_memory_mb": round(peak_memory_mb(), 1),
+        "effective_toughness_K_I": tally.effective_toughness if math.isfinite(tally.effective_toughness) else None,
         "worst_checks": {
             check: {"value": value if math.isfinite(value) else None, "step": step}
             for check, (value, step) in tally.worst.items()

@@ -118,7 +118,7 @@ def test_unsolvable_keeps_the_results_so_far(
     assert cli.main(["run", "block.yaml"]) == 3
     assert capsys.readouterr().err == "crackgrow: contact did not converge\n"
     written = summary(scene / "outputs" / "block")
-    assert (written["status"], written["stop_reason"], written["steps_done"]) == (
+    assert (written["status"], written["stop_reason"], written["n_solves"]) == (
         "failed",
         "contact did not converge",
         2,
@@ -142,7 +142,7 @@ def test_interrupted_run_keeps_the_results_so_far(scene: Path, monkeypatch: pyte
     monkeypatch.setattr(crackgrow, "grow", breaking(KeyboardInterrupt()))
     assert cli.main(["run", "block.yaml"]) == 130
     written = summary(scene / "outputs" / "block")
-    assert (written["status"], written["stop_reason"], written["steps_done"]) == ("failed", "interrupted", 2)
+    assert (written["status"], written["stop_reason"], written["n_solves"]) == ("failed", "interrupted", 2)
 
 
 def test_bug_shows_its_traceback_and_keeps_the_results(

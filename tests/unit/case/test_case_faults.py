@@ -63,7 +63,7 @@ FORMAT_FAULTS = [
     ("flaw:", "a.b:", "cracks.a.b", "is not a name", "a.b:"),
     ("steps: 22", "steps: 2.5", "growth.steps", "a whole number", "steps: 2.5"),
     ("steps: 22", "steps: 10001", "growth.steps", "<= 10000", "steps: 10001"),
-    ("radius: 2 ", "radius: 0 ", "growth.tip_stress.radius", "> 0", "radius: 0"),
+    ("radius: 1 ", "radius: 0 ", "growth.tip_stress.radius", "> 0", "radius: 0"),
     (
         "directional_strength  #",
         "max_hoop_stress  #",

@@ -75,7 +75,7 @@ def test_compression30_in_si():
     assert [support.displacement for support in case.supports] == [(None, 0.0), (None, 0.0), (0.0, None)]
     assert [(load.region.edge, load.traction) for load in case.loads] == [("top", (0.0, -1e8)), ("bottom", (0.0, 1e8))]
     assert case.growth is not None
-    assert (case.growth.steps, case.growth.increment, case.growth.tip_radius) == (22, 0.002, 0.002)
+    assert (case.growth.steps, case.growth.increment, case.growth.tip_radius) == (22, 0.002, 0.001)
     assert case.growth.criterion == "directional_strength"
     assert case.growth.unload_between_steps is True
 

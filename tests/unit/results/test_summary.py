@@ -20,7 +20,7 @@ def test_summary_of_a_run() -> None:
     summary = json.loads(summary_text(summarize(make_case(), tally, make_end(2), 12.5)))
     assert (summary["case"], summary["title"], summary["version"]) == ("block", "A block with a crack", __version__)
     assert (summary["status"], summary["stop_reason"]) == ("completed", "2 growth steps done")
-    assert (summary["steps_done"], summary["last_step"]) == (3, 2)
+    assert (summary["steps_done"], summary["n_solves"]) == (2, 3)
     assert summary["n_dofs"] == {"first": 400, "last": 416}
     assert summary["wall_seconds"]["total"] == 12.5
     assert summary["wall_seconds"]["by_phase"]["contact"] == 1.2

@@ -1,0 +1,106 @@
+"""Small bodies and covers that several tests build, handed out as the fixture `build`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+from crackgrow.case.model import (
+    Body,
+    EdgeRegion,
+    EdgeSupport,
+    EdgeTraction,
+    Material,
+    PointSupport,
+)
+from crackgrow.cover.cover import Cover, build_cover
+from crackgrow.cover.elements import CrackGeometry
+from crackgrow.cover.lattice import Lattice, place_lattice
+from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
+from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.solid.loads import load_vector
+from crackgrow.solid.stiffness import stiffness
+from crackgrow.solid.supports import constraints
+
+Floats = NDArray[np.float64]
+Support = PointSupport | EdgeSupport
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """A rectangular body with cracks, covered: ready to be integrated and solved."""
+
+    lattice: Lattice
+    body: Body
+    cover: Cover
+    material: PlaneElasticity
+
+    @property
+    def region(self) -> shapely.Polygon:
+        """The body in lattice coordinates."""
+        return shapely.Polygon(self.lattice.to_lattice(self.body.outline))
+
+    def stiffness(self, quadrature: int = 4) -> NDArray[np.float64]:
+        return stiffness(self.cover, [self.material], quadrature)
+
+    def system(self, supports: Sequence[Support], quadrature: int = 4) -> tuple[ConstrainedSystem, Floats]:
+        rows, given = constraints(self.cover, (self.body,), tuple(supports))
+        return ConstrainedSystem(self.stiffness(quadrature), rows, self.material.c33), given
+
+    def solve(
+        self, supports: Sequence[Support], tractions: dict[str, tuple[float, float]], quadrature: int = 4
+    ) -> Floats:
+        """Displacement unknowns under tractions by edge name."""
+        system, given = self.system(supports, quadrature)
+        loads = tuple(EdgeTraction(EdgeRegion("rock", edge), t) for edge, t in tractions.items())
+        return system.solve(load_vector(self.cover, (self.body,), loads), given)[0]
+
+
+class Build:
+    """Builders; a crack's points are in metres, or in whole spacings with `cover`."""
+
+    @staticmethod
+    def body(lower: ArrayLike, upper: ArrayLike, young: float = 1.0, poisson: float = 0.25) -> Body:
+        (x0, y0), (x1, y1) = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
+        outline = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+        return Body("rock", outline, ("bottom", "right", "top", "left"), Material(young, poisson), None)
+
+    @staticmethod
+    def crack(points: ArrayLike, tips: tuple[bool, bool] = (True, True), name: str = "crack") -> CrackGeometry:
+        return CrackGeometry(name, np.asarray(points, dtype=float), *tips)
+
+    @classmethod
+    def sample(
+        cls,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        cracks: Sequence[CrackGeometry] = (),
+        *,
+        spacing: float = 1.0,
+        support: float = 1.5,
+        young: float = 1.0,
+    ) -> Sample:
+        """A body between two corners (m), with cracks in metres."""
+        lattice = place_lattice(np.asarray(lower, dtype=float), np.asarray(upper, dtype=float), spacing, support)
+        body = cls.body(lower, upper, young)
+        inside = [CrackGeometry(c.name, lattice.to_lattice(c.points), c.tip_at_start, c.tip_at_end) for c in cracks]
+        cover = build_cover(lattice, [lattice.to_lattice(body.outline)], inside)
+        return Sample(lattice, body, cover, plane_elasticity(young, 0.25, "strain"))
+
+    @classmethod
+    def block(cls, size: tuple[int, int], cracks: Sequence[CrackGeometry] = (), support: float = 1.5) -> Sample:
+        """A body of whole spacings from (0.5, 0.5) on, on a lattice whose nodes have whole coordinates.
+
+        Holds for every support: lattice coordinates are those of the block plus the lattice's `reach`.
+        """
+        return cls.sample((0.5, 0.5), (size[0] + 0.5, size[1] + 0.5), cracks, support=support)
+
+
+@pytest.fixture(scope="session")
+def build() -> type[Build]:
+    return Build

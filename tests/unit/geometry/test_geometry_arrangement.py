@@ -1,0 +1,119 @@
+"""The planar arrangement: faces, edges, and vertices that are shared exactly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from crackgrow.geometry.arrangement import edges_between, faces_of, on_grid, ring_vertices, vertex_ids
+from crackgrow.geometry.tolerance import GRID
+
+FRAME = [[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]]
+
+
+def lines(*parts: list[list[float]]) -> list[shapely.LineString]:
+    return [shapely.LineString(part) for part in parts]
+
+
+def arrangement(*parts: list[list[float]]):  # noqa: ANN201
+    polygons = faces_of(lines(*parts))
+    points, end, face = ring_vertices(polygons)
+    ids = vertex_ids(points)
+    return polygons, points, ids, edges_between(ids, ids[end], face)
+
+
+def test_two_crossing_lines_cut_a_rectangle_in_four_faces() -> None:
+    polygons, points, ids, edges = arrangement(FRAME, [[0, 0], [4, 3]], [[0, 3], [4, 0]])
+    np.testing.assert_allclose(shapely.area(polygons), [3.0] * 4, rtol=1e-9)  # vertices move by half a grid step
+    assert len(np.unique(ids)) == 5  # four corners and the crossing
+    assert len(edges.a) == 8
+    assert np.sum(edges.right >= 0) == 4
+
+
+def test_faces_run_counter_clockwise() -> None:
+    polygons = faces_of(lines(FRAME, [[1, -1], [2, 4]], [[-1, 1.1], [5, 1.7]]))
+    assert len(polygons) == 4
+    assert all(polygon.exterior.is_ccw for polygon in polygons)
+
+
+def test_dangling_line_makes_no_face() -> None:
+    polygons = faces_of(lines(FRAME, [[0, 1], [2, 1]]))
+    assert len(polygons) == 1
+    assert polygons[0].area == 12.0
+
+
+def test_random_lines_leave_no_gap_and_no_overlap() -> None:
+    """Euler: faces = edges - vertices + 1; the areas sum to the frame's."""
+    rng = np.random.default_rng(1)
+    cuts = [rng.uniform(-1, 5, (2, 2)).tolist() for _ in range(12)]
+    clipped = [shapely.intersection(line, shapely.Polygon(FRAME)) for line in lines(*cuts)]
+    through = [line for line in clipped if line.length > 0.0]
+    polygons = faces_of([*lines(FRAME), *through])
+    points, end, face = ring_vertices(polygons)
+    ids = vertex_ids(points)
+    edges = edges_between(ids, ids[end], face)
+    assert shapely.area(polygons).sum() == pytest.approx(12.0, rel=1e-8)  # snapping moves the rim by 1e-9
+    assert len(polygons) == len(edges.a) - len(np.unique(ids)) + 1
+
+
+def test_vertices_lie_on_the_grid_and_are_shared_exactly() -> None:
+    polygons, points, ids, _ = arrangement(FRAME, [[0, 0.1], [4, 2.7]], [[0.3, 3], [3.7, 0]], [[0, 1 / 3], [4, 1 / 3]])
+    np.testing.assert_array_equal(points / GRID, np.rint(points / GRID))
+    for vertex in np.unique(ids):
+        assert len(np.unique(points[ids == vertex], axis=0)) == 1
+    assert len(np.unique(points, axis=0)) == len(np.unique(ids))
+    assert len(polygons) == 7
+
+
+def test_edges_pair_the_face_on_the_left_with_the_face_on_the_right() -> None:
+    polygons, points, ids, edges = arrangement(FRAME, [[0, 0], [4, 3]], [[1, 0], [1, 3]])
+    place = np.empty((ids.max() + 1, 2))
+    place[ids] = points
+    a, b = place[edges.a], place[edges.b]
+    normal = np.stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]], axis=1)
+    normal /= np.hypot(*normal.T)[:, None]
+    middle = 0.5 * (a + b)
+    assert shapely.contains_xy(polygons[edges.left], middle + 1e-3 * normal).all()
+    inner = edges.right >= 0
+    assert shapely.contains_xy(polygons[edges.right[inner]], (middle - 1e-3 * normal)[inner]).all()
+    outside = (middle - 1e-3 * normal)[~inner]
+    assert not shapely.contains_xy(shapely.Polygon(FRAME), outside).any()
+    assert np.hypot(*(b - a)[~inner].T).sum() == pytest.approx(14.0, rel=1e-9)
+
+
+def test_rings_of_a_face_with_a_hole_close_on_themselves() -> None:
+    square = shapely.Polygon([[0, 0], [4, 0], [4, 4], [0, 4]], [[[1, 1], [1, 2], [2, 2], [2, 1]]])
+    points, end, owner = ring_vertices(np.array([square, shapely.box(5, 5, 6, 6)]))
+    np.testing.assert_array_equal(owner, [0] * 8 + [1] * 4)
+    np.testing.assert_array_equal(end, [1, 2, 3, 0, 5, 6, 7, 4, 9, 10, 11, 8])
+    steps = points[end] - points
+    np.testing.assert_array_equal(np.hypot(*steps.T), [4] * 4 + [1] * 8)
+
+
+@pytest.mark.parametrize("offset", [1e-12, -1e-12, 1e-10])
+def test_lines_closer_than_the_grid_become_one(offset: float) -> None:
+    polygons, points, ids, _ = arrangement(FRAME, [[0, 1], [4, 1]], [[0, 1 + offset], [4, 1 + offset]])
+    np.testing.assert_array_equal(np.sort(shapely.area(polygons)), [4.0, 8.0])
+    assert len(np.unique(ids)) == 6
+
+
+@pytest.mark.parametrize("offset", [1e-12, 3e-11])
+def test_nearly_common_crossing_becomes_one_vertex(offset: float) -> None:
+    _, _, ids, edges = arrangement(FRAME, [[0, 1], [4, 1]], [[2, 0], [2, 3]], [[1, 0], [3, 2 + offset], [4, 3]])
+    assert len(np.unique(ids)) == len(edges.a) - 6 + 1  # Euler for the 6 faces of three lines through one point
+
+
+def test_rounding_to_the_grid_moves_by_half_a_step_at_most_and_keeps_integers() -> None:
+    points = np.random.default_rng(2).uniform(-50, 50, (1000, 2))
+    assert np.abs(on_grid(points) - points).max() <= 0.5 * GRID
+    np.testing.assert_array_equal(on_grid(np.rint(points)), np.rint(points))
+    np.testing.assert_array_equal(on_grid(on_grid(points)), on_grid(points))
+
+
+def test_equal_points_share_an_id_and_different_ones_do_not() -> None:
+    points = on_grid(np.random.default_rng(3).uniform(-5, 5, (50, 2)))
+    twice = np.concatenate([points, points[::-1], points + (GRID, 0.0)])
+    ids = vertex_ids(twice)
+    np.testing.assert_array_equal(ids[:50], ids[50:100][::-1])
+    np.testing.assert_array_equal(np.unique(ids), np.arange(100))
