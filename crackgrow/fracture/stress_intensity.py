@@ -29,6 +29,9 @@ FIT_POINTS = 24
 def from_face_displacement(cover: Cover, young_prime: float, u: Floats, tip: int) -> tuple[float, float]:
     """K_I and K_II (Pa sqrt(m)) of tip number `tip`; `young_prime` is E' (Pa), `u` (n_dofs,) m.
 
+    K_II is positive where the face on the left of the tip's outward direction moves outward: a positive slip at both
+    ends of a crack. A negative K_II turns the crack counter-clockwise.
+
     nan where the crack face behind the tip is shorter than a hundredth of a spacing.
     """
     crack, at_end = cover.tip_ends[tip]
@@ -42,8 +45,7 @@ def from_face_displacement(cover: Cover, young_prime: float, u: Floats, tip: int
     r = length * x
     points = points_at(cover, crack, total - r if at_end else r)
     gap, slip = gap_and_slip(cover, points, u)
-    sense = 1.0 if at_end else -1.0  # slip along the crack points to the start at its end
     powers = (x[:, None] ** np.arange(FIT_TERMS)) * np.sqrt(r)[:, None]
-    opening_fit, slip_fit = np.linalg.lstsq(powers, np.stack([gap, sense * slip], axis=1))[0][0]
+    opening_fit, slip_fit = np.linalg.lstsq(powers, np.stack([gap, slip], axis=1))[0][0]
     factor = young_prime / 8.0 * np.sqrt(2.0 * np.pi) * np.sqrt(cover.lattice.spacing) / cover.lattice.spacing
     return float(opening_fit * factor), float(slip_fit * factor)

@@ -1,0 +1,109 @@
+"""Tips: the angle jumps on the crack and nowhere else; where the tip functions fade out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from crackgrow.cover.tips import crack_angle, make_tip, tip_angle
+
+KINKED = np.array([[4.0, 3.0], [3.2, 2.9], [2.6, 2.3], [1.6, 2.5]])
+"""Seen from the tip; every circle round it meets the crack once."""
+HAND = np.array([[0.3, -0.2], [0.1, 0.2], [-0.5, 0.4]])
+
+
+def directions(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    along = np.diff(points, axis=0)
+    along /= np.hypot(*along.T)[:, None]
+    return along, np.stack([-along[:, 1], along[:, 0]], axis=1)
+
+
+@pytest.mark.parametrize("turn", np.linspace(0, 2 * np.pi, 9)[:-1])
+def test_angle_on_the_faces_of_a_straight_crack(turn: float) -> None:
+    """Outward direction e: the face on the left of e has +pi, the other -pi; straight ahead is 0."""
+    e = np.array([np.cos(turn), np.sin(turn)])
+    left = np.array([-e[1], e[0]])
+    point = np.array([0.7, -0.3])
+    tip = make_tip(np.array([point, point - 3 * e]), 10.0, far_end_is_tip=False)
+    points = point + np.stack([-e, -e, e, left, -left])
+    reference = points + 1e-2 * np.stack([left, -left, left, left, -left])
+    r, t = tip_angle(tip, points, reference)
+    np.testing.assert_allclose(r, 1.0, rtol=1e-14)
+    np.testing.assert_allclose(t, [np.pi, -np.pi, 0, np.pi / 2, -np.pi / 2], atol=1e-14)
+
+
+@pytest.mark.parametrize("points", [KINKED, HAND])
+def test_angle_jumps_by_two_pi_across_the_crack(points: np.ndarray) -> None:
+    tip = make_tip(points, 1.0, far_end_is_tip=False)
+    along, left = directions(points)
+    share = np.linspace(0.05, 0.95, 19)[:, None]
+    for k in range(len(along)):
+        on = points[k] + share * (points[k + 1] - points[k])
+        # from the tip on, the left of the crack's direction is the side of t near -pi
+        _, low = tip_angle(tip, on, on + 1e-7 * left[k])
+        _, high = tip_angle(tip, on, on - 1e-7 * left[k])
+        np.testing.assert_allclose(high - low, 2 * np.pi, rtol=1e-14)
+        np.testing.assert_allclose(high, crack_angle(tip, np.hypot(*(on - points[0]).T)), atol=1e-12)
+
+
+@pytest.mark.parametrize("points", [KINKED, HAND])
+def test_angle_is_continuous_where_there_is_no_crack(points: np.ndarray) -> None:
+    """Short random steps: the angle moves by the step over the distance, unless the step crosses the crack."""
+    rng = np.random.default_rng(8)
+    size = np.hypot(*(points[-1] - points[0]))
+    tip = make_tip(points, 1.0, far_end_is_tip=False)
+    angle = rng.uniform(0, 2 * np.pi, 40000)
+    start = points[0] + (size * np.sqrt(rng.uniform(0.01, 0.95, 40000)) * [np.cos(angle), np.sin(angle)]).T
+    end = start + 0.02 * size * rng.normal(size=start.shape)
+    polyline = shapely.LineString(points)
+    steps = shapely.linestrings(np.stack([start, end], axis=1))
+    clear = ~shapely.intersects(steps, polyline) & (np.hypot(*(end - points[0]).T) < 0.97 * size)
+    crossing = shapely.intersects(steps, polyline) & (np.hypot(*(end - points[0]).T) < 0.97 * size)
+    change = np.abs(tip_angle(tip, end, end)[1] - tip_angle(tip, start, start)[1])
+    nearest = shapely.distance(steps, shapely.Point(points[0]))
+    assert clear.sum() > 20000
+    assert crossing.sum() > 100
+    smooth = clear & (nearest > 0.05 * size)
+    assert np.all(change[smooth] <= 0.5 * np.pi * np.hypot(*(end - start)[smooth].T) / nearest[smooth])
+    across = crossing & (nearest > 0.08 * size)
+    assert change[across].min() > np.pi
+
+
+def test_distance_and_polar_form_give_the_point_back() -> None:
+    tip = make_tip(KINKED, 1.0, far_end_is_tip=False)
+    points = KINKED[0] + np.random.default_rng(9).uniform(-1, 1, (200, 2))
+    r, t = tip_angle(tip, points, points)
+    local = np.stack([r * np.cos(t), r * np.sin(t)], axis=1)
+    np.testing.assert_allclose(tip.point + local @ tip.rotation, points, atol=1e-13)
+
+
+def test_crack_angle_is_pi_on_the_last_segment_and_the_true_angle_beyond() -> None:
+    tip = make_tip(KINKED, 1.0, far_end_is_tip=False)
+    first = np.hypot(*(KINKED[1] - KINKED[0]))
+    np.testing.assert_allclose(crack_angle(tip, np.linspace(1e-3, first, 5)), np.pi, rtol=1e-14)
+    local = (KINKED[2:] - KINKED[0]) @ tip.rotation.T
+    true = np.mod(np.arctan2(local[:, 1], local[:, 0]), 2 * np.pi)
+    np.testing.assert_allclose(crack_angle(tip, np.hypot(*local.T)), true, rtol=1e-13)
+
+
+def test_tip_functions_fade_at_the_other_tip_if_it_is_within_reach() -> None:
+    length = np.hypot(*(KINKED[-1] - KINKED[0]))
+    assert make_tip(KINKED, 5.0, far_end_is_tip=True).fade == pytest.approx(length)
+    assert make_tip(KINKED, 0.9 * length, far_end_is_tip=True).fade == np.inf
+    assert make_tip(KINKED, 5.0, far_end_is_tip=False).fade == np.inf
+
+
+def test_tip_functions_fade_where_the_crack_turns_back() -> None:
+    """The second segment comes nearer to the tip again: the angle is not known beyond its start."""
+    back = np.array([[0.0, 0.0], [2.0, 0.0], [1.0, 0.5], [-3.0, 0.5]])
+    tip = make_tip(back, 5.0, far_end_is_tip=False)
+    assert tip.fade == pytest.approx(2.0)
+    np.testing.assert_array_equal(tip.radii, [0.0, 2.0])
+    assert make_tip(back, 1.9, far_end_is_tip=False).fade == np.inf
+
+
+def test_right_angle_at_the_far_end_still_grows_outward() -> None:
+    corner = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])
+    assert make_tip(corner, 5.0, far_end_is_tip=False).fade == np.inf
+    assert make_tip(corner, 5.0, far_end_is_tip=True).fade == pytest.approx(np.sqrt(5))

@@ -1,0 +1,104 @@
+"""The paper's Gauss points with a penalty: Lemke on the LCP (17) and Newton on the traction form agree."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_array, vstack
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.contact.coulomb import ContactProblem
+from crackgrow.contact.jump import contact_operators
+from crackgrow.contact.lemke import solve_by_lemke
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run import grow
+from crackgrow.run.scene import make_scene
+from crackgrow.run.step import StepSolution, solve_step
+from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.solid.loads import load_vector
+from crackgrow.solid.stiffness import stiffness
+from crackgrow.solid.supports import constraints
+
+CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
+
+
+def gauss_case(friction: float, solver: str, *more: str) -> Case:
+    settings = {
+        "contact.discretization": "gauss",
+        "contact.stiffness": "100",
+        "contact.solver": solver,
+    }
+    overrides = [f"numerics.{key}={value}" for key, value in settings.items()]
+    return load_case(CASE, [*overrides, f"cracks.flaw.contact.friction={friction}", *more])
+
+
+def grown(friction: float, n_steps: int) -> GrowingCrack:
+    """The flaw after a number of growth steps."""
+    case = load_case(CASE, [f"growth.steps={max(n_steps, 1)}", "output.frames=none", "output.figures=false"])
+    if n_steps == 0:
+        return GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64))
+    *_, last = grow(case)
+    crack = replace(gauss_case(friction, "newton").cracks[0], points=last.cracks[0].points)
+    return GrowingCrack(crack, last.cracks[0].steps)
+
+
+def solve(friction: float, solver: str, crack: GrowingCrack) -> StepSolution:
+    case = gauss_case(friction, solver)
+    law = case.cracks[0].contact
+    return solve_step(make_scene(case), (GrowingCrack(replace(crack.crack, contact=law), crack.steps),), 1.0)
+
+
+@pytest.mark.parametrize("n_steps", [0, 10])
+@pytest.mark.parametrize("friction", [0.0, 0.3, 0.6])
+def test_same_slip_and_tractions(friction: float, n_steps: int) -> None:
+    crack = grown(friction, n_steps)
+    newton, lemke = (solve(friction, solver, crack).outcome for solver in ("newton", "lemke"))
+    assert newton.status == lemke.status == "solved"
+    largest = np.abs(newton.normal_traction).max()
+    assert largest > 10e6  # Pa: the faces do press on each other
+    np.testing.assert_allclose(lemke.normal_traction, newton.normal_traction, rtol=0.0, atol=1e-6 * largest)
+    np.testing.assert_allclose(lemke.tangential_traction, newton.tangential_traction, rtol=0.0, atol=1e-6 * largest)
+    np.testing.assert_allclose(lemke.slip, newton.slip, rtol=0.0, atol=1e-6 * np.abs(newton.slip).max())
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_lcp_of_all_points_with_the_open_wings(friction: float) -> None:
+    """The LCP (17) of all 550 points of the tenth step: leaving open points out of the solve changes nothing."""
+    crack = grown(friction, 10)
+    solution = solve(friction, "newton", crack)
+    case = gauss_case(friction, "lemke")
+    scene = make_scene(case)
+    stiff = stiffness(solution.cover, scene.materials, case.numerics.quadrature)
+    rows, given = constraints(solution.cover, case.bodies, case.supports)
+    system = ConstrainedSystem(stiff, rows, scene.materials[0].c33)
+    free, _ = system.solve(load_vector(solution.cover, case.bodies, case.loads), given)
+    operators = contact_operators(solution.cover, solution.faces)[: 1 if friction == 0.0 else 2]
+    jumps = csr_array(vstack(operators))
+    weights = np.tile(solution.faces.weights * scene.lattice.spacing, len(operators))
+    response, _ = system.solve((jumps.T * weights).toarray())
+    compliance = jumps @ response + np.eye(len(weights)) * case.numerics.spacing / (100 * 1e10)
+    law = None if friction == 0.0 else np.full(solution.faces.n, friction)
+    lemke = solve_by_lemke(ContactProblem(compliance, jumps @ free, law))
+    assert lemke.status == "solved"
+    assert lemke.iterations > 400  # one pivot per open point at least
+    largest = np.abs(solution.outcome.normal_traction).max()
+    np.testing.assert_allclose(
+        lemke.traction[: solution.faces.n], solution.outcome.normal_traction, rtol=0.0, atol=1e-6 * largest
+    )
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_mortar_nodes_too(friction: float) -> None:
+    settings = [f"cracks.flaw.contact.friction={friction}"]
+    outcomes = []
+    for solver in ("newton", "lemke"):
+        case = load_case(CASE, [*settings, f"numerics.contact.solver={solver}"])
+        crack = GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64))
+        outcomes.append(solve_step(make_scene(case), (crack,), 1.0).outcome)
+    newton, lemke = outcomes
+    np.testing.assert_allclose(lemke.normal_traction, newton.normal_traction, rtol=1e-9)
+    np.testing.assert_allclose(lemke.slip, newton.slip, rtol=1e-9)
