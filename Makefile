@@ -57,7 +57,7 @@ lint: $(STAMP)
 check: lint test
 
 bench: $(STAMP)
-	@$(PY) tests/benchmarks/run.py
+	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) tests/benchmarks/run.py
 
 clean:
 	@find outputs -mindepth 1 ! -name .gitkeep -delete

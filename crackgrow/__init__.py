@@ -3,16 +3,15 @@
 The parts, from the ground up; each imports only from those above it:
 
 case           a YAML file becomes a checked, frozen Case in SI units
-geometry       polygons, crack polylines, cutting, tolerances
-cover          lattice, mathematical patches, physical patches, numbering of dofs
+geometry       polylines, the arrangement of lines that cuts the lattice, tolerances
+cover          lattice, manifold elements, physical patches, tips, numbering of functions
 approximation  weights, moving least squares, tip functions: value and gradient of every dof at points
-quadrature     integration rules and cells, cut by the cracks
+quadrature     integration rules, and the points of elements and edges
 solid          elasticity: stiffness, loads, supports, linear solver, stress
-contact        crack faces: jump, Coulomb law, the contact solvers, history
+contact        crack faces: contact points, jump, Coulomb law, the contact solvers
 fracture       tip stress, stress intensity, growth criteria, advance of a tip
 run            one step, and the loop over the steps
 results        tables, frames and figures on disk, made from the results alone
-study          trade-offs, sweeps and comparisons that drive runs
 cli            the command line, the only place that prints
 """
 

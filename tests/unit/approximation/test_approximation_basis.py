@@ -12,7 +12,7 @@ from crackgrow.quadrature.elements import element_points
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 
 
-def kinked(build, support: float, spacing: float = 1.0):  # noqa: ANN201
+def kinked(build, support: float, spacing: float = 1.0):
     crack = build.crack(np.array(KINKED) * spacing)
     return build.sample((0.5 * spacing,) * 2, (6.5 * spacing, 5.5 * spacing), [crack], spacing=spacing, support=support)
 

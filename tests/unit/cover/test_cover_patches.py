@@ -22,7 +22,7 @@ HAIR = 1e-6
 """Half width, in spacings, of the strips that stand for cracks."""
 
 
-def layout(build, name: str, support: float):  # noqa: ANN201
+def layout(build, name: str, support: float):
     cracks = [build.crack(points, tips, str(k)) for k, (points, tips) in enumerate(LAYOUTS[name])]
     return build.block((6, 5), cracks, support)
 

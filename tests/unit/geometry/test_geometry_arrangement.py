@@ -16,7 +16,7 @@ def lines(*parts: list[list[float]]) -> list[shapely.LineString]:
     return [shapely.LineString(part) for part in parts]
 
 
-def arrangement(*parts: list[list[float]]):  # noqa: ANN201
+def arrangement(*parts: list[list[float]]):
     polygons = faces_of(lines(*parts))
     points, end, face = ring_vertices(polygons)
     ids = vertex_ids(points)

@@ -1,0 +1,145 @@
+"""The points of all elements that are not plain: area, place, and singular functions round the tips."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from scipy.integrate import quad
+
+from crackgrow.quadrature.elements import element_points, enriched_elements, plain_elements, triangulate
+
+KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
+SUPPORTS = (1.5, 1.75, 2.0, 2.5)
+
+
+def plain_area(sample) -> float:  # noqa: ANN001
+    sizes = np.diff(sample.lattice.breaks)
+    part = sample.cover.elements.tile[plain_elements(sample.cover)] % len(sizes)
+    return float(np.prod(sizes[part], axis=1).sum())
+
+
+@pytest.mark.parametrize("n", [2, 4])
+@pytest.mark.parametrize("support", SUPPORTS)
+def test_weights_sum_to_the_area(build, support: float, n: int) -> None:
+    """The rule at the tip gives areas to 1e-5 only with few points; its triangles are small."""
+    sample = build.block((6, 5), [build.crack(KINKED)], support)
+    points = element_points(sample.cover, n)
+    assert points.weights.min() > 0.0
+    assert points.weights.sum() + plain_area(sample) == pytest.approx(30.0, rel=1e-3 if n == 2 else 1e-5)
+
+
+@pytest.mark.parametrize("support", SUPPORTS)
+def test_weights_sum_to_the_area_element_by_element_away_from_tips(build, support: float) -> None:
+    sample = build.block((6, 5), [build.crack(KINKED)], support)
+    elements = sample.cover.elements
+    points = element_points(sample.cover, 3)
+    sums = np.bincount(points.element, points.weights, elements.n)[elements.n_whole :]
+    tips = shapely.points([tip.point for tip in sample.cover.tips])
+    away = shapely.distance(elements.polygons[:, None], tips[None]).min(axis=1) > 1e-6
+    assert away.sum() > 20
+    np.testing.assert_allclose(sums[away], shapely.area(elements.polygons)[away], rtol=1e-9)
+
+
+@pytest.mark.parametrize("support", SUPPORTS)
+def test_points_lie_in_their_elements_sorted(build, support: float) -> None:
+    sample = build.block((6, 5), [build.crack(KINKED)], support)
+    elements = sample.cover.elements
+    points = element_points(sample.cover, 3)
+    assert np.all(np.diff(points.element) >= 0)
+    cut = points.element >= elements.n_whole
+    polygons = elements.polygons[points.element[cut] - elements.n_whole]
+    assert shapely.distance(polygons, shapely.points(points.points[cut])).max() < 1e-12
+    np.testing.assert_array_equal(np.unique(points.element), np.flatnonzero(~plain_elements(sample.cover)))
+
+
+def test_uncut_body_has_points_on_its_rim_only(build) -> None:
+    sample = build.block((6, 5))
+    points = element_points(sample.cover, 2)
+    assert points.weights.sum() + plain_area(sample) == pytest.approx(30.0, rel=1e-12)
+    assert not enriched_elements(sample.cover).any()
+    depth = shapely.distance(sample.region.boundary, shapely.points(points.points))
+    assert depth.max() < 0.5  # the tiles at the rim are 0.5 wide
+
+
+@pytest.mark.parametrize("support", [1.5, 2.0])
+def test_enriched_elements_are_those_of_the_singular_patches(build, support: float) -> None:
+    sample = build.block((6, 5), [build.crack(KINKED)], support)
+    cover = sample.cover
+    for tip, carried in enumerate(enriched_elements(cover)):
+        nodes = cover.patch_nodes[cover.tip_function_ids[tip] >= 0]
+        reached = np.abs(cover.elements.reference[:, None] - nodes[None]).max(axis=2).min(axis=1) < support
+        assert not (carried & ~reached).any()
+        at_tip = shapely.distance(cover.elements.polygons, shapely.Point(cover.tips[tip].point)) < 1e-8
+        assert at_tip.sum() >= 2
+        assert carried[cover.elements.n_whole :][at_tip].all()
+
+
+def disc_free_integral(box: shapely.Polygon, tip: np.ndarray, power: float) -> float:
+    """Integral of r^power over a convex region that holds the tip: integral of R(t)^(power + 2) / (power + 2)."""
+    corners = np.array(box.exterior.coords)[:-1] - tip
+
+    def radius(t: float) -> float:
+        e = np.array([np.cos(t), np.sin(t)])
+        sides = np.roll(corners, -1, axis=0) - corners
+        normals = np.stack([sides[:, 1], -sides[:, 0]], axis=1)
+        reach = np.sum(normals * corners, axis=1) / np.where(normals @ e > 1e-14, normals @ e, np.nan)
+        return float(np.nanmin(reach))
+
+    kinks = np.sort(np.arctan2(corners[:, 1], corners[:, 0]))
+    pieces = zip(kinks, np.append(kinks[1:], kinks[0] + 2 * np.pi), strict=True)
+    return sum(quad(lambda t: radius(t) ** (power + 2) / (power + 2), a, b, epsrel=1e-11)[0] for a, b in pieces)
+
+
+TIPS = {
+    "inside a cell": (4.3, 2.8),
+    "near a lattice line": (4.3, 2.999),
+    "very near a lattice line": (4.3, 3.0 - 1e-5),
+    "on a lattice line": (4.3, 3.0),
+    "on a node": (4.0, 3.0),
+    "near a node": (4.001, 2.9995),
+}
+
+
+@pytest.mark.parametrize("place", TIPS)
+@pytest.mark.parametrize(("power", "tolerance"), [(-0.5, 1e-4), (-1.0, 1e-3)])
+def test_cells_round_a_tip_integrate_its_singularity(build, place: str, power: float, tolerance: float) -> None:
+    """r^(-1/2) and r^(-1) over the whole body by the rules for n = 4, whatever the place of the tip."""
+    tip = np.array(TIPS[place]) + 2
+    sample = build.block((6, 5), [build.crack([(0.5, 1.3), TIPS[place]], (False, True))], 1.5)
+    points = element_points(sample.cover, 4)
+    near = points.element
+    region = shapely.unary_union(
+        [
+            shapely.box(*low, *high)
+            for low, high in zip(*_tile_boxes(sample, np.unique(near[_close(points.points, tip)])), strict=True)
+        ]
+    ).buffer(0)
+    box = shapely.box(*region.bounds)
+    inside = shapely.contains_xy(box, points.points)
+    area = points.weights[inside].sum()
+    assert area == pytest.approx(box.area, rel=1e-4)  # the box round the tip has no plain tile
+    value = points.weights[inside] @ np.hypot(*(points.points[inside] - tip).T) ** power
+    assert value == pytest.approx(disc_free_integral(box, tip, power), rel=tolerance)
+
+
+def _close(points: np.ndarray, tip: np.ndarray) -> np.ndarray:
+    return np.abs(points - tip).max(axis=1) < 0.3
+
+
+def _tile_boxes(sample, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # noqa: ANN001
+    per_cell = len(sample.lattice.breaks) - 1
+    cell, part = np.divmod(sample.cover.elements.tile[elements], per_cell)
+    return cell + sample.lattice.breaks[part], cell + sample.lattice.breaks[part + 1]
+
+
+def test_triangles_fill_polygons_with_holes_and_use_their_corners_only() -> None:
+    frame = shapely.Polygon([[0, 0], [4, 0], [4, 4], [0, 4]], [[[1, 1], [1, 2], [2, 2], [2, 1]]])
+    hook = shapely.Polygon([[5, 0], [8, 0], [8, 3], [7, 3], [7, 1], [5, 1]])
+    corners, owner = triangulate(np.array([frame, hook]))
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    assert area.min() > 0.0
+    np.testing.assert_allclose(np.bincount(owner, area), [15.0, 5.0], rtol=1e-14)
+    known = {tuple(p) for p in shapely.get_coordinates([frame, hook])}
+    assert {tuple(p) for p in corners.reshape(-1, 2)} == known

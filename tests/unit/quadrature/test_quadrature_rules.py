@@ -1,0 +1,190 @@
+"""Rules: each integrates exactly what it promises, and not the next degree."""
+
+from __future__ import annotations
+
+from math import factorial
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from crackgrow.quadrature.lines import on_edges, on_edges_with_tips
+from crackgrow.quadrature.rules import gauss, on_tip_triangles, on_triangles, square, triangle
+
+POINTS = (1, 2, 3, 4, 6)
+
+
+@pytest.mark.parametrize("n", POINTS)
+def test_gauss_is_exact_to_its_degree_and_no_further(n: int) -> None:
+    x, w = gauss(n)
+    for degree in range(2 * n):
+        assert w @ x**degree == pytest.approx(1 / (degree + 1), rel=1e-13)
+    # error of the degree 2 n: (n!)^4 / ((2 n + 1) (2 n)!^2)
+    error = factorial(n) ** 4 / ((2 * n + 1) * factorial(2 * n) ** 2)
+    assert 1 / (2 * n + 1) - w @ x ** (2 * n) == pytest.approx(error, rel=1e-5)
+
+
+@pytest.mark.parametrize("n", POINTS)
+def test_square_is_exact_to_its_degree_per_axis_and_no_further(n: int) -> None:
+    points, w = square(n)
+    for i in range(2 * n):
+        for j in range(2 * n):
+            value = w @ (points[:, 0] ** i * points[:, 1] ** j)
+            assert value == pytest.approx(1 / ((i + 1) * (j + 1)), rel=1e-13)
+    error = factorial(n) ** 4 / ((2 * n + 1) * factorial(2 * n) ** 2)
+    for axis in range(2):
+        assert 1 / (2 * n + 1) - w @ points[:, axis] ** (2 * n) == pytest.approx(error, rel=1e-5)
+
+
+@pytest.mark.parametrize("n", POINTS)
+def test_triangle_is_exact_to_its_degree_and_no_further(n: int) -> None:
+    points, w = triangle(n)
+
+    def error(i: int, j: int) -> float:
+        exact = factorial(i) * factorial(j) / factorial(i + j + 2)
+        return abs(w @ (points[:, 0] ** i * points[:, 1] ** j) / exact - 1)
+
+    assert max(error(i, d - i) for d in range(2 * n) for i in range(d + 1)) < 1e-12
+    assert max(error(i, 2 * n - i) for i in range(2 * n + 1)) > 1e-6
+    assert points.min() > 0.0
+    assert points.sum(axis=1).max() < 1.0
+
+
+def test_mapped_triangles_keep_area_and_degree_in_both_orientations() -> None:
+    corners = np.array([[[0.2, 0.1], [1.3, 0.4], [0.6, 1.7]]])
+    for given in (corners, corners[:, ::-1]):
+        points, w = on_triangles(given, 2)
+        assert w.sum() == pytest.approx(0.5 * (1.1 * 1.6 - 0.3 * 0.4), rel=1e-14)
+        # second moment of a triangle: area / 12 * (9 mean^2 + sum of squares)
+        x = corners[0, :, 0]
+        exact = w.sum() / 12 * (9 * x.mean() ** 2 + np.sum(x**2))
+        assert w[0] @ points[0, :, 0] ** 2 == pytest.approx(exact, rel=1e-14)
+
+
+def tip_integral(corners: np.ndarray, power: float, angular) -> float:  # noqa: ANN001
+    """Integral of r^power angular(t), by polar coordinates and adaptive quadrature along the far side's angle."""
+    tip, a, b = corners
+    unit = (b - a) / np.hypot(*(b - a))
+    normal = np.array([unit[1], -unit[0]])
+    height = (a - tip) @ normal
+    foot = np.arctan2(*(np.sign(height) * normal)[::-1])
+    low, high = (np.arctan2((p - tip) @ unit, abs(height)) for p in (a, b))
+    sense = np.sign(height)  # whether the angle grows along the side
+    exact, _ = quad(
+        lambda t: (abs(height) / np.cos(t)) ** (power + 2) / (power + 2) * angular(foot + sense * t),
+        low, high, epsabs=0, epsrel=1e-12, limit=400,
+    )  # fmt: skip
+    return exact
+
+
+TRIANGLES = {
+    "regular": [[0.3, 0.2], [1.3, 0.1], [0.9, 1.1]],
+    "clockwise": [[0.3, 0.2], [0.9, 1.1], [1.3, 0.1]],
+    "slender": [[0.0, 0.0], [1.0, 0.0], [1.0, 0.02]],
+    "far side at 1e-2": [[0.0, 0.0], [-0.4, -0.01], [0.6, -0.01]],
+    "far side at 1e-4": [[0.0, 0.0], [-0.4, -1e-4], [0.6, -1e-4]],
+    "foot outside": [[0.0, 0.0], [0.1, 0.05], [1.0, 0.05]],
+}
+
+
+def angular(t: np.ndarray) -> np.ndarray:
+    return 1.2 + np.cos(t) + 0.3 * np.sin(2 * t)
+
+
+def tip_rule(name: str, power: float, n: int) -> tuple[float, float]:
+    """Value by the rule, and error, for r^power times the smooth function of the angle."""
+    corners = np.array(TRIANGLES[name], dtype=float)
+    points, w = on_tip_triangles(corners[None], n)
+    local = points[0] - corners[0]
+    value = w[0] @ (np.hypot(*local.T) ** power * angular(np.arctan2(local[:, 1], local[:, 0])))
+    return value, value - tip_integral(corners, power, angular)
+
+
+@pytest.mark.parametrize("power", [-1.0, -0.5, 0.0, 0.5])
+@pytest.mark.parametrize("name", TRIANGLES)
+def test_tip_rule_integrates_powers_of_the_distance_with_smooth_angles(name: str, power: float) -> None:
+    """Products of two gradients go as 1/r, of a gradient and a constant as r^(-1/2).
+
+    The rule converges exponentially, the slower the closer the far side: 2 asinh(1 / (2 distance)) is to be resolved.
+    """
+    value, error = tip_rule(name, power, 32)
+    assert abs(error) < {"far side at 1e-2": 1e-8, "far side at 1e-4": 1e-4}.get(name, 1e-12) * value
+
+
+@pytest.mark.parametrize("power", [-1.0, -0.5, 0.0])
+@pytest.mark.parametrize("name", TRIANGLES)
+def test_six_points_at_the_tip_suffice_whatever_the_far_side(name: str, power: float) -> None:
+    """The default: 4 + MORE_POINTS_AT_TIPS. Error relative to the disc of the same size, as flat triangles count little."""
+    _, error = tip_rule(name, power, 6)
+    disc = 2 * np.pi / (power + 2)
+    assert abs(error) < 2e-4 * disc
+
+
+@pytest.mark.parametrize("name", TRIANGLES)
+def test_tip_rule_is_exact_for_the_inverse_distance(name: str) -> None:
+    """w / r is constant along eta, where the points are Gauss points: with one point already, whatever the triangle."""
+    corners = np.array(TRIANGLES[name], dtype=float)
+    exact = tip_integral(corners, -1.0, np.ones_like)
+    for n in (1, 4, 16):
+        points, w = on_tip_triangles(corners[None], n)
+        assert np.sum(w[0] / np.hypot(*(points[0] - corners[0]).T)) == pytest.approx(exact, rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_tip_rule_is_exact_in_half_powers_of_r_to_its_degree_and_no_further(n: int) -> None:
+    """Divided by the same angular integral: r^(k/2 - 1) for a function of x / y, with the tip at the origin."""
+    corners = np.array([[0.0, 0.0], [1.0, -0.01], [1.0, 0.01]])  # r is x to 5e-5, powers of x stand for powers of r
+    points, w = on_tip_triangles(corners[None], n)
+    x = points[0, :, 0]
+    for k in range(1, 2 * n - 1):  # weights carry w^3, r^(k/2 - 1) is w^(k - 2): degree k + 1 <= 2 n - 1
+        exact = 0.02 / (0.5 * k + 1)  # integral of x^(k/2 - 1) 0.02 x
+        # along the side, eta^2 terms of the weight 1e-4 wide: n = 2 is exact to 1e-8
+        assert w[0] @ x ** (0.5 * k - 1) == pytest.approx(exact, rel=1e-8)
+    k = 2 * n - 1
+    assert abs(w[0] @ x ** (0.5 * k - 1) * (0.5 * k + 1) / 0.02 - 1) > 1e-6
+
+
+@pytest.mark.parametrize("name", TRIANGLES)
+def test_tip_rule_gives_the_area(name: str) -> None:
+    corners = np.array(TRIANGLES[name], dtype=float)
+    a, b = corners[1:] - corners[0]
+    _, w = on_tip_triangles(corners[None], 12)
+    assert w.min() > 0.0
+    assert w.sum() == pytest.approx(0.5 * abs(a[0] * b[1] - a[1] * b[0]), rel=1e-4)  # 12 points where the side is at 1e-4
+
+
+@pytest.mark.parametrize("n", POINTS)
+def test_edges_without_tips_use_gauss(n: int) -> None:
+    position, w = on_edges(3, n)
+    assert position.shape == w.shape == (3, n)
+    for k in range(2 * n):
+        np.testing.assert_allclose(np.sum(w * position**k, axis=1), 1 / (k + 1), rtol=1e-13)
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_edges_with_a_tip_are_exact_for_half_powers_to_their_degree_and_no_further(n: int) -> None:
+    at_start, at_end = np.array([True, False, False]), np.array([False, True, False])
+    position, w = on_edges_with_tips(at_start, at_end, n)
+    distance = np.stack([position[0], 1 - position[1]])
+    for k in range(-1, 2 * n - 1):
+        np.testing.assert_allclose(np.sum(w[:2] * distance ** (k / 2), axis=1), 1 / (k / 2 + 1), rtol=1e-13)
+    k = 2 * n - 1
+    assert np.abs(np.sum(w[:2] * distance ** (k / 2), axis=1) * (k / 2 + 1) - 1).min() > 1e-8
+    np.testing.assert_allclose(w[2], gauss(n)[1], rtol=1e-15)
+
+
+def test_edge_between_two_tips_integrates_the_opening_of_a_crack() -> None:
+    """sqrt(x (1 - x)) -> pi / 8, and its inverse, the gradient -> pi; the inverse is exact with one point."""
+    both = np.array([True])
+    for n, tolerance in ((6, 1e-6), (12, 1e-13)):
+        position, w = on_edges_with_tips(both, both, n)
+        root = np.sqrt(position * (1 - position))
+        assert np.sum(w * root) == pytest.approx(np.pi / 8, rel=tolerance)
+        assert np.sum(w / root) == pytest.approx(np.pi, rel=1e-13)
+
+
+def test_rules_are_read_only_because_they_are_shared() -> None:
+    for rule in (gauss(3), square(3), triangle(3)):
+        for array in rule:
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 0.0

@@ -1,0 +1,143 @@
+"""The constrained solve: exact constraints, repeated and contradicting ones, singular systems."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_array, csr_array, diags_array
+
+from crackgrow.case.model import PointSupport
+from crackgrow.errors import SolveError
+from crackgrow.solid.linear_solver import ConstrainedSystem, Factorization
+
+N = 30
+
+
+def chain() -> csc_array:
+    """Springs in a row, free at both ends: singular."""
+    matrix = diags_array([-np.ones(N - 1), 2 * np.ones(N), -np.ones(N - 1)], offsets=[-1, 0, 1]).tolil()
+    matrix[0, 0] = matrix[N - 1, N - 1] = 1.0
+    return csc_array(matrix)
+
+
+def rows(*entries: dict[int, float]) -> csr_array:
+    matrix = np.zeros((len(entries), N))
+    for row, entry in zip(matrix, entries, strict=True):
+        row[list(entry)] = list(entry.values())
+    return csr_array(matrix)
+
+
+def definite(seed: int) -> csc_array:
+    a = np.random.default_rng(seed).normal(size=(N, N))
+    return csc_array(a @ a.T + np.eye(N))
+
+
+def test_factorization_solves_badly_scaled_matrices() -> None:
+    scale = np.logspace(-6, 6, N)
+    matrix = csc_array(scale[:, None] * definite(40).toarray() * scale)
+    x = np.random.default_rng(41).normal(size=(N, 3)) / scale[:, None]
+    factorization = Factorization(matrix)
+    np.testing.assert_allclose(factorization.solve(matrix @ x), x, rtol=1e-8)
+    np.testing.assert_allclose(factorization.solve(matrix @ x[:, 0]), x[:, 0], rtol=1e-8)
+
+
+def test_constrained_solution_satisfies_both_equations() -> None:
+    stiffness, constraints = definite(42), rows({0: 1.0}, {4: 0.5, 5: 0.5}, {N - 1: 1.0, 0: 2.0})
+    rng = np.random.default_rng(43)
+    loads, given = rng.normal(size=N), rng.normal(size=3)
+    u, m = ConstrainedSystem(stiffness, constraints, 1.0).solve(loads, given)
+    np.testing.assert_allclose(constraints @ u, given, atol=1e-12)
+    np.testing.assert_allclose(stiffness @ u + constraints.T @ m, loads, atol=1e-11)
+
+
+def test_answer_does_not_depend_on_the_modulus() -> None:
+    stiffness, constraints = definite(44), rows({0: 1.0}, {7: 1.0})
+    loads = np.ones(N)
+    given = np.array([0.3, -0.2])
+    results = [ConstrainedSystem(stiffness, constraints, rho).solve(loads, given) for rho in (0.1, 100.0)]
+    for first, second in zip(*results, strict=True):
+        np.testing.assert_allclose(first, second, atol=1e-11)
+
+
+def test_singular_stiffness_is_held_by_constraints() -> None:
+    """A chain pulled at its end: displacement grows by one per spring; the support carries the pull."""
+    loads = np.zeros(N)
+    loads[-1] = 1.0
+    u, m = ConstrainedSystem(chain(), rows({0: 1.0}), 1.0).solve(loads, np.array([5.0]))
+    np.testing.assert_allclose(u, 5.0 + np.arange(N), rtol=1e-12)
+    np.testing.assert_allclose(m, [1.0], rtol=1e-11)
+
+
+def test_repeated_constraints_that_agree_are_fine() -> None:
+    constraints = rows({0: 1.0}, {0: 1.0}, {0: 2.0, 3: 1.0}, {3: 1.0})
+    loads = np.zeros(N)
+    loads[-1] = 1.0
+    given = np.array([0.5, 0.5, 1.0 + 3.0, 3.0])
+    u, m = ConstrainedSystem(chain(), constraints, 1.0).solve(loads, given)
+    np.testing.assert_allclose(constraints @ u, given, atol=1e-10)
+    np.testing.assert_allclose(chain() @ u + constraints.T @ m, loads, atol=1e-10)
+
+
+def test_constraints_that_contradict_are_refused() -> None:
+    system = ConstrainedSystem(chain(), rows({0: 1.0}, {0: 1.0}), 1.0)
+    with pytest.raises(SolveError, match="contradict each other"):
+        system.solve(np.zeros(N), np.array([0.0, 1e-3]))
+
+
+def test_several_loads_at_once_are_solved_column_by_column() -> None:
+    system = ConstrainedSystem(definite(45), rows({0: 1.0}, {9: 1.0}), 1.0)
+    loads = np.random.default_rng(46).normal(size=(N, 4))
+    together, multipliers = system.solve(loads)
+    for k in range(4):
+        u, m = system.solve(loads[:, k])
+        np.testing.assert_allclose(together[:, k], u, atol=1e-13)
+        np.testing.assert_allclose(multipliers[:, k], m, atol=1e-12)
+
+
+def test_solving_does_not_change_the_system() -> None:
+    system = ConstrainedSystem(definite(47), rows({0: 1.0}), 1.0)
+    a, b = np.random.default_rng(48).normal(size=(2, N))
+    first = system.solve(a, np.ones(1))[0]
+    system.solve(b)
+    np.testing.assert_array_equal(system.solve(a, np.ones(1))[0], first)
+
+
+def test_free_body_is_refused() -> None:
+    disconnected = csc_array(np.kron(np.eye(N // 2), [[1.0, -1.0], [-1.0, 1.0]]))
+    with pytest.raises(SolveError, match="singular"):
+        Factorization(disconnected)
+
+
+def test_unknown_without_stiffness_is_refused() -> None:
+    matrix = np.eye(N)
+    matrix[3, 3] = 0.0
+    with pytest.raises(SolveError, match="1 of 30 unknowns have no stiffness"):
+        Factorization(csc_array(matrix))
+
+
+def test_entries_that_are_not_finite_are_refused() -> None:
+    matrix = np.eye(N)
+    matrix[3, 3] = np.nan
+    with pytest.raises(SolveError, match="not finite"):
+        Factorization(csc_array(matrix))
+
+
+HALVES = [(0.5, 2.3), (6.5, 3.6)]
+
+
+@pytest.mark.xfail(strict=True, reason="a pivot of round-off is not noticed: displacements of 1e15 come back")
+@pytest.mark.parametrize(
+    ("cracks", "held"),
+    [
+        ([], []),
+        ([], [((0.5, 0.5), (0.0, 0.0))]),
+        ([], [((0.5, 0.5), (None, 0.0)), ((6.5, 0.5), (None, 0.0))]),
+        ([(HALVES, (False, False))], [((0.5, 0.5), (0.0, 0.0)), ((6.5, 0.5), (None, 0.0))]),
+    ],
+    ids=["free", "free to turn", "free to slide", "upper half free"],
+)
+def test_body_that_is_free_to_move_is_refused(build, cracks: list, held: list) -> None:
+    sample = build.block((6, 5), [build.crack(points, tips) for points, tips in cracks])
+    supports = [PointSupport(np.array(point), displacement) for point, displacement in held]
+    with pytest.raises(SolveError, match="free to move"):
+        sample.solve(supports, {"top": (0.1, 1.0), "right": (0.3, 0.0)})
