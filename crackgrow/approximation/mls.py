@@ -39,7 +39,7 @@ def mls(local: Floats, support: float, reach: int) -> tuple[Floats, Floats]:
     da_y = _symmetric(x0 * dy0, x1 * dy0, x0 * dy1, x2 * dy0, x1 * dy1, x0 * dy2)
     db_x, db_y = (-np.einsum("nij,njk,nk->ni", inverse, da, b) for da in (da_x, da_y))
 
-    n = len(local)
+    shape = (len(local), len(steps) ** 2)
     wx, wy = w[:, 0, :, None], w[:, 1, None, :]
     dwx, dwy = dw[:, 0, :, None], dw[:, 1, None, :]
     xi, eta = distance[:, 0, :, None], distance[:, 1, None, :]
@@ -48,10 +48,10 @@ def mls(local: Floats, support: float, reach: int) -> tuple[Floats, Floats]:
         return np.asarray(c[:, 0, None, None] + c[:, 1, None, None] * xi + c[:, 2, None, None] * eta)
 
     weight, value = wx * wy, along(b)
-    phi = (weight * value).reshape(n, -1)
+    phi = (weight * value).reshape(shape)
     dphi_x = (along(db_x) - b[:, 1, None, None]) * weight + value * dwx * wy
     dphi_y = (along(db_y) - b[:, 2, None, None]) * weight + value * wx * dwy
-    return phi, np.stack([dphi_x.reshape(n, -1), dphi_y.reshape(n, -1)], axis=2)
+    return phi, np.stack([dphi_x.reshape(shape), dphi_y.reshape(shape)], axis=2)
 
 
 def _symmetric(a00: Floats, a01: Floats, a02: Floats, a11: Floats, a12: Floats, a22: Floats) -> Floats:

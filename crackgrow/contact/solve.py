@@ -18,14 +18,14 @@ from crackgrow.contact.coulomb import OPEN, ContactProblem, ContactSolution, com
 from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.solid.linear_solver import ConstrainedSystem, displacement_size
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 OVERLAP = 1e-10
-"""A gap above minus this fraction of the largest displacement is no overlap but round-off."""
+"""A gap above minus this fraction of the displacement's size is no overlap but round-off."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +73,7 @@ def solve_contact(
     gap_of, slip_of = operators
     free_gap, free_slip = gap_of @ u_free, slip_of @ u_free
     n = len(weights)
-    tolerance = OVERLAP * np.abs(u_free).max(initial=0.0)
+    tolerance = OVERLAP * displacement_size(loads, u_free, given)
     taken = free_gap < -tolerance
     columns = _Columns(system, gap_of, slip_of, weights)
     frictional = (law.friction > 0.0) | (law.cohesion > 0.0)

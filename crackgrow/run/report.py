@@ -11,6 +11,7 @@ from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.criteria import effective_toughness
+from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.frame import make_frame
 from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, StepResult, TipResult
 from crackgrow.run.scene import Scene
@@ -21,6 +22,13 @@ Ints = NDArray[np.int64]
 
 SMALL_RADIUS = 0.5
 """Averaging radius, in spacings, from which the averaged stress varies by less than 2 % with the spacing."""
+
+
+SHORT_CRACK = 3.0
+"""Spacings: the two tips of a shorter crack share all of their patches (K_II within 2 % from here on)."""
+
+LARGE_RESIDUAL = 1e-9
+"""Relative equilibrium residual from which a step carries a warning."""
 
 
 def step_result(
@@ -55,7 +63,7 @@ def step_result(
         complementarity=outcome.complementarity,
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
-        warnings=_warnings(scene, step),
+        warnings=_warnings(scene, solution, step),
     )
 
 
@@ -129,15 +137,22 @@ def _toughness(scene: Scene) -> float:
     return effective_toughness(growth.criterion, strength.tension, growth.tip_radius)
 
 
-def _warnings(scene: Scene, step: int) -> tuple[str, ...]:
-    """What the user should know; once a run."""
-    case = scene.case
-    if step > 0 or case.growth is None:
-        return ()
-    radius, spacing = case.growth.tip_radius, case.numerics.spacing
-    if radius >= SMALL_RADIUS * spacing:
-        return ()
-    return (
-        f"the averaging radius {radius:g} m is below {SMALL_RADIUS:g} spacings ({spacing:g} m): "
-        "the tip stress may depend on the spacing",
-    )
+def _warnings(scene: Scene, solution: StepSolution, step: int) -> tuple[str, ...]:
+    """What the user should know of this step; what holds for all steps is said at the first."""
+    found = []
+    growth, spacing = scene.case.growth, scene.case.numerics.spacing
+    if step == 0 and growth is not None and growth.tip_radius < SMALL_RADIUS * spacing:
+        found.append(
+            f"the averaging radius {growth.tip_radius:g} m is below {SMALL_RADIUS:g} spacings ({spacing:g} m): "
+            "the tip stress may depend on the spacing"
+        )
+    for crack in solution.cover.cracks if step == 0 else ():
+        length = arc_lengths(crack.points)[-1]
+        if length < SHORT_CRACK:
+            found.append(
+                f"crack '{crack.name}' is {length:.2g} spacings long: below {SHORT_CRACK:g} the cover does not resolve "
+                "it, and K can be off by 20 %"
+            )
+    if solution.residual > LARGE_RESIDUAL:
+        found.append(f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned")
+    return tuple(found)

@@ -19,6 +19,7 @@ from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.solve import ContactLaw, ContactOutcome, solve_contact
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.elements import CrackGeometry
+from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA, Verdict
 from crackgrow.fracture.stress_intensity import from_face_displacement
@@ -31,6 +32,9 @@ from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 
 Floats = NDArray[np.float64]
+
+WORST_RESIDUAL = 1e-5
+"""Relative equilibrium residual beyond which a solution is refused."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +59,7 @@ class StepSolution:
 
 
 def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: float) -> StepSolution:
-    """Solve one configuration. Raises GeometryError or SolveError where that can't be done."""
+    """Solve one configuration. Raises GeometryError or SolveError where that can't be done to a small residual."""
     case = scene.case
     seconds: dict[str, float] = {}
     with _timed(seconds, "cover"):
@@ -76,6 +80,11 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
             system, loads, load_factor * given, operators, weights, law, case.numerics.contact.solver
         )
         residual = _residual(system, loads, operators, weights, outcome)
+        if not residual <= WORST_RESIDUAL:
+            raise SolveError(
+                f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}: the system is too ill "
+                "conditioned; a tip may lie too close to another one or to an outline for this spacing"
+            )
     with _timed(seconds, "criterion"):
         tips = tuple(_tip_state(scene, cover, outcome.u, tip) for tip in range(len(cover.tips)))
     return StepSolution(cover, faces, outcome, tips, residual, seconds)

@@ -23,6 +23,16 @@ INCONSISTENT = 1e-6
 """Repeated constraints that contradict each other by more than this fraction of the displacements are refused."""
 
 
+def displacement_size(loads: Floats, u: Floats, given: Floats) -> float:
+    """Size of a displacement field, m: the mean displacement along the loads, or the largest prescribed one.
+
+    The coefficients u themselves can be far larger where tip functions nearly depend on each other.
+    """
+    total = np.abs(loads).sum()
+    along_loads = float(abs(loads @ u) / total) if total > 0.0 else 0.0
+    return max(along_loads, float(np.abs(given).max(initial=0.0)))
+
+
 class Factorization:
     """A factorized symmetric positive definite matrix, scaled to a unit diagonal."""
 
@@ -83,7 +93,7 @@ class ConstrainedSystem:
         u = u - self._flexible @ multipliers
         if given is not None:
             left = self.constraints @ u - given
-            size = max(np.abs(given).max(initial=0.0), np.abs(u).max(initial=0.0))
+            size = displacement_size(loads, u, given)
             if np.abs(left).max(initial=0.0) > INCONSISTENT * size:
                 raise SolveError(f"the supports contradict each other by {np.abs(left).max():.3g} m")
             multipliers = multipliers - self._rho * left
