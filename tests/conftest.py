@@ -24,6 +24,7 @@ from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
+from crackgrow.solid.rigid_modes import check_held
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 
@@ -50,6 +51,7 @@ class Sample:
 
     def system(self, supports: Sequence[Support], quadrature: int = 4) -> tuple[ConstrainedSystem, Floats]:
         rows, given = constraints(self.cover, (self.body,), tuple(supports))
+        check_held(self.cover, rows)
         return ConstrainedSystem(self.stiffness(quadrature), rows, self.material.c33), given
 
     def solve(

@@ -30,6 +30,9 @@ NEAREST = 1e-5
 MORE_POINTS = 1
 """Points per direction that elements with tip functions get on top: with `LARGEST`, 2e-5 of K_II."""
 
+MORE_POINTS_WHERE_FADING = 4
+"""Points on top of those where tip functions fade out: chi folds inside of elements. Patch test 6e-4 to 9e-5."""
+
 MORE_POINTS_AT_TIPS = 2
 """The same for triangles with their apex at a tip: 3e-5 of K_II; one less costs 2e-4."""
 
@@ -66,17 +69,18 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     whole = np.flatnonzero(enriched[: cover.elements.n_whole])
     corners, owner = triangulate(cover.elements.polygons)
     owner = owner + cover.elements.n_whole
-    parts = [_on_tiles(cover, whole, n + MORE_POINTS)]
+    more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
+    parts = [_on_tiles(cover, whole, n + MORE_POINTS + more)]
     smooth = ~enriched[owner]
     parts.append(_on_corners(corners[smooth], owner[smooth], n))
     corners, owner = corners[~smooth], owner[~smooth]
     if len(corners):
         tips = np.array([tip.point for tip in cover.tips])
         at_tip, corners = _tip_first(corners, tips)
-        points, weights = on_tip_triangles(corners[at_tip], n + MORE_POINTS_AT_TIPS)
+        points, weights = on_tip_triangles(corners[at_tip], n + MORE_POINTS_AT_TIPS + more)
         parts.append(_flat(points, weights, owner[at_tip]))
         near = _halved(corners[~at_tip], owner[~at_tip], tips, carries)
-        parts.append(_on_corners(*near, n + MORE_POINTS))
+        parts.append(_on_corners(*near, n + MORE_POINTS + more))
     points, weights, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(element, kind="stable")
     return ElementPoints(points[order], weights[order], element[order])

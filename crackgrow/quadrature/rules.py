@@ -51,7 +51,7 @@ def on_tip_triangles(corners: Floats, n: int) -> tuple[Floats, Floats]:
     """Rule on triangles (t, 3, 2) whose first corner is a crack tip: points (t, n^2, 2), weights (t, n^2).
 
     Collapsed at the tip with u = w^2, which makes any power of sqrt(r) a polynomial: r^(k/2 - 1) times a function of
-    the angle is integrated exactly in r for k up to 4 n - 2. Along the far side, points are drawn to the foot of the
+    the angle is integrated exactly in r for k up to 2 n - 2. Along the far side, points are drawn to the foot of the
     tip's perpendicular by t = H sinh(eta), so that a tip close to that side costs no accuracy.
     """
     x, weight = gauss(n)

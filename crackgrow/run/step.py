@@ -28,6 +28,7 @@ from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.scene import Scene
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
+from crackgrow.solid.rigid_modes import check_held
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 
@@ -68,6 +69,7 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
     with _timed(seconds, "assembly"):
         matrix = stiffness(cover, scene.materials, case.numerics.quadrature)
         rows, given = constraints(cover, case.bodies, case.supports)
+        check_held(cover, rows)
         loads = load_factor * load_vector(cover, case.bodies, case.loads)
     with _timed(seconds, "factorize"):
         system = ConstrainedSystem(matrix, rows, max(material.c33 for material in scene.materials))

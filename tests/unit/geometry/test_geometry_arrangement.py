@@ -24,7 +24,7 @@ def arrangement(*parts: list[list[float]]):
 
 
 def test_two_crossing_lines_cut_a_rectangle_in_four_faces() -> None:
-    polygons, points, ids, edges = arrangement(FRAME, [[0, 0], [4, 3]], [[0, 3], [4, 0]])
+    polygons, _, ids, edges = arrangement(FRAME, [[0, 0], [4, 3]], [[0, 3], [4, 0]])
     np.testing.assert_allclose(shapely.area(polygons), [3.0] * 4, rtol=1e-9)  # vertices move by half a grid step
     assert len(np.unique(ids)) == 5  # four corners and the crossing
     assert len(edges.a) == 8
@@ -93,7 +93,7 @@ def test_rings_of_a_face_with_a_hole_close_on_themselves() -> None:
 
 @pytest.mark.parametrize("offset", [1e-12, -1e-12, 1e-10])
 def test_lines_closer_than_the_grid_become_one(offset: float) -> None:
-    polygons, points, ids, _ = arrangement(FRAME, [[0, 1], [4, 1]], [[0, 1 + offset], [4, 1 + offset]])
+    polygons, _, ids, _ = arrangement(FRAME, [[0, 1], [4, 1]], [[0, 1 + offset], [4, 1 + offset]])
     np.testing.assert_array_equal(np.sort(shapely.area(polygons)), [4.0, 8.0])
     assert len(np.unique(ids)) == 6
 
@@ -113,7 +113,7 @@ def test_rounding_to_the_grid_moves_by_half_a_step_at_most_and_keeps_integers() 
 
 def test_equal_points_share_an_id_and_different_ones_do_not() -> None:
     points = on_grid(np.random.default_rng(3).uniform(-5, 5, (50, 2)))
-    twice = np.concatenate([points, points[::-1], points + (GRID, 0.0)])
+    twice = np.concatenate([points, points[::-1], points + np.array([GRID, 0.0])])
     ids = vertex_ids(twice)
     np.testing.assert_array_equal(ids[:50], ids[50:100][::-1])
     np.testing.assert_array_equal(np.unique(ids), np.arange(100))

@@ -13,7 +13,7 @@ KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 
 
-def plain_area(sample) -> float:  # noqa: ANN001
+def plain_area(sample) -> float:
     sizes = np.diff(sample.lattice.breaks)
     part = sample.cover.elements.tile[plain_elements(sample.cover)] % len(sizes)
     return float(np.prod(sizes[part], axis=1).sum())
@@ -127,7 +127,7 @@ def _close(points: np.ndarray, tip: np.ndarray) -> np.ndarray:
     return np.abs(points - tip).max(axis=1) < 0.3
 
 
-def _tile_boxes(sample, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:  # noqa: ANN001
+def _tile_boxes(sample, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     per_cell = len(sample.lattice.breaks) - 1
     cell, part = np.divmod(sample.cover.elements.tile[elements], per_cell)
     return cell + sample.lattice.breaks[part], cell + sample.lattice.breaks[part + 1]

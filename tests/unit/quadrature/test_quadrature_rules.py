@@ -61,7 +61,7 @@ def test_mapped_triangles_keep_area_and_degree_in_both_orientations() -> None:
         assert w[0] @ points[0, :, 0] ** 2 == pytest.approx(exact, rel=1e-14)
 
 
-def tip_integral(corners: np.ndarray, power: float, angular) -> float:  # noqa: ANN001
+def tip_integral(corners: np.ndarray, power: float, angular) -> float:
     """Integral of r^power angular(t), by polar coordinates and adaptive quadrature along the far side's angle."""
     tip, a, b = corners
     unit = (b - a) / np.hypot(*(b - a))
@@ -114,7 +114,7 @@ def test_tip_rule_integrates_powers_of_the_distance_with_smooth_angles(name: str
 @pytest.mark.parametrize("power", [-1.0, -0.5, 0.0])
 @pytest.mark.parametrize("name", TRIANGLES)
 def test_six_points_at_the_tip_suffice_whatever_the_far_side(name: str, power: float) -> None:
-    """The default: 4 + MORE_POINTS_AT_TIPS. Error relative to the disc of the same size, as flat triangles count little."""
+    """The default: 4 + MORE_POINTS_AT_TIPS. Relative to the disc of the same size: flat triangles count little."""
     _, error = tip_rule(name, power, 6)
     disc = 2 * np.pi / (power + 2)
     assert abs(error) < 2e-4 * disc
@@ -150,7 +150,9 @@ def test_tip_rule_gives_the_area(name: str) -> None:
     a, b = corners[1:] - corners[0]
     _, w = on_tip_triangles(corners[None], 12)
     assert w.min() > 0.0
-    assert w.sum() == pytest.approx(0.5 * abs(a[0] * b[1] - a[1] * b[0]), rel=1e-4)  # 12 points where the side is at 1e-4
+    assert w.sum() == pytest.approx(
+        0.5 * abs(a[0] * b[1] - a[1] * b[0]), rel=1e-4
+    )  # 12 points where the side is at 1e-4
 
 
 @pytest.mark.parametrize("n", POINTS)

@@ -17,19 +17,19 @@ CRACKS = {
 }
 
 
-def cracked(build, name: str, support: float, spacing: float = 1.0):  # noqa: ANN001, ANN201
+def cracked(build, name: str, support: float, spacing: float = 1.0):
     cracks = [build.crack(np.array(points) * spacing, tips) for points, tips in CRACKS[name]]
     return build.sample((0.5 * spacing,) * 2, (6.5 * spacing, 5.5 * spacing), cracks, spacing=spacing, support=support)
 
 
-def scaled(matrix) -> np.ndarray:  # noqa: ANN001
+def scaled(matrix) -> np.ndarray:
     """Dense, with a unit diagonal: slivers then cost no energy that counts."""
     dense = matrix.toarray()
     scale = 1 / np.sqrt(np.diag(dense))
     return scale[:, None] * dense * scale
 
 
-def field(sample, values) -> np.ndarray:  # noqa: ANN001
+def field(sample, values) -> np.ndarray:
     """Unknowns (n_dofs,) of a displacement that is linear in metres, tip functions zero."""
     u = np.zeros((sample.cover.n_functions, 2))
     nodes = sample.lattice.to_metres(sample.cover.patch_nodes)

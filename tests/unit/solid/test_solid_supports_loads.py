@@ -17,7 +17,7 @@ SIDES = {"bottom": 6.0, "right": 5.0, "top": 6.0, "left": 5.0}
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 
 
-def resultant(sample, f: np.ndarray) -> np.ndarray:  # noqa: ANN001
+def resultant(sample, f: np.ndarray) -> np.ndarray:
     """Force (2,) and moment about the origin of a load vector: its work on the rigid motions."""
     nodes = sample.lattice.to_metres(sample.cover.patch_nodes)
     forces = f.reshape(-1, 2)[: len(nodes)]
@@ -46,7 +46,10 @@ def test_traction_on_a_part_of_an_edge_has_the_parts_resultant(build) -> None:
 
 def test_loads_add_up(build) -> None:
     sample = build.block((6, 5))
-    one, two = EdgeTraction(EdgeRegion("rock", "top"), (1.0, 2.0)), EdgeTraction(EdgeRegion("rock", "left"), (0.0, -1.0))
+    one, two = (
+        EdgeTraction(EdgeRegion("rock", "top"), (1.0, 2.0)),
+        EdgeTraction(EdgeRegion("rock", "left"), (0.0, -1.0)),
+    )
     together = load_vector(sample.cover, (sample.body,), (one, two))
     single = [load_vector(sample.cover, (sample.body,), (load,)) for load in (one, two)]
     np.testing.assert_allclose(together, sum(single), atol=1e-15)

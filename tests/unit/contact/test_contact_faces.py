@@ -1,0 +1,218 @@
+"""Contact points along cracks: how many, where, their functions and weights, and which side is which."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crackgrow.contact.faces import (
+    ContactFaces,
+    FacePoints,
+    face_vertices,
+    gauss_faces,
+    mortar_faces,
+    points_at,
+    stretch_ends,
+)
+from crackgrow.cover.elements import locate
+from crackgrow.geometry.polyline import arc_lengths
+
+ROUND_OFF = 1e-8
+"""In spacings: vertices lie on a grid of 1e-9 spacings, so that lengths are exact to a few of those."""
+
+LENGTH = 10.0
+KINKED = [(-4.3, -3.1), (-0.9, -2.2), (1.2, 1.9), (4.4, 2.6)]  # turns by 48 and 51 degrees
+PATHS = {
+    "straight": [(-4.13, -2.02), (4.53, 2.98)],
+    "kinked": KINKED,
+    "gentle": [(-4.3, -3.1), (-0.2, -1.7), (4.1, 0.9)],
+    "along the lattice": [(-4.0, 0.5), (4.0, 0.5)],
+}
+
+
+def tilted(length: float, angle_deg: float) -> np.ndarray:
+    a = np.deg2rad(angle_deg)
+    half = 0.5 * length * np.array([np.cos(a), np.sin(a)])
+    return np.array([-half, half])
+
+
+def bent(first: float, second: float, kink_deg: float) -> np.ndarray:
+    """Two segments of given lengths; the second is turned by `kink_deg` from the first."""
+    a = np.deg2rad([10.0, 10.0 + kink_deg])
+    corner = np.array([0.21, 0.33])
+    return np.array(
+        [
+            corner - first * np.array([np.cos(a[0]), np.sin(a[0])]),
+            corner,
+            corner + second * np.array([np.cos(a[1]), np.sin(a[1])]),
+        ]
+    )
+
+
+def plate(build, *paths, spacing: float = 1.0):
+    cracks = [build.crack(path, name=str(k)) for k, path in enumerate(paths)]
+    return build.sample((-15.5, -27.5), (15.5, 27.5), cracks, spacing=spacing, support=2.0)
+
+
+def shape_sum(faces: ContactFaces) -> np.ndarray:
+    return np.asarray(faces.functions.sum(axis=0)).ravel()
+
+
+@pytest.mark.parametrize(("spacing", "n"), [(3.0, 2), (1.5, 6), (1.0, 9), (0.5, 19)])
+@pytest.mark.parametrize("angle", [0.0, 30.0, -75.0])
+def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> None:
+    path = tilted(LENGTH, angle)
+    sample = plate(build, path, spacing=spacing)
+    faces = mortar_faces(sample.cover, [0], 1.0)
+    assert faces.n == n
+    share = np.arange(1, n + 1) / (n + 1)  # evenly spread, none on a tip
+    np.testing.assert_allclose(faces.s * spacing, LENGTH * share, atol=ROUND_OFF)
+    expected = path[0] + share[:, None] * (path[1] - path[0])
+    np.testing.assert_allclose(sample.lattice.to_metres(faces.positions), expected, atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize(("distance", "n"), [(0.5, 19), (1.0, 9), (2.0, 4), (4.0, 1)])
+def test_the_distance_of_the_nodes_is_a_setting(build, distance: float, n: int) -> None:
+    assert mortar_faces(plate(build, tilted(LENGTH, 30.0)).cover, [0], distance).n == n
+
+
+@pytest.mark.parametrize("discretize", [lambda cover: mortar_faces(cover, [0], 1.0), lambda c: gauss_faces(c, [0])])
+@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
+def test_functions_sum_to_one_and_weights_to_the_length(build, path, discretize) -> None:
+    faces = discretize(plate(build, path).cover)
+    np.testing.assert_allclose(shape_sum(faces), 1.0, rtol=1e-14)
+    assert faces.functions.data.min() >= 0.0
+    total = arc_lengths(np.array(path))[-1]
+    assert faces.weights.sum() == pytest.approx(total, abs=ROUND_OFF)
+    assert faces.lengths.sum() == pytest.approx(total, abs=ROUND_OFF)
+    assert faces.weights.min() > 0.0
+
+
+def test_weights_of_hats_with_constant_end_pieces(build) -> None:
+    faces = mortar_faces(plate(build, tilted(LENGTH, 30.0)).cover, [0], 1.0)
+    np.testing.assert_allclose(faces.weights, [1.5, *[1.0] * 7, 1.5], atol=ROUND_OFF)  # ten pieces of length 1
+
+
+@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
+def test_functions_interpolate_linearly_between_nodes_and_stay_constant_beyond(build, path) -> None:
+    faces = mortar_faces(plate(build, path).cover, [0], 1.0)
+    ends = stretch_ends(np.array(path))
+    stretch = np.searchsorted(ends[1:-1], faces.points.s, side="right")
+    first = np.array([faces.s[faces.stretch == k].min() for k in range(len(ends) - 1)])
+    last = np.array([faces.s[faces.stretch == k].max() for k in range(len(ends) - 1)])
+    expected = np.clip(faces.points.s, first[stretch], last[stretch])
+    np.testing.assert_allclose(faces.functions.T @ faces.s, expected, atol=ROUND_OFF)
+
+
+def test_weighted_points_integrate_along_the_crack(build) -> None:
+    """Half powers of the distance from a tip, as openings have them, and polynomials."""
+    faces = mortar_faces(plate(build, PATHS["straight"]).cover, [0], 1.0)
+    s, total = faces.points.s, arc_lengths(np.array(PATHS["straight"]))[-1]
+    for power in (0.5, 1.0, 1.5, 3.0, 4.0):
+        # sqrt(distance) is integrated exactly in the piece at the tip, to 1e-9 by 5 points in the others
+        assert faces.lengths @ s**power == pytest.approx(total ** (power + 1) / (power + 1), rel=1e-7)
+        assert faces.lengths @ (total - s) ** power == pytest.approx(total ** (power + 1) / (power + 1), rel=1e-7)
+
+
+@pytest.mark.parametrize(("kink", "n_stretches"), [(15.0, 1), (-19.0, 1), (21.0, 2), (-25.0, 2), (70.0, 2)])
+def test_sharp_kinks_split_stretches_and_gentle_ones_do_not(build, kink: float, n_stretches: int) -> None:
+    path = bent(4.0, 3.0, kink)
+    faces = mortar_faces(plate(build, path).cover, [0], 1.0)
+    assert len(stretch_ends(path)) == n_stretches + 1
+    assert set(faces.stretch.tolist()) == set(range(n_stretches))
+    assert faces.n == {1: 6, 2: 3 + 2}[n_stretches]
+    before, after = faces.points.s < 4.0, faces.points.s > 4.0
+    reach = faces.functions.toarray() > 0.0
+    round_the_kink = reach[:, before].any(axis=1) & reach[:, after].any(axis=1)
+    # a node lies on the gentle kink itself: its hat reaches to both sides
+    assert round_the_kink.sum() == {1: 1, 2: 0}[n_stretches]
+
+
+@pytest.mark.parametrize("length", [0.3, 0.7, 1.4, 2.4])
+def test_a_short_stretch_has_one_node_in_its_middle(build, length: float) -> None:
+    faces = mortar_faces(plate(build, bent(5.0, length, 60.0)).cover, [0], 1.0)
+    short = faces.s[faces.stretch == 1]
+    assert short == pytest.approx([5.0 + 0.5 * length], abs=ROUND_OFF)
+    assert faces.weights[faces.stretch == 1] == pytest.approx([length], abs=ROUND_OFF)
+
+
+def test_gauss_points_of_the_paper(build) -> None:
+    faces = gauss_faces(plate(build, KINKED).cover, [0])
+    assert faces.n == 3 * 10 * 5
+    assert np.bincount(faces.stretch).tolist() == [50, 50, 50]
+    assert np.all(np.diff(faces.s) > 0.0)
+    corners = arc_lengths(np.array(KINKED))
+    for k in range(3):
+        mine = faces.stretch == k
+        low, high = corners[k], corners[k + 1]
+        limits = np.linspace(low, high, 11)
+        assert np.histogram(faces.s[mine], limits)[0].tolist() == [5] * 10
+        # five points a part are exact to degree 9
+        assert faces.weights[mine] @ faces.s[mine] ** 9 == pytest.approx((high**10 - low**10) / 10, rel=1e-8)
+
+
+@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
+def test_plus_is_the_left_side_of_the_crack(build, path) -> None:
+    cover = plate(build, path).cover
+    points = mortar_faces(cover, [0], 1.0).points
+    corners = arc_lengths(np.array(path))
+    segment = np.searchsorted(corners, points.s) - 1
+    steps = np.diff(np.array(path), axis=0)
+    tangent = (steps / np.hypot(*steps.T)[:, None])[segment]
+    turned = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    np.testing.assert_allclose(points.normal, turned, atol=ROUND_OFF)
+    step = 1e-6  # spacings: far less than the distance of any point from the next edge
+    assert np.array_equal(locate(cover.lattice, cover.elements, points.points + step * turned), points.plus)
+    assert np.array_equal(locate(cover.lattice, cover.elements, points.points - step * turned), points.minus)
+    assert np.all(points.plus != points.minus)
+
+
+def on_polyline(path: np.ndarray, s: np.ndarray) -> np.ndarray:
+    corners = arc_lengths(path)
+    return np.stack([np.interp(s, corners, path[:, axis]) for axis in range(2)], axis=1)
+
+
+@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
+def test_face_vertices_cover_the_crack_from_start_to_end(build, path) -> None:
+    sample = plate(build, path)
+    vertices = face_vertices(sample.cover, 0)
+    corners = arc_lengths(np.array(path))
+    assert vertices.s[0] == pytest.approx(0.0, abs=ROUND_OFF)
+    assert vertices.s[-1] == pytest.approx(corners[-1], abs=ROUND_OFF)
+    np.testing.assert_allclose(vertices.s[1:-1:2], vertices.s[2::2], atol=ROUND_OFF)  # an edge starts where one ends
+    assert np.all(vertices.s[1::2] > vertices.s[::2])
+    assert np.abs(corners[:, None] - vertices.s).min(axis=1) == pytest.approx(0.0, abs=ROUND_OFF)
+    places = sample.lattice.to_metres(vertices.points)
+    np.testing.assert_allclose(places, on_polyline(np.array(path), vertices.s), atol=2 * ROUND_OFF)
+
+
+def test_points_at_any_arc_length_lie_on_the_crack(build) -> None:
+    sample = plate(build, KINKED)
+    s = np.sort(np.random.default_rng(3).uniform(0.0, arc_lengths(np.array(KINKED))[-1], 200))
+    points = points_at(sample.cover, 0, s)
+    np.testing.assert_allclose(
+        sample.lattice.to_metres(points.points), on_polyline(np.array(KINKED), s), atol=2 * ROUND_OFF
+    )
+
+
+def test_two_cracks_keep_their_own_points(build) -> None:
+    first, second = tilted(LENGTH, 30.0), np.array([(-3.0, 12.2), (2.0, 13.1)])
+    cover = plate(build, first, second).cover
+    both = mortar_faces(cover, [0, 1], 1.0)
+    alone = mortar_faces(cover, [1], 1.0)
+    assert np.bincount(both.crack).tolist() == [9, 4]
+    assert alone.crack.tolist() == [1] * 4
+    np.testing.assert_array_equal(both.positions[both.crack == 1], alone.positions)
+    np.testing.assert_array_equal(both.weights[both.crack == 1], alone.weights)
+    reach = both.functions.toarray() > 0.0
+    assert not reach[both.crack == 0][:, both.points.crack == 1].any()
+    assert not reach[both.crack == 1][:, both.points.crack == 0].any()
+    np.testing.assert_allclose(shape_sum(both), 1.0, rtol=1e-14)
+
+
+def test_no_touching_crack_has_no_contact_points(build) -> None:
+    cover = plate(build, tilted(LENGTH, 30.0)).cover
+    for faces in (mortar_faces(cover, [], 1.0), gauss_faces(cover, [])):
+        assert faces.n == 0
+        assert isinstance(faces.points, FacePoints)
+        assert len(faces.weights) == 0

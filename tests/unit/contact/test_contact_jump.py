@@ -1,0 +1,160 @@
+"""The jump operator on fields whose gap and slip are known: rigid motions of one side, and tip functions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crackgrow.contact.faces import gauss_faces, mortar_faces, points_at
+from crackgrow.contact.jump import contact_operators, gap_and_slip, jump_matrix
+from crackgrow.geometry.polyline import arc_lengths
+
+EXACT = 1e-10
+"""Moving least squares reproduce linear fields to round-off; coordinates are about 10."""
+
+WIDTH, HEIGHT = 12.0, 10.0
+ACROSS = {  # from the left to the right side: everything above is the plus side
+    "horizontal": [(0.0, 4.8), (WIDTH, 4.8)],
+    "inclined": [(0.0, 2.3), (WIDTH, 7.1)],
+    "kinked": [(0.0, 3.1), (4.4, 3.9), (7.3, 6.7), (WIDTH, 6.2)],
+}
+
+
+def cut_block(build, path):
+    crack = build.crack(path, tips=(False, False))
+    return build.sample((0.0, 0.0), (WIDTH, HEIGHT), [crack], support=2.0)
+
+
+def above(sample) -> np.ndarray:
+    """Which physical patches lie above a crack that runs across."""
+    cover = sample.cover
+    path = cover.cracks[0].points
+    element_above = cover.elements.reference[:, 1] > np.interp(cover.elements.reference[:, 0], *path.T)
+    side = np.full(len(cover.patch_nodes), -1)
+    for element, patches in enumerate(cover.functions):
+        side[patches[patches >= 0]] = element_above[element]
+    assert side.min() == 0
+    return side == 1
+
+
+def rigid(points: np.ndarray, shift: tuple[float, float], turn: float) -> np.ndarray:
+    """Displacements (n, 2) of points (n, 2): a translation and a small rotation round the origin."""
+    return np.array(shift) + turn * np.stack([-points[:, 1], points[:, 0]], axis=1)
+
+
+def unknowns(sample, displacement: np.ndarray) -> np.ndarray:
+    """Unknowns with coefficients (n_patches, 2) of the physical patches, none of tip functions."""
+    u = np.zeros((sample.cover.n_functions, 2))
+    u[: len(displacement)] = displacement
+    return u.ravel()
+
+
+def nodes(sample) -> np.ndarray:
+    return sample.lattice.to_metres(sample.cover.patch_nodes)
+
+
+@pytest.mark.parametrize("tips", [(False, False), (True, True)])
+def test_a_rigid_motion_of_everything_has_no_jump(build, tips: tuple[bool, bool]) -> None:
+    path = {False: ACROSS["kinked"], True: [(2.2, 2.4), (5.1, 3.6), (6.0, 6.9)]}[tips[0]]
+    sample = build.sample((0.0, 0.0), (WIDTH, HEIGHT), [build.crack(path, tips)], support=2.0)
+    u = unknowns(sample, rigid(nodes(sample), (0.7, -0.4), 0.3))
+    for faces in (mortar_faces(sample.cover, [0], 1.0), gauss_faces(sample.cover, [0])):
+        gap, slip = gap_and_slip(sample.cover, faces.points, u)
+        gap_of, slip_of = contact_operators(sample.cover, faces)
+        for jump in (gap, slip, gap_of @ u, slip_of @ u):
+            assert np.abs(jump).max() < EXACT
+
+
+@pytest.mark.parametrize("path", ACROSS.values(), ids=ACROSS.keys())
+def test_moving_one_side_gives_its_motion_as_the_jump(build, path) -> None:
+    sample = cut_block(build, path)
+    shift, turn = (0.31, 0.22), -0.05
+    u = unknowns(sample, above(sample)[:, None] * rigid(nodes(sample), shift, turn))
+    s = np.sort(np.random.default_rng(5).uniform(0.0, arc_lengths(np.array(path))[-1], 100))
+    points = points_at(sample.cover, 0, s)
+    steps = np.diff(np.array(path), axis=0)
+    segment = np.searchsorted(arc_lengths(np.array(path)), s) - 1
+    tangent = (steps / np.hypot(*steps.T)[:, None])[segment]
+    jump = rigid(sample.lattice.to_metres(points.points), shift, turn)
+    gap, slip = gap_and_slip(sample.cover, points, u)
+    np.testing.assert_allclose(gap, jump[:, 1] * tangent[:, 0] - jump[:, 0] * tangent[:, 1], atol=10 * EXACT)
+    np.testing.assert_allclose(slip, np.sum(jump * tangent, axis=1), atol=10 * EXACT)
+
+
+@pytest.mark.parametrize("discretize", [lambda cover: mortar_faces(cover, [0], 1.0), lambda c: gauss_faces(c, [0])])
+def test_contact_points_average_the_jump_with_their_functions(build, discretize) -> None:
+    """A jump that is linear in s averages to its value at the centroid of N_k."""
+    sample = cut_block(build, ACROSS["inclined"])
+    u = unknowns(sample, above(sample)[:, None] * rigid(nodes(sample), (0.1, 0.2), 0.04))
+    faces = discretize(sample.cover)
+    gap_of, slip_of = contact_operators(sample.cover, faces)
+    centroid = (faces.functions @ (faces.lengths * faces.points.s)) / faces.weights
+    gap, slip = gap_and_slip(sample.cover, points_at(sample.cover, 0, centroid), u)
+    np.testing.assert_allclose(gap_of @ u, gap, atol=10 * EXACT)
+    np.testing.assert_allclose(slip_of @ u, slip, atol=10 * EXACT)
+    assert np.ptp(gap) > 0.3  # the field is not constant
+
+
+@pytest.mark.parametrize("angle_deg", [-35.0, 0.0, 25.0])
+def test_opening_and_forward_motion_of_the_plus_face_are_positive(build, angle_deg: float) -> None:
+    rise = 0.5 * WIDTH * np.tan(np.deg2rad(angle_deg))
+    sample = cut_block(build, [(0.0, 5.0 - rise), (WIDTH, 5.0 + rise)])
+    faces = mortar_faces(sample.cover, [0], 1.0)
+    gap_of, slip_of = contact_operators(sample.cover, faces)
+    a = np.deg2rad(angle_deg)
+    tangent, normal = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])
+    opening = unknowns(sample, above(sample)[:, None] * normal[None])
+    forward = unknowns(sample, above(sample)[:, None] * tangent[None])
+    np.testing.assert_allclose(gap_of @ opening, 1.0, atol=EXACT)
+    np.testing.assert_allclose(slip_of @ opening, 0.0, atol=EXACT)
+    np.testing.assert_allclose(slip_of @ forward, 1.0, atol=EXACT)
+    np.testing.assert_allclose(gap_of @ forward, 0.0, atol=EXACT)
+    below = unknowns(sample, ~above(sample)[:, None] * normal[None])
+    np.testing.assert_allclose(gap_of @ below, -1.0, atol=EXACT)
+
+
+def test_turning_the_crack_round_changes_neither_gap_nor_slip(build) -> None:
+    there, back = (cut_block(build, path) for path in (ACROSS["kinked"], ACROSS["kinked"][::-1]))
+    total = arc_lengths(np.array(ACROSS["kinked"]))[-1]
+    s = np.linspace(0.3, total - 0.3, 40)
+    jumps = []
+    for sample, at in ((there, s), (back, total - s)):
+        field = above_by_position(sample, rigid(nodes(sample), (0.2, 0.3), 0.03))
+        jumps.append(gap_and_slip(sample.cover, points_at(sample.cover, 0, at), unknowns(sample, field)))
+    np.testing.assert_allclose(jumps[1], jumps[0], atol=10 * EXACT)
+
+
+def above_by_position(sample, field: np.ndarray) -> np.ndarray:
+    """The field (n_patches, 2) above the kinked crack, zero below, whichever way the crack runs."""
+    cover = sample.cover
+    path = sample.lattice.to_lattice(np.array(ACROSS["kinked"]))
+    result = np.zeros_like(field)
+    for element, patches in enumerate(cover.functions):
+        x, y = cover.elements.reference[element]
+        used = patches[patches >= 0]
+        result[used] = field[used] * (y > np.interp(x, *path.T))
+    return result
+
+
+@pytest.mark.parametrize("at_end", [True, False])
+def test_the_odd_tip_function_opens_as_twice_the_square_root(build, at_end: bool) -> None:
+    """sqrt(r) sin t/2 is +-sqrt(r) on the faces; in the tip's own cell all patches carry it and sum to one."""
+    tip, mouth = (6.05, 5.3), (WIDTH, 3.2)
+    path = [mouth, tip] if at_end else [tip, mouth]
+    crack = build.crack(path, tips=(not at_end, at_end))
+    sample = build.sample((0.0, 0.0), (WIDTH, HEIGHT), [crack], support=2.0)
+    cover = sample.cover
+    first = cover.tip_function_ids[0]
+    singular = first[first >= 0]
+    assert len(singular) == 16
+    r = np.linspace(0.01, 0.25, 9)  # inside of the tip's cell
+    total = arc_lengths(np.array(path))[-1]
+    points = points_at(cover, 0, total - r if at_end else r)
+    assert np.unique(np.floor(np.vstack([points.points, cover.tips[0].point])), axis=0).shape == (1, 2)
+    scalar = np.zeros(cover.n_functions)
+    for number, expected in ((0, 0.0), (1, 2.0), (2, 0.0), (3, -2.0)):  # cos t/2, sin t/2, cos 3t/2, sin 3t/2
+        scalar[:] = 0.0
+        scalar[singular + number] = 1.0
+        outward_left = jump_matrix(cover, points) @ scalar
+        sense = 1.0 if at_end else -1.0  # left of the tip's direction is the plus side at the end of a crack only
+        np.testing.assert_allclose(sense * outward_left, expected * np.sqrt(r), atol=1e-8)  # off the line by the grid

@@ -1,0 +1,272 @@
+"""Growth criteria on fields made by hand: uniform stress, and the near field of a crack in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from crackgrow.case.model import Strength
+from crackgrow.fracture.criteria import (
+    CRITERIA,
+    MEAN_FACTOR_I,
+    directional_strength,
+    effective_toughness,
+    hoop_and_shear,
+    strength,
+)
+from crackgrow.fracture.tip_stress import TipField
+
+N_RAYS = 72
+ANGLES = np.pi * (2.0 * np.arange(N_RAYS) + 1.0 - N_RAYS) / N_RAYS
+RADIUS = 1e-3  # m
+
+ROCK = Strength(tension=2.0, cohesion=10.0, friction_angle=40.0)
+WEAK_IN_TENSION = Strength(tension=1e-3, cohesion=1e6, friction_angle=40.0)
+WEAK_IN_SHEAR = Strength(tension=1e6, cohesion=1e-3, friction_angle=10.0)
+
+RAYS = 1e-3
+"""Relative error of a peak between rays that are 5 degrees apart, by a parabola."""
+
+DIRECTION = 0.5
+"""Degrees: error of the peak's direction."""
+
+
+def turned(stress: np.ndarray, angle: float) -> np.ndarray:
+    """Stress (n, 3) turned by an angle (rad), counter-clockwise."""
+    c, s = np.cos(angle), np.sin(angle)
+    R = np.array([[c, -s], [s, c]])
+    tensors = R @ stress[:, [0, 2, 2, 1]].reshape(-1, 2, 2) @ R.T
+    return np.stack([tensors[:, 0, 0], tensors[:, 1, 1], tensors[:, 0, 1]], axis=1)
+
+
+def uniform(stress: tuple[float, float, float], direction: float = 0.0) -> TipField:
+    """The same stress everywhere, seen by a tip that points to `direction` (rad)."""
+    return TipField(direction, ANGLES, np.tile(stress, (N_RAYS, 1)), np.array(stress))
+
+
+def uniaxial(sigma: float, axis: float) -> tuple[float, float, float]:
+    c, s = np.cos(axis), np.sin(axis)
+    return sigma * c * c, sigma * s * s, sigma * c * s
+
+
+def near_field(
+    K_I: float, K_II: float, along: float = 0.0, direction: float = 0.0, pressure: float = 0.0
+) -> TipField:
+    """Williams' field averaged as the polar rule does (2 / sqrt(2 pi R)), plus a stress `along` the crack."""
+    t = ANGLES
+    c, s, c3, s3 = np.cos(t / 2), np.sin(t / 2), np.cos(3 * t / 2), np.sin(3 * t / 2)
+    first = np.stack([c * (1 - s * s3), c * (1 + s * s3), c * s * c3], axis=1)
+    second = np.stack([-s * (2 + c * c3), s * c * c3, c * (1 - s * s3)], axis=1)
+    rays = 2.0 / np.sqrt(2.0 * np.pi * RADIUS) * (K_I * first + K_II * second) + np.array([along - pressure, -pressure, 0.0])
+    rays = turned(rays, direction)
+    return TipField(direction, ANGLES, rays, rays.mean(axis=0))
+
+
+def hoop_stress_kink(K_I: float, K_II: float) -> float:
+    """Direction (degrees) of the largest hoop stress, Erdogan and Sih 1963."""
+    return float(np.rad2deg(2.0 * np.arctan2(K_I - np.sqrt(K_I**2 + 8.0 * K_II**2), 4.0 * K_II)))
+
+
+def axis_apart(angle: float, axis: float) -> float:
+    """Angle (rad) from 0 to pi/2 between two axes."""
+    return float(abs((angle - axis + 0.5 * np.pi) % np.pi - 0.5 * np.pi))
+
+
+AXES = np.deg2rad([-80.0, -33.0, 4.0, 41.0, 77.0])
+
+
+@pytest.mark.parametrize("direction", np.deg2rad([0.0, 37.0, 190.0, -120.0]))
+@pytest.mark.parametrize("axis", AXES)
+def test_tension_grows_perpendicular_to_the_tension_and_forward(axis: float, direction: float) -> None:
+    verdict = strength(uniform(uniaxial(3.0, axis), direction), ROCK)
+    assert verdict.branch == "tension"
+    assert verdict.criticality == pytest.approx(1.5)  # 3 over 2
+    assert (verdict.sigma_1, verdict.sigma_3) == pytest.approx((3.0, 0.0), abs=1e-12)
+    assert axis_apart(direction + verdict.kink, axis) == pytest.approx(0.5 * np.pi)
+    assert np.cos(verdict.kink) >= 0.0
+
+
+def test_tension_comes_first_even_where_shear_is_further_beyond_its_limit() -> None:
+    soft = Strength(tension=2.0, cohesion=0.1, friction_angle=30.0)
+    verdict = strength(uniform((2.5, -50.0, 0.0)), soft)
+    assert verdict.branch == "tension"
+    assert verdict.criticality == pytest.approx(1.25)
+
+
+@pytest.mark.parametrize("phi_deg", [0.0, 20.0, 40.0])
+@pytest.mark.parametrize(("s1", "s3"), [(0.0, -30.0), (-4.0, -60.0), (-10.0, -45.0), (1.0, -20.0)])
+def test_shear_criticality_is_the_ratio_of_the_circle_to_the_mohr_coulomb_line(
+    s1: float, s3: float, phi_deg: float
+) -> None:
+    """The circle's radius over the distance of its centre from the line: 1 where it touches."""
+    limits = Strength(tension=1e3, cohesion=10.0, friction_angle=phi_deg)
+    verdict = strength(uniform((s3, s1, 0.0)), limits)
+    normals = np.linspace(0.0, np.pi, 200_001)  # look for the plane nearest to failure
+    sigma_n = s3 * np.cos(normals) ** 2 + s1 * np.sin(normals) ** 2
+    tau = (s1 - s3) * np.abs(np.sin(normals) * np.cos(normals))
+    # scaling only the deviator of the stress by 1 / criticality brings the worst plane to its limit
+    centre = 0.5 * (s1 + s3)
+    scale = 1.0 / verdict.criticality
+    reach = scale * tau + np.tan(np.deg2rad(phi_deg)) * (centre + scale * (sigma_n - centre))
+    assert reach.max() == pytest.approx(limits.cohesion, rel=1e-8)
+
+
+def test_unconfined_compression_fails_at_its_textbook_strength() -> None:
+    phi = np.deg2rad(ROCK.friction_angle)
+    sigma_c = 2.0 * ROCK.cohesion * np.cos(phi) / (1.0 - np.sin(phi))
+    below, beyond = (strength(uniform((0.0, -f * sigma_c, 0.0)), ROCK) for f in (0.999, 1.001))
+    assert (below.branch, beyond.branch) == ("none", "shear")
+    assert strength(uniform((0.0, -sigma_c, 0.0)), ROCK).criticality == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("phi_deg", [10.0, 40.0])
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("direction", np.deg2rad([0.0, 110.0]))
+def test_shear_grows_on_a_plane_at_45_less_half_phi_to_the_compression(
+    axis: float, direction: float, phi_deg: float
+) -> None:
+    limits = Strength(tension=1e3, cohesion=1.0, friction_angle=phi_deg)
+    verdict = strength(uniform(uniaxial(-50.0, axis), direction), limits)
+    assert verdict.branch == "shear"
+    assert axis_apart(direction + verdict.kink, axis) == pytest.approx(np.deg2rad(45.0 - 0.5 * phi_deg))
+    assert np.cos(verdict.kink) >= 0.0
+
+
+@pytest.mark.parametrize("sense", [-1.0, 1.0])
+def test_of_two_shear_planes_the_one_with_the_larger_shear_is_taken(sense: float) -> None:
+    """Compression along the crack; the stress is larger above (angles > 0) or below."""
+    rays = np.outer(1.0 + 0.3 * sense * np.sin(ANGLES), [-50.0, 0.0, 0.0])
+    field = TipField(0.0, ANGLES, rays, rays.mean(axis=0))
+    verdict = strength(field, Strength(tension=1e3, cohesion=1.0, friction_angle=30.0))
+    assert verdict.branch == "shear"
+    assert verdict.kink == pytest.approx(sense * np.deg2rad(30.0))  # 45 - 30 / 2
+
+
+@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@pytest.mark.parametrize("stress", [(0.1, -0.2, 0.05), (-5.0, -5.0, 0.0), (0.0, 0.0, 0.0)])
+def test_below_both_strengths_nothing_is_met(stress: tuple[float, float, float], criterion: Callable) -> None:
+    verdict = criterion(uniform(stress), ROCK)
+    assert verdict.branch == "none"
+    assert verdict.criticality < 1.0
+
+
+@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+def test_criticality_grows_in_proportion_to_the_load_in_tension(criterion: Callable) -> None:
+    one, ten = (criterion(near_field(f, 0.3 * f), WEAK_IN_TENSION) for f in (1.0, 10.0))
+    assert ten.criticality == pytest.approx(10.0 * one.criticality)
+    assert ten.kink == pytest.approx(one.kink)
+
+
+@pytest.mark.parametrize(
+    ("K_I", "K_II", "expected"),
+    [(1.0, 0.0, 0.0), (1.0, 1.0, -53.13), (1.0, -1.0, 53.13), (0.0, 1.0, -70.53), (0.0, -1.0, 70.53)],
+)
+def test_directional_strength_turns_to_the_largest_hoop_stress(K_I: float, K_II: float, expected: float) -> None:
+    verdict = directional_strength(near_field(K_I, K_II), WEAK_IN_TENSION)
+    assert verdict.branch == "tension"
+    assert np.rad2deg(verdict.kink) == pytest.approx(expected, abs=DIRECTION)
+
+
+@pytest.mark.parametrize("ratio", [0.25, 0.5, 2.0, 4.0])
+def test_directional_strength_between_the_modes(ratio: float) -> None:
+    verdict = directional_strength(near_field(ratio, 1.0), WEAK_IN_TENSION)
+    assert np.rad2deg(verdict.kink) == pytest.approx(hoop_stress_kink(ratio, 1.0), abs=DIRECTION)
+
+
+def test_strength_of_the_mean_turns_pure_shear_by_45_degrees() -> None:
+    assert np.rad2deg(strength(near_field(0.0, 1.0), WEAK_IN_TENSION).kink) == pytest.approx(-45.0, abs=0.1)
+    assert np.rad2deg(strength(near_field(1.0, 0.0), WEAK_IN_TENSION).kink) == pytest.approx(0.0, abs=0.1)
+
+
+def test_shear_on_a_ray_runs_straight_on_in_mode_II_without_tension() -> None:
+    """A crack pressed together and sheared, without friction in the rock: the largest shear is straight ahead."""
+    no_friction = Strength(tension=1e9, cohesion=1.0, friction_angle=0.0)
+    verdict = directional_strength(near_field(0.0, 1.0), no_friction)
+    assert verdict.branch == "shear"
+    assert np.rad2deg(verdict.kink) == pytest.approx(0.0, abs=DIRECTION)
+    assert verdict.criticality == pytest.approx(2.0 / np.sqrt(2.0 * np.pi * RADIUS), rel=RAYS)
+
+
+def test_directional_shear_follows_mohr_coulomb_on_the_ray_of_uniform_stress() -> None:
+    """In uniform compression the worst rays are the Mohr-Coulomb planes, and they fail together with these."""
+    axis, phi = np.deg2rad(20.0), np.deg2rad(30.0)
+    limits = Strength(tension=1e3, cohesion=10.0, friction_angle=30.0)
+    sigma = 2.0 * limits.cohesion * np.cos(phi) / (1.0 - np.sin(phi))
+    below, beyond = (directional_strength(uniform(uniaxial(-f * sigma, axis)), limits) for f in (0.97, 1.03))
+    assert (below.branch, beyond.branch) == ("none", "shear")
+    assert axis_apart(beyond.kink, axis) == pytest.approx(0.25 * np.pi - 0.5 * phi, abs=np.deg2rad(DIRECTION))
+
+
+@pytest.mark.parametrize("criterion", CRITERIA.keys())
+@pytest.mark.parametrize("radius", [RADIUS, 3e-3])
+def test_effective_toughness_is_the_K_I_that_just_grows(criterion: str, radius: float) -> None:
+    limits = Strength(tension=5e5, cohesion=1e9, friction_angle=40.0)
+    toughness = effective_toughness(criterion, limits.tension, radius)
+    field = near_field(toughness * np.sqrt(RADIUS / radius), 0.0)  # made for RADIUS
+    assert CRITERIA[criterion](field, limits).criticality == pytest.approx(1.0, rel=RAYS)
+
+
+def test_mean_factor_is_that_of_a_disc_with_weight_one_over_r() -> None:
+    """Mean over the angle of cos t/2 (1 + sin t/2 sin 3t/2) times the mean 2 of (R / r)^1/2 along a ray."""
+    t = (np.arange(100_000) + 0.5) / 100_000 * 2.0 * np.pi - np.pi
+    angular = np.cos(t / 2) * (1.0 + np.sin(t / 2) * np.sin(3 * t / 2))
+    assert MEAN_FACTOR_I["strength"] == pytest.approx(2.0 * angular.mean(), abs=5e-5)  # given to four decimals
+    assert 2.0 * angular.mean() == pytest.approx(24.0 / (5.0 * np.pi), rel=1e-8)
+    assert MEAN_FACTOR_I["directional_strength"] == 2.0  # straight ahead the angular part is 1
+
+
+@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@pytest.mark.parametrize("limits", [ROCK, WEAK_IN_SHEAR], ids=["tension", "shear"])
+@pytest.mark.parametrize("direction", np.deg2rad([31.0, 145.0, -100.0]))
+def test_turning_the_scene_turns_nothing_but_the_direction(
+    direction: float, limits: Strength, criterion: Callable
+) -> None:
+    scale = np.sqrt(2.0 * np.pi * RADIUS)
+    here, there = (criterion(near_field(-0.2 * scale, scale, -1.0, d, 5.0), limits) for d in (0.0, direction))
+    assert there.branch == here.branch
+    assert there.kink == pytest.approx(here.kink, abs=1e-9)
+    assert there.criticality == pytest.approx(here.criticality, rel=1e-9)
+    assert (there.sigma_1, there.sigma_3) == pytest.approx((here.sigma_1, here.sigma_3), rel=1e-9)
+
+
+@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@pytest.mark.parametrize("limits", [WEAK_IN_TENSION, WEAK_IN_SHEAR], ids=["tension", "shear"])
+def test_mirroring_the_load_turns_the_kink_round(limits: Strength, criterion: Callable) -> None:
+    pressure = {WEAK_IN_TENSION: 0.0, WEAK_IN_SHEAR: 30.0}[limits]  # else tension uses up the shear resistance
+    right, left = (criterion(near_field(0.3, K_II, -1.0, pressure=pressure), limits) for K_II in (0.8, -0.8))
+    assert left.branch == right.branch != "none"
+    assert left.kink == pytest.approx(-right.kink, abs=1e-9)
+    assert abs(right.kink) > 0.01
+    assert left.criticality == pytest.approx(right.criticality, rel=1e-9)
+
+
+def test_rays_outside_of_the_body_are_left_out() -> None:
+    field = near_field(0.0, -1.0)  # the largest hoop stress is at 70.5 degrees
+    rays = field.rays.copy()
+    rays[np.abs(np.rad2deg(ANGLES) - 70.0) < 20.0] = np.nan
+    verdict = directional_strength(TipField(0.0, ANGLES, rays, field.mean), WEAK_IN_TENSION)
+    assert np.isfinite(verdict.kink)
+    assert np.rad2deg(verdict.kink) == pytest.approx(92.5, abs=1e-9)  # larger than at 47.5: 1.035 to 1.012
+
+
+def test_rays_along_the_crack_itself_are_no_way_forward() -> None:
+    rays = np.tile([0.0, 0.0, 0.0], (N_RAYS, 1))
+    rays[np.abs(np.rad2deg(ANGLES)) > 160.0] = (0.0, 100.0, 0.0)  # hoop tension behind the tip
+    rays[36] = (0.0, 5.0, 0.0)  # at 2.5 degrees
+    verdict = directional_strength(TipField(0.0, ANGLES, rays, rays.mean(axis=0)), ROCK)
+    assert abs(np.rad2deg(verdict.kink)) < 5.0
+    assert verdict.criticality == pytest.approx(2.5, rel=0.01)
+
+
+def test_hoop_and_shear_are_the_stress_across_the_ray() -> None:
+    rng = np.random.default_rng(11)
+    field = TipField(0.7, ANGLES, rng.normal(size=(N_RAYS, 3)), np.zeros(3))
+    hoop, shear = hoop_and_shear(field, field.rays)
+    for k in range(0, N_RAYS, 7):
+        a = 0.7 + ANGLES[k]
+        tensor = field.rays[k][[0, 2, 2, 1]].reshape(2, 2)
+        along, across = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])
+        assert hoop[k] == pytest.approx(across @ tensor @ across, abs=1e-12)
+        assert shear[k] == pytest.approx(along @ tensor @ across, abs=1e-12)

@@ -1,0 +1,150 @@
+"""The averaged stress at a tip, on fields that the cover holds exactly: K fields and uniform stress."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crackgrow.case.model import PointSupport
+from crackgrow.fracture.stress_intensity import from_face_displacement
+from crackgrow.fracture.tip_stress import N_RAYS, TipField, tip_field
+from crackgrow.solid.elasticity import plane_elasticity
+
+POISSON = 0.25
+SHEAR_MODULUS = 1.0 / (2.0 * (1.0 + POISSON))  # of the sample's Young's modulus 1
+KOLOSOV = {"strain": 3.0 - 4.0 * POISSON, "stress": (3.0 - POISSON) / (1.0 + POISSON)}
+
+RAYS = 5e-4
+"""Relative error of a mean over the angle by 72 rays: the stress has kinks on the crack faces."""
+
+
+def stub(build, angle_deg: float, at_end: bool, spacing: float = 1.0):
+    """A short edge crack all in one cell: there all patches are singular and sum to one, up to 0.2 from the tip."""
+    a = np.deg2rad(angle_deg)
+    mouth = np.array([0.0, 6.03])
+    tip = mouth + 0.25 * np.array([np.cos(a), np.sin(a)])
+    path = spacing * np.array([mouth, tip] if at_end else [tip, mouth])
+    corner = spacing * np.array([12.0, 12.0])
+    return build.sample((0.0, 0.0), corner, [build.crack(path, (not at_end, at_end))], support=2.0, spacing=spacing)
+
+
+def near_field(sample, K_I: float, K_II: float, plane: str = "strain") -> np.ndarray:
+    """Unknowns of the displacement round a tip (Williams 1957) with given K, by the tip functions alone.
+
+    2 G u = sqrt(r / 2 pi) times sums of cos t/2, sin t/2, cos 3t/2, sin 3t/2, in the axes of the tip.
+    """
+    cover, k = sample.cover, KOLOSOV[plane]
+    along = K_I * np.array([k - 0.5, 0.0, -0.5, 0.0]) + K_II * np.array([0.0, k + 1.5, 0.0, 0.5])
+    across = K_I * np.array([0.0, k + 0.5, 0.0, -0.5]) + K_II * np.array([1.5 - k, 0.0, -0.5, 0.0])
+    factor = np.sqrt(sample.lattice.spacing / (2.0 * np.pi)) / (2.0 * SHEAR_MODULUS)
+    coefficients = factor * np.stack([along, across], axis=1) @ cover.tips[0].rotation
+    first = cover.tip_function_ids[0]
+    u = np.zeros((cover.n_functions, 2))
+    for number in first[first >= 0]:
+        u[number : number + 4] = coefficients
+    return u.ravel()
+
+
+def in_tip_axes(field: TipField, stress: np.ndarray) -> np.ndarray:
+    """Stress (n, 3) in the axes of the tip."""
+    c, s = np.cos(field.direction), np.sin(field.direction)
+    turn = np.array([[c, s], [-s, c]])
+    tensors = stress[:, [0, 2, 2, 1]].reshape(-1, 2, 2)
+    turned = turn @ tensors @ turn.T
+    return np.stack([turned[:, 0, 0], turned[:, 1, 1], turned[:, 0, 1]], axis=1)
+
+
+def closed_form(t: np.ndarray, K_I: float, K_II: float) -> np.ndarray:
+    """sqrt(2 pi r) times the stress (n, 3) of the near field at angles t (n,), in the axes of the tip."""
+    c, s, c3, s3 = np.cos(t / 2), np.sin(t / 2), np.cos(3 * t / 2), np.sin(3 * t / 2)
+    first = np.stack([c * (1 - s * s3), c * (1 + s * s3), c * s * c3], axis=1)
+    second = np.stack([-s * (2 + c * c3), s * c * c3, c * (1 - s * s3)], axis=1)
+    return K_I * first + K_II * second
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+@pytest.mark.parametrize(("angle", "at_end"), [(0.0, True), (0.0, False), (23.0, True), (-31.0, False)])
+@pytest.mark.parametrize(("K_I", "K_II"), [(1.0, 0.0), (0.0, 1.0), (0.7, -0.4)])
+def test_rays_and_mean_of_the_near_field(
+    build, K_I: float, K_II: float, angle: float, at_end: bool, plane: str
+) -> None:
+    sample = stub(build, angle, at_end)
+    radius = 0.2
+    material = plane_elasticity(1.0, POISSON, plane)
+    field = tip_field(sample.cover, [material], near_field(sample, K_I, K_II, plane), 0, radius)
+    assert field.direction == pytest.approx(np.deg2rad(angle), abs=1e-8)
+    # weight area / distance on a ray: the mean of r^-1/2 is 2 R^-1/2
+    scale = 2.0 / np.sqrt(2.0 * np.pi * radius)
+    np.testing.assert_allclose(
+        in_tip_axes(field, field.rays), scale * closed_form(field.angles, K_I, K_II), atol=1e-6 * scale
+    )
+    root = np.sqrt(2.0 * np.pi * radius)
+    _, yy, xy = in_tip_axes(field, field.mean[None])[0] * root
+    assert yy == pytest.approx(1.5279 * K_I, abs=2 * RAYS)
+    assert xy == pytest.approx(1.0186 * K_II, abs=2 * RAYS)
+
+
+def test_the_mean_falls_with_the_root_of_the_radius(build) -> None:
+    sample = stub(build, 0.0, True)
+    u = near_field(sample, 1.0, 0.0)
+    wide, narrow = (tip_field(sample.cover, [sample.material], u, 0, radius).mean for radius in (0.2, 0.05))
+    np.testing.assert_allclose(narrow, 2.0 * wide, atol=1e-6)
+
+
+def test_the_radius_is_a_length_in_metres(build) -> None:
+    """The same K and radius on lattices of different spacing give the same stress."""
+    means = []
+    for spacing in (1.0, 0.02):
+        sample = stub(build, 12.0, True, spacing)
+        u = near_field(sample, 1.0, 0.5)
+        means.append(tip_field(sample.cover, [sample.material], u, 0, 0.2 * spacing).mean * np.sqrt(spacing))
+    np.testing.assert_allclose(means[1], means[0], rtol=1e-6)
+
+
+@pytest.mark.parametrize("spacing", [1.0, 0.02])
+@pytest.mark.parametrize(("angle", "at_end"), [(0.0, True), (0.0, False), (23.0, True), (-31.0, False)])
+@pytest.mark.parametrize(("K_I", "K_II"), [(1.0, 0.0), (0.0, 1.0), (0.7, -0.4)])
+def test_stress_intensity_of_the_near_field(
+    build, K_I: float, K_II: float, angle: float, at_end: bool, spacing: float
+) -> None:
+    """Opening and slip are sqrt(r) exactly; K_II > 0 moves the face on the left of the tip's direction outward."""
+    sample = stub(build, angle, at_end, spacing)
+    u = near_field(sample, K_I, K_II)
+    found = from_face_displacement(sample.cover, sample.material.young_prime, u, 0)
+    assert found == pytest.approx((K_I, K_II), abs=1e-6)
+
+
+def vertical_crack_in_tension(build, tip_y: float, radius: float) -> TipField:
+    """A crack parallel to the load leaves the uniform stress as it is, although its faces are free."""
+    path = np.array([(6.2, 0.0), (6.2, tip_y)])
+    crack = build.crack(path, (False, True))
+    sample = build.sample((0.0, 0.0), (12.0, 14.0), [crack], support=2.0)
+    supports = [
+        PointSupport(np.array([0.0, 0.0]), (0.0, 0.0)),
+        PointSupport(np.array([12.0, 0.0]), (None, 0.0)),
+    ]
+    u = sample.solve(supports, {"bottom": (0.0, -1.0), "top": (0.0, 1.0)}, quadrature=8)
+    return tip_field(sample.cover, [sample.material], u, 0, radius)
+
+
+@pytest.mark.parametrize("radius", [0.2, 1.0, 3.0])
+def test_uniform_stress_is_its_own_average(build, radius: float) -> None:
+    field = vertical_crack_in_tension(build, 6.1, radius)
+    assert field.direction == pytest.approx(0.5 * np.pi)
+    # the patch test with tip functions holds to about 1e-5
+    np.testing.assert_allclose(field.mean, [0.0, 1.0, 0.0], atol=1e-4)
+    np.testing.assert_allclose(field.rays, np.tile([0.0, 1.0, 0.0], (N_RAYS, 1)), atol=1e-3)
+
+
+def test_what_lies_outside_of_the_body_does_not_count(build) -> None:
+    field = vertical_crack_in_tension(build, 13.0, 2.0)
+    np.testing.assert_allclose(field.mean, [0.0, 1.0, 0.0], atol=1e-4)
+    assert np.isfinite(field.rays).all()  # every ray begins inside
+    np.testing.assert_allclose(field.rays, np.tile([0.0, 1.0, 0.0], (N_RAYS, 1)), atol=1e-3)
+
+
+def test_rays_are_spread_evenly_and_none_lies_on_the_crack(build) -> None:
+    sample = stub(build, 0.0, True)
+    field = tip_field(sample.cover, [sample.material], near_field(sample, 1.0, 0.0), 0, 0.2)
+    np.testing.assert_allclose(np.diff(field.angles), 2.0 * np.pi / N_RAYS, rtol=1e-12)
+    assert np.abs(field.angles).max() == pytest.approx(np.pi * (1.0 - 1.0 / N_RAYS))

@@ -1,0 +1,306 @@
+"""The growth loop and single steps: what they yield and return, on scenes written as case files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.errors import CrackgrowError
+from crackgrow.run import grow
+from crackgrow.run.result import RunEnd, StepResult
+
+ROOT = Path(__file__).parents[3]
+REFERENCE = ROOT / "tests" / "verification" / "references" / "open_crack_K.csv"
+MM = 1e-3
+
+Plate = Callable[..., Case]
+
+
+def straight(center: tuple[float, float], length: float, angle: float, **more: Any) -> dict[str, Any]:
+    path = {"center": list(center), "length": length, "angle": angle}
+    return {"path": path, "contact": {"friction": 0.2, "cohesion": 0.0}, **more}
+
+
+@pytest.fixture
+def plate(tmp_path: Path) -> Plate:
+    """A case: a plate pulled or pushed along y, units mm and MPa."""
+
+    def make(
+        cracks: dict[str, Any],
+        *overrides: str,
+        size: tuple[float, float] = (31.0, 55.0),
+        sigma: float = 1.0,
+        growth: dict[str, Any] | None = None,
+    ) -> Case:
+        w, h = size
+        scene: dict[str, Any] = {
+            "title": "plate",
+            "units": {"length": "mm", "stress": "MPa"},
+            "plane": "strain",
+            "bodies": {
+                "rock": {
+                    "shape": {"rectangle": {"center": [0, 0], "width": w, "height": h}},
+                    "material": {"young": 10000, "poisson": 0.25},
+                    "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
+                }
+            },
+            "cracks": cracks,
+            "supports": [
+                {"at": [-w / 2, -h / 2], "displacement": {"y": 0}},
+                {"at": [w / 2, -h / 2], "displacement": {"y": 0}},
+                {"at": [0, -h / 2], "displacement": {"x": 0}},
+            ],
+            "loads": [
+                {"on": {"body": "rock", "edge": "top"}, "traction": [0, sigma]},
+                {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, -sigma]},
+            ],
+            "numerics": {"spacing": 1.5},
+            "output": {"frames": "none", "figures": False},
+        }
+        if growth is not None:
+            standard = {
+                "steps": 2,
+                "increment": 2,
+                "advance": "most_critical",
+                "criterion": "strength",
+                "tip_stress": {"radius": 1},
+            }
+            scene["growth"] = standard | growth
+        file = tmp_path / "plate.yaml"
+        file.write_text(yaml.safe_dump(scene))
+        return load_case(file, overrides)
+
+    return make
+
+
+def run(case: Case) -> tuple[list[StepResult], RunEnd]:
+    results, steps = [], grow(case)
+    while True:
+        try:
+            results.append(next(steps))
+        except StopIteration as stop:
+            return results, stop.value
+
+
+CENTRE = {"flaw": straight((0.0, 0.0), 10.0, 0.0)}
+
+
+def test_a_run_yields_every_step_and_returns_why_it_ended(plate: Plate) -> None:
+    steps = grow(plate(CENTRE, growth={"steps": 2}))
+    for number in range(3):
+        result = next(steps)
+        assert isinstance(result, StepResult)
+        assert result.step == number
+        assert len(result.cracks[0].points) == 2 + number
+    with pytest.raises(StopIteration) as stop:
+        next(steps)
+    end = stop.value.value
+    assert isinstance(end, RunEnd)
+    assert end.status == "completed"
+    assert "2 growth steps" in end.reason
+    np.testing.assert_array_equal(end.cracks[0].points, result.cracks[0].points)  # none advances after the last
+
+
+def test_nothing_is_solved_before_it_is_asked_for(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
+    import crackgrow.run.loop as loop
+
+    asked: list[int] = []
+    true = loop.solve_step
+    monkeypatch.setattr(loop, "solve_step", lambda *arguments: (asked.append(1), true(*arguments))[1])
+    steps = grow(plate(CENTRE, growth={"steps": 2}))
+    assert asked == []
+    next(steps)
+    assert len(asked) == 1
+
+
+def test_each_step_adds_its_increment_where_the_tip_said(plate: Plate) -> None:
+    results, end = run(plate({"flaw": straight((0.0, 0.0), 10.0, 20.0)}, growth={"steps": 3}))
+    paths = [result.cracks[0] for result in results] + [end.cracks[0]]
+    for result, after in zip(results[:-1], paths[1:], strict=False):
+        (tip,) = [tip for tip in result.tips if tip.advanced]
+        before = result.cracks[0].points
+        old, new, inner = {
+            "start": (before[0], after.points[0], before[1]),
+            "end": (before[-1], after.points[-1], before[-2]),
+        }[tip.tip]
+        np.testing.assert_allclose(tip.point, old, atol=1e-11)
+        assert np.hypot(*(new - old)) == pytest.approx(2 * MM, rel=1e-9)
+        was, now = old - inner, new - old
+        turned = np.rad2deg(np.arctan2(was[0] * now[1] - was[1] * now[0], was @ now))
+        assert turned == pytest.approx(tip.kink_deg, abs=1e-6)
+        assert after.steps.max() == result.step + 1
+    assert not any(tip.advanced for tip in results[-1].tips)
+
+
+def test_a_static_case_is_one_solve(plate: Plate) -> None:
+    results, end = run(plate(CENTRE))
+    assert end.status == "completed"
+    assert "static" in end.reason
+    (result,) = results
+    assert np.isnan(result.effective_toughness)
+    assert all(np.isnan([tip.sigma_1, tip.criticality, tip.kink_deg]).all() for tip in result.tips)
+    assert {tip.criterion for tip in result.tips} == {"none"}
+    assert all(tip.K_I > 1e5 for tip in result.tips)  # K is known without growth: 0.134 MPa sqrt(m)
+
+
+def test_a_plate_without_cracks_is_in_uniform_stress(plate: Plate) -> None:
+    case = plate({}, "output.frames=every_step", sigma=-3.0)
+    (result,), end = run(case)
+    assert end.status == "completed"
+    assert result.tips == result.faces == result.cracks == ()
+    assert len(result.contact.s) == 0
+    assert result.contact_status == "none"
+    # the patch test with 4 x 4 points holds to 1e-4 of the load
+    np.testing.assert_allclose(result.frame.stress, np.tile([0.0, -3e6, 0.0], (len(result.frame.body), 1)), atol=3e3)
+    np.testing.assert_allclose(result.frame.stress_zz, 0.25 * -3e6, atol=1e3)  # plane strain
+    shortening = np.ptp(result.frame.displacement[:, 1])
+    assert shortening == pytest.approx(3e6 * 55 * MM / (1e10 / (1 - 0.25**2)), rel=1e-4)
+
+
+def test_growth_without_cracks_arrests(plate: Plate) -> None:
+    results, end = run(plate({}, growth={}))
+    assert end.status == "arrested"
+    assert "no tip" in end.reason
+    assert len(results) == 1
+
+
+def test_cracks_without_contact_pass_through_each_other(plate: Plate) -> None:
+    (free,), _ = run(plate({"flaw": {**CENTRE["flaw"], "contact": "none"}}, sigma=-1.0))
+    assert len(free.contact.s) == 0
+    assert free.contact_status == "none"
+    (pulled,), _ = run(plate(CENTRE, sigma=1.0))
+    np.testing.assert_allclose(free.faces[0].opening, -pulled.faces[0].opening, atol=1e-15)  # linear
+    assert free.faces[0].opening.min() < -1e-7
+    (closed,), _ = run(plate(CENTRE, sigma=-1.0))
+    assert closed.faces[0].opening.min() > -1e-3 * np.abs(free.faces[0].opening).max()
+
+
+def test_cracks_far_apart_do_not_feel_each_other(plate: Plate) -> None:
+    both = {"a": straight((-2.0, -14.0), 6.0, 25.0), "b": straight((1.0, 14.0), 5.0, -40.0)}
+    size = (40.0, 60.0)
+    (together,), _ = run(plate(both, size=size))
+    assert [(tip.crack, tip.tip) for tip in together.tips] == [("a", "start"), ("a", "end"), ("b", "start"), ("b", "end")]
+    alone = [run(plate({name: both[name]}, size=size))[0][0] for name in both]
+    expected = [tip.K_I for result in alone for tip in result.tips]
+    # the stress of a crack decays as (a / r)^2 / 2: below 1 % at 28 mm for a = 3 mm
+    assert [tip.K_I for tip in together.tips] == pytest.approx(expected, rel=1e-2)
+    assert [face.crack for face in together.faces] == ["a", "b"]
+    assert set(together.contact.crack) == {"a", "b"}
+
+
+def test_an_edge_crack_in_tension_has_the_K_of_the_reference(plate: Plate) -> None:
+    table = np.genfromtxt(REFERENCE, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    row = table[table["scene"] == "edge_straight_30x30_a6"]
+    edge = {"path": {"points": [[-15, 0], [-9, 0]]}, "tips": "end", "contact": {"friction": 0.0, "cohesion": 0.0}}
+    (result,), _ = run(plate({"edge": edge}, "numerics.spacing=1.0", size=(30.0, 30.0)))
+    (tip,) = result.tips
+    assert tip.tip == "end"
+    expected = float(row["K_I_MPa_sqrtmm"][0]) * 1e6 * np.sqrt(MM)
+    assert tip.K_I == pytest.approx(expected, rel=1e-2)
+    assert abs(tip.K_II) < 2e-3 * expected
+    opening = result.faces[0].opening
+    assert opening[0] == opening.max()  # widest at the mouth
+    assert abs(opening[-1]) < 1e-9 * opening[0]
+
+
+def test_a_crack_that_reaches_the_outline_breaks_through(plate: Plate) -> None:
+    near = {"flaw": straight((9.0, 0.0), 10.0, 0.0)}  # its end is 1.5 mm from the right side
+    results, end = run(plate(near, growth={"steps": 5}))
+    assert end.status == "broke_through"
+    assert "'flaw' (end)" in end.reason
+    assert end.cracks[0].points[-1, 0] == pytest.approx(15.5 * MM)
+    assert [tip.tip for tip in results[-1].tips] == ["start"]  # solved once more, with one tip left
+    assert [result.step for result in results] == list(range(len(results)))
+
+
+def test_a_plate_that_is_strong_enough_arrests(plate: Plate) -> None:
+    results, end = run(plate(CENTRE, "bodies.rock.strength.tension=50", growth={}))
+    assert end.status == "arrested"
+    assert len(results) == 1
+    largest = max(tip.criticality for tip in results[0].tips)
+    assert f"{largest:.3g}" in end.reason
+
+
+@pytest.mark.parametrize(("radius", "n"), [(0.7, 1), (0.8, 0)])
+def test_a_radius_below_half_a_spacing_warns_once(plate: Plate, radius: float, n: int) -> None:
+    results, _ = run(plate(CENTRE, growth={"steps": 1, "tip_stress": {"radius": radius}}))
+    told = [sum("radius" in warning for warning in result.warnings) for result in results]
+    assert told == [n, 0]
+
+
+def test_effective_toughness_is_that_of_the_criterion(plate: Plate) -> None:
+    results, _ = run(plate(CENTRE, growth={"steps": 1}))
+    tip = results[0].tips[1]
+    # K_I over the toughness and stress over strength say the same, up to the stress along the crack (10 %)
+    assert tip.K_I / results[0].effective_toughness == pytest.approx(tip.criticality, rel=0.1)
+
+
+def contents(result: StepResult) -> dict[str, Any]:
+    """All numbers of a step that do not measure time."""
+    contact, faces, frame = result.contact, result.faces[0], result.frame
+    numbers = {f"contact.{name}": getattr(contact, name) for name in ("s", "normal_traction", "opening", "slip", "state")}
+    numbers |= {f"faces.{name}": getattr(faces, name) for name in ("s", "opening", "slip", "normal_traction", "state")}
+    numbers |= {f"frame.{name}": getattr(frame, name) for name in ("points", "quads", "displacement", "stress")}
+    for k, tip in enumerate(result.tips):
+        numbers[f"tip{k}"] = np.array([tip.K_I, tip.K_II, tip.sigma_1, tip.sigma_3, tip.criticality, tip.kink_deg])
+    numbers["sizes"] = np.array([result.n_dofs, result.n_contact, result.contact_iterations, result.residual])
+    return numbers
+
+
+def test_the_same_case_twice_gives_the_same_bits(plate: Plate) -> None:
+    case = plate(
+        {"flaw": straight((0.0, 0.0), 10.0, 30.0)}, "output.frames=every_step", sigma=-100.0, growth={"steps": 1}
+    )
+    (first, _), (second, _) = run(case), run(case)
+    assert len(first) == len(second) == 2
+    for one, two in zip(first, second, strict=True):
+        mine, other = contents(one), contents(two)
+        for name, value in mine.items():
+            np.testing.assert_array_equal(other[name], value, err_msg=name)
+
+
+def test_the_answer_is_proportional_to_the_load_factor(plate: Plate) -> None:
+    flaw = {"flaw": straight((0.0, 0.0), 10.0, 30.0)}
+    (one,), _ = run(plate(flaw, sigma=-10.0))
+    (five,), _ = run(plate(flaw, "loading.history=[5]", sigma=-10.0))
+    assert five.load_factor == 5.0
+    np.testing.assert_allclose(five.contact.normal_traction, 5.0 * one.contact.normal_traction, rtol=1e-9)
+    np.testing.assert_allclose(five.faces[0].slip, 5.0 * one.faces[0].slip, rtol=1e-9, atol=1e-15)
+
+
+def test_units_of_the_file_do_not_matter(plate: Plate) -> None:
+    """The same plate in the given units and with quantities that carry their own."""
+    flaw = straight((0.0, 0.0), 10.0, 30.0)
+    own = {**flaw, "path": {"center": [0, 0], "length": "1 cm", "angle": 30}}
+    (one,), _ = run(plate({"flaw": flaw}, sigma=-10.0))
+    (two,), _ = run(plate({"flaw": own}, "numerics.spacing=0.15 cm", "bodies.rock.material.young=10 GPa", sigma=-10.0))
+    assert two.tips[0].K_II == pytest.approx(one.tips[0].K_II, rel=1e-9)
+
+
+@pytest.mark.parametrize("sigma", [1.0, -1.0])
+def test_mirroring_the_crack_mirrors_the_answer(plate: Plate, sigma: float) -> None:
+    (right,), _ = run(plate({"flaw": straight((2.0, 3.0), 9.0, 35.0)}, sigma=sigma))
+    (mirrored,), _ = run(plate({"flaw": straight((-2.0, 3.0), 9.0, 145.0)}, sigma=sigma))
+    scale = max(abs(tip.K_I) + abs(tip.K_II) for tip in right.tips)
+    for tip, twin in zip(right.tips, mirrored.tips, strict=True):
+        assert twin.K_I == pytest.approx(tip.K_I, abs=1e-6 * scale)
+        assert twin.K_II == pytest.approx(-tip.K_II, abs=1e-6 * scale)
+
+
+def test_an_unsolvable_first_step_is_an_error(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
+    import crackgrow.run.loop as loop
+    from crackgrow.errors import SolveError
+
+    def fails(*_: object) -> None:
+        raise SolveError("no solution")
+
+    monkeypatch.setattr(loop, "solve_step", fails)
+    with pytest.raises(CrackgrowError, match="no solution"):
+        next(grow(plate(CENTRE)))
