@@ -119,6 +119,19 @@ def check_material(scene: Scene) -> None:
         if growing and report.sound(*strength) and scene.get("bodies", name, "strength") is None:
             message = "missing: growth is given, so the rock needs a strength {tension, cohesion, friction_angle}"
             report.fault(strength, message)
+        _check_tension(scene, name)
+
+
+def _check_tension(scene: Scene, name: str) -> None:
+    """The tensile strength cuts off the Mohr-Coulomb cone below its apex, c / tan(phi)."""
+    strength = scene.get("bodies", name, "strength")
+    if strength is None or not scene.report.sound("bodies", name, "strength"):
+        return
+    slope = np.tan(np.deg2rad(strength["friction_angle"]))
+    if strength["tension"] * slope > strength["cohesion"]:
+        apex = scene.units.show(strength["cohesion"] / slope, "stress")
+        message = f"above the apex of the shear strength, cohesion / tan(friction_angle) = {apex}; wanted: at most that"
+        scene.report.fault(("bodies", name, "strength", "tension"), message)
 
 
 def check_numerics(scene: Scene) -> None:

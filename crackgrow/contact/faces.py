@@ -6,6 +6,7 @@ are p(s) = sum N_k(s) p_k; gap and slip of a contact point are averages of the j
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -50,15 +51,23 @@ class ContactFaces:
     points: FacePoints  # n integration points
     lengths: Floats  # (n,) their integration weights, spacings
     functions: csr_array  # (contact points, n) N_k
-    crack: Ints  # (contact points,)
-    s: Floats  # (contact points,)
+    nodes: FacePoints  # the contact points themselves
     stretch: Ints  # (contact points,) number of the stretch on its crack
-    positions: Floats  # (contact points, 2)
+
+    @property
+    def crack(self) -> Ints:
+        """Crack of every contact point (contact points,)."""
+        return self.nodes.crack
+
+    @property
+    def s(self) -> Floats:
+        """Arc length of every contact point (contact points,), spacings."""
+        return self.nodes.s
 
     @property
     def n(self) -> int:
         """Number of contact points."""
-        return len(self.s)
+        return len(self.nodes.s)
 
     @property
     def weights(self) -> Floats:
@@ -76,7 +85,7 @@ def stretch_ends(points: Floats) -> Floats:
 def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
     """Mortar nodes about `spacing` (lattice spacings) apart along each stretch of the cracks `touching` (indices).
 
-    The end pieces of a stretch are constant: no node lies on a tip, and a short stretch has one node.
+    The end pieces of a stretch are constant: no node lies on a tip. One node lies in the middle of each stretch.
     """
     parts = [_mortar_on_crack(cover, crack, spacing) for crack in touching]
     return _joined(cover, touching, parts)
@@ -93,7 +102,7 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
         s = (start[:, None] + size[:, None] * x).ravel()
         n = len(s)
         functions = csr_array((np.ones(n), np.arange(n), np.arange(n + 1)), shape=(n, n))
-        stretch = np.repeat(np.arange(len(corners) - 1), GAUSS_PARTS * GAUSS_POINTS)
+        stretch = np.searchsorted(stretch_ends(cover.cracks[crack].points)[1:-1], s, side="right")
         parts.append((points_at(cover, crack, s), (size[:, None] * w).ravel(), functions, s, stretch))
     return _joined(cover, touching, parts)
 
@@ -113,7 +122,7 @@ def _mortar_on_crack(cover: Cover, crack: int, spacing: float) -> _Part:
     ends = stretch_ends(path.points)
     nodes, stretch = [], []
     for number, (start, end) in enumerate(pairwise(ends.tolist())):
-        n_pieces = max(round((end - start) / spacing), 2)
+        n_pieces = 2 * max(round((end - start) / (2.0 * spacing)), 1)  # even: one node in the middle
         nodes.append(start + (end - start) * np.arange(1, n_pieces) / n_pieces)
         stretch.append(np.full(n_pieces - 1, number))
     all_nodes, all_stretch = np.concatenate(nodes), np.concatenate(stretch)
@@ -168,32 +177,26 @@ def _joined(cover: Cover, touching: list[int], parts: list[_Part]) -> ContactFac
     if not parts:
         return _NO_FACES
     points, lengths, functions, nodes, stretches = zip(*parts, strict=True)
-    positions = [points_at(cover, index, s).points for index, s in zip(touching, nodes, strict=True)]
     return ContactFaces(
-        points=FacePoints(
-            crack=np.concatenate([p.crack for p in points]),
-            s=np.concatenate([p.s for p in points]),
-            points=np.concatenate([p.points for p in points]),
-            normal=np.concatenate([p.normal for p in points]),
-            plus=np.concatenate([p.plus for p in points]),
-            minus=np.concatenate([p.minus for p in points]),
-        ),
+        points=_concatenated(points),
         lengths=np.concatenate(lengths),
         functions=csr_array(block_diag(functions)),
-        crack=np.repeat(np.array(touching), [len(s) for s in nodes]),
-        s=np.concatenate(nodes),
+        nodes=_concatenated([points_at(cover, index, s) for index, s in zip(touching, nodes, strict=True)]),
         stretch=np.concatenate(stretches),
-        positions=np.concatenate(positions),
+    )
+
+
+def _concatenated(parts: Sequence[FacePoints]) -> FacePoints:
+    return FacePoints(
+        crack=np.concatenate([p.crack for p in parts]),
+        s=np.concatenate([p.s for p in parts]),
+        points=np.concatenate([p.points for p in parts]),
+        normal=np.concatenate([p.normal for p in parts]),
+        plus=np.concatenate([p.plus for p in parts]),
+        minus=np.concatenate([p.minus for p in parts]),
     )
 
 
 _NO_NUMBERS, _NO_PLACES, _NO_IDS = np.empty(0), np.empty((0, 2)), np.empty(0, dtype=np.int64)
-_NO_FACES = ContactFaces(
-    FacePoints(_NO_IDS, _NO_NUMBERS, _NO_PLACES, _NO_PLACES, _NO_IDS, _NO_IDS),
-    _NO_NUMBERS,
-    csr_array((0, 0)),
-    _NO_IDS,
-    _NO_NUMBERS,
-    _NO_IDS,
-    _NO_PLACES,
-)
+_NO_POINTS = FacePoints(_NO_IDS, _NO_NUMBERS, _NO_PLACES, _NO_PLACES, _NO_IDS, _NO_IDS)
+_NO_FACES = ContactFaces(_NO_POINTS, _NO_NUMBERS, csr_array((0, 0)), _NO_POINTS, _NO_IDS)

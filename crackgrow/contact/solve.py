@@ -2,7 +2,8 @@
 
 u = u_free - K0^-1 G' W p, so that gap and slip of the contact points are free - S W p with S = G K0^-1 G'
 (traction form of paper eqs. (15), (16): no penalty enters K, and k = infinity is allowed). Points that are open
-without contact tractions are left out; those that then overlap are taken in, until none does.
+without contact tractions are left out; those that then overlap are taken in, until none does. A point that opens
+loses its cohesion, so that open faces carry no shear.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from crackgrow.contact.coulomb import OPEN, ContactProblem, ContactSolution, complementarity_residual, jump
+from crackgrow.contact.coulomb import OPEN, ContactProblem, ContactSolution, complementarity_residual
 from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.errors import SolveError
@@ -53,6 +54,7 @@ class ContactOutcome:
     penetration: float  # m: overlap beyond |p| / k
     complementarity: float  # relative
     status: Literal["none", "solved"]
+    notes: tuple[str, ...]  # what the user should know of how it was solved
 
 
 def solve_contact(
@@ -78,6 +80,8 @@ def solve_contact(
     columns = _Columns(system, gap_of, slip_of, weights)
     frictional = (law.friction > 0.0) | (law.cohesion > 0.0)
     p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
+    cohesion = law.cohesion.copy()
+    notes: set[str] = set()
     iterations, complementarity = 0, 0.0
     u, gap = u_free, free_gap
     while taken.any():
@@ -88,8 +92,9 @@ def solve_contact(
         compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
         free = np.concatenate([free_gap[rows], free_slip[sliding]])
         friction = law.friction[rows] if len(sliding) else None
-        problem = ContactProblem(compliance, free, friction, law.cohesion[rows] if len(sliding) else None)
-        solution = _solved(problem, solver)
+        problem = ContactProblem(compliance, free, friction, cohesion[rows] if len(sliding) else None)
+        solution, note = _solved(problem, solver)
+        notes.update([note] if note else [])
         iterations += solution.iterations
         complementarity = complementarity_residual(problem, solution.traction)
         p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
@@ -98,7 +103,9 @@ def solve_contact(
         u = u_free - response @ solution.traction
         gap = gap_of @ u
         missed = ~taken & (gap < -tolerance)
-        if not missed.any():
+        broken = taken & (state == OPEN) & (cohesion > 0.0)
+        cohesion[broken] = 0.0
+        if not missed.any() and not broken.any():
             multipliers = multipliers - columns.multipliers(rows, sliding) @ solution.traction
             break
         taken |= missed
@@ -115,6 +122,7 @@ def solve_contact(
         penetration=float(np.max(-(gap - law.compliance * p_n), initial=0.0)),
         complementarity=complementarity,
         status="solved" if taken.any() else "none",
+        notes=tuple(sorted(notes)),
     )
 
 
@@ -149,14 +157,23 @@ class _Columns:
         return np.stack([known[row][0] for row in rows.tolist()], axis=1) if len(rows) else np.empty((n_dofs, 0))
 
 
-def _solved(problem: ContactProblem, solver: Literal["newton", "lemke"]) -> ContactSolution:
-    solution = solve_by_newton(problem) if solver == "newton" else solve_by_lemke(problem)
-    if solution.status != "solved":
-        raise SolveError(
-            f"the contact problem of {problem.n_points} points was not solved by {solver}: status '{solution.status}' "
-            f"after {solution.iterations} iterations, complementarity residual "
-            f"{complementarity_residual(problem, solution.traction):.2g}, largest gap "
-            f"{np.abs(jump(problem, solution.traction)).max():.3g} m; try the other solver, a coarser contact spacing, "
-            "or a softer contact stiffness"
+def _solved(problem: ContactProblem, solver: Literal["newton", "lemke"]) -> tuple[ContactSolution, str]:
+    """Solution of a contact problem by `solver`, or by the other one, and then a note that says why."""
+    failures = []
+    for name in (solver, "lemke" if solver == "newton" else "newton"):
+        try:
+            solution = solve_by_newton(problem) if name == "newton" else solve_by_lemke(problem)
+        except SolveError as error:
+            failures.append(f"{name}: {error}")
+            continue
+        if solution.status == "solved":
+            note = f"the contact problem was solved by {name} after {failures[0]}" if failures else ""
+            return solution, note
+        residual = complementarity_residual(problem, solution.traction)
+        failures.append(
+            f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
         )
-    return solution
+    raise SolveError(
+        f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
+        "try a coarser contact spacing or a softer contact stiffness"
+    )

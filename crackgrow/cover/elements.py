@@ -19,7 +19,7 @@ from crackgrow.cover.tiles import tile_lines, tile_outlines, tiles_at, touched_t
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.arrangement import Edges, edges_between, faces_of, ring_vertices, vertex_ids
 from crackgrow.geometry.polyline import arc_lengths, segment_directions, tip_direction
-from crackgrow.geometry.tolerance import GRID, ON_LINE
+from crackgrow.geometry.tolerance import ON_LINE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -198,13 +198,15 @@ def _tip_extension(lattice: Lattice, crack: CrackGeometry, at_end: bool) -> Floa
     exits = []
     for axis in range(2):
         low, high = np.sort([tip[axis], far[axis]])
-        between = lines[axis][(lines[axis] > low) & (lines[axis] < high)]
-        if len(between):
-            exits.extend((between - tip[axis]) / direction[axis])
-    beyond = [length for length in exits if length > ON_LINE]
+        for line in lines[axis][(lines[axis] > low) & (lines[axis] < high)]:
+            length = (line - tip[axis]) / direction[axis]
+            end = tip + length * direction
+            end[axis] = line  # exactly: no vertex beside the line
+            exits.append((length, end))
+    beyond = [(length, tuple(end)) for length, end in exits if length > ON_LINE]
     if not beyond:
         raise GeometryError(f"crack '{crack.name}': its tip lies outside of the lattice")
-    return np.stack([tip, tip + (min(beyond) + GRID) * direction])
+    return np.stack([tip, min(beyond)[1]])
 
 
 def _edges_on_cracks(

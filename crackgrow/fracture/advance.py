@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -21,12 +22,20 @@ TIE = 1e-3
 critical: the first one grows. A symmetric scene then never depends on round-off."""
 
 
+CLEARANCE = 0.1
+"""A new segment that comes closer to a crack than this fraction of its length meets it."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class GrowingCrack:
     """A crack and the step in which each of its vertices was made (0: given)."""
 
     crack: Crack
     steps: Ints  # (n,)
+
+    def can_grow(self, at_end: bool) -> bool:
+        """Whether the tip at the end (or start) may advance."""
+        return self.crack.tip_at_end if at_end else self.crack.tip_at_start
 
     def n_advances(self, at_end: bool) -> int:
         """How often the tip at the end (or start) has advanced."""
@@ -50,12 +59,18 @@ def growing_tips(criticality: Floats, n_advances: Ints, advance: Literal["most_c
 
 
 def advanced(
-    growing: GrowingCrack, at_end: bool, kink: float, increment: float, step: int, region: shapely.Polygon
+    growing: GrowingCrack,
+    at_end: bool,
+    kink: float,
+    increment: float,
+    step: int,
+    region: shapely.Polygon,
+    others: Sequence[GrowingCrack] = (),
 ) -> tuple[GrowingCrack, bool]:
     """The crack with `increment` (m) added to a tip, turned by `kink` (rad), and whether it has left `region`.
 
     A segment that would leave the region (m) ends on its boundary, and the crack has no tip there any more. Raises
-    GeometryError where the new segment would cross the crack itself.
+    GeometryError where the new segment would meet the crack itself or one of the `others`.
     """
     crack = growing.crack
     direction = tip_direction(crack.points, at_end)
@@ -65,8 +80,15 @@ def advanced(
     on_boundary = exit_point(region, tip, new)
     end = new if on_boundary is None else on_boundary
     rest = crack.points[:-1] if at_end else crack.points[1:]
-    if len(rest) > 1 and shapely.LineString([tip, end]).intersects(shapely.LineString(rest)):
-        raise GeometryError(f"crack '{crack.name}' would cross itself at ({end[0]:g}, {end[1]:g}) m")
+    lines = [other.crack for other in others] + ([replace(crack, points=rest)] if len(rest) > 1 else [])
+    segment = shapely.LineString([tip, end])
+    for line in lines:
+        if shapely.dwithin(segment, shapely.LineString(line.points), CLEARANCE * increment):
+            met = "itself" if line.name == crack.name else f"crack '{line.name}'"
+            raise GeometryError(
+                f"step {step}: crack '{crack.name}' would meet {met} near ({end[0]:.4g}, {end[1]:.4g}) m; "
+                "cracks that meet are not supported in this version"
+            )
     points = np.vstack([crack.points, end]) if at_end else np.vstack([end, crack.points])
     steps = np.append(growing.steps, step) if at_end else np.insert(growing.steps, 0, step)
     tip_left = on_boundary is None

@@ -21,8 +21,8 @@ from crackgrow.solid.recovery import principal
 
 Floats = NDArray[np.float64]
 
-LARGEST_KINK = np.deg2rad(150.0)
-"""Rays further back than this lie along the crack itself."""
+LARGEST_KINK = np.deg2rad(110.0)
+"""Rays further back than this run along the crack's own faces, whose stress says nothing of growth."""
 
 
 LEAST_RESISTANCE = 1e-30
@@ -112,8 +112,12 @@ def _forward(angle: float) -> float:
 
 
 def _peak(angles: Floats, values: Floats) -> tuple[float, float]:
-    """Largest value and its angle, by a parabola through the three samples round it."""
-    i = int(np.argmax(values))
+    """Largest value and its angle, by a parabola through the three samples round it.
+
+    A value that still rises at the end of the range is no peak, unless there is no other.
+    """
+    inner = np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:])) + 1
+    i = int(inner[np.argmax(values[inner])]) if len(inner) else int(np.argmax(values))
     if i in (0, len(values) - 1) or not np.isclose(angles[i + 1] - angles[i], angles[i] - angles[i - 1]):
         return float(values[i]), float(angles[i])
     before, at, after = values[i - 1 : i + 2]

@@ -31,21 +31,17 @@ def from_face_displacement(cover: Cover, young_prime: float, u: Floats, tip: int
 
     K_II is positive where the face on the left of the tip's outward direction moves outward: a positive slip at both
     ends of a crack. A negative K_II turns the crack counter-clockwise.
-
-    nan where the crack face behind the tip is shorter than a hundredth of a spacing.
     """
     crack, at_end = cover.tip_ends[tip]
     path = cover.cracks[crack].points
     ends = stretch_ends(path)
     total = arc_lengths(path)[-1]
     length = float(min(ends[-1] - ends[-2] if at_end else ends[1] - ends[0], FIT_SPACINGS, 0.5 * total))
-    if length < 0.01:
-        return float("nan"), float("nan")
     x = (np.arange(FIT_POINTS) + 0.5) / FIT_POINTS
     r = length * x
     points = points_at(cover, crack, total - r if at_end else r)
     gap, slip = gap_and_slip(cover, points, u)
     powers = (x[:, None] ** np.arange(FIT_TERMS)) * np.sqrt(r)[:, None]
     opening_fit, slip_fit = np.linalg.lstsq(powers, np.stack([gap, slip], axis=1))[0][0]
-    factor = young_prime / 8.0 * np.sqrt(2.0 * np.pi) * np.sqrt(cover.lattice.spacing) / cover.lattice.spacing
+    factor = young_prime / 8.0 * np.sqrt(2.0 * np.pi / cover.lattice.spacing)
     return float(opening_fit * factor), float(slip_fit * factor)

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from crackgrow.cover.cover import Cover
@@ -25,6 +26,9 @@ Floats = NDArray[np.float64]
 N_RAYS = 72
 """Rays of the polar rule, 5 degrees apart."""
 
+NEXT_TO_TIP = 1e-3
+"""Lines of sight begin at this fraction of their length: the tip itself lies on its crack."""
+
 N_RADIAL = 6
 """Points on a ray."""
 
@@ -35,7 +39,7 @@ class TipField:
 
     direction: float  # rad from +x: outward direction of the tip
     angles: Floats  # (n,) rad, of the rays
-    rays: Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray (nan where the ray is outside)
+    rays: Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray, as far as no crack crosses it (nan for none)
     mean: Floats  # (3,) Pa: Shepard average over the disc
 
 
@@ -55,7 +59,18 @@ def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip
     found[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
     stress = found.reshape(N_RAYS, -1, 3)
     weights = inside.reshape(N_RAYS, -1) * weight
-    along = np.einsum("nr,nrc->nc", weights, np.nan_to_num(stress))
-    total = weights.sum(axis=1)
+    seen = weights * _in_sight(cover, tip, points).reshape(weights.shape)
+    along = np.einsum("nr,nrc->nc", seen, np.nan_to_num(stress))
+    total = seen.sum(axis=1)
     rays = np.divide(along, total[:, None], out=np.full_like(along, np.nan), where=total[:, None] > 0.0)
-    return TipField(direction, angles, rays, along.sum(axis=0) / total.sum())
+    mean = np.einsum("nr,nrc->c", weights, np.nan_to_num(stress)) / weights.sum()
+    return TipField(direction, angles, rays, mean)
+
+
+def _in_sight(cover: Cover, tip: int, points: Floats) -> Floats:
+    """1 for points (n, 2) that a straight line from tip number `tip` reaches without crossing a crack, else 0 (n,)."""
+    start = cover.tips[tip].point
+    lines = shapely.linestrings(np.stack([start + NEXT_TO_TIP * (points - start), points], axis=1))
+    cracks = shapely.MultiLineString([crack.points for crack in cover.cracks])
+    shapely.prepare(cracks)
+    return np.where(shapely.intersects(cracks, lines), 0.0, 1.0)

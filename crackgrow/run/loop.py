@@ -16,6 +16,7 @@ from crackgrow.run.result import CrackPath, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution, solve_step
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
@@ -40,11 +41,13 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
         if ended is not None:
             return ended
         if len(chosen) == 0 and step < n_steps:
-            return RunEnd("arrested", _why_arrested(solution, step), _paths(cracks))
+            return RunEnd("arrested", _why_arrested(cracks, solution, step), _paths(cracks))
         if case.growth and step < n_steps:
             cracks, left = _advance(scene, cracks, solution, chosen, step + 1)
             if left:
-                ended = RunEnd("broke_through", f"step {step + 1}: {left} reached the outline", _paths(cracks))
+                ended = RunEnd(
+                    "broke_through", f"step {step + 1}: {' and '.join(left)} reached the outline", _paths(cracks)
+                )
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
     return RunEnd("completed", done, _paths(cracks))
 
@@ -53,26 +56,38 @@ def _choose(growth: Growth | None, cracks: tuple[GrowingCrack, ...], solution: S
     """Numbers of the tips that advance after this solve; none after the last."""
     if growth is None or last:
         return np.empty(0, dtype=np.int64)
-    criticality = [tip.verdict.criticality for tip in solution.tips if tip.verdict is not None]
     n_advances = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
-    return growing_tips(np.array(criticality), np.array(n_advances, dtype=np.int64), growth.advance)
+    return growing_tips(_criticality(cracks, solution), np.array(n_advances, dtype=np.int64), growth.advance)
+
+
+def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:
+    """Criticality (n,) of every tip, -inf for one that must not grow."""
+    return np.array(
+        [
+            tip.verdict.criticality if tip.verdict is not None and cracks[index].can_grow(at_end) else -np.inf
+            for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
+        ]
+    )
 
 
 def _advance(
     scene: Scene, cracks: tuple[GrowingCrack, ...], solution: StepSolution, chosen: Ints, step: int
-) -> tuple[tuple[GrowingCrack, ...], str]:
-    """The cracks after the tips `chosen` have advanced, and the name of one that has left the body ("" for none)."""
+) -> tuple[tuple[GrowingCrack, ...], list[str]]:
+    """The cracks after the tips `chosen` have advanced, and the names of tips that have left the body."""
     growth = scene.case.growth
     assert growth is not None
     grown = list(cracks)
-    left = ""
+    left = []
     for tip in chosen.tolist():
         index, at_end = solution.cover.tip_ends[tip]
         verdict = solution.tips[tip].verdict
         assert verdict is not None
-        grown[index], out = advanced(grown[index], at_end, verdict.kink, growth.increment, step, scene.regions[0])
+        others = [other for number, other in enumerate(grown) if number != index]
+        grown[index], out = advanced(
+            grown[index], at_end, verdict.kink, growth.increment, step, scene.regions[0], others
+        )
         if out:
-            left = f"crack '{grown[index].crack.name}' ({'end' if at_end else 'start'})"
+            left.append(f"crack '{grown[index].crack.name}' ({'end' if at_end else 'start'})")
     return tuple(grown), left
 
 
@@ -90,8 +105,8 @@ def _paths(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:
     return tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in cracks)
 
 
-def _why_arrested(solution: StepSolution, step: int) -> str:
-    if not solution.tips:
+def _why_arrested(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int) -> str:
+    largest = _criticality(cracks, solution).max(initial=-np.inf)
+    if largest == -np.inf:
         return f"step {step}: no tip is left that could grow"
-    largest = max(tip.verdict.criticality for tip in solution.tips if tip.verdict is not None)
     return f"step {step}: no tip meets the criterion; the most critical is at {largest:.3g} of its strength"

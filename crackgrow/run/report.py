@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.contact.coulomb import OPEN
-from crackgrow.contact.faces import face_vertices
+from crackgrow.contact.faces import face_vertices, stretch_ends
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.criteria import effective_toughness
 from crackgrow.geometry.polyline import arc_lengths
@@ -26,6 +26,12 @@ SMALL_RADIUS = 0.5
 
 SHORT_CRACK = 3.0
 """Spacings: the two tips of a shorter crack share all of their patches (K_II within 2 % from here on)."""
+
+GOOD_SUPPORT = 2.0
+"""Half width of a patch, in spacings, from which K is within 1 %."""
+
+SAME_PLACE = 1e-6
+"""Spacings: samples of a crack closer than this are one place."""
 
 LARGE_RESIDUAL = 1e-9
 """Relative equilibrium residual from which a step carries a warning."""
@@ -88,35 +94,41 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene) -> TipR
 
 
 def _contact(solution: StepSolution, scene: Scene, paths: tuple[CrackPath, ...]) -> ContactPoints:
+    """Tractions and states as solved; opening and slip are the jump of displacement at the points themselves."""
     faces, outcome = solution.faces, solution.outcome
+    opening, slip = gap_and_slip(solution.cover, faces.nodes, outcome.u)
     return ContactPoints(
         crack=tuple(paths[index].name for index in faces.crack.tolist()),
         s=faces.s * scene.lattice.spacing,
-        points=scene.lattice.to_metres(faces.positions),
+        points=scene.lattice.to_metres(faces.nodes.points),
         normal_traction=outcome.normal_traction,
         tangential_traction=outcome.tangential_traction,
-        opening=outcome.gap,
-        slip=outcome.slip,
+        opening=opening,
+        slip=slip,
         state=outcome.state,
     )
 
 
 def _faces(solution: StepSolution, scene: Scene, index: int) -> CrackFaces:
-    """Jump and tractions of one crack at the ends of all its edges, each place once; tractions of mortar nodes."""
+    """Jump and tractions of one crack at the ends of all its edges, each place once.
+
+    Tractions are interpolated between the contact points of a stretch, the state is that of the nearest one.
+    """
     cover, faces, outcome = solution.cover, solution.faces, solution.outcome
     vertices = face_vertices(cover, index)
     gap, slip = gap_and_slip(cover, vertices, outcome.u)
-    s, first = np.unique(vertices.s, return_index=True)
-    mine = np.flatnonzero(faces.crack == index)
+    first = np.flatnonzero(np.diff(vertices.s, prepend=-np.inf) > SAME_PLACE)
+    s = vertices.s[first]
+    stretch = np.searchsorted(stretch_ends(cover.cracks[index].points)[1:-1], s, side="right")
     normal, tangential = (np.zeros(len(s)) for _ in range(2))
     state = np.full(len(s), OPEN, dtype=np.int64)
-    if len(mine):
-        normal, tangential = (
-            np.interp(s, faces.s[mine], values[mine])
-            for values in (outcome.normal_traction, outcome.tangential_traction)
-        )
-        nearest = np.abs(s[:, None] - faces.s[mine]).argmin(axis=1)
-        state = outcome.state[mine][nearest]
+    mine = np.flatnonzero(faces.crack == index)
+    for number in np.unique(stretch) if len(mine) else ():
+        there = np.flatnonzero(stretch == number)
+        nodes = mine[faces.stretch[mine] == number]
+        normal[there] = np.interp(s[there], faces.s[nodes], outcome.normal_traction[nodes])
+        tangential[there] = np.interp(s[there], faces.s[nodes], outcome.tangential_traction[nodes])
+        state[there] = outcome.state[nodes][np.abs(s[there, None] - faces.s[nodes]).argmin(axis=1)]
     return CrackFaces(
         crack=cover.cracks[index].name,
         s=s * scene.lattice.spacing,
@@ -139,12 +151,17 @@ def _toughness(scene: Scene) -> float:
 
 def _warnings(scene: Scene, solution: StepSolution, step: int) -> tuple[str, ...]:
     """What the user should know of this step; what holds for all steps is said at the first."""
-    found = []
+    found = list(solution.outcome.notes)
     growth, spacing = scene.case.growth, scene.case.numerics.spacing
     if step == 0 and growth is not None and growth.tip_radius < SMALL_RADIUS * spacing:
         found.append(
             f"the averaging radius {growth.tip_radius:g} m is below {SMALL_RADIUS:g} spacings ({spacing:g} m): "
             "the tip stress may depend on the spacing"
+        )
+    support = scene.case.numerics.support
+    if step == 0 and support < GOOD_SUPPORT and scene.case.cracks:
+        found.append(
+            f"numerics.support is {support:g}: below {GOOD_SUPPORT:g} tips are resolved badly, and K can be 20 % low"
         )
     for crack in solution.cover.cracks if step == 0 else ():
         length = arc_lengths(crack.points)[-1]

@@ -31,7 +31,7 @@ class TipResult:
     crack: str
     tip: Literal["start", "end"]
     point: Floats  # (2,) m, before the advance
-    K_I: float  # Pa sqrt(m), from the face displacements; nan where it can't be evaluated
+    K_I: float  # Pa sqrt(m), from the face displacements
     K_II: float  # Pa sqrt(m)
     sigma_1: float  # Pa, major (most tensile) averaged principal stress; nan without growth
     sigma_3: float  # Pa

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
@@ -33,6 +34,9 @@ from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 
 Floats = NDArray[np.float64]
+
+ON_OUTLINE = 1e-9
+"""A crack end closer to an outline than this fraction of its length lies on it."""
 
 WORST_RESIDUAL = 1e-5
 """Relative equilibrium residual beyond which a solution is refused."""
@@ -93,8 +97,16 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
 
 
 def _geometry(scene: Scene, growing: GrowingCrack) -> CrackGeometry:
-    crack = growing.crack
-    return CrackGeometry(crack.name, scene.lattice.to_lattice(crack.points), crack.tip_at_start, crack.tip_at_end)
+    """The crack in lattice coordinates. An end is a tip unless it lies on an outline, whether it can grow or not."""
+    points = growing.crack.points.copy()
+    inside = [True, True]
+    for index, end in enumerate((0, -1)):
+        for region in scene.regions:
+            place = shapely.Point(points[end])
+            if shapely.dwithin(region.boundary, place, ON_OUTLINE * region.length):
+                points[end] = region.boundary.interpolate(region.boundary.project(place)).coords[0]
+                inside[index] = False
+    return CrackGeometry(growing.crack.name, scene.lattice.to_lattice(points), *inside)
 
 
 def _faces(scene: Scene, cover: Cover, growing: tuple[GrowingCrack, ...]) -> ContactFaces:

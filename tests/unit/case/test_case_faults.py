@@ -123,6 +123,7 @@ SCENE_FAULTS = [
         "y: 0",
     ),
     ("at: [-15.5, -27.5] ", "at: [0, 0] ", "supports.0.at", "lies on crack 'flaw'", "[0, 0]"),
+    ("tension: 0.5 ", "tension: 12 ", "bodies.rock.strength.tension", "11.9175 MPa; wanted", "tension: 12"),
     ("edge: top}", "edge: topp}", "loads.0.on.edge", "bottom, right, top, left; did you mean 'top'?", "topp"),
     ("rock, edge: top}", "rok, edge: top}", "loads.0.on.body", "did you mean 'rock'?", "rok,"),
     ("edge: top}", "edge: top, from: -15.6}", "loads.0.on.from", "x from -15.5 mm to 15.5 mm", "from"),

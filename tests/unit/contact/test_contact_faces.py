@@ -68,7 +68,7 @@ def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> 
     share = np.arange(1, n + 1) / (n + 1)  # evenly spread, none on a tip
     np.testing.assert_allclose(faces.s * spacing, LENGTH * share, atol=ROUND_OFF)
     expected = path[0] + share[:, None] * (path[1] - path[0])
-    np.testing.assert_allclose(sample.lattice.to_metres(faces.positions), expected, atol=ROUND_OFF)
+    np.testing.assert_allclose(sample.lattice.to_metres(faces.nodes.points), expected, atol=ROUND_OFF)
 
 
 @pytest.mark.parametrize(("distance", "n"), [(0.5, 19), (1.0, 9), (2.0, 4), (4.0, 1)])
@@ -202,7 +202,7 @@ def test_two_cracks_keep_their_own_points(build) -> None:
     alone = mortar_faces(cover, [1], 1.0)
     assert np.bincount(both.crack).tolist() == [9, 4]
     assert alone.crack.tolist() == [1] * 4
-    np.testing.assert_array_equal(both.positions[both.crack == 1], alone.positions)
+    np.testing.assert_array_equal(both.nodes.points[both.crack == 1], alone.nodes.points)
     np.testing.assert_array_equal(both.weights[both.crack == 1], alone.weights)
     reach = both.functions.toarray() > 0.0
     assert not reach[both.crack == 0][:, both.points.crack == 1].any()

@@ -322,7 +322,7 @@ def test_solving_leaves_no_trace(build) -> None:
 
 @pytest.mark.parametrize(("solver", "status"), [("newton", "limit"), ("lemke", "ray")])
 def test_no_solution_is_an_error_and_not_a_result(build, monkeypatch, solver: str, status: str) -> None:
-    def gives_up(problem):  # noqa: ANN001, ANN202
+    def gives_up(problem):
         zeros = np.zeros(problem.free.size)
         return ContactSolution(zeros, status, 17, np.zeros(problem.n_points, dtype=np.int64))
 

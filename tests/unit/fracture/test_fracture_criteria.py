@@ -51,15 +51,15 @@ def uniaxial(sigma: float, axis: float) -> tuple[float, float, float]:
     return sigma * c * c, sigma * s * s, sigma * c * s
 
 
-def near_field(
-    K_I: float, K_II: float, along: float = 0.0, direction: float = 0.0, pressure: float = 0.0
-) -> TipField:
+def near_field(K_I: float, K_II: float, along: float = 0.0, direction: float = 0.0, pressure: float = 0.0) -> TipField:
     """Williams' field averaged as the polar rule does (2 / sqrt(2 pi R)), plus a stress `along` the crack."""
     t = ANGLES
     c, s, c3, s3 = np.cos(t / 2), np.sin(t / 2), np.cos(3 * t / 2), np.sin(3 * t / 2)
     first = np.stack([c * (1 - s * s3), c * (1 + s * s3), c * s * c3], axis=1)
     second = np.stack([-s * (2 + c * c3), s * c * c3, c * (1 - s * s3)], axis=1)
-    rays = 2.0 / np.sqrt(2.0 * np.pi * RADIUS) * (K_I * first + K_II * second) + np.array([along - pressure, -pressure, 0.0])
+    rays = 2.0 / np.sqrt(2.0 * np.pi * RADIUS) * (K_I * first + K_II * second) + np.array(
+        [along - pressure, -pressure, 0.0]
+    )
     rays = turned(rays, direction)
     return TipField(direction, ANGLES, rays, rays.mean(axis=0))
 

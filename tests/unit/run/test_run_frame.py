@@ -1,0 +1,230 @@
+"""The output mesh: it covers the specimen, is conforming, and is double along cracks and nowhere else."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.contact.faces import face_vertices
+from crackgrow.contact.jump import gap_and_slip
+from crackgrow.fracture.advance import GrowingCrack, advanced
+from crackgrow.run import grow
+from crackgrow.run.frame import make_frame
+from crackgrow.run.result import Frame, StepResult
+from crackgrow.run.scene import make_scene
+from crackgrow.run.step import StepSolution, solve_step
+
+CASES = Path(__file__).parents[3] / "cases"
+AREA = 31e-3 * 55e-3  # m^2
+NEAR = 1e-9
+"""m: vertices lie on a grid of 1e-12 m; no two of them are nearer than 1e-6 m here."""
+
+AT_TIP = 1e-4
+"""Relative jump at a tip: vertices lie off it by the grid of 1e-9 spacings, and the jump grows as the square root."""
+
+SCENES = {
+    "closed": ("compression30", ()),
+    "open": ("tension0", ()),
+    "kinked": ("compression30", (70.0, -20.0)),
+    "finer tiles": ("compression30", (70.0,), "numerics.support=1.75"),
+}
+"""Scene, kinks in degrees of 2 mm segments added at the end, settings."""
+
+
+@cache
+def solved(name: str) -> tuple[StepSolution, Frame]:
+    file, *rest = SCENES[name]
+    kinks, settings = rest[0], rest[1:]
+    case = load_case(CASES / f"{file}.yaml", settings)
+    scene = make_scene(case)
+    growing = GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64))
+    for step, kink in enumerate(kinks, start=1):
+        growing, _ = advanced(growing, True, np.deg2rad(kink), 2e-3, step, scene.regions[0])
+    solution = solve_step(scene, (growing,), 1.0)
+    return solution, make_frame(solution.cover, scene.materials, solution.outcome.u)
+
+
+@cache
+def first_step(*settings: str) -> StepResult:
+    case = load_case(CASES / "compression30.yaml", ["growth.steps=1", "output.figures=false", *settings])
+    return next(grow(case))
+
+
+def areas(frame: Frame) -> np.ndarray:
+    """Signed areas of all cells, triangles first."""
+    found = []
+    for cells in (frame.triangles, frame.quads):
+        x, y = frame.points[cells].transpose(2, 0, 1)
+        found.append(0.5 * np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1))
+    return np.concatenate(found)
+
+
+def edges(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
+    """Undirected edges (n, 2) of the mesh and how many cells have each."""
+    both = [
+        np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in (frame.triangles, frame.quads)
+    ]
+    return np.unique(np.sort(np.concatenate(both), axis=1), axis=0, return_counts=True)
+
+
+def nodes_at(frame: Frame, point: np.ndarray) -> np.ndarray:
+    return np.flatnonzero(np.hypot(*(frame.points - point).T) < NEAR)
+
+
+def vertices_of_crack(solution: StepSolution) -> np.ndarray:
+    """Places (n, 2) m along the crack where edges end, from start to end, each once."""
+    vertices = face_vertices(solution.cover, 0)
+    _, first = np.unique(np.round(vertices.s, 6), return_index=True)
+    return solution.cover.lattice.to_metres(vertices.points[first])
+
+
+def on_crack(solution: StepSolution, points: np.ndarray) -> np.ndarray:
+    """Which points (n, 2) m lie on the crack."""
+    path = solution.cover.lattice.to_metres(solution.cover.cracks[0].points)
+    start, step = path[:-1], np.diff(path, axis=0)
+    t = np.clip(np.sum((points[:, None] - start) * step, axis=2) / np.sum(step**2, axis=1), 0.0, 1.0)
+    nearest = start + t[:, :, None] * step
+    return np.hypot(*(points[:, None] - nearest).transpose(2, 0, 1)).min(axis=1) < NEAR
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_cells_fill_the_plate_once(name: str) -> None:
+    _, frame = solved(name)
+    size = areas(frame)
+    assert size.sum() == pytest.approx(AREA, rel=1e-9)
+    assert size.min() > -1e-15  # counter-clockwise; needles along a lattice line may have no area, m^2
+    assert len(frame.stress) == len(frame.stress_zz) == len(frame.body) == len(size)
+    assert np.isfinite(frame.displacement).all()
+    assert np.isfinite(frame.stress).all()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_node_is_used_and_no_cell_names_one_twice(name: str) -> None:
+    _, frame = solved(name)
+    used = np.concatenate([frame.triangles.ravel(), frame.quads.ravel()])
+    np.testing.assert_array_equal(np.unique(used), np.arange(len(frame.points)))
+    for cells in (frame.triangles, frame.quads):
+        ordered = np.sort(cells, axis=1)
+        assert np.all(ordered[:, 1:] > ordered[:, :-1])
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_inner_edges_have_two_cells_and_only_the_outline_and_the_crack_have_one(name: str) -> None:
+    solution, frame = solved(name)
+    pairs, n_cells = edges(frame)
+    assert set(n_cells.tolist()) == {1, 2}
+    middle = frame.points[pairs].mean(axis=1)
+    outline = np.isclose(np.abs(middle[:, 0]), 15.5e-3, atol=NEAR) | np.isclose(
+        np.abs(middle[:, 1]), 27.5e-3, atol=NEAR
+    )
+    crack = on_crack(solution, frame.points[pairs[:, 0]]) & on_crack(solution, middle)
+    crack &= on_crack(solution, frame.points[pairs[:, 1]])
+    np.testing.assert_array_equal(n_cells == 1, outline | crack)
+    # all edges along the crack come twice, one on each face
+    length = np.hypot(*np.diff(frame.points[pairs[crack]], axis=1)[:, 0].T).sum()
+    path = solution.cover.lattice.to_metres(solution.cover.cracks[0].points)
+    assert length == pytest.approx(2.0 * np.hypot(*np.diff(path, axis=0).T).sum(), rel=1e-8)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_nodes_are_double_along_the_crack_and_single_at_its_tips_and_elsewhere(name: str) -> None:
+    solution, frame = solved(name)
+    vertices = vertices_of_crack(solution)
+    counts = [len(nodes_at(frame, vertex)) for vertex in vertices]
+    assert counts == [1, *[2] * (len(vertices) - 2), 1]
+    assert len(frame.points) - len(np.unique(frame.points, axis=0)) == len(vertices) - 2
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_displacement_jumps_by_gap_and_slip_from_node_to_node(name: str) -> None:
+    """Of each pair, the node on the plus face is the one in a cell on the left of the crack."""
+    solution, frame = solved(name)
+    cover, u = solution.cover, solution.outcome.u
+    vertices = face_vertices(cover, 0)
+    gap, slip = gap_and_slip(cover, vertices, u)
+    jump = gap[:, None] * vertices.normal + slip[:, None] * np.stack([vertices.normal[:, 1], -vertices.normal[:, 0]], 1)
+    tolerance = AT_TIP * np.abs(jump).max()
+    n_pairs = 0
+    for k, place in enumerate(cover.lattice.to_metres(vertices.points)):
+        nodes = nodes_at(frame, place)
+        found = frame.displacement[nodes[-1]] - frame.displacement[nodes[0]]  # zero at a tip
+        assert min(np.abs(found - jump[k]).max(), np.abs(found + jump[k]).max()) < tolerance
+        n_pairs += len(nodes) == 2
+    assert n_pairs > 10
+
+
+def test_faces_of_the_open_crack_move_apart() -> None:
+    """The nodes of cells above the crack go up from those below: sides are not mixed up."""
+    solution, frame = solved("open")
+    inner = vertices_of_crack(solution)[1:-1]
+    cells = [*frame.triangles, *frame.quads]
+    centre = {int(node): frame.points[cell].mean(axis=0)[1] for cell in cells for node in cell}
+    for place in inner:
+        pair = sorted(nodes_at(frame, place), key=lambda node: centre[int(node)])
+        assert frame.displacement[pair[1], 1] > frame.displacement[pair[0], 1]
+
+
+# hat averages and interpolation between the two nodes next to the middle flatten the ellipse of the slip: by 0.3 % with
+# a node 1 mm wide in the middle, by 1.7 % with nodes at +-0.7 mm
+@pytest.mark.parametrize(("spacing", "tolerance"), [(1.0, 0.01), (1.5, 0.02)])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_slip_at_the_middle_is_the_same_on_the_mesh_and_at_the_contact_points(
+    friction: float, spacing: float, tolerance: float
+) -> None:
+    result = first_step(f"cracks.flaw.contact.friction={friction}", f"numerics.spacing={spacing}")
+    frame, contact = result.frame, result.contact
+    path = result.cracks[0].points
+    tangent = (path[1] - path[0]) / np.hypot(*(path[1] - path[0]))
+    s = (frame.points - path[0]) @ tangent
+    off = np.abs((frame.points - path[0]) @ np.array([-tangent[1], tangent[0]]))
+    mine = np.flatnonzero((off < NEAR) & (s > NEAR) & (s < 10e-3 - NEAR))
+    mine = mine[np.argsort(s[mine], kind="stable")].reshape(-1, 2)  # pairs at one place
+    assert np.ptp(s[mine], axis=1).max() < NEAR
+    slip = np.abs((frame.displacement[mine[:, 1]] - frame.displacement[mine[:, 0]]) @ tangent)
+    at_middle = np.interp(5e-3, s[mine[:, 0]], slip)
+    expected = np.interp(5e-3, contact.s, np.abs(contact.slip))
+    assert at_middle == pytest.approx(expected, rel=tolerance)
+    assert at_middle > 1e-5  # m
+
+
+def test_faces_of_the_result_are_those_of_the_mesh() -> None:
+    result = first_step()
+    (faces,) = result.faces
+    assert faces.s[0] == pytest.approx(0.0, abs=NEAR)
+    assert faces.s[-1] == pytest.approx(10e-3)
+    assert np.all(np.diff(faces.s) > 0.0)
+    assert np.abs(faces.opening[[0, -1]]).max() < AT_TIP * np.abs(faces.slip).max()  # nothing moves at a tip
+    assert np.abs(faces.slip[[0, -1]]).max() < AT_TIP * np.abs(faces.slip).max()
+    for s, point in zip(faces.s, faces.points, strict=True):
+        a = np.deg2rad(30.0)
+        np.testing.assert_allclose(point, (s - 5e-3) * np.array([np.cos(a), np.sin(a)]), atol=NEAR)
+
+
+def test_each_place_along_the_faces_is_given_once() -> None:
+    (faces,) = first_step().faces
+    assert np.diff(faces.s).min() > NEAR
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+def test_stress_out_of_plane(plane: str) -> None:
+    frame = first_step(f"plane={plane}").frame
+    factor = {"strain": 0.25, "stress": 0.0}[plane]
+    np.testing.assert_allclose(frame.stress_zz, factor * (frame.stress[:, 0] + frame.stress[:, 1]), rtol=1e-12)
+
+
+def test_stress_integrates_to_the_load() -> None:
+    """Mean of sigma_yy times the volume is the load times the height, whatever the crack does (divergence theorem)."""
+    _, frame = solved("closed")
+    size = areas(frame)
+    mean = size @ frame.stress / size.sum()
+    # one point a cell, singular stress at two tips
+    np.testing.assert_allclose(mean, [0.0, -100e6, 0.0], atol=0.5e6)
+
+
+def test_frames_are_left_out_where_nobody_wants_them() -> None:
+    case = load_case(CASES / "tension0.yaml", ["growth.steps=1", "output.frames=none", "output.figures=false"])
+    assert next(grow(case)).frame is None
