@@ -85,13 +85,13 @@ def run(arguments: argparse.Namespace) -> int:
         _complain(f"crackgrow: {end.reason}")
         return EXIT_UNSOLVED
     if not arguments.quiet:
-        print(f"{end.status}: {end.reason}\nresults in {folder}")
+        _say(f"{end.status}: {end.reason}\nresults in {folder}")
     return EXIT_DONE
 
 
 def check(arguments: argparse.Namespace) -> int:
     """`crackgrow check`: validate a case and say what it models."""
-    print(crackgrow.overview(_load(arguments)))
+    _say(crackgrow.overview(_load(arguments)))
     return EXIT_DONE
 
 
@@ -106,7 +106,7 @@ class Progress:
         self._seconds = 0.0
         self._warnings: dict[str, None] = {}
         if not quiet:
-            print(f"{case.name}: {case.title}")
+            _say(f"{case.name}: {case.title}")
 
     def show(self, result: StepResult) -> None:
         """Tell of a solved step."""
@@ -115,20 +115,20 @@ class Progress:
         self._warnings.update(dict.fromkeys(result.warnings))
         if self._live:
             width = shutil.get_terminal_size().columns - 1
-            print(f"\r{self._bar(result)[:width]}\x1b[K", end="", flush=True)
+            _say(f"\r{self._bar(result)[:width]}\x1b[K", end="")
         elif not self._quiet:
-            print(step_line(result, self._n_steps), flush=True)
+            _say(step_line(result, self._n_steps))
 
     def close(self) -> None:
         """Leave the live line and print the warnings of the steps, each once."""
         if self._live:
-            print()
+            _say("")
         if not self._quiet:
             texts = list(self._warnings)
             for text in texts[:MOST_WARNINGS]:
-                print(f"warning: {text}")
+                _say(f"warning: {text}")
             if len(texts) > MOST_WARNINGS:
-                print(f"and {len(texts) - MOST_WARNINGS} more warnings in run.log")
+                _say(f"and {len(texts) - MOST_WARNINGS} more warnings in run.log")
 
     def _bar(self, result: StepResult) -> str:
         done = result.step / self._n_steps if self._n_steps else 1.0
@@ -194,6 +194,14 @@ def _fail(writer: RunWriter, reason: str) -> None:
         writer.fail(reason)
     except CrackgrowError as error:
         _complain(f"crackgrow: {error}")
+
+
+def _say(text: str, end: str = "\n") -> None:
+    """Print at once; a reader that has gone away (`| head`) doesn't end the run."""
+    try:
+        print(text, end=end, flush=True)
+    except BrokenPipeError:
+        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
 
 
 def _complain(text: str) -> None:

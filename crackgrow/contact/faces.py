@@ -25,6 +25,9 @@ Ints = NDArray[np.int64]
 STRETCH_KINK = np.deg2rad(20.0)
 """A kink sharper than this ends a stretch: hat functions do not reach round it, since the normal turns there."""
 
+TIE = 1e-6
+"""A stretch this close to halfway between two numbers of nodes gets the larger one: rounding never decides."""
+
 POINTS_PER_EDGE = 5
 """Gauss points between two neighbouring mortar nodes, lattice crossings or kinks."""
 
@@ -122,7 +125,8 @@ def _mortar_on_crack(cover: Cover, crack: int, spacing: float) -> _Part:
     ends = stretch_ends(path.points)
     nodes, stretch = [], []
     for number, (start, end) in enumerate(pairwise(ends.tolist())):
-        n_pieces = 2 * max(round((end - start) / (2.0 * spacing)), 1)  # even: one node in the middle
+        n_pairs = int((end - start) / (2.0 * spacing) + 0.5 + TIE)
+        n_pieces = 2 * max(n_pairs, 1)  # even: one node in the middle
         nodes.append(start + (end - start) * np.arange(1, n_pieces) / n_pieces)
         stretch.append(np.full(n_pieces - 1, number))
     all_nodes, all_stretch = np.concatenate(nodes), np.concatenate(stretch)

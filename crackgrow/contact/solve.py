@@ -29,6 +29,10 @@ OVERLAP = 1e-10
 """A gap above minus this fraction of the displacement's size is no overlap but round-off."""
 
 
+UNPRESSED = 1e-6
+"""A pressure below this fraction of the traction that would undo the jump is none: the point is open."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactLaw:
     """Law of every contact point."""
@@ -98,7 +102,9 @@ def solve_contact(
         iterations += solution.iterations
         complementarity = complementarity_residual(problem, solution.traction)
         p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
-        p_n[rows], state[rows] = solution.traction[: len(rows)], solution.state
+        p_n[rows] = solution.traction[: len(rows)]
+        unpressed = p_n[rows] > -UNPRESSED * np.max(np.abs(free) / compliance.diagonal())
+        state[rows] = np.where(unpressed, OPEN, solution.state)
         p_t[sliding] = solution.traction[len(rows) :]
         u = u_free - response @ solution.traction
         gap = gap_of @ u

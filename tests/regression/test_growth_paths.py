@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
+from crackgrow.errors import GeometryError
 from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
 
@@ -106,6 +107,28 @@ def test_strong_rock_arrests() -> None:
     assert end.status == "arrested"
     assert len(results) == 1
     assert {tip.criterion for tip in results[0].tips} == {"none"}
+
+
+def test_a_tip_that_must_not_grow_stays() -> None:
+    results, _ = run("compression30", "cracks.flaw.tips=end", "growth.steps=3")
+    assert [n_advances(results, tip) for tip in ("start", "end")] == [0, 3]
+    full, _ = run("compression30")
+    for tip, other in zip(
+        results[0].tips, full[0].tips, strict=True
+    ):  # its end inside of the rock is a tip all the same
+        assert (tip.K_I, tip.K_II) == (other.K_I, other.K_II)
+
+
+def test_cracks_that_would_meet_are_refused_with_the_steps_before_kept() -> None:
+    cracks = (
+        "cracks={a: {path: {points: [[-8, 0], [0, 0]]}, contact: none}, "
+        "b: {path: {points: [[2, -4], [2, 4]]}, contact: none, tips: none}}"
+    )
+    case = load_case(ROOT / "cases" / "tension0.yaml", [cracks, "growth.advance=all", "growth.increment=3"])
+    steps = grow(case)
+    assert next(steps).step == 0
+    with pytest.raises(GeometryError, match="crack 'a' would meet crack 'b'"):
+        list(steps)
 
 
 def test_both_tips_advance_with_all() -> None:

@@ -12,9 +12,11 @@ from crackgrow.case import load_case
 from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
+from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step import StepSolution, solve_step
+from crackgrow.solid.recovery import displacement_at
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = Path(__file__).parent / "references"
@@ -108,6 +110,22 @@ def test_stuck_crack_leaves_the_field_of_the_intact_plate() -> None:
     largest = np.abs(solution.outcome.u[: 2 * len(solution.cover.patch_nodes)]).max()
     # the error of the 4 x 4 rule in the patch test, relative to the displacement
     assert max(np.abs(gap).max(), np.abs(slip).max()) < 1e-4 * largest
+
+
+@pytest.mark.parametrize(("spacing", "angle"), [(3.0, 30.0), (1.5, 30.0), (1.5, 10.0)])
+def test_patch_test_through_a_stuck_crack(spacing: float, angle: float) -> None:
+    """Uniform compression passes a stuck crack: measured 1e-5 (3 mm, where tip functions fade), 1e-6, 2e-7."""
+    solution = solved(
+        "cracks.flaw.contact.friction=0.6", f"numerics.spacing={spacing}", f"cracks.flaw.path.angle={angle}"
+    )
+    metres = np.random.default_rng(1).uniform((-15.4e-3, -27.4e-3), (15.4e-3, 27.4e-3), (800, 2))
+    points = solution.cover.lattice.to_lattice(metres)
+    found = displacement_at(
+        solution.cover, solution.outcome.u, points, locate(solution.cover.lattice, solution.cover.elements, points)
+    )
+    strain_yy, strain_xx = -100e6 / YOUNG_PRIME, 100e6 * 0.25 * 1.25 / 1e10  # plane strain
+    exact = np.stack([strain_xx * metres[:, 0], strain_yy * (metres[:, 1] + 27.5e-3)], axis=1)
+    assert np.abs(found - exact).max() < 1e-4 * np.abs(exact).max()
 
 
 def test_elastic_contact_overlaps_by_pressure_over_stiffness() -> None:

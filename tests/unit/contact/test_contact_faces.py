@@ -58,7 +58,7 @@ def shape_sum(faces: ContactFaces) -> np.ndarray:
     return np.asarray(faces.functions.sum(axis=0)).ravel()
 
 
-@pytest.mark.parametrize(("spacing", "n"), [(3.0, 2), (1.5, 6), (1.0, 9), (0.5, 19)])
+@pytest.mark.parametrize(("spacing", "n"), [(3.0, 3), (1.5, 5), (1.0, 9), (0.5, 19)])
 @pytest.mark.parametrize("angle", [0.0, 30.0, -75.0])
 def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> None:
     path = tilted(LENGTH, angle)
@@ -71,7 +71,7 @@ def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> 
     np.testing.assert_allclose(sample.lattice.to_metres(faces.nodes.points), expected, atol=ROUND_OFF)
 
 
-@pytest.mark.parametrize(("distance", "n"), [(0.5, 19), (1.0, 9), (2.0, 4), (4.0, 1)])
+@pytest.mark.parametrize(("distance", "n"), [(0.5, 19), (1.0, 9), (2.0, 5), (4.0, 1)])
 def test_the_distance_of_the_nodes_is_a_setting(build, distance: float, n: int) -> None:
     assert mortar_faces(plate(build, tilted(LENGTH, 30.0)).cover, [0], distance).n == n
 
@@ -120,12 +120,12 @@ def test_sharp_kinks_split_stretches_and_gentle_ones_do_not(build, kink: float, 
     faces = mortar_faces(plate(build, path).cover, [0], 1.0)
     assert len(stretch_ends(path)) == n_stretches + 1
     assert set(faces.stretch.tolist()) == set(range(n_stretches))
-    assert faces.n == {1: 6, 2: 3 + 2}[n_stretches]
+    assert faces.n == {1: 7, 2: 3 + 3}[n_stretches]
     before, after = faces.points.s < 4.0, faces.points.s > 4.0
     reach = faces.functions.toarray() > 0.0
     round_the_kink = reach[:, before].any(axis=1) & reach[:, after].any(axis=1)
-    # a node lies on the gentle kink itself: its hat reaches to both sides
-    assert round_the_kink.sum() == {1: 1, 2: 0}[n_stretches]
+    # the gentle kink lies between two nodes, whose hats reach to both sides
+    assert round_the_kink.sum() == {1: 2, 2: 0}[n_stretches]
 
 
 @pytest.mark.parametrize("length", [0.3, 0.7, 1.4, 2.4])
@@ -200,8 +200,8 @@ def test_two_cracks_keep_their_own_points(build) -> None:
     cover = plate(build, first, second).cover
     both = mortar_faces(cover, [0, 1], 1.0)
     alone = mortar_faces(cover, [1], 1.0)
-    assert np.bincount(both.crack).tolist() == [9, 4]
-    assert alone.crack.tolist() == [1] * 4
+    assert np.bincount(both.crack).tolist() == [9, 5]
+    assert alone.crack.tolist() == [1] * 5
     np.testing.assert_array_equal(both.nodes.points[both.crack == 1], alone.nodes.points)
     np.testing.assert_array_equal(both.weights[both.crack == 1], alone.weights)
     reach = both.functions.toarray() > 0.0

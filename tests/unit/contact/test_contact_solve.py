@@ -326,6 +326,22 @@ def test_no_solution_is_an_error_and_not_a_result(build, monkeypatch, solver: st
         zeros = np.zeros(problem.free.size)
         return ContactSolution(zeros, status, 17, np.zeros(problem.n_points, dtype=np.int64))
 
-    monkeypatch.setattr(module, f"solve_by_{solver}", gives_up)
+    for name in ("newton", "lemke"):
+        monkeypatch.setattr(module, f"solve_by_{name}", gives_up)
     with pytest.raises(SolveError, match=rf"{solver}: status '{status}' after 17 iterations"):
         pressed(build, 0.02).solve(solver=solver)
+
+
+@pytest.mark.parametrize(("solver", "other"), [("newton", "lemke"), ("lemke", "newton")])
+def test_the_other_solver_steps_in_and_says_so(build, monkeypatch, solver: str, other: str) -> None:
+    expected = pressed(build, 0.02).solve(solver=solver)
+
+    def gives_up(problem):
+        zeros = np.zeros(problem.free.size)
+        return ContactSolution(zeros, "limit", 17, np.zeros(problem.n_points, dtype=np.int64))
+
+    monkeypatch.setattr(module, f"solve_by_{solver}", gives_up)
+    outcome = pressed(build, 0.02).solve(solver=solver)
+    assert expected.notes == ()
+    assert [f"by {other} after {solver}: status 'limit'" in note for note in outcome.notes] == [True]
+    np.testing.assert_allclose(outcome.normal_traction, expected.normal_traction, rtol=1e-9)

@@ -168,13 +168,9 @@ def test_faces_of_the_open_crack_move_apart() -> None:
         assert frame.displacement[pair[1], 1] > frame.displacement[pair[0], 1]
 
 
-# hat averages and interpolation between the two nodes next to the middle flatten the ellipse of the slip: by 0.3 % with
-# a node 1 mm wide in the middle, by 1.7 % with nodes at +-0.7 mm
-@pytest.mark.parametrize(("spacing", "tolerance"), [(1.0, 0.01), (1.5, 0.02)])
+@pytest.mark.parametrize("spacing", [1.0, 1.5])
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_slip_at_the_middle_is_the_same_on_the_mesh_and_at_the_contact_points(
-    friction: float, spacing: float, tolerance: float
-) -> None:
+def test_slip_at_the_middle_is_the_same_on_the_mesh_and_at_the_contact_points(friction: float, spacing: float) -> None:
     result = first_step(f"cracks.flaw.contact.friction={friction}", f"numerics.spacing={spacing}")
     frame, contact = result.frame, result.contact
     path = result.cracks[0].points
@@ -187,7 +183,7 @@ def test_slip_at_the_middle_is_the_same_on_the_mesh_and_at_the_contact_points(
     slip = np.abs((frame.displacement[mine[:, 1]] - frame.displacement[mine[:, 0]]) @ tangent)
     at_middle = np.interp(5e-3, s[mine[:, 0]], slip)
     expected = np.interp(5e-3, contact.s, np.abs(contact.slip))
-    assert at_middle == pytest.approx(expected, rel=tolerance)
+    assert at_middle == pytest.approx(expected, rel=0.01)  # one contact point lies in the middle, where slip is flat
     assert at_middle > 1e-5  # m
 
 

@@ -225,7 +225,9 @@ def test_a_crack_that_reaches_the_outline_breaks_through(plate: Plate) -> None:
 
 
 def test_a_plate_that_is_strong_enough_arrests(plate: Plate) -> None:
-    results, end = run(plate(CENTRE, "bodies.rock.strength.tension=50", growth={}))
+    results, end = run(
+        plate(CENTRE, "bodies.rock.strength={tension: 50, cohesion: 100, friction_angle: 40}", growth={})
+    )
     assert end.status == "arrested"
     assert len(results) == 1
     largest = max(tip.criticality for tip in results[0].tips)
