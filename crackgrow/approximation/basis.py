@@ -80,16 +80,6 @@ def _spread(columns: _Columns, rows: Ints, n: int) -> _Columns:
 
 def value_matrix(basis: Basis, n_functions: int) -> csr_array:
     """Sparse matrix (n, n_functions) of the values: displacement at the points = matrix @ coefficients."""
-    return _matrix(basis.ids, basis.values, n_functions)
-
-
-def gradient_matrices(basis: Basis, n_functions: int) -> tuple[csr_array, csr_array]:
-    """Sparse matrices (n, n_functions) of the derivatives by x and by y, per metre."""
-    by_x, by_y = (_matrix(basis.ids, basis.gradients[:, :, axis], n_functions) for axis in range(2))
-    return by_x, by_y
-
-
-def _matrix(ids: Ints, entries: Floats, n_functions: int) -> csr_array:
-    used = ids >= 0
+    used = basis.ids >= 0
     row_ends = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
-    return csr_array((entries[used], ids[used], row_ends), shape=(len(ids), n_functions))
+    return csr_array((basis.values[used], basis.ids[used], row_ends), shape=(len(used), n_functions))

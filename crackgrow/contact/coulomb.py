@@ -193,11 +193,6 @@ def complementarity_residual(problem: ContactProblem, p: Floats) -> float:
     return worst
 
 
-def states(problem: ContactProblem, p: Floats) -> Ints:
-    """(n,) OPEN, STICK or SLIP of tractions p (m,) that solve the problem; without friction closed points SLIP."""
-    return active_set(problem, p, jump(problem, p)).states()
-
-
 def _solve(K: Floats, right: Floats) -> Floats:
     """Solution of K x = right, the least-squares one where K is singular."""
     try:

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SMALL_RADIUS = 0.5
-"""Averaging radius, in spacings, from which the averaged stress varies by less than 2 % with the spacing."""
+"""Averaging radius, in spacings, from which the averaged stress varies by less than 2.5 % with the spacing."""
 
 
 SHORT_CRACK = 3.0

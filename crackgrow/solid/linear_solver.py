@@ -37,7 +37,7 @@ class Factorization:
     """A factorized symmetric positive definite matrix, scaled to a unit diagonal."""
 
     def __init__(self, matrix: csc_array) -> None:
-        """Factorize `matrix` (n, n); raises SolveError where it is not finite or not positive definite."""
+        """Factorize `matrix` (n, n); raises SolveError where it is not finite, or singular in an obvious way."""
         diagonal = matrix.diagonal()
         if not np.isfinite(matrix.data).all():
             raise SolveError("the stiffness matrix has entries that are not finite")

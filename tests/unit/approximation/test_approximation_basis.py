@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from crackgrow.approximation.basis import basis_at, gradient_matrices, value_matrix
+from crackgrow.approximation.basis import basis_at, value_matrix
 from crackgrow.cover.elements import locate
 from crackgrow.quadrature.elements import element_points
 
@@ -41,7 +43,8 @@ def test_gradients_of_all_functions_agree_with_differences(build, support: float
     assert len(points) > 400
     assert (value_matrix(basis, n).count_nonzero(axis=0) > 0).sum() > 0.9 * n  # nearly all functions are seen
     step = 1e-6
-    for axis, exact in enumerate(gradient_matrices(basis, n)):
+    for axis in range(2):
+        exact = value_matrix(replace(basis, values=basis.gradients[:, :, axis]), n)
         move = step * np.eye(2)[axis]
         ahead, behind = (value_matrix(basis_at(sample.cover, points + s * move, elements), n) for s in (1, -1))
         difference = (ahead - behind) / (2 * step * spacing)
