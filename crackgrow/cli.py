@@ -52,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return EXIT_INTERRUPTED
     except Exception:
         _complain("crackgrow: internal error, a bug in the program:")
-        traceback.print_exc()
+        _complain(traceback.format_exc())
         return EXIT_BUG
 
 
@@ -62,8 +62,8 @@ def run(arguments: argparse.Namespace) -> int:
     folder = arguments.out or Path("outputs") / case.name
     steps = crackgrow.grow(case)  # starts with its first step
     writer = crackgrow.RunWriter(case, folder)
-    writer.begin()
     progress = Progress(case, quiet=arguments.quiet)
+    writer.begin()
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:
@@ -101,7 +101,7 @@ class Progress:
     def __init__(self, case: Case, *, quiet: bool) -> None:
         self._n_steps = case.growth.steps if case.growth else None
         self._quiet = quiet
-        self._live = not quiet and sys.stdout.isatty()
+        self._live = not quiet and sys.stdout is not None and sys.stdout.isatty()
         self._n_advances = 0
         self._seconds = 0.0
         self._warnings: dict[str, None] = {}
@@ -197,12 +197,13 @@ def _fail(writer: RunWriter, reason: str) -> None:
 
 
 def _say(text: str, end: str = "\n") -> None:
-    """Print at once; a reader that has gone away (`| head`) doesn't end the run."""
+    """Print at once; a reader that has gone away (`| head`) or a full or closed output doesn't end the run."""
     try:
         print(text, end=end, flush=True)
-    except BrokenPipeError:
+    except (OSError, ValueError):
         sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
 
 
 def _complain(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    with contextlib.suppress(OSError, ValueError):  # nobody listens: the exit code still tells
+        print(text, file=sys.stderr, flush=True)

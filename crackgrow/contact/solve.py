@@ -109,7 +109,7 @@ def solve_contact(
         u = u_free - response @ solution.traction
         gap = gap_of @ u
         missed = ~taken & (gap < -tolerance)
-        broken = taken & (state == OPEN) & (cohesion > 0.0)
+        broken = taken & (state == OPEN) & (cohesion > 0.0) & ~missed.any()
         cohesion[broken] = 0.0
         if not missed.any() and not broken.any():
             multipliers = multipliers - columns.multipliers(rows, sliding) @ solution.traction

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely.ops import substring
 
 from crackgrow.case.model import Crack
 from crackgrow.errors import GeometryError
@@ -79,14 +80,14 @@ def advanced(
     new = tip + increment * np.array([c * direction[0] - s * direction[1], s * direction[0] + c * direction[1]])
     on_boundary = exit_point(region, tip, new)
     end = new if on_boundary is None else on_boundary
-    rest = crack.points[:-1] if at_end else crack.points[1:]
-    lines = [other.crack for other in others] + ([replace(crack, points=rest)] if len(rest) > 1 else [])
     segment = shapely.LineString([tip, end])
-    for line in lines:
-        if shapely.dwithin(segment, shapely.LineString(line.points), CLEARANCE * increment):
-            met = "itself" if line.name == crack.name else f"crack '{line.name}'"
+    behind = _behind(crack.points[::-1] if at_end else crack.points, 2.0 * CLEARANCE * increment)
+    lines = [(f"crack '{other.crack.name}'", shapely.LineString(other.crack.points)) for other in others]
+    for name, line in [*lines, ("itself", behind)]:
+        if shapely.dwithin(segment, line, CLEARANCE * increment):
+            x, y = shapely.shortest_line(segment, line).coords[1]
             raise GeometryError(
-                f"step {step}: crack '{crack.name}' would meet {met} near ({end[0]:.4g}, {end[1]:.4g}) m; "
+                f"step {step}: crack '{crack.name}' would meet {name} near ({x:.4g}, {y:.4g}) m; "
                 "cracks that meet are not supported in this version"
             )
     points = np.vstack([crack.points, end]) if at_end else np.vstack([end, crack.points])
@@ -99,3 +100,9 @@ def advanced(
         tip_at_end=tip_left if at_end else crack.tip_at_end,
     )
     return GrowingCrack(longer, steps), not tip_left
+
+
+def _behind(points_from_tip: Floats, length: float) -> shapely.LineString:
+    """A crack (n, 2), from its tip on, without the first `length` of it; empty where it is no longer than that."""
+    line = shapely.LineString(points_from_tip)
+    return substring(line, length, line.length) if length < line.length else shapely.LineString()

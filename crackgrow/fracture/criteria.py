@@ -63,7 +63,8 @@ def strength(field: TipField, limits: Strength) -> Verdict:
         return Verdict(s1, s3, "tension" if tension >= 1.0 else "none", tension, kink)
     planes = [_forward(compression_axis + sense * (0.25 * np.pi - 0.5 * phi)) for sense in (-1.0, 1.0)]
     _, along = hoop_and_shear(field, field.rays)
-    shears = [abs(np.interp(plane, field.angles, along)) for plane in planes]
+    seen = np.isfinite(along)
+    shears = [abs(np.interp(plane, field.angles[seen], along[seen])) for plane in planes]
     kink = planes[int(np.argmax(shears))]
     return Verdict(s1, s3, "shear" if shear >= 1.0 else "none", shear, kink)
 

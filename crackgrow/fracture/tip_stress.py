@@ -2,8 +2,8 @@
 
 sigma(tip) = sum w_q sigma_q / sum w_q with w_q = A_q / r_q, A_q the quadrature weight (area) and r_q the distance of a
 point (Shepard 1968). The points are a polar rule of the disc, so the value does not depend on where the lattice's own
-points happen to lie; points outside of the body do not count. The radius is a material length: for the singular field
-<s_yy> = 1.5279 K_I / sqrt(2 pi R) and <s_xy> = 1.0186 K_II / sqrt(2 pi R).
+points happen to lie. Points outside of the body do not count; points behind another crack do. The radius is a material
+length: for the singular field <s_yy> = 1.5279 K_I / sqrt(2 pi R) and <s_xy> = 1.0186 K_II / sqrt(2 pi R).
 """
 
 from __future__ import annotations
@@ -62,7 +62,9 @@ def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip
     seen = weights * _in_sight(cover, tip, points).reshape(weights.shape)
     along = np.einsum("nr,nrc->nc", seen, np.nan_to_num(stress))
     total = seen.sum(axis=1)
-    rays = np.divide(along, total[:, None], out=np.full_like(along, np.nan), where=total[:, None] > 0.0)
+    # a ray that sees only a part R_c of R would see a singular field larger by sqrt(R / R_c)
+    whole = np.sqrt(total * weight.sum())[:, None]
+    rays = np.divide(along, whole, out=np.full_like(along, np.nan), where=whole > 0.0)
     mean = np.einsum("nr,nrc->c", weights, np.nan_to_num(stress)) / weights.sum()
     return TipField(direction, angles, rays, mean)
 

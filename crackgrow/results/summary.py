@@ -13,7 +13,7 @@ from crackgrow import __version__
 from crackgrow.case.model import Case
 from crackgrow.run.result import RunEnd, StepResult
 
-CHECKS = ("residual", "penetration", "complementarity")
+CHECKS = ("residual", "penetration", "complementarity", "overlap")
 
 
 class Tally:

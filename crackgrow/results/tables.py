@@ -16,7 +16,8 @@ PATHS = ("crack", "vertex", "x", "y", "step")
 CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state")
 PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
 STEPS = ("step", "n_dofs", "n_contact", "contact_iterations", "factorizations", "residual", "penetration",
-         *(f"seconds_{phase}" for phase in PHASES), "load_factor", "contact_status", "complementarity")  # fmt: skip
+         *(f"seconds_{phase}" for phase in PHASES),
+         "load_factor", "contact_status", "complementarity", "overlap")  # fmt: skip
 
 
 class Table:
@@ -112,4 +113,5 @@ def step_row(result: StepResult, seconds_frames: float) -> tuple[Value, ...]:
         float(result.load_factor),
         result.contact_status,
         float(result.complementarity),
+        float(result.overlap),
     )

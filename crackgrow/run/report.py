@@ -11,7 +11,7 @@ from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import face_vertices, stretch_ends
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.criteria import effective_toughness
-from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.run.cautions import cautions, largest_overlap
 from crackgrow.run.frame import make_frame
 from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, StepResult, TipResult
 from crackgrow.run.scene import Scene
@@ -20,21 +20,8 @@ from crackgrow.run.step import StepSolution
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SMALL_RADIUS = 0.5
-"""Averaging radius, in spacings, from which the averaged stress varies by less than 2.5 % with the spacing."""
-
-
-SHORT_CRACK = 3.0
-"""Spacings: the two tips of a shorter crack share all of their patches (K_II within 2 % from here on)."""
-
-GOOD_SUPPORT = 2.0
-"""Half width of a patch, in spacings, from which K is within 1 %."""
-
 SAME_PLACE = 1e-6
 """Spacings: samples of a crack closer than this are one place."""
-
-LARGE_RESIDUAL = 1e-9
-"""Relative equilibrium residual from which a step carries a warning."""
 
 
 def step_result(
@@ -67,9 +54,10 @@ def step_result(
         residual=solution.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
+        overlap=largest_overlap(scene, solution, faces),
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
-        warnings=_warnings(scene, solution, step),
+        warnings=cautions(scene, solution, faces, step),
     )
 
 
@@ -147,29 +135,3 @@ def _toughness(scene: Scene) -> float:
     if growth is None or strength is None:
         return float("nan")
     return effective_toughness(growth.criterion, strength.tension, growth.tip_radius)
-
-
-def _warnings(scene: Scene, solution: StepSolution, step: int) -> tuple[str, ...]:
-    """What the user should know of this step; what holds for all steps is said at the first."""
-    found = list(solution.outcome.notes)
-    growth, spacing = scene.case.growth, scene.case.numerics.spacing
-    if step == 0 and growth is not None and growth.tip_radius < SMALL_RADIUS * spacing:
-        found.append(
-            f"the averaging radius {growth.tip_radius:g} m is below {SMALL_RADIUS:g} spacings ({spacing:g} m): "
-            "the tip stress may depend on the spacing"
-        )
-    support = scene.case.numerics.support
-    if step == 0 and support < GOOD_SUPPORT and scene.case.cracks:
-        found.append(
-            f"numerics.support is {support:g}: below {GOOD_SUPPORT:g} tips are resolved badly, and K can be 20 % low"
-        )
-    for crack in solution.cover.cracks if step == 0 else ():
-        length = arc_lengths(crack.points)[-1]
-        if length < SHORT_CRACK:
-            found.append(
-                f"crack '{crack.name}' is {length:.2g} spacings long: below {SHORT_CRACK:g} the cover does not resolve "
-                "it, and K can be off by 20 %"
-            )
-    if solution.residual > LARGE_RESIDUAL:
-        found.append(f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned")
-    return tuple(found)

@@ -101,6 +101,7 @@ class StepResult:
     residual: float  # relative equilibrium residual
     penetration: float  # m, largest overlap at a contact point beyond what the contact stiffness explains
     complementarity: float  # relative complementarity residual of the contact conditions
+    overlap: float  # m, largest overlap of closed faces at any place, beyond what the contact stiffness explains
     effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     warnings: tuple[str, ...]

@@ -27,7 +27,7 @@ from crackgrow.fracture.stress_intensity import from_face_displacement
 from crackgrow.fracture.tip_stress import tip_field
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.scene import Scene
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.solid.linear_solver import ConstrainedSystem, displacement_size
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.rigid_modes import check_held
 from crackgrow.solid.stiffness import stiffness
@@ -59,6 +59,8 @@ class StepSolution:
     faces: ContactFaces
     outcome: ContactOutcome
     tips: tuple[TipState, ...]
+    compliance: float  # m/Pa: 1/k of the contact, zero for rigid
+    displacement_size: float  # m
     residual: float  # relative equilibrium residual
     seconds: dict[str, float]
 
@@ -93,7 +95,8 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
             )
     with _timed(seconds, "criterion"):
         tips = tuple(_tip_state(scene, cover, outcome.u, tip) for tip in range(len(cover.tips)))
-    return StepSolution(cover, faces, outcome, tips, residual, seconds)
+    size = displacement_size(loads, outcome.u, load_factor * given)
+    return StepSolution(cover, faces, outcome, tips, _compliance(scene), size, residual, seconds)
 
 
 def _geometry(scene: Scene, growing: GrowingCrack) -> CrackGeometry:
@@ -128,10 +131,14 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
         given = arc_lengths(scene.lattice.to_lattice(g.crack.points))[g.steps == 0]
         bonded = (faces.s >= given[0]) & (faces.s <= given[-1])
         cohesion[mine & bonded] = g.crack.contact.cohesion
+    return ContactLaw(friction, cohesion, np.full(faces.n, _compliance(scene)))
+
+
+def _compliance(scene: Scene) -> float:
+    """1/k (m/Pa) with k = kappa E / h, zero for rigid contact."""
     kappa = scene.case.numerics.contact.stiffness
     young = scene.case.bodies[0].material.young
-    compliance = 0.0 if kappa is None else scene.lattice.spacing / (kappa * young)
-    return ContactLaw(friction, cohesion, np.full(faces.n, compliance))
+    return 0.0 if kappa is None else scene.lattice.spacing / (kappa * young)
 
 
 def _residual(

@@ -108,3 +108,20 @@ def test_a_crack_is_refused_that_would_cross_itself() -> None:
     short, left = advanced(hook, True, np.deg2rad(90.0), 1.5, 1, PLATE)  # stops short of the first segment
     assert not left
     np.testing.assert_allclose(short.crack.points[-1], [2.0, 0.5], atol=1e-14)
+
+
+@pytest.mark.parametrize("last", [0.5, 0.02, 1e-6])
+def test_a_short_last_segment_is_not_met_by_straight_growth(last: float) -> None:
+    """A digitised trace has segments far shorter than an increment."""
+    trace = growing([(0.0, 0.0), (4.0, 0.0), (4.0 + last, 0.0)])
+    longer, left = advanced(trace, True, np.deg2rad(30.0), 2.0, 1, PLATE)
+    assert not left
+    np.testing.assert_allclose(np.hypot(*(longer.crack.points[-1] - longer.crack.points[-2])), 2.0, rtol=1e-12)
+
+
+def test_a_crack_is_refused_that_would_come_too_close_to_another() -> None:
+    wall = growing([(5.1, -3.0), (5.1, 3.0)])
+    flaw = growing([(0.0, 0.0), (4.0, 0.0)])
+    with pytest.raises(GeometryError, match=r"step 7: crack 'flaw' would meet crack 'flaw' near \(5\.1, 0\)"):
+        advanced(flaw, True, 0.0, 1.0, 7, PLATE, [wall])
+    assert not advanced(flaw, True, 0.0, 0.9, 7, PLATE, [wall])[1]

@@ -127,6 +127,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         residual=1e-12,
         penetration=1e-15 * (2 if step == 1 else 1),
         complementarity=1e-10,
+        overlap=2e-9,
         effective_toughness=2e4,
         seconds={"cover": 0.1, "assembly": 0.2, "factorize": 0.3, "contact": 0.4, "criterion": 0.5, "output": 0.0625},
         warnings=(),

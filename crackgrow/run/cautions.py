@@ -1,0 +1,98 @@
+"""What makes a step's results doubtful, in words for the user."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.run.result import CrackFaces
+from crackgrow.run.scene import Scene
+from crackgrow.run.step import StepSolution
+
+SMALL_RADIUS = 0.5
+"""Averaging radius, in spacings, from which the averaged stress varies by less than 2.5 % with the spacing."""
+
+SHORT_CRACK = 3.0
+"""Spacings: the two tips of a shorter crack share all of their patches (K_II within 2 % from here on)."""
+
+GOOD_SUPPORT = 2.0
+"""Half width of a patch, in spacings, from which K is within 1 %."""
+
+CLOSE = 1.0
+"""Spacings: things closer than this share all of their patches."""
+
+LARGE_OVERLAP = 0.05
+"""Overlap of faces, as a fraction of the largest jump, from which a step carries a warning."""
+
+NOISE = 1e-3
+"""Jumps smaller than this fraction of the displacement are within the error of the quadrature."""
+
+LARGE_RESIDUAL = 1e-9
+"""Relative equilibrium residual from which a step carries a warning."""
+
+
+def largest_overlap(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> float:
+    """Largest overlap (m) anywhere along cracks that have a contact law: conditions hold on average only."""
+    law = solution.compliance
+    touching = {scene.case.cracks[index].name for index in np.unique(solution.faces.crack)}
+    overlaps = [-(f.opening - law * f.normal_traction).min(initial=0.0) for f in faces if f.crack in touching]
+    return float(max(overlaps, default=0.0))
+
+
+def cautions(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], step: int) -> tuple[str, ...]:
+    """What the user should know of this step; what holds for all steps is said at the first."""
+    found = list(solution.outcome.notes)
+    if step == 0:
+        found.extend(_settings_warnings(scene, solution))
+    largest = max((np.hypot(f.opening, f.slip).max() for f in faces), default=0.0)
+    overlap = largest_overlap(scene, solution, faces)
+    if overlap > max(LARGE_OVERLAP * largest, NOISE * solution.displacement_size):
+        found.append(
+            f"faces overlap by {overlap:.2g} m between contact points, {100.0 * overlap / largest:.2g} % of the "
+            "largest jump: K of that crack is unsure; use a smaller spacing"
+        )
+    for first, second in _close(solution):
+        found.append(f"{first} is closer than a spacing to {second}: the cover does not resolve what is between")
+    if solution.residual > LARGE_RESIDUAL:
+        found.append(f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned")
+    return tuple(found)
+
+
+def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
+    """What holds for all steps."""
+    found = []
+    growth, spacing = scene.case.growth, scene.case.numerics.spacing
+    if growth is not None and growth.tip_radius < SMALL_RADIUS * spacing:
+        found.append(
+            f"the averaging radius {growth.tip_radius:g} m is below {SMALL_RADIUS:g} spacings ({spacing:g} m): "
+            "the tip stress may depend on the spacing"
+        )
+    support = scene.case.numerics.support
+    if support < GOOD_SUPPORT and scene.case.cracks:
+        found.append(
+            f"numerics.support is {support:g}: below {GOOD_SUPPORT:g} tips are resolved badly, and K can be 20 % low"
+        )
+    for crack in solution.cover.cracks:
+        length = arc_lengths(crack.points)[-1]
+        if length < SHORT_CRACK:
+            found.append(
+                f"crack '{crack.name}' is {length:.3g} spacings long: below {SHORT_CRACK:g} the cover does not resolve "
+                "it, and K can be off by 20 %"
+            )
+    return found
+
+
+def _close(solution: StepSolution) -> list[tuple[str, str]]:
+    """Pairs of cracks, and tips and outlines, that are closer than a spacing."""
+    cover = solution.cover
+    lines = [shapely.LineString(crack.points) for crack in cover.cracks]
+    names = [f"crack '{crack.name}'" for crack in cover.cracks]
+    pairs = [
+        (names[i], names[j]) for i in range(len(lines)) for j in range(i) if shapely.dwithin(lines[i], lines[j], CLOSE)
+    ]
+    outline = shapely.multilinestrings(shapely.linestrings(cover.elements.outlines.points))
+    for tip, (index, at_end) in zip(cover.tips, cover.tip_ends, strict=True):
+        if shapely.dwithin(outline, shapely.Point(tip.point), CLOSE):
+            pairs.append((f"the {'end' if at_end else 'start'} of {names[index]}", "the outline"))
+    return pairs
