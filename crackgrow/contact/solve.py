@@ -28,7 +28,6 @@ Bools = NDArray[np.bool_]
 OVERLAP = 1e-10
 """A gap above minus this fraction of the displacement's size is no overlap but round-off."""
 
-
 UNPRESSED = 1e-6
 """A pressure below this fraction of the traction that would undo the jump is none: the point is open."""
 
@@ -109,12 +108,14 @@ def solve_contact(
         u = u_free - response @ solution.traction
         gap = gap_of @ u
         missed = ~taken & (gap < -tolerance)
-        broken = taken & (state == OPEN) & (cohesion > 0.0) & ~missed.any()
-        cohesion[broken] = 0.0
-        if not missed.any() and not broken.any():
+        broken = taken & (state == OPEN) & (cohesion > 0.0)
+        if missed.any():
+            taken |= missed
+        elif broken.any():
+            cohesion[broken] = 0.0
+        else:
             multipliers = multipliers - columns.multipliers(rows, sliding) @ solution.traction
             break
-        taken |= missed
     return ContactOutcome(
         u=u,
         multipliers=multipliers,

@@ -90,6 +90,12 @@ class Elements:
         """Number of elements."""
         return len(self.tile)
 
+    @property
+    def passable(self) -> Bools:
+        """Which of `edges` (e,) lead through rock: between two elements of one body and not along a crack."""
+        passable = (self.edges.right >= 0) & ~self.is_crack
+        return np.asarray(passable & (self.body[self.edges.left] == self.body[self.edges.right]))
+
 
 def cut_elements(lattice: Lattice, bodies: list[Floats], cracks: list[CrackGeometry]) -> Elements:
     """Cut bodies (outlines (n, 2), lattice coordinates, counter-clockwise) and cracks into manifold elements."""

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
+from crackgrow.geometry.arrangement import connected
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -32,11 +31,8 @@ def physical_patches(lattice: Lattice, elements: Elements) -> tuple[Ints, Ints]:
     """
     nodes, covers = covering_nodes(lattice, elements)
     window = lattice.window
-    n_pairs = elements.n * window
-    passable = (elements.edges.right >= 0) & ~elements.is_crack
+    passable = elements.passable
     first, second = elements.edges.left[passable], elements.edges.right[passable]
-    same_body = elements.body[first] == elements.body[second]
-    first, second = first[same_body], second[same_body]
 
     shift = nodes[first, 0] - nodes[second, 0]  # of the first node of the two windows
     side = 2 * lattice.reach
@@ -46,9 +42,7 @@ def physical_patches(lattice: Lattice, elements: Elements) -> tuple[Ints, Ints]:
     joined = in_window & covers[first] & covers[second[:, None], slot]
     rows = (first[:, None] * window + np.arange(window))[joined]
     columns = (second[:, None] * window + slot)[joined]
-    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(n_pairs, n_pairs))
-    _, label = connected_components(graph.tocsr(), directed=False)
-    label = label.reshape(elements.n, window)
+    label = connected(elements.n * window, rows, columns).reshape(elements.n, window)
 
     used, representative, number = np.unique(label[covers], return_index=True, return_inverse=True)
     patch = np.full((elements.n, window), -1, dtype=np.int64)

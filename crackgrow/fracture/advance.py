@@ -22,7 +22,6 @@ TIE = 1e-3
 """Tips whose criticality differs by less than this fraction, which is what the discretization resolves, are equally
 critical: the first one grows. A symmetric scene then never depends on round-off."""
 
-
 CLEARANCE = 0.1
 """A new segment that comes closer to a crack than this fraction of its length meets it."""
 

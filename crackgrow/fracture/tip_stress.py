@@ -55,17 +55,17 @@ def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip
     points = (point + toward[:, None] * r[None, :, None]).reshape(-1, 2)
     elements = locate(cover.lattice, cover.elements, points)
     inside = elements >= 0
-    found = np.full((len(points), 3), np.nan)
+    found = np.zeros((len(points), 3))
     found[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
     stress = found.reshape(N_RAYS, -1, 3)
     weights = inside.reshape(N_RAYS, -1) * weight
     seen = weights * _in_sight(cover, tip, points).reshape(weights.shape)
-    along = np.einsum("nr,nrc->nc", seen, np.nan_to_num(stress))
+    along = np.einsum("nr,nrc->nc", seen, stress)
     total = seen.sum(axis=1)
     # a ray that sees only a part R_c of R would see a singular field larger by sqrt(R / R_c)
     whole = np.sqrt(total * weight.sum())[:, None]
     rays = np.divide(along, whole, out=np.full_like(along, np.nan), where=whole > 0.0)
-    mean = np.einsum("nr,nrc->c", weights, np.nan_to_num(stress)) / weights.sum()
+    mean = np.einsum("nr,nrc->c", weights, stress) / weights.sum()
     return TipField(direction, angles, rays, mean)
 
 

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from crackgrow.geometry.tolerance import GRID
 
@@ -51,8 +53,7 @@ def ring_vertices(polygons: NDArray[np.object_]) -> tuple[Floats, Ints, Ints]:
     keep = ~last  # the closing point repeats the first
     position = np.cumsum(keep) - 1
     first_of_ring = position[np.searchsorted(ring_of_point, np.arange(len(rings)))]
-    following = np.arange(n) + 1
-    following = np.minimum(following, n - 1)
+    following = np.minimum(np.arange(n) + 1, n - 1)
     end = np.where(last[following], first_of_ring[ring_of_point], position[following])
     return coordinates[keep], end[keep].astype(np.int64), polygon_of_ring[ring_of_point[keep]].astype(np.int64)
 
@@ -64,6 +65,12 @@ def vertex_ids(points: Floats) -> Ints:
     rows, row = np.unique(scaled[:, 1], return_inverse=True)
     _, ids = np.unique(column * len(rows) + row, return_inverse=True)
     return np.asarray(ids, dtype=np.int64)
+
+
+def connected(n: int, first: Ints, second: Ints) -> Ints:
+    """Component (n,), dense from 0, of n things that the links first[i] - second[i] join."""
+    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
+    return np.asarray(connected_components(graph.tocsr(), directed=False)[1], dtype=np.int64)
 
 
 def edges_between(start: Ints, end: Ints, face: Ints) -> Edges:

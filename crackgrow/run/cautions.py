@@ -32,21 +32,21 @@ LARGE_RESIDUAL = 1e-9
 """Relative equilibrium residual from which a step carries a warning."""
 
 
-def largest_overlap(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> float:
+def largest_overlap(scene: Scene, faces: tuple[CrackFaces, ...]) -> float:
     """Largest overlap (m) anywhere along cracks that have a contact law: conditions hold on average only."""
-    law = solution.compliance
-    touching = {scene.case.cracks[index].name for index in np.unique(solution.faces.crack)}
-    overlaps = [-(f.opening - law * f.normal_traction).min(initial=0.0) for f in faces if f.crack in touching]
-    return float(max(overlaps, default=0.0))
+    touching = [f for crack, f in zip(scene.case.cracks, faces, strict=True) if crack.contact is not None]
+    gaps = [f.opening - scene.contact_compliance * f.normal_traction for f in touching]
+    return float(max((-gap.min(initial=0.0) for gap in gaps), default=0.0))
 
 
-def cautions(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], step: int) -> tuple[str, ...]:
-    """What the user should know of this step; what holds for all steps is said at the first."""
+def cautions(
+    scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], overlap: float, step: int
+) -> tuple[str, ...]:
+    """What the user should know of this step, of `largest_overlap` m; what holds for all steps is said at the first."""
     found = list(solution.outcome.notes)
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
     largest = max((np.hypot(f.opening, f.slip).max() for f in faces), default=0.0)
-    overlap = largest_overlap(scene, solution, faces)
     if overlap > max(LARGE_OVERLAP * largest, NOISE * solution.displacement_size):
         found.append(
             f"faces overlap by {overlap:.2g} m between contact points, {100.0 * overlap / largest:.2g} % of the "

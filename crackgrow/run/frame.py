@@ -6,12 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
-from crackgrow.geometry.arrangement import on_grid
+from crackgrow.geometry.arrangement import connected, vertex_ids
 from crackgrow.quadrature.elements import triangulate
 from crackgrow.run.result import Frame
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -50,8 +48,7 @@ def make_frame(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats) ->
 
 def _vertex_of(elements: Elements, points: Floats) -> Ints:
     """Vertex ids (n,) of points (n, 2) that are vertices."""
-    keys = np.concatenate([elements.vertices, points])
-    _, ids = np.unique(on_grid(keys) @ np.array([1.0, 1.0j]), return_inverse=True)
+    ids = vertex_ids(np.concatenate([elements.vertices, points]))
     vertex = np.empty(int(ids.max()) + 1, dtype=np.int64)
     vertex[ids[: len(elements.vertices)]] = np.arange(len(elements.vertices))
     return vertex[ids[len(elements.vertices) :]]
@@ -64,14 +61,10 @@ def _nodes(elements: Elements, vertex: Ints, element: Ints) -> tuple[Ints, Ints]
     """
     pair = vertex * elements.n + element
     pairs, inverse = np.unique(pair, return_inverse=True)
-    passable = (elements.edges.right >= 0) & ~elements.is_crack
-    passable &= elements.body[elements.edges.left] == elements.body[elements.edges.right]
+    passable = elements.passable
     ends = np.concatenate([elements.edges.a[passable], elements.edges.b[passable]])
     left = np.searchsorted(pairs, ends * elements.n + np.tile(elements.edges.left[passable], 2))
     right = np.searchsorted(pairs, ends * elements.n + np.tile(elements.edges.right[passable], 2))
-    n = len(pairs)
-    graph = coo_array((np.ones(len(left), dtype=np.int8), (left, right)), shape=(n, n))
-    _, label = connected_components(graph.tocsr(), directed=False)
-    node = label[inverse]
+    node = connected(len(pairs), left, right)[inverse]
     _, first = np.unique(node, return_index=True)
-    return node.astype(np.int64), first
+    return node, first

@@ -37,6 +37,7 @@ def step_result(
     outcome = solution.outcome
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
     faces = tuple(_faces(solution, scene, index) for index in range(len(paths)))
+    overlap = largest_overlap(scene, faces)
     frame = make_frame(solution.cover, scene.materials, outcome.u) if with_frame else None
     return StepResult(
         step=step,
@@ -54,10 +55,10 @@ def step_result(
         residual=solution.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
-        overlap=largest_overlap(scene, solution, faces),
+        overlap=overlap,
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
-        warnings=cautions(scene, solution, faces, step),
+        warnings=cautions(scene, solution, faces, overlap, step),
     )
 
 

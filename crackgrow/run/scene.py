@@ -21,6 +21,12 @@ class Scene:
     materials: tuple[PlaneElasticity, ...]  # body by body
     regions: tuple[shapely.Polygon, ...]  # body by body, m
 
+    @property
+    def contact_compliance(self) -> float:
+        """1/k (m/Pa) of the contact with k = kappa E / h, zero for rigid contact."""
+        kappa = self.case.numerics.contact.stiffness
+        return 0.0 if kappa is None else self.lattice.spacing / (kappa * self.case.bodies[0].material.young)
+
 
 def make_scene(case: Case) -> Scene:
     """Place the lattice and evaluate the materials of a case."""

@@ -59,7 +59,6 @@ class StepSolution:
     faces: ContactFaces
     outcome: ContactOutcome
     tips: tuple[TipState, ...]
-    compliance: float  # m/Pa: 1/k of the contact, zero for rigid
     displacement_size: float  # m
     residual: float  # relative equilibrium residual
     seconds: dict[str, float]
@@ -96,7 +95,7 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
     with _timed(seconds, "criterion"):
         tips = tuple(_tip_state(scene, cover, outcome.u, tip) for tip in range(len(cover.tips)))
     size = displacement_size(loads, outcome.u, load_factor * given)
-    return StepSolution(cover, faces, outcome, tips, _compliance(scene), size, residual, seconds)
+    return StepSolution(cover, faces, outcome, tips, size, residual, seconds)
 
 
 def _geometry(scene: Scene, growing: GrowingCrack) -> CrackGeometry:
@@ -131,14 +130,7 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
         given = arc_lengths(scene.lattice.to_lattice(g.crack.points))[g.steps == 0]
         bonded = (faces.s >= given[0]) & (faces.s <= given[-1])
         cohesion[mine & bonded] = g.crack.contact.cohesion
-    return ContactLaw(friction, cohesion, np.full(faces.n, _compliance(scene)))
-
-
-def _compliance(scene: Scene) -> float:
-    """1/k (m/Pa) with k = kappa E / h, zero for rigid contact."""
-    kappa = scene.case.numerics.contact.stiffness
-    young = scene.case.bodies[0].material.young
-    return 0.0 if kappa is None else scene.lattice.spacing / (kappa * young)
+    return ContactLaw(friction, cohesion, np.full(faces.n, scene.contact_compliance))
 
 
 def _residual(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csr_array
 
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import SolveError
+from crackgrow.geometry.arrangement import connected
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -31,14 +31,9 @@ def check_held(cover: Cover, constraints: csr_array) -> None:
 
 def pieces(cover: Cover) -> list[Ints]:
     """Physical patches of each piece of rock that no way inside the rock joins to the others."""
-    edges, body = cover.elements.edges, cover.elements.body
-    passable = (edges.right >= 0) & ~cover.elements.is_crack
-    passable &= body[edges.left] == body[edges.right]
-    n = cover.elements.n
-    links = (edges.left[passable], edges.right[passable])
-    graph = coo_array((np.ones(len(links[0]), dtype=np.int8), links), shape=(n, n))
-    count, label = connected_components(graph.tocsr(), directed=False)
-    found = (np.unique(cover.functions[label == number]) for number in range(count))
+    edges, passable = cover.elements.edges, cover.elements.passable
+    label = connected(cover.elements.n, edges.left[passable], edges.right[passable])
+    found = (np.unique(cover.functions[label == number]) for number in range(label.max(initial=-1) + 1))
     return [patches[patches >= 0] for patches in found]
 
 
