@@ -13,13 +13,17 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class PlaneElasticity:
-    """sigma_xx = c11 e_xx + c12 e_yy, sigma_xy = c33 2 e_xy, sigma_zz = zz (sigma_xx + sigma_yy)."""
+    """sigma_xx = c11 e_xx + c12 e_yy, sigma_xy = c33 2 e_xy, sigma_zz = zz (sigma_xx + sigma_yy).
+
+    `initial` is the in-situ stress, which comes on top.
+    """
 
     c11: float  # Pa
     c12: float  # Pa
     c33: float  # Pa, the shear modulus
     zz: float
     young_prime: float  # Pa: E' = E / (1 - nu^2) in plane strain, E in plane stress
+    initial: tuple[float, float, float] = (0.0, 0.0, 0.0)  # Pa: xx, yy, xy
 
     @property
     def matrix(self) -> Floats:

@@ -22,14 +22,25 @@ def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> 
     return np.asarray(np.einsum("nk,nkc->nc", basis.values, coefficients[basis.ids]))
 
 
-def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:
-    """Stress (n, 3) Pa: xx, yy, xy at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
+def gradient_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
+    """Displacement gradient du_c/dx_d (n, 2, 2) [point, c, d] at points (n, 2), in lattice coordinates."""
     basis = basis_at(cover, points, elements)
     coefficients = np.append(u, (0.0, 0.0)).reshape(-1, 2)
-    gradient = np.einsum("nkd,nkc->ncd", basis.gradients, coefficients[basis.ids])  # du_c / dx_d
+    return np.asarray(np.einsum("nkd,nkc->ncd", basis.gradients, coefficients[basis.ids]))
+
+
+def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:
+    """Stress (n, 3) Pa: xx, yy, xy at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
+    gradient = gradient_at(cover, u, points, elements)
+    return stress_of(materials, gradient, cover.elements.body[elements])
+
+
+def stress_of(materials: Sequence[PlaneElasticity], gradient: Floats, body: Ints) -> Floats:
+    """Stress (n, 3) Pa: xx, yy, xy for displacement gradients (n, 2, 2) in bodies (n,), in-situ stress included."""
     strain = np.stack([gradient[:, 0, 0], gradient[:, 1, 1], gradient[:, 0, 1] + gradient[:, 1, 0]], axis=1)
-    matrices = np.stack([material.matrix for material in materials])[cover.elements.body[elements]]
-    return np.asarray(np.einsum("nij,nj->ni", matrices, strain))
+    matrices = np.stack([material.matrix for material in materials])[body]
+    initial = np.array([material.initial for material in materials])[body]
+    return np.asarray(np.einsum("nij,nj->ni", matrices, strain) + initial)
 
 
 def principal(stress: Floats) -> tuple[Floats, Floats, Floats]:
