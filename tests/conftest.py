@@ -17,19 +17,21 @@ from crackgrow.case.model import (
     EdgeTraction,
     Material,
     PointSupport,
+    Ring,
 )
 from crackgrow.cover.cover import Cover, build_cover
-from crackgrow.cover.elements import CrackGeometry
 from crackgrow.cover.lattice import Lattice, place_lattice
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.rigid_modes import check_held
+from crackgrow.solid.rigid_modes import check_held, free_pieces
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 
 Floats = NDArray[np.float64]
 Support = PointSupport | EdgeSupport
+EDGES = ("bottom", "right", "top", "left")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,17 +52,17 @@ class Sample:
         return stiffness(self.cover, [self.material], quadrature)
 
     def system(self, supports: Sequence[Support], quadrature: int = 4) -> tuple[ConstrainedSystem, Floats]:
-        rows, given = constraints(self.cover, (self.body,), tuple(supports))
-        check_held(self.cover, rows)
-        return ConstrainedSystem(self.stiffness(quadrature), rows, self.material.c33), given
+        held = constraints(self.cover, (self.body,), tuple(supports))
+        check_held(free_pieces(self.cover, held.matrix), np.empty(0, dtype=np.int64))
+        return ConstrainedSystem(self.stiffness(quadrature), held.matrix), held.given
 
     def solve(
         self, supports: Sequence[Support], tractions: dict[str, tuple[float, float]], quadrature: int = 4
     ) -> Floats:
         """Displacement unknowns under tractions by edge name."""
         system, given = self.system(supports, quadrature)
-        loads = tuple(EdgeTraction(EdgeRegion("rock", edge), t) for edge, t in tractions.items())
-        return system.solve(load_vector(self.cover, (self.body,), loads), given)[0]
+        loads = tuple(EdgeTraction(Build.edge(edge), t) for edge, t in tractions.items())
+        return system.solve(load_vector(self.cover, (self.body,), loads, quadrature), given)[0]
 
 
 class Build:
@@ -70,7 +72,12 @@ class Build:
     def body(lower: ArrayLike, upper: ArrayLike, young: float = 1.0, poisson: float = 0.25) -> Body:
         (x0, y0), (x1, y1) = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
         outline = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
-        return Body("rock", outline, ("bottom", "right", "top", "left"), Material(young, poisson), None)
+        return Body("rock", (Ring(outline, EDGES),), Material(young, poisson), None)
+
+    @staticmethod
+    def edge(name: str, low: float = 0.0, high: float = 1.0) -> EdgeRegion:
+        """An edge of a rectangle, or the part of it between two fractions of its length, counter-clockwise."""
+        return EdgeRegion("rock", name, np.array([EDGES.index(name)]), np.array([[low, high]]))
 
     @staticmethod
     def crack(points: ArrayLike, tips: tuple[bool, bool] = (True, True), name: str = "crack") -> CrackGeometry:
@@ -91,7 +98,7 @@ class Build:
         lattice = place_lattice(np.asarray(lower, dtype=float), np.asarray(upper, dtype=float), spacing, support)
         body = cls.body(lower, upper, young)
         inside = [CrackGeometry(c.name, lattice.to_lattice(c.points), c.tip_at_start, c.tip_at_end) for c in cracks]
-        cover = build_cover(lattice, [lattice.to_lattice(body.outline)], inside)
+        cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),))], inside)
         return Sample(lattice, body, cover, plane_elasticity(young, 0.25, "strain"))
 
     @classmethod

@@ -1,7 +1,8 @@
 """Case files: YAML text -> a checked, frozen Case in SI units, or every fault with its line.
 
 A file goes through reader (nodes that know their line), overrides, scene (the format as a tree of specs, made of
-schema and scalars), checks, build. `dump_case` writes a case that reads back to the same bits.
+schema, scalars, along, formula and outline_file), layout (the geometry, made of shapes and neighbours; regions), checks
+and build. `dump_case` writes a case that reads back to the same bits.
 """
 
 from crackgrow.case.dump import dump_case
@@ -9,37 +10,57 @@ from crackgrow.case.load import load_case
 from crackgrow.case.model import (
     Body,
     Case,
+    Component,
     ContactNumerics,
+    ContactSupport,
     CoulombContact,
     Crack,
+    CrackPressure,
     EdgeRegion,
     EdgeSupport,
     EdgeTraction,
     Floats,
+    Formula,
+    Gravity,
     Growth,
+    InSituStress,
+    Interface,
+    Load,
     Material,
     Numerics,
     Output,
     PointSupport,
+    Ring,
     Strength,
+    Support,
 )
 
 __all__ = [
     "Body",
     "Case",
+    "Component",
     "ContactNumerics",
+    "ContactSupport",
     "CoulombContact",
     "Crack",
+    "CrackPressure",
     "EdgeRegion",
     "EdgeSupport",
     "EdgeTraction",
     "Floats",
+    "Formula",
+    "Gravity",
     "Growth",
+    "InSituStress",
+    "Interface",
+    "Load",
     "Material",
     "Numerics",
     "Output",
     "PointSupport",
+    "Ring",
     "Strength",
+    "Support",
     "dump_case",
     "load_case",
 ]

@@ -2,47 +2,49 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
-import numpy as np
-
+from crackgrow.case.formula import CoordinateFormula
+from crackgrow.case.layout import Scene
 from crackgrow.case.model import (
     Body,
     Case,
+    Component,
     ContactNumerics,
+    ContactSupport,
     CoulombContact,
     Crack,
-    EdgeRegion,
+    CrackPressure,
     EdgeSupport,
     EdgeTraction,
-    Floats,
+    Gravity,
     Growth,
+    InSituStress,
+    Interface,
+    Load,
     Material,
     Numerics,
     Output,
     PointSupport,
+    Ring,
     Strength,
+    Support,
 )
-
-Resolved = dict[str, Any]  # a part of the resolved case
-
-RECTANGLE_EDGES = ("bottom", "right", "top", "left")
-
-REPEATED_VERTEX = 1e-9  # vertices nearer than this part of the crack's extent are one
+from crackgrow.case.neighbours import shared_lines
+from crackgrow.case.shapes import BodyShape, Resolved, frozen
 
 
-def build_case(name: str, resolved: Resolved) -> Case:
-    """Return the case of a resolved mapping that has no faults."""
+def build_case(name: str, scene: Scene) -> Case:
+    """Return the case of a scene that has no faults."""
+    resolved = scene.resolved
     return Case(
         name=name,
         title=resolved["title"],
         source=resolved["source"],
         plane=resolved["plane"],
-        bodies=tuple(_body(key, body) for key, body in resolved["bodies"].items()),
-        cracks=tuple(_crack(key, crack) for key, crack in resolved["cracks"].items()),
-        supports=tuple(_support(support) for support in resolved["supports"]),
-        loads=tuple(EdgeTraction(region_of(load["on"]), tuple(load["traction"])) for load in resolved["loads"]),
+        bodies=tuple(_body(scene.bodies[key], body) for key, body in resolved["bodies"].items()),
+        cracks=tuple(_crack(scene, key, crack) for key, crack in resolved["cracks"].items()),
+        interfaces=tuple(_interface(scene, interface) for interface in resolved["interfaces"]),
+        supports=tuple(_support(scene, index, support) for index, support in enumerate(resolved["supports"])),
+        loads=tuple(_load(scene, index, load) for index, load in enumerate(resolved["loads"])),
         load_factors=tuple(resolved["loading"]["history"]),
         growth=_growth(resolved["growth"]) if "growth" in resolved else None,
         numerics=_numerics(resolved["numerics"]),
@@ -51,78 +53,55 @@ def build_case(name: str, resolved: Resolved) -> Case:
     )
 
 
-def outline_of(shape: Resolved) -> tuple[Floats, tuple[str, ...]]:
-    """Return the corners `(n, 2) float` in m, counter-clockwise, and the name of the edge after each."""
-    rectangle = shape["rectangle"]
-    x, y = rectangle["center"]
-    a, b = rectangle["width"] / 2, rectangle["height"] / 2
-    return frozen([(x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b)]), RECTANGLE_EDGES
-
-
-def points_of(path: Resolved) -> Floats:
-    """Return the vertices `(n, 2) float` of a crack in m from start to end, repeated ones once.
-
-    n is 1 if all vertices are one and 0 if none is given.
-    """
-    if "points" not in path:
-        x, y = path["center"]
-        cos, sin = _direction(path["angle"])
-        a = path["length"] / 2
-        return frozen([(x - a * cos, y - a * sin), (x + a * cos, y + a * sin)])
-    points = np.array(path["points"], dtype=float).reshape(-1, 2)
-    if len(points) == 0:
-        return frozen(points)
-    smallest = REPEATED_VERTEX * math.hypot(*np.ptp(points, axis=0))
-    kept = [points[0]]
-    for point in points[1:]:
-        if math.dist(point, kept[-1]) > smallest:
-            kept.append(point)
-    return frozen(kept)
-
-
-def region_of(on: Resolved) -> EdgeRegion:
-    """Return the edge or part of an edge."""
-    return EdgeRegion(on["body"], on["edge"], on.get("from"), on.get("to"))
-
-
-def frozen(values: object) -> Floats:
-    """Return a float array that cannot be written to."""
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
-
-
-def _direction(angle: float) -> tuple[float, float]:
-    """Return cosine and sine of an angle in degrees, exact at right angles."""
-    quarter, rest = divmod(angle % 360.0, 90.0)
-    if rest == 0.0:
-        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarter) % 4]
-    radians = math.radians(angle % 360.0)
-    return math.cos(radians), math.sin(radians)
-
-
-def _body(name: str, body: Resolved) -> Body:
-    outline, edge_names = outline_of(body["shape"])
+def _body(shape: BodyShape, body: Resolved) -> Body:
+    rings = tuple(Ring(ring.points, ring.edge_names) for ring in shape.rings)
     strength = Strength(**body["strength"]) if "strength" in body else None
-    return Body(name, outline, edge_names, Material(**body["material"]), strength)
+    return Body(shape.name, rings, Material(**body["material"]), strength)
 
 
-def _crack(name: str, crack: Resolved) -> Crack:
+def _crack(scene: Scene, name: str, crack: Resolved) -> Crack:
     tips, contact = crack["tips"], crack["contact"]
     return Crack(
         name=name,
-        points=points_of(crack["path"]),
+        points=scene.cracks[name],
         tip_at_start=tips in ("both", "start"),
         tip_at_end=tips in ("both", "end"),
         contact=None if contact == "none" else CoulombContact(**contact),
+        body=scene.hosts[name],
     )
 
 
-def _support(support: Resolved) -> PointSupport | EdgeSupport:
-    displacement = (support["displacement"].get("x"), support["displacement"].get("y"))
+def _interface(scene: Scene, interface: Resolved) -> Interface:
+    first, second = interface["between"]
+    contact = interface["contact"]
+    return Interface(
+        bodies=(first, second),
+        lines=shared_lines(scene.bodies[first], scene.bodies[second], scene.tolerance),
+        contact="bonded" if contact == "bonded" else CoulombContact(**contact),
+    )
+
+
+def _support(scene: Scene, index: int, support: Resolved) -> Support:
+    if "contact" in support:
+        return ContactSupport(scene.regions["supports", index, "on"], CoulombContact(**support["contact"]))
+    x, y = (_component(support["displacement"].get(component)) for component in ("x", "y"))
     if "at" in support:
-        return PointSupport(frozen(support["at"]), displacement)
-    return EdgeSupport(region_of(support["on"]), displacement)
+        return PointSupport(support["body"], frozen(support["at"]), (x, y))
+    return EdgeSupport(scene.regions["supports", index, "on"], (x, y))
+
+
+def _component(value: float | str | None) -> Component | None:
+    return CoordinateFormula(value) if isinstance(value, str) else value
+
+
+def _load(scene: Scene, index: int, load: Resolved) -> Load:
+    if "gravity" in load:
+        return Gravity(load["body"], tuple(load["gravity"]))
+    if "pressure" in load:
+        return CrackPressure(load["crack"], load["pressure"])
+    if "stress" in load:
+        return InSituStress(load["body"], tuple(load["stress"]))
+    return EdgeTraction(scene.regions["loads", index, "on"], tuple(load["traction"]))
 
 
 def _growth(growth: Resolved) -> Growth:
@@ -131,6 +110,7 @@ def _growth(growth: Resolved) -> Growth:
         increment=growth["increment"],
         advance=growth["advance"],
         criterion=growth["criterion"],
+        direction=growth["direction"],
         tip_radius=growth["tip_stress"]["radius"],
         unload_between_steps=growth["unload_between_steps"],
     )

@@ -1,89 +1,109 @@
-"""Whether supports and loads stand on the body, and whether the supports hold it."""
+"""Whether supports stand on the bodies, and whether they hold them."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from shapely import LineString, Point
 
-from crackgrow.case.checks import BodyShape, Scene, named
+from crackgrow.case.check_regions import knows_body
+from crackgrow.case.formula import CoordinateFormula
+from crackgrow.case.layout import Scene
 from crackgrow.case.model import Floats
-from crackgrow.case.report import Path, did_you_mean, quoted
+from crackgrow.case.regions import ends_of
+from crackgrow.case.report import Path
+from crackgrow.case.shapes import BodyShape, Resolved
+from crackgrow.errors import CaseError
 
 FREE_MOTION = 1e-8  # singular values below this, of constraints scaled by the body's size, hold nothing
 
 
 def check_supports(scene: Scene) -> None:
-    """Report supports and loads off the body, supports given twice, and rigid motions left free."""
-    for key in ("supports", "loads"):
-        items = scene.resolved.get(key)
-        for index, item in enumerate(items if isinstance(items, list) else []):
-            if "on" in (item if isinstance(item, dict) else {}) and scene.report.sound(key, index, "on"):
-                _check_region(scene, (key, index, "on"), item["on"])
-    if not scene.report.sound("supports") or len(named(scene.resolved, "bodies")) != 1:
-        return
-    for body in scene.bodies.values():
-        _check_points(scene, body)
-        if scene.report.sound("supports"):
-            _check_held(scene, body)
+    """Report supports off the bodies, supports given twice, formulas without value and rigid motions left free.
+
+    Every support at a point gets the body that it holds.
+    """
+    _check_points(scene)
+    _check_formulas(scene)
+    settled = all(("supports", index, "on") in scene.regions for index, _ in scene.items("supports", "on"))
+    if scene.complete and scene.report.sound("supports") and settled:
+        for body in scene.bodies.values():
+            if not _is_in_contact(scene, body):
+                _check_held(scene, body)
 
 
-def _check_region(scene: Scene, key: Path, on: dict[str, Any]) -> None:
-    """Report an unknown body or edge and a part that is none of the edge's."""
-    report = scene.report
-    names = list(named(scene.resolved, "bodies"))
-    if names and on["body"] not in names:
-        message = f"no body {quoted(on['body'])}; the case has: {', '.join(names)}{did_you_mean(on['body'], names)}"
-        report.fault((*key, "body"), message)
-    body = scene.bodies.get(on["body"])
-    if body is None:
-        return
-    if on["edge"] not in body.edge_names:
-        allowed = f"{', '.join(body.edge_names)}{did_you_mean(on['edge'], body.edge_names)}"
-        report.fault((*key, "edge"), f"body '{body.name}' has no edge {quoted(on['edge'])}; it has: {allowed}")
-        return
-    ends, axis = _edge_ends(body, on["edge"])
-    low, high = sorted(ends[:, axis])
-    for end in ("from", "to"):
-        if end in on and not low - body.tolerance <= on[end] <= high + body.tolerance:
-            reach = f"{'xy'[axis]} from {scene.length(low)} to {scene.length(high)}"
-            report.fault((*key, end), f"{scene.length(on[end])} is not on edge '{on['edge']}', which has {reach}")
-    start, end_at = on.get("from", low), on.get("to", high)
-    if report.sound(*key) and end_at - start <= body.tolerance:
-        end = "from" if "from" in on else "to"
-        part = f"the part from {scene.length(start)} to {scene.length(end_at)}"
-        report.fault((*key, end), f"{part} has no length; `from` must be less than `to`")
-
-
-def _edge_ends(body: BodyShape, edge: str) -> tuple[Floats, int]:
-    """Return the two corners `(2, 2) float` of an edge and the coordinate that varies along it (0: x, 1: y)."""
-    first = body.edge_names.index(edge)
-    ends = body.outline[[first, (first + 1) % len(body.outline)]]
-    return ends, int(np.argmax(np.ptp(ends, axis=0)))
-
-
-def _check_points(scene: Scene, body: BodyShape) -> None:
-    """Report support points off the body or on a crack, and a component held twice at a point."""
-    seen: list[tuple[int, Floats, set[str]]] = []
-    for index, support in enumerate(scene.resolved["supports"]):
-        if "at" not in support:
-            continue
+def _check_points(scene: Scene) -> None:
+    """Report support points off the bodies or on a crack, and a component held twice at a point."""
+    seen: list[tuple[int, str, Floats, set[str]]] = []
+    for index, support in scene.items("supports", "at"):
         point, components = np.array(support["at"]), set(support["displacement"])
-        where = scene.point(point)
-        if body.polygon.distance(Point(point)) > body.tolerance:
-            scene.report.fault(("supports", index, "at"), f"{where} is neither in nor on body '{body.name}'")
+        where, key = scene.point(point), ("supports", index)
+        body = _body_at(scene, key, support, point)
         for name, line in scene.cracks.items():
-            if len(line) > 1 and LineString(line).dwithin(Point(point), body.tolerance):
+            if len(line) > 1 and LineString(line).dwithin(Point(point), scene.tolerance):
                 message = f"{where} lies on crack '{name}', where the displacement has two values"
-                scene.report.fault(("supports", index, "at"), message)
-        for other, at, held in seen:
+                scene.report.fault((*key, "at"), message)
+        if body is None:
+            continue
+        support["body"] = body
+        for other, its_body, at, held in seen:
             twice = sorted(held & components)
-            if twice and np.hypot(*(point - at)) <= body.tolerance:
+            if twice and its_body == body and np.hypot(*(point - at)) <= scene.tolerance:
                 message = f"{' and '.join(twice)} at {where} is prescribed already by supports.{other}"
-                scene.report.fault(("supports", index, "displacement"), message)
-        seen.append((index, point, components))
+                scene.report.fault((*key, "displacement"), message)
+        seen.append((index, body, point, components))
+
+
+def _body_at(scene: Scene, key: Path, support: Resolved, point: Floats) -> str | None:
+    """Return the body that a support holds, None if that cannot be told; report why."""
+    where = scene.point(point)
+    at = [name for name, body in scene.bodies.items() if body.polygon.dwithin(Point(point), scene.tolerance)]
+    if "body" in support:
+        name = str(support["body"])
+        if not knows_body(scene, (*key, "body"), name) or name not in scene.bodies:
+            return None
+        if name not in at:
+            scene.report.fault((*key, "at"), f"{where} is neither in nor on body '{name}'")
+            return None
+        return name
+    if not scene.complete:
+        return None
+    if not at:
+        names = list(scene.bodies)
+        off = f"body '{names[0]}'" if len(names) == 1 else f"any body: {', '.join(names)}"
+        scene.report.fault((*key, "at"), f"{where} is neither in nor on {off}")
+    elif len(at) > 1:
+        message = f"{where} lies on bodies {', '.join(at)}; say which one is held, such as body: {at[0]}"
+        scene.report.fault((*key, "at"), message)
+    return at[0] if len(at) == 1 else None
+
+
+def _check_formulas(scene: Scene) -> None:
+    """Report displacements that have no finite value at the point, or at the ends of a side of the region."""
+    for index, support in scene.items("supports", "displacement"):
+        points = _support_points(scene, index)
+        for component, value in support["displacement"].items():
+            if not isinstance(value, str) or points is None:
+                continue
+            try:
+                CoordinateFormula(value)(points)
+            except CaseError as error:
+                message = error.faults[0].message.partition(" (")[0]
+                place = next(point for point in points if not _has_value(value, point))
+                scene.report.fault(("supports", index, "displacement", component), f"{message} {scene.point(place)}")
+
+
+def _has_value(formula: str, point: Floats) -> bool:
+    try:
+        CoordinateFormula(formula)(point[None])
+    except CaseError:
+        return False
+    return True
+
+
+def _is_in_contact(scene: Scene, body: BodyShape) -> bool:
+    """Whether other bodies or a foundation hold the body too; only the solution tells how."""
+    foundations = [item["on"]["body"] for _, item in scene.items("supports", "contact")]
+    return body.name in foundations or any(body.name in pair for pair in scene.shared)
 
 
 def _check_held(scene: Scene, body: BodyShape) -> None:
@@ -91,7 +111,7 @@ def _check_held(scene: Scene, body: BodyShape) -> None:
     motions = free_motions(body, _held_points(scene, body))
     if motions.size:
         scale = body.size / 2
-        free = " and ".join(_describe(scene, motion, _center(body), scale) for motion in motions)
+        free = " and ".join(_describe(scene, motion, body.center, scale) for motion in motions)
         message = f"body '{body.name}' is free to move: {free}; it needs supports against that"
         scene.report.fault(("supports",), message)
 
@@ -109,7 +129,7 @@ def free_motions(body: BodyShape, held: list[tuple[Floats, int]]) -> Floats:
         return np.eye(3)
     rows = []
     for point, component in held:
-        dx, dy = (point - _center(body)) / (body.size / 2)
+        dx, dy = (point - body.center) / (body.size / 2)
         rows.append((1.0, 0.0, -dy) if component == 0 else (0.0, 1.0, dx))
     free = _null_space(np.array(rows))
     # Combine the basis so that only one motion turns: split off the null space of the rotation component.
@@ -130,28 +150,25 @@ def _null_space(A: Floats) -> Floats:
 
 
 def _held_points(scene: Scene, body: BodyShape) -> list[tuple[Floats, int]]:
-    return [
-        (point, "xy".index(component))
-        for support in scene.resolved["supports"]
-        for component in support["displacement"]
-        for point in _support_points(support, body)
-    ]
+    held = []
+    for index, support in scene.items("supports", "displacement"):
+        name = support["body"] if "at" in support else support["on"]["body"]
+        points = _support_points(scene, index) if name == body.name else None
+        if points is not None:
+            held += [(point, "xy".index(component)) for component in support["displacement"] for point in points]
+    return held
 
 
-def _support_points(support: dict[str, Any], body: BodyShape) -> Iterator[Floats]:
-    """Yield the point of a support, or both ends of its part of an edge: they hold as much as the whole part."""
+def _support_points(scene: Scene, index: int) -> Floats | None:
+    """Return the point of a support, or the ends of its sides `(n, 2) float`: they hold as much as whole sides.
+
+    None if they cannot be told.
+    """
+    support = scene.resolved["supports"][index]
     if "at" in support:
-        yield np.array(support["at"])
-    elif support["on"]["body"] == body.name:
-        ends, axis = _edge_ends(body, support["on"]["edge"])
-        low, high = ends[np.argsort(ends[:, axis])]
-        span = high[axis] - low[axis]
-        for key, default in (("from", low[axis]), ("to", high[axis])):
-            yield low + (support["on"].get(key, default) - low[axis]) / span * (high - low)
-
-
-def _center(body: BodyShape) -> Floats:
-    return np.asarray((body.outline.min(axis=0) + body.outline.max(axis=0)) / 2, dtype=float)
+        return np.array([support["at"]])
+    region = scene.regions.get(("supports", index, "on"))
+    return None if region is None else ends_of(scene.bodies[region.body], region).reshape(-1, 2)
 
 
 def _describe(scene: Scene, motion: Floats, center: Floats, scale: float) -> str:

@@ -1,125 +1,60 @@
-"""What no single key can tell: whether the parts of a case fit together. Faults go to the report."""
+"""Whether counts, materials and numerical settings of a case fit together. Faults go to the report."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
-from shapely import Polygon
 
-from crackgrow.case.build import outline_of, points_of
-from crackgrow.case.model import Floats
-from crackgrow.case.report import Report
-from crackgrow.case.units import Units
+from crackgrow.case.layout import Scene, named
+from crackgrow.case.shapes import BodyShape
 
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
 SHORTEST = 1e-3  # least crack length and increment, in lattice spacings
-ON_OUTLINE = 1e-9  # points nearer to the outline than this part of the body's diagonal lie on it
-FARTHEST = 1e5  # largest distance of a body from the origin, in diagonals: coordinates must resolve ON_OUTLINE
-
-
-@dataclass(frozen=True, slots=True)
-class BodyShape:
-    """Geometry of a body whose shape has no fault."""
-
-    name: str
-    outline: Floats  # (n, 2) m
-    edge_names: tuple[str, ...]
-    polygon: Polygon
-    size: float  # m, diagonal of the bounding box
-    tolerance: float  # m, nearer points lie on the outline
-
-    @property
-    def sides(self) -> Floats:
-        """Width and height of the bounding box, `(2,) float` in m."""
-        return np.asarray(np.ptp(self.outline, axis=0), dtype=float)
-
-
-@dataclass(frozen=True, slots=True)
-class Scene:
-    """The resolved case, sound or not, with what checks need of it."""
-
-    resolved: dict[str, Any]
-    report: Report
-    units: Units
-    bodies: dict[str, BodyShape]  # the one body of this version, if its shape is sound
-    cracks: dict[str, Floats]  # points (n, 2) m of those with a sound path
-
-    def get(self, *path: str) -> Any:
-        """Return the value at a key path if it is given and sound, else None."""
-        value: Any = self.resolved
-        if not self.report.sound(*path):
-            return None
-        for key in path:
-            if key not in value:
-                return None
-            value = value[key]
-        return value
-
-    def length(self, value: float) -> str:
-        """Write a length in the units of the case."""
-        return self.units.show(value, "length")
-
-    def point(self, point: Floats | list[float]) -> str:
-        """Write a point in the units of the case."""
-        return f"({self.length(point[0])}, {self.length(point[1])})"
-
-
-def scene_of(resolved: dict[str, Any], report: Report, units: Units) -> Scene:
-    """Collect the geometry of the body and the cracks that are sound; a body too far from the origin is a fault."""
-    scene = Scene(resolved, report, units, {}, {})
-    for name, body in list(named(resolved, "bodies").items())[:1]:
-        if report.sound("bodies", name, "shape"):
-            outline, edge_names = outline_of(body["shape"])
-            size, distance = float(np.hypot(*np.ptp(outline, axis=0))), float(np.abs(outline).max())
-            if distance <= FARTHEST * size:
-                scene.bodies[name] = BodyShape(name, outline, edge_names, Polygon(outline), size, ON_OUTLINE * size)
-            else:
-                message = f"{scene.length(distance)} from the origin is too far for a body of size {scene.length(size)}"
-                report.fault(("bodies", name, "shape"), f"{message}: coordinates lose accuracy; move the scene")
-    for name, crack in named(resolved, "cracks").items():
-        if report.sound("cracks", name, "path"):
-            scene.cracks[name] = points_of(crack["path"])
-    return scene
-
-
-def named(resolved: dict[str, Any], key: str) -> dict[str, Any]:
-    """Return the things under names, empty if they could not be read."""
-    things = resolved.get(key)
-    return things if isinstance(things, dict) else {}
 
 
 def check_counts(scene: Scene) -> None:
-    """One body, one load factor, unloading between steps: all that this version can do."""
+    """A body, one load factor, unloading between steps: all that this version can do."""
     report = scene.report
-    names = list(named(scene.resolved, "bodies"))
-    if not names and report.sound("bodies"):
+    if not named(scene.resolved, "bodies") and report.sound("bodies"):
         report.fault(("bodies",), "no body given; a case needs one")
-    for name in names[1:]:
-        report.fault(("bodies", name), f"one body in this version, which is '{names[0]}'")
     history = scene.get("loading", "history")
     if history is not None and len(history) != 1:
         report.fault(("loading", "history"), f"{len(history)} factors given; exactly one in this version")
     if scene.get("growth", "unload_between_steps") is False:
         report.fault(("growth", "unload_between_steps"), "only true is supported in this version")
+    criterion = scene.get("growth", "criterion")
+    if scene.get("growth", "direction") == "implicit" and criterion not in (None, "max_hoop_stress"):
+        message = f"implicit is for criterion max_hoop_stress, {criterion} given; use explicit"
+        report.fault(("growth", "direction"), message)
 
 
 def check_material(scene: Scene) -> None:
-    """Poisson's ratio 1/2 has no plane strain stiffness; growth needs a strength."""
+    """Poisson's ratio 1/2 has no plane strain stiffness; growth needs a strength, gravity a density."""
     report = scene.report
     for name in named(scene.resolved, "bodies"):
         poisson = scene.get("bodies", name, "material", "poisson")
         if scene.get("plane") == "strain" and poisson is not None and poisson >= 0.5:
             message = f"{poisson:g} given; wanted in plane strain: a number > -1 and < 0.5 (0.5: incompressible)"
             report.fault(("bodies", name, "material", "poisson"), message)
-        growing = "growth" in scene.resolved and named(scene.resolved, "cracks")
         strength = ("bodies", name, "strength")
-        if growing and report.sound(*strength) and scene.get("bodies", name, "strength") is None:
-            message = "missing: growth is given, so the rock needs a strength {tension, cohesion, friction_angle}"
+        if _has_growing_cracks(scene, name) and report.sound(*strength) and scene.get(*strength) is None:
+            message = "missing: cracks can grow in it, so it needs a strength {tension, cohesion, friction_angle}"
             report.fault(strength, message)
         _check_tension(scene, name)
+    for index, load in scene.items("loads", "gravity"):
+        key = ("bodies", load["body"], "material", "density")
+        known = load["body"] in named(scene.resolved, "bodies") and report.sound(*key)
+        if known and scene.get(*key) is None:
+            report.fault(key, f"missing: loads.{index} is gravity, so the body needs a density")
+
+
+def _has_growing_cracks(scene: Scene, body: str) -> bool:
+    """Whether growth is given and a crack in the body, or one that may lie in it, has a tip that can grow."""
+    if "growth" not in scene.resolved:
+        return False
+    only = len(named(scene.resolved, "bodies")) == 1
+    cracks = [name for name in named(scene.resolved, "cracks") if only or scene.hosts.get(name) == body]
+    return any(scene.get("cracks", name, "tips") != "none" for name in cracks)
 
 
 def _check_tension(scene: Scene, name: str) -> None:
@@ -135,12 +70,11 @@ def _check_tension(scene: Scene, name: str) -> None:
 
 
 def check_numerics(scene: Scene) -> None:
-    """The lattice fits the body, the increment fits the lattice, the contact settings fit each other."""
+    """The lattice fits the bodies, the increment fits the lattice, the contact settings fit each other."""
     report = scene.report
     spacing = scene.get("numerics", "spacing")
     if spacing is not None:
-        for body in scene.bodies.values():
-            _check_spacing(scene, body, spacing)
+        _check_spacing(scene, spacing)
         increment = scene.get("growth", "increment")
         if increment is not None and increment < SHORTEST * spacing:
             limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
@@ -154,15 +88,22 @@ def check_numerics(scene: Scene) -> None:
         report.fault(("numerics", "contact", "discretization"), message)
 
 
-def _check_spacing(scene: Scene, body: BodyShape, spacing: float) -> None:
+def _check_spacing(scene: Scene, spacing: float) -> None:
+    """The smallest body is some spacings across, and the lattice of the whole scene fits into memory."""
+    if not scene.bodies:
+        return
+
+    def side(body: BodyShape) -> float:
+        return float(body.extent.min())
+
     key = ("numerics", "spacing")
-    side = float(body.sides.min())
-    if spacing > side / MIN_SPACINGS_ACROSS:
-        limit = f"half the smaller side of body '{body.name}', {scene.length(side / MIN_SPACINGS_ACROSS)}"
+    smallest = min(scene.bodies.values(), key=side)
+    if spacing > side(smallest) / MIN_SPACINGS_ACROSS:
+        limit = f"half the smaller side of body '{smallest.name}', {scene.length(side(smallest) / MIN_SPACINGS_ACROSS)}"
         scene.report.fault(key, f"{scene.length(spacing)} is too coarse; at most {limit}")
         return
     margin = 2 * (scene.get("numerics", "support") or 0.0) + 1
-    n_nodes = float(np.prod(body.sides / spacing + margin))
+    n_nodes = float(np.prod((scene.box[1] - scene.box[0]) / spacing + margin))
     if n_nodes > MAX_NODES:
         message = f"{scene.length(spacing)} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed"
         scene.report.fault(key, message)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from crackgrow.case.build import build_case
+from crackgrow.case.check_bodies import check_interfaces, check_loads
 from crackgrow.case.check_cracks import check_cracks
+from crackgrow.case.check_foundations import check_foundations
+from crackgrow.case.check_regions import check_regions
 from crackgrow.case.check_supports import check_supports
-from crackgrow.case.checks import check_counts, check_material, check_numerics, scene_of
+from crackgrow.case.checks import check_counts, check_material, check_numerics
+from crackgrow.case.layout import Scene, scene_of
 from crackgrow.case.model import Case
 from crackgrow.case.overrides import apply_override
 from crackgrow.case.reader import Table, read_file
@@ -17,6 +21,18 @@ from crackgrow.case.report import Report
 from crackgrow.case.scalars import Context
 from crackgrow.case.scene import CASE, UNITS_SPEC
 from crackgrow.case.units import Units
+
+CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
+    check_counts,
+    check_material,
+    check_numerics,
+    check_cracks,
+    check_interfaces,
+    check_regions,
+    check_foundations,
+    check_supports,
+    check_loads,
+)
 
 
 def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
@@ -36,16 +52,17 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     for override in overrides:
         apply_override(root, override, report)
     units = _units_of(root)
-    context = Context(report, units or Units())
+    context = Context(report, units or Units(), Path(path).parent)
     resolved: Any = CASE.read(root, (), context)
-    if units is not None:
-        scene = scene_of(resolved, report, units)
-        for check in (check_counts, check_material, check_numerics, check_cracks, check_supports):
-            check(scene)
+    if units is None:
+        raise report.error()
+    scene = scene_of(resolved, report, units)
+    for check in CHECKS:
+        check(scene)
     if report.faults:
         raise report.error()
     resolved["units"] = {"length": "m", "stress": "Pa"}
-    return build_case(Path(path).stem, resolved)
+    return build_case(Path(path).stem, scene)
 
 
 def _units_of(root: Table) -> Units | None:

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+
+class Formula(Protocol):
+    """A displacement component as a function of the place."""
+
+    def __call__(self, points: Floats) -> Floats:
+        """Values (n,) m at points (n, 2) m."""
+        ...
+
+
+Component = float | Formula
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,14 +41,26 @@ class Strength:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Ring:
+    """A closed line round rock, which lies on its left: an outline runs counter-clockwise, a hole clockwise."""
+
+    points: Floats  # (n, 2) m, corners, not closed
+    edge_names: tuple[str, ...]  # (n,): name of the edge that the side from corner i to corner i + 1 belongs to
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """One piece of rock."""
+    """One piece of rock. Its sides are numbered ring by ring."""
 
     name: str
-    outline: Floats  # (n, 2) m, corners counter-clockwise, not closed
-    edge_names: tuple[str, ...]  # (n,): name of the edge from corner i to corner i + 1
+    rings: tuple[Ring, ...]  # the outline, then the holes
     material: Material
     strength: Strength | None
+
+    @property
+    def outline(self) -> Floats:
+        """Corners (n, 2) m of the outline."""
+        return self.rings[0].points
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,24 +80,35 @@ class Crack:
     tip_at_start: bool  # whether the start can grow; an end inside of the body is a singular tip all the same
     tip_at_end: bool
     contact: CoulombContact | None  # None: the faces never touch each other
+    body: str  # the body that it lies in
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Interface:
+    """Where two bodies share a boundary."""
+
+    bodies: tuple[str, str]
+    lines: tuple[Floats, ...]  # each (n, 2) m, open polylines; the first body lies on the left
+    contact: CoulombContact | Literal["bonded"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointSupport:
-    """Displacement prescribed at a point; a component that is None is free."""
+    """Displacement prescribed at a point of a body; a component that is None is free."""
 
+    body: str
     point: Floats  # (2,) m
-    displacement: tuple[float | None, float | None]  # m
+    displacement: tuple[Component | None, Component | None]  # m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeRegion:
-    """A named edge of a body, or the part of it between two coordinates along it."""
+    """A named edge of a body, or a part of it: sides of its rings, each from one fraction of its length to another."""
 
     body: str
     edge: str
-    start: float | None = None  # m: x on bottom/top, y on left/right
-    end: float | None = None  # m
+    sides: NDArray[np.int64]  # (k,) numbers of the body's sides, in order along the ring
+    limits: Floats  # (k, 2) where the part begins and ends on each of them: 0 at its first corner, 1 at its second
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +116,15 @@ class EdgeSupport:
     """Displacement prescribed along an edge; a component that is None is free."""
 
     region: EdgeRegion
-    displacement: tuple[float | None, float | None]  # m
+    displacement: tuple[Component | None, Component | None]  # m
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactSupport:
+    """A rigid foundation under an edge, which the body can lift off from."""
+
+    region: EdgeRegion
+    contact: CoulombContact
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,13 +136,42 @@ class EdgeTraction:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Gravity:
+    """Weight of a body."""
+
+    body: str
+    acceleration: tuple[float, float]  # m/s^2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrackPressure:
+    """Pressure of a fluid on both faces of a crack."""
+
+    crack: str
+    pressure: float  # Pa, positive pushes the faces apart
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InSituStress:
+    """Uniform stress that a body holds before anything displaces."""
+
+    body: str
+    stress: tuple[float, float, float]  # Pa: xx, yy, xy
+
+
+Support = PointSupport | EdgeSupport | ContactSupport
+Load = EdgeTraction | Gravity | CrackPressure | InSituStress
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Growth:
     """How cracks grow."""
 
     steps: int
     increment: float  # m
     advance: Literal["most_critical", "in_turn", "all"]
-    criterion: Literal["strength", "directional_strength"]
+    criterion: Literal["strength", "directional_strength", "max_hoop_stress"]
+    direction: Literal["explicit", "implicit"]  # implicit: the kink is corrected until K_II vanishes at the new tip
     tip_radius: float  # m, Shepard averaging radius
     unload_between_steps: bool
 
@@ -144,8 +215,9 @@ class Case:
     plane: Literal["strain", "stress"]
     bodies: tuple[Body, ...]
     cracks: tuple[Crack, ...]
-    supports: tuple[PointSupport | EdgeSupport, ...]
-    loads: tuple[EdgeTraction, ...]
+    interfaces: tuple[Interface, ...]
+    supports: tuple[Support, ...]
+    loads: tuple[Load, ...]
     load_factors: tuple[float, ...]
     growth: Growth | None
     numerics: Numerics

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path as FilePath
 from typing import Final, Protocol
 
 from crackgrow.case.reader import Broken, Listing, Node, Scalar
@@ -21,6 +22,7 @@ class Context:
 
     report: Report
     units: Units
+    folder: FilePath = FilePath()  # what file names in the case are relative to
 
 
 class Spec(Protocol):
@@ -66,10 +68,9 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of a few words; `later` are words of the format that this version cannot do."""
+    """One of a few words."""
 
     words: tuple[str, ...]
-    later: tuple[str, ...] = ()
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
@@ -81,10 +82,7 @@ class Choice:
             return refuse(node, self.describe(), path, context)
         if node.text in self.words:
             return node.text
-        if node.text in self.later:
-            message = f"{quoted(node.text)} {NOT_YET}; allowed: {self.describe()}"
-        else:
-            message = f"{quoted(node.text)} is not one of {self.describe()}{did_you_mean(node.text, self.words)}"
+        message = f"{quoted(node.text)} is not one of {self.describe()}{did_you_mean(node.text, self.words)}"
         context.report.fault(path, message)
         return INVALID
 

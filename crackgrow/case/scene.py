@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
+from crackgrow.case.along import LengthOrAngle
+from crackgrow.case.formula import LengthOrFormula
+from crackgrow.case.outline_file import OutlineFile, with_file_holes, without_file
 from crackgrow.case.scalars import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -16,20 +19,11 @@ from crackgrow.case.scalars import (
     Text,
     WordOr,
 )
-from crackgrow.case.schema import BY_PARTS, OPTIONAL, Field, ListOf, Mapping, Named, OneOf
+from crackgrow.case.schema import BY_PARTS, OPTIONAL, Converted, Field, ListOf, Mapping, Named, OneOf, OneOrList
 from crackgrow.case.units import UNITS
 
-# Keys and words of the format that this version refuses as not supported. The only such list.
-LATER: Final = {
-    "case": ("interfaces",),
-    "shape": ("polygon", "disk", "file"),
-    "rectangle form": ("holes",),
-    "body": ("edges",),
-    "support": ("contact",),
-    "load": ("gravity", "crack", "pressure", "stress"),
-    "numerics": ("accuracy",),
-    "criterion": ("max_hoop_stress",),
-}
+# Keys of the format that this version refuses as not supported. The only such list.
+LATER: Final = {"numerics": ("accuracy",)}
 
 LENGTH: Final = Quantity("length")
 POINT: Final = ListOf(LENGTH, 2)
@@ -49,9 +43,26 @@ RECTANGLE: Final = Mapping(
     }
 )
 
-SHAPE: Final = OneOf(
-    (Mapping({"rectangle": Field(RECTANGLE, "a rectangle along the axes")}, LATER["rectangle form"]),), LATER["shape"]
+DISK: Final = Mapping(
+    {"center": Field(POINT, "centre, [x, y]"), "radius": Field(Quantity("length", POSITIVE), "radius")},
 )
+
+_SIMPLE_SHAPES: Final = (
+    {"rectangle": Field(RECTANGLE, "a rectangle along the axes")},
+    {"polygon": Field(ListOf(POINT), "corners in drawing order, [[x, y], ...]")},
+    {"disk": Field(DISK, "a disk")},
+    {"file": Field(OutlineFile(), "a file with a polygon")},
+)
+
+HOLE: Final = Converted(OneOf(tuple(Mapping(form) for form in _SIMPLE_SHAPES)), without_file)
+
+_HOLES: Final = Field(ListOf(HOLE), "holes: shapes inside of the outline", OPTIONAL)
+
+SHAPE: Final = Converted(OneOf(tuple(Mapping({**form, "holes": _HOLES}) for form in _SIMPLE_SHAPES)), with_file_holes)
+
+_EDGE_NUMBER: Final = Integer(NOT_NEGATIVE)
+
+EDGES: Final = Named("edge", OneOrList(_EDGE_NUMBER))
 
 MATERIAL: Final = Mapping(
     {
@@ -74,8 +85,8 @@ BODY: Final = Mapping(
         "shape": Field(SHAPE, "outline of the body"),
         "material": Field(MATERIAL, "elastic constants"),
         "strength": Field(STRENGTH, "strength of the rock, where cracks may grow", OPTIONAL),
-    },
-    LATER["body"],
+        "edges": Field(EDGES, "names for edges of a polygon: a number, or a list of consecutive ones", OPTIONAL),
+    }
 )
 
 PATH: Final = OneOf(
@@ -109,42 +120,57 @@ CRACK: Final = Mapping(
 REGION: Final = Mapping(
     {
         "body": Field(Text(), "name of a body"),
-        "edge": Field(Text(), "name of an edge of its outline"),
-        "from": Field(LENGTH, "where the part of the edge begins", OPTIONAL),
-        "to": Field(LENGTH, "where the part of the edge ends", OPTIONAL),
+        "edge": Field(Text(), "name of one of its edges"),
+        "from": Field(LengthOrAngle(), "where the part of the edge begins", OPTIONAL),
+        "to": Field(LengthOrAngle(), "where the part of the edge ends", OPTIONAL),
     }
 )
 
-_COMPONENT: Final = Quantity("length", note="; formulas are not supported in this version")
+INTERFACE: Final = Mapping(
+    {
+        "between": Field(ListOf(Text(), 2), "names of two bodies that share a boundary"),
+        "contact": Field(WordOr(("bonded",), CONTACT), "law of the common faces; bonded: they never part or slip"),
+    }
+)
 
 DISPLACEMENT: Final = Mapping(
     {
-        "x": Field(_COMPONENT, "displacement along x; left out: free", OPTIONAL),
-        "y": Field(_COMPONENT, "displacement along y; left out: free", OPTIONAL),
+        "x": Field(LengthOrFormula(), "displacement along x; left out: free", OPTIONAL),
+        "y": Field(LengthOrFormula(), "displacement along y; left out: free", OPTIONAL),
     },
     at_least_one=True,
 )
 
+_ON: Final = Field(REGION, "an edge or a part of one")
 _DISPLACEMENT_FIELD: Final = Field(DISPLACEMENT, "prescribed displacement")
+_BODY_NAME: Final = Field(Text(), "name of a body")
 
 SUPPORT: Final = OneOf(
     (
-        Mapping({"at": Field(POINT, "a point, [x, y]"), "displacement": _DISPLACEMENT_FIELD}),
-        Mapping({"on": Field(REGION, "an edge or a part of one"), "displacement": _DISPLACEMENT_FIELD}),
-    ),
-    LATER["support"],
+        Mapping(
+            {
+                "at": Field(POINT, "a point, [x, y]"),
+                "displacement": _DISPLACEMENT_FIELD,
+                "body": Field(Text(), "the body, if the point lies on more than one", OPTIONAL),
+            }
+        ),
+        Mapping({"on": _ON, "displacement": _DISPLACEMENT_FIELD}),
+        Mapping({"on": _ON, "contact": Field(CONTACT, "law of the contact with a rigid foundation")}),
+    )
 )
 
 LOAD: Final = OneOf(
     (
+        Mapping({"on": _ON, "traction": Field(ListOf(Quantity("stress"), 2), "force per area, [x, y]")}),
+        Mapping({"body": _BODY_NAME, "gravity": Field(ListOf(Quantity("acceleration"), 2), "acceleration, [x, y]")}),
         Mapping(
             {
-                "on": Field(REGION, "an edge or a part of one"),
-                "traction": Field(ListOf(Quantity("stress"), 2), "force per area, [x, y]"),
+                "crack": Field(Text(), "name of a crack"),
+                "pressure": Field(Quantity("stress"), "pressure of a fluid on both faces"),
             }
         ),
-    ),
-    LATER["load"],
+        Mapping({"body": _BODY_NAME, "stress": Field(ListOf(Quantity("stress"), 3), "in-situ stress, [xx, yy, xy]")}),
+    )
 )
 
 LOADING: Final = Mapping(
@@ -155,7 +181,7 @@ TIP_STRESS: Final = Mapping(
     {"radius": Field(Quantity("length", POSITIVE), "Shepard averaging radius, a material length")},
 )
 
-CRITERION: Final = Choice(("strength", "directional_strength"), LATER["criterion"])
+CRITERION: Final = Choice(("strength", "directional_strength", "max_hoop_stress"))
 
 GROWTH: Final = Mapping(
     {
@@ -163,6 +189,7 @@ GROWTH: Final = Mapping(
         "increment": Field(Quantity("length", POSITIVE), "length added to a tip in one step"),
         "advance": Field(Choice(("most_critical", "in_turn", "all")), "tips that advance in a step"),
         "criterion": Field(CRITERION, "when and where a tip grows"),
+        "direction": Field(Choice(("explicit", "implicit")), "implicit: corrected at the new tip", "explicit"),
         "tip_stress": Field(TIP_STRESS, "how the stress at a tip is taken"),
         "unload_between_steps": Field(Switch(), "start every step from the unloaded state", True),
     }
@@ -173,7 +200,7 @@ CONTACT_NUMERICS: Final = Mapping(
         "stiffness": Field(WordOr(("rigid",), Number(POSITIVE)), "rigid, or kappa in k = kappa E / h", "rigid"),
         "discretization": Field(Choice(("mortar", "gauss")), "where contact is enforced", "mortar"),
         "solver": Field(Choice(("newton", "lemke")), "how the contact problem is solved", "newton"),
-        "spacing": Field(Number(Bounds(at_least=0.5, at_most=4)), "distance of contact nodes, in spacings h", 1.0),
+        "spacing": Field(Number(Bounds(at_least=0.5, at_most=4)), "least distance of contact nodes, in h", 1.25),
     }
 )
 
@@ -203,12 +230,12 @@ CASE: Final = Mapping(
         "plane": Field(Choice(("strain", "stress")), "plane strain or plane stress"),
         "bodies": Field(Named("body", BODY), "the pieces of rock"),
         "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
-        "supports": Field(ListOf(SUPPORT), "prescribed displacements", []),
+        "interfaces": Field(ListOf(INTERFACE), "contact between bodies that share a boundary", []),
+        "supports": Field(ListOf(SUPPORT), "prescribed displacements and rigid foundations", []),
         "loads": Field(ListOf(LOAD), "loads", []),
         "loading": Field(LOADING, "how the loads are applied in time", BY_PARTS),
         "growth": Field(GROWTH, "how cracks grow; left out: one static solve", OPTIONAL),
         "numerics": Field(NUMERICS, "settings of the discretization"),
         "output": Field(OUTPUT, "what is written", BY_PARTS),
-    },
-    LATER["case"],
+    }
 )

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from collections.abc import Mapping as AnyMapping
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 from crackgrow.case.reader import Listing, Node, Table
@@ -44,6 +45,10 @@ class Mapping:
     def describe(self) -> str:
         """Say in a few words what is allowed."""
         return f"a mapping of {', '.join(self.fields)}"
+
+    def form(self) -> str:
+        """Write the keys that tell this mapping from others: those that must be given."""
+        return f"{{{', '.join(key for key, field in self.fields.items() if field.default is REQUIRED)}}}"
 
     def defaults(self) -> dict[str, object]:
         """Return what the mapping holds if no key is given; only for mappings without required keys."""
@@ -96,19 +101,9 @@ def _default(wanted: Field) -> object:
 
 @dataclass(frozen=True, slots=True)
 class OneOf:
-    """One of several mappings, told apart by the keys that are given.
-
-    later: keys that tell a form of the format which this version cannot do.
-    """
+    """One of several mappings, told apart by the keys that are given."""
 
     forms: tuple[Mapping, ...]
-    later: tuple[str, ...] = ()
-    common: frozenset[str] = field(init=False)  # keys that every form has
-
-    def __post_init__(self) -> None:
-        """Find the common keys."""
-        common = frozenset.intersection(*(frozenset(form.fields) for form in self.forms))
-        object.__setattr__(self, "common", common)
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
@@ -118,26 +113,35 @@ class OneOf:
         """Return the value of the form that is given."""
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
-        later = [key for key in self.later if key in node.entries]
-        if later:
-            for key in later:
-                context.report.fault((*path, key), f"{quoted(key)} {NOT_YET}", node.entries[key].place)
-            return INVALID
-        if len(self.forms) == 1:
-            return self.forms[0].read(node, path, context)
-        own = [[key for key in form.fields if key not in self.common] for form in self.forms]
-        matches = [form for form, keys in zip(self.forms, own, strict=True) if any(k in node.entries for k in keys)]
+        known = list(dict.fromkeys(key for form in self.forms for key in form.fields))
+        free = [key for key in known if key not in node.entries]
+        meant = {key if key in known else nearest(key, free) for key in node.entries} - {None}
+        matches = [form for form in self.forms if meant and meant <= set(form.fields)]
         if len(matches) == 1:
             return matches[0].read(node, path, context)
-        known = [key for keys in own for key in (*keys, *self.common)]
-        if not matches:
-            for key, entry in node.entries.items():
-                if key not in known:
-                    message = f"unknown key; allowed: {', '.join(dict.fromkeys(known))}{did_you_mean(key, known)}"
-                    context.report.fault((*path, key), message, entry.place)
-        forms = " or ".join(f"{{{', '.join(keys)}}}" for keys in own)
-        context.report.fault(path, f"give either {forms}")
+        for key, entry in node.entries.items():
+            if key not in known:
+                message = f"unknown key; allowed: {', '.join(known)}{did_you_mean(key, free)}"
+                context.report.fault((*path, key), message, entry.place)
+        context.report.fault(path, f"give either {' or '.join(form.form() for form in self.forms)}")
         return INVALID
+
+
+@dataclass(frozen=True, slots=True)
+class Converted:
+    """What another spec reads, brought into another form."""
+
+    spec: Spec
+    convert: Callable[[object, Path, Context], object]
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return self.spec.describe()
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the converted value, INVALID if any part of it is."""
+        value = self.spec.read(node, path, context)
+        return self.convert(value, path, context) if context.report.sound(*path) else value
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,6 +168,21 @@ class ListOf:
             context.report.put((*path, index), item.place)
             values.append(self.spec.read(item, (*path, index), context))
         return values
+
+
+@dataclass(frozen=True, slots=True)
+class OneOrList:
+    """A single value or a list of them."""
+
+    spec: Spec
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return f"{self.spec.describe()}, or a list of them"
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the value or the list."""
+        return (ListOf(self.spec) if isinstance(node, Listing) else self.spec).read(node, path, context)
 
 
 @dataclass(frozen=True, slots=True)

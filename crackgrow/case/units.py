@@ -17,6 +17,7 @@ UNITS: dict[str, dict[str, Fraction]] = {
     },
     "stress": {"Pa": Fraction(1), "kPa": Fraction(10**3), "MPa": Fraction(10**6), "GPa": Fraction(10**9)},
     "density": {"kg/m^3": Fraction(1), "g/cm^3": Fraction(1000), "t/m^3": Fraction(1000)},
+    "acceleration": {"m/s^2": Fraction(1), "mm/s^2": Fraction(1, 1000)},
     "angle": {"deg": Fraction(1)},
 }
 

@@ -1,7 +1,7 @@
-"""Contact discretizations of the crack faces: mortar nodes, or the paper's Gauss points.
+"""Contact discretizations of the cover's surfaces: mortar nodes, or the paper's Gauss points.
 
-Both are the same data: integration points along the cracks, and contact points k with functions N_k on them. Tractions
-are p(s) = sum N_k(s) p_k; gap and slip of a contact point are averages of the jump weighted with N_k.
+Both are the same data: integration points along the surfaces, and contact points k with functions N_k on them.
+Tractions are p(s) = sum N_k(s) p_k; gap and slip of a contact point are averages of the jump weighted with N_k.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ STRETCH_KINK = np.deg2rad(20.0)
 """A kink sharper than this ends a stretch: hat functions do not reach round it, since the normal turns there."""
 
 TIE = 1e-6
-"""A stretch this close to halfway between two numbers of nodes gets the larger one: rounding never decides."""
+"""A stretch that lacks this part of one more pair of pieces gets it all the same: rounding never decides."""
 
 POINTS_PER_EDGE = 5
 """Gauss points between two neighbouring mortar nodes, lattice crossings or kinks."""
@@ -37,30 +37,30 @@ GAUSS_PARTS, GAUSS_POINTS = 10, 5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacePoints:
-    """Points along cracks where the jump of displacement is evaluated, in lattice coordinates."""
+    """Points along surfaces where the jump of displacement is evaluated, in lattice coordinates."""
 
-    crack: Ints  # (n,)
-    s: Floats  # (n,) arc length from the crack's start
+    surface: Ints  # (n,)
+    s: Floats  # (n,) arc length from the surface's start
     points: Floats  # (n, 2)
-    normal: Floats  # (n, 2) from the minus face (right of the crack) to the plus face (left)
+    normal: Floats  # (n, 2) from the minus face (on the right of the line) to the plus face (on the left)
     plus: Ints  # (n,) element on the plus face
-    minus: Ints  # (n,) element on the minus face
+    minus: Ints  # (n,) element on the minus face, -1 for a rigid foundation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactFaces:
-    """The contact points of all cracks whose faces can touch."""
+    """The contact points of the surfaces whose faces can touch."""
 
     points: FacePoints  # n integration points
     lengths: Floats  # (n,) their integration weights, spacings
     functions: csr_array  # (contact points, n) N_k
     nodes: FacePoints  # the contact points themselves
-    stretch: Ints  # (contact points,) number of the stretch on its crack
+    stretch: Ints  # (contact points,) number of the stretch on its surface
 
     @property
-    def crack(self) -> Ints:
-        """Crack of every contact point (contact points,)."""
-        return self.nodes.crack
+    def surface(self) -> Ints:
+        """Surface of every contact point (contact points,)."""
+        return self.nodes.surface
 
     @property
     def s(self) -> Floats:
@@ -86,51 +86,54 @@ def stretch_ends(points: Floats) -> Floats:
 
 
 def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
-    """Mortar nodes about `spacing` (lattice spacings) apart along each stretch of the cracks `touching` (indices).
+    """Mortar nodes `spacing` (lattice spacings) apart or a little more along each stretch of the surfaces `touching` (indices).
 
-    The end pieces of a stretch are constant: no node lies on a tip. One node lies in the middle of each stretch.
+    One node lies in the middle of each stretch and one on every end of the surface that is no tip. The end pieces at
+    tips and sharp kinks are constant: no node lies there.
     """
-    parts = [_mortar_on_crack(cover, crack, spacing) for crack in touching]
+    parts = [_mortar_on_surface(cover, surface, spacing) for surface in touching]
     return _joined(cover, touching, parts)
 
 
 def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
-    """The paper's contact points: Gauss points on ten parts of every segment of the cracks `touching` (indices)."""
+    """The paper's contact points: Gauss points on ten parts of every segment of the surfaces `touching` (indices)."""
     parts = []
     x, w = gauss(GAUSS_POINTS)
-    for crack in touching:
-        corners = arc_lengths(cover.cracks[crack].points)
+    for surface in touching:
+        corners = arc_lengths(cover.surfaces[surface].points)
         size = np.repeat(np.diff(corners) / GAUSS_PARTS, GAUSS_PARTS)
         start = np.concatenate([corners[:1], corners[0] + np.cumsum(size)[:-1]])
         s = (start[:, None] + size[:, None] * x).ravel()
         n = len(s)
         functions = csr_array((np.ones(n), np.arange(n), np.arange(n + 1)), shape=(n, n))
-        stretch = np.searchsorted(stretch_ends(cover.cracks[crack].points)[1:-1], s, side="right")
-        parts.append((points_at(cover, crack, s), (size[:, None] * w).ravel(), functions, s, stretch))
+        stretch = np.searchsorted(stretch_ends(cover.surfaces[surface].points)[1:-1], s, side="right")
+        parts.append((points_at(cover, surface, s), (size[:, None] * w).ravel(), functions, s, stretch))
     return _joined(cover, touching, parts)
 
 
-def face_vertices(cover: Cover, crack: int) -> FacePoints:
-    """Both ends of all edges of the arrangement along a crack, in order of arc length."""
-    edges = cover.elements.cracks[crack]
+def face_vertices(cover: Cover, surface: int) -> FacePoints:
+    """Both ends of all edges of the arrangement along a surface, in order of arc length."""
+    edges = cover.surfaces[surface].edges
     owner = np.repeat(np.arange(len(edges.s)), 2)
-    return _on_edges(cover, crack, owner, edges.s.ravel())
+    return _on_edges(cover, surface, owner, edges.s.ravel())
 
 
 _Part = tuple[FacePoints, Floats, csr_array, Floats, Ints]  # integration points, lengths, N_k, s and stretch of nodes
 
 
-def _mortar_on_crack(cover: Cover, crack: int, spacing: float) -> _Part:
-    path = cover.cracks[crack]
-    ends = stretch_ends(path.points)
+def _mortar_on_surface(cover: Cover, index: int, spacing: float) -> _Part:
+    surface = cover.surfaces[index]
+    ends = stretch_ends(surface.points)
     nodes, stretch = [], []
     for number, (start, end) in enumerate(pairwise(ends.tolist())):
-        n_pairs = int((end - start) / (2.0 * spacing) + 0.5 + TIE)
+        n_pairs = int((end - start) / (2.0 * spacing) + TIE)  # never closer than `spacing`: see `numerics.contact`
         n_pieces = 2 * max(n_pairs, 1)  # even: one node in the middle
-        nodes.append(start + (end - start) * np.arange(1, n_pieces) / n_pieces)
-        stretch.append(np.full(n_pieces - 1, number))
+        first = 0 if number == 0 and not surface.tip_at_start else 1
+        last = n_pieces if number == len(ends) - 2 and not surface.tip_at_end else n_pieces - 1
+        nodes.append(start + (end - start) * np.arange(first, last + 1) / n_pieces)
+        stretch.append(np.full(last + 1 - first, number))
     all_nodes, all_stretch = np.concatenate(nodes), np.concatenate(stretch)
-    points, lengths = _integration_points(cover, crack, np.concatenate([ends[1:-1], all_nodes]))
+    points, lengths = integration_points(cover, index, np.concatenate([ends[1:-1], all_nodes]))
     stretch_of_point = np.searchsorted(ends[1:-1], points.s, side="right")
     functions = np.zeros((len(all_nodes), len(points.s)))
     for number in range(len(ends) - 1):
@@ -140,34 +143,37 @@ def _mortar_on_crack(cover: Cover, crack: int, spacing: float) -> _Part:
     return points, lengths, csr_array(functions), all_nodes, all_stretch
 
 
-def _integration_points(cover: Cover, crack: int, breaks: Floats) -> tuple[FacePoints, Floats]:
-    """Gauss points between the crack's edge ends and `breaks`, drawn to the tips where sqrt(distance) acts."""
-    edges = cover.elements.cracks[crack]
-    limits = np.unique(np.concatenate([edges.s.ravel(), breaks]))
+def integration_points(cover: Cover, index: int, breaks: Floats) -> tuple[FacePoints, Floats]:
+    """Gauss points, and their lengths (n,), between the ends of a surface's edges and `breaks` (arc lengths).
+
+    They are drawn to the tips, where sqrt(distance) acts.
+    """
+    surface = cover.surfaces[index]
+    limits = np.unique(np.concatenate([surface.edges.s.ravel(), breaks]))
     start, size = limits[:-1], np.diff(limits)
     keep = size > 1e-9  # edges that are the same place but for rounding
     start, size = start[keep], size[keep]
     tip_at_start, tip_at_end = np.zeros((2, len(start)), dtype=bool)
-    tip_at_start[0], tip_at_end[-1] = cover.cracks[crack].tip_at_start, cover.cracks[crack].tip_at_end
+    tip_at_start[0], tip_at_end[-1] = surface.tip_at_start, surface.tip_at_end
     position, weights = on_edges_with_tips(tip_at_start, tip_at_end, POINTS_PER_EDGE)
     s = (start[:, None] + size[:, None] * position).ravel()
-    return points_at(cover, crack, s), (size[:, None] * weights).ravel()
+    return points_at(cover, index, s), (size[:, None] * weights).ravel()
 
 
-def points_at(cover: Cover, crack: int, s: Floats) -> FacePoints:
-    """Face points at arc lengths s (n,) of a crack."""
-    edges = cover.elements.cracks[crack]
+def points_at(cover: Cover, surface: int, s: Floats) -> FacePoints:
+    """Face points at arc lengths s (n,) of a surface; cracks are the first surfaces, in their order."""
+    edges = cover.surfaces[surface].edges
     owner = np.clip(np.searchsorted(edges.s[:, 0], s, side="right") - 1, 0, len(edges.s) - 1)
-    return _on_edges(cover, crack, owner, s)
+    return _on_edges(cover, surface, owner, s)
 
 
-def _on_edges(cover: Cover, crack: int, owner: Ints, s: Floats) -> FacePoints:
-    """Face points at arc lengths s (n,) that lie on edges `owner` (n,) of a crack."""
-    edges = cover.elements.cracks[crack]
-    tangent = segment_directions(cover.cracks[crack].points)[edges.segment[owner]]
+def _on_edges(cover: Cover, surface: int, owner: Ints, s: Floats) -> FacePoints:
+    """Face points at arc lengths s (n,) that lie on edges `owner` (n,) of a surface."""
+    edges = cover.surfaces[surface].edges
+    tangent = segment_directions(cover.surfaces[surface].points)[edges.segment[owner]]
     points = edges.points[owner, 0] + (s - edges.s[owner, 0])[:, None] * tangent
     return FacePoints(
-        np.full(len(s), crack),
+        np.full(len(s), surface),
         s,
         points,
         np.stack([-tangent[:, 1], tangent[:, 0]], axis=1),
@@ -177,7 +183,7 @@ def _on_edges(cover: Cover, crack: int, owner: Ints, s: Floats) -> FacePoints:
 
 
 def _joined(cover: Cover, touching: list[int], parts: list[_Part]) -> ContactFaces:
-    """All cracks' contact points as one set."""
+    """All surfaces' contact points as one set."""
     if not parts:
         return _NO_FACES
     points, lengths, functions, nodes, stretches = zip(*parts, strict=True)
@@ -192,7 +198,7 @@ def _joined(cover: Cover, touching: list[int], parts: list[_Part]) -> ContactFac
 
 def _concatenated(parts: Sequence[FacePoints]) -> FacePoints:
     return FacePoints(
-        crack=np.concatenate([p.crack for p in parts]),
+        surface=np.concatenate([p.surface for p in parts]),
         s=np.concatenate([p.s for p in parts]),
         points=np.concatenate([p.points for p in parts]),
         normal=np.concatenate([p.normal for p in parts]),

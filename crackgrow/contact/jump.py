@@ -14,14 +14,16 @@ Floats = NDArray[np.float64]
 
 
 def jump_matrix(cover: Cover, points: FacePoints) -> csr_array:
-    """Scalar jump (n, n_functions): value on the plus face minus value on the minus face."""
+    """Scalar jump (n, n_functions): value on the plus face minus value on the minus face, zero on a foundation."""
     plus = value_matrix(basis_at(cover, points.points, points.plus), cover.n_functions)
-    minus = value_matrix(basis_at(cover, points.points, points.minus), cover.n_functions)
-    return csr_array(plus - minus)
+    rock = points.minus >= 0
+    minus = value_matrix(basis_at(cover, points.points[rock], points.minus[rock]), cover.n_functions)
+    number = csr_array((np.ones(rock.sum()), (np.flatnonzero(rock), np.arange(rock.sum()))), (len(rock), rock.sum()))
+    return csr_array(plus - number @ minus)
 
 
 def gap_and_slip(cover: Cover, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
-    """Gap (n,) and slip (n,), m, at points: the jump along the normal and along the crack; `u` (n_dofs,)."""
+    """Gap (n,) and slip (n,), m, at points: the jump along the normal and along the surface; `u` (n_dofs,)."""
     jump = jump_matrix(cover, points) @ u.reshape(-1, 2)
     nx, ny = points.normal.T
     return jump[:, 0] * nx + jump[:, 1] * ny, jump[:, 0] * ny - jump[:, 1] * nx

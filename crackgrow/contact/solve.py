@@ -20,6 +20,7 @@ from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem, displacement_size
+from crackgrow.solid.rigid_modes import FreePiece, Springs
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -30,6 +31,16 @@ OVERLAP = 1e-10
 
 UNPRESSED = 1e-6
 """A pressure below this fraction of the traction that would undo the jump is none: the point is open."""
+
+
+MOST_PULLS = 40
+"""Solves after which springs that still carry force are given up."""
+
+LAST_PULLS = 4
+"""The springs' force has to halve within so many solves: it falls a thousandfold in each where contact holds."""
+
+SLACK = 1e-10
+"""Springs with a force below this part of the loads are slack."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,27 +71,67 @@ class ContactOutcome:
     notes: tuple[str, ...]  # what the user should know of how it was solved
 
 
-def solve_contact(
-    system: ConstrainedSystem,
-    loads: Floats,
-    given: Floats,
-    operators: tuple[csr_array, csr_array],
-    weights: Floats,
-    law: ContactLaw,
-    solver: Literal["newton", "lemke"],
-) -> ContactOutcome:
-    """Solve for displacements and contact tractions.
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactSystem:
+    """All that the contact points need of the rock."""
 
-    `loads` (n_dofs,), `given` support displacements (m,), `operators` gap and slip (n, n_dofs), `weights` length of
-    every contact point (n,) m. Raises SolveError where the contact solver finds no solution.
+    system: ConstrainedSystem
+    gap_of: csr_array  # (n, n_dofs)
+    slip_of: csr_array  # (n, n_dofs)
+    weights: Floats  # (n,) m, length of every contact point
+    law: ContactLaw
+    solver: Literal["newton", "lemke"]
+
+
+def solve_contact(contact: ContactSystem, loads: Floats, given: Floats) -> ContactOutcome:
+    """Displacements and contact tractions under `loads` (n_dofs,), with support displacements `given` (m,).
+
+    Raises SolveError where the contact solver finds no solution.
     """
-    u_free, multipliers = system.solve(loads, given)
-    gap_of, slip_of = operators
+    return _solve(contact, _Columns(contact), loads, given, None)
+
+
+def solve_contact_held_loosely(
+    contact: ContactSystem, springs: Springs, pieces: tuple[FreePiece, ...], loads: Floats, given: Floats
+) -> ContactOutcome:
+    """As `solve_contact` where the system's stiffness contains loose `springs` on pieces that contact alone holds.
+
+    The springs' far ends follow the rock until they carry no force (the proximal point method, Rockafellar 1976): the
+    solution is that of the rock without springs. Raises SolveError where contact does not hold a piece.
+    """
+    columns = _Columns(contact)
+    ends = np.zeros(len(springs.dofs))
+    outcome: ContactOutcome | None = None
+    forces: list[float] = []
+    slack = False
+    for _ in range(MOST_PULLS):
+        pulled = loads.copy()
+        np.add.at(pulled, springs.dofs, springs.stiffness * ends)
+        outcome = _solve(contact, columns, pulled, given, outcome)
+        if slack:  # once more: the error left falls another thousandfold
+            return outcome
+        drift = outcome.u[springs.dofs] - ends
+        ends = outcome.u[springs.dofs]
+        pressed = contact.weights @ np.abs(outcome.normal_traction)
+        forces.append(float(np.abs(springs.stiffness * drift).max()))
+        if forces[-1] <= SLACK * max(float(np.abs(loads).sum()), float(pressed)):
+            slack = True
+        elif len(forces) > LAST_PULLS and forces[-1] > 0.5 * forces[-1 - LAST_PULLS]:
+            break
+    piece = pieces[int(springs.piece[int(np.argmax(np.abs(drift)))])]
+    raise SolveError(f"{piece} is free to move: contact does not hold it; it needs supports, friction or another load")
+
+
+def _solve(
+    contact: ContactSystem, columns: _Columns, loads: Floats, given: Floats, last: ContactOutcome | None
+) -> ContactOutcome:
+    """One solve; `last` is the outcome under nearly the same loads, if there is one."""
+    gap_of, slip_of, law = contact.gap_of, contact.slip_of, contact.law
+    u_free, multipliers = contact.system.solve(loads, given)
     free_gap, free_slip = gap_of @ u_free, slip_of @ u_free
-    n = len(weights)
-    tolerance = OVERLAP * displacement_size(loads, u_free, given)
+    n = len(contact.weights)
+    tolerance = OVERLAP * displacement_size(loads, u_free if last is None else last.u, given)
     taken = free_gap < -tolerance
-    columns = _Columns(system, gap_of, slip_of, weights)
     frictional = (law.friction > 0.0) | (law.cohesion > 0.0)
     p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
     cohesion = law.cohesion.copy()
@@ -96,7 +147,7 @@ def solve_contact(
         free = np.concatenate([free_gap[rows], free_slip[sliding]])
         friction = law.friction[rows] if len(sliding) else None
         problem = ContactProblem(compliance, free, friction, cohesion[rows] if len(sliding) else None)
-        solution, note = _solved(problem, solver)
+        solution, note = _solved(problem, contact.solver)
         notes.update([note] if note else [])
         iterations += solution.iterations
         complementarity = complementarity_residual(problem, solution.traction)
@@ -136,9 +187,9 @@ def solve_contact(
 class _Columns:
     """Displacements per unit traction of contact points, K0^-1 G' W, each solved for once and only when needed."""
 
-    def __init__(self, system: ConstrainedSystem, gap_of: csr_array, slip_of: csr_array, weights: Floats) -> None:
-        self._system, self._weights = system, weights
-        self._operators = (gap_of, slip_of)
+    def __init__(self, contact: ContactSystem) -> None:
+        self._system, self._weights = contact.system, contact.weights
+        self._operators = (contact.gap_of, contact.slip_of)
         self._known: tuple[dict[int, tuple[Floats, Floats]], ...] = ({}, {})
 
     def of_gap(self, rows: Ints) -> Floats:

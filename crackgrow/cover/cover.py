@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.cover.elements import CrackGeometry, Elements, cut_elements
+from crackgrow.cover.elements import Elements, cut_elements
+from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import physical_patches
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, make_tip
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.geometry.tolerance import TOUCH
@@ -22,6 +25,27 @@ SPECK = 1e-15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Foundation:
+    """A part of a body's rim that a rigid foundation lies under."""
+
+    name: str
+    body: int
+    sides: Ints  # (k,) sides of the body
+    limits: Floats  # (k, 2) fractions of each side's length
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """A line where two faces can touch: a crack, an interface, or a body's rim on a foundation."""
+
+    name: str
+    points: Floats  # (n, 2) its corners
+    edges: FaceEdges
+    tip_at_start: bool
+    tip_at_end: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Cover:
     """Everything that depends on where the bodies and cracks lie, and on nothing else.
 
@@ -30,7 +54,9 @@ class Cover:
     """
 
     lattice: Lattice
+    bodies: tuple[BodyGeometry, ...]
     cracks: tuple[CrackGeometry, ...]
+    surfaces: tuple[Surface, ...]  # the cracks, then the interfaces, then the foundations
     elements: Elements
     functions: Ints  # (elements, window) physical patch of each node of the window, -1 for none
     patch_nodes: Ints  # (n_patches, 2) node of each physical patch
@@ -45,14 +71,27 @@ class Cover:
         return 2 * self.n_functions
 
 
-def build_cover(lattice: Lattice, bodies: list[Floats], cracks: list[CrackGeometry]) -> Cover:
-    """Cover of bodies (outlines (n, 2)) and cracks, all in lattice coordinates.
+def build_cover(
+    lattice: Lattice,
+    bodies: Sequence[BodyGeometry],
+    cracks: Sequence[CrackGeometry],
+    interfaces: Sequence[CrackGeometry] = (),
+    foundations: Sequence[Foundation] = (),
+) -> Cover:
+    """Cover of bodies, cracks, interfaces (lines without tips) and foundations, all in lattice coordinates.
 
     Raises GeometryError where the cover cannot represent a crack.
     """
-    bodies = [on_grid(outline) for outline in bodies]
+    bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings)) for body in bodies]
     cracks = [replace(crack, points=on_grid(crack.points)) for crack in cracks]
-    elements = cut_elements(lattice, bodies, cracks)
+    interfaces = [replace(interface, points=on_grid(interface.points)) for interface in interfaces]
+    lines = [*cracks, *interfaces]
+    elements = cut_elements(lattice, bodies, lines)
+    surfaces = [
+        Surface(line.name, line.points, edges, line.tip_at_start, line.tip_at_end)
+        for line, edges in zip(lines, elements.lines, strict=True)
+    ]
+    surfaces.extend(_on_foundation(elements, bodies, foundation) for foundation in foundations)
     functions, patch_nodes = physical_patches(lattice, elements)
     functions, patch_nodes = _without_specks(lattice, elements, functions, patch_nodes)
     reach = 2.0 * np.sqrt(2.0) * lattice.support  # the farthest point of a patch that holds the tip
@@ -70,7 +109,9 @@ def build_cover(lattice: Lattice, bodies: list[Floats], cracks: list[CrackGeomet
             tip_function_ids.append(first)
     return Cover(
         lattice,
+        tuple(bodies),
         tuple(cracks),
+        tuple(surfaces),
         elements,
         functions,
         patch_nodes,
@@ -79,6 +120,16 @@ def build_cover(lattice: Lattice, bodies: list[Floats], cracks: list[CrackGeomet
         tuple(tip_function_ids),
         n_functions,
     )
+
+
+def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation) -> Surface:
+    """The surface between a body's rim and a rigid foundation."""
+    sides = bodies[foundation.body].sides
+    edges = edges_of_region(elements.outlines, foundation.body, sides, foundation.sides, foundation.limits)
+    start, step = sides[foundation.sides, 0], np.diff(sides[foundation.sides], axis=1)[:, 0]
+    begin = start + foundation.limits[:, :1] * step
+    end = start[-1:] + foundation.limits[-1:, 1:] * step[-1:]
+    return Surface(foundation.name, np.concatenate([begin, end]), edges, False, False)
 
 
 def _without_specks(lattice: Lattice, elements: Elements, functions: Ints, nodes: Ints) -> tuple[Ints, Ints]:
@@ -110,7 +161,7 @@ def _singular_patches(
     at_end: bool,
 ) -> Ints:
     """Physical patches that a tip ends in: the crack's two faces at the tip belong to the same piece."""
-    edges = elements.cracks[index]
+    edges = elements.lines[index]
     last = -1 if at_end else 0
     plus, minus = functions[edges.plus[last]], functions[edges.minus[last]]
     candidates = np.intersect1d(plus[plus >= 0], minus[minus >= 0])

@@ -11,58 +11,19 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
+from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_on_lines, edges_on_outlines
 from crackgrow.cover.lattice import Lattice
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tiles import tile_lines, tile_outlines, tiles_at, touched_tiles
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.arrangement import Edges, edges_between, faces_of, ring_vertices, vertex_ids
-from crackgrow.geometry.polyline import arc_lengths, segment_directions, tip_direction
+from crackgrow.geometry.polyline import tip_direction
 from crackgrow.geometry.tolerance import ON_LINE
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CrackGeometry:
-    """A crack in lattice coordinates."""
-
-    name: str
-    points: Floats  # (n, 2)
-    tip_at_start: bool
-    tip_at_end: bool
-
-    def tips(self) -> list[bool]:
-        """The ends that are tips: False for the start, True for the end."""
-        return [at_end for at_end, tip in ((False, self.tip_at_start), (True, self.tip_at_end)) if tip]
-
-    def tip_point(self, at_end: bool) -> Floats:
-        """Position (2,) of the tip at the end or start."""
-        return np.asarray(self.points[-1 if at_end else 0])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CrackEdges:
-    """Edges of the arrangement along one crack, in order of arc length from its start."""
-
-    s: Floats  # (n, 2) arc length at both ends, spacings
-    points: Floats  # (n, 2, 2) both ends
-    segment: Ints  # (n,) segment of the polyline
-    plus: Ints  # (n,) element on the left of the direction from start to end
-    minus: Ints  # (n,) element on the right
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class OutlineEdges:
-    """Edges of the arrangement along the outlines."""
-
-    points: Floats  # (n, 2, 2) both ends, counter-clockwise
-    body: Ints  # (n,)
-    segment: Ints  # (n,) edge of the body's outline
-    element: Ints  # (n,) element inside
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,8 +40,8 @@ class Elements:
     ring_end: Ints  # (r,) second vertex id,
     ring_element: Ints  # (r,) element on the left
     edges: Edges  # undirected edges between elements
-    is_crack: Bools  # (e,) which of `edges` lie on a crack
-    cracks: tuple[CrackEdges, ...]  # crack by crack
+    is_crack: Bools  # (e,) which of `edges` lie on a crack or an interface
+    lines: tuple[FaceEdges, ...]  # crack by crack, then interface by interface
     outlines: OutlineEdges
     tree: shapely.STRtree  # over `polygons`
     whole_of_tile: Ints  # (tiles x, tiles y) element of a whole tile, -1 elsewhere
@@ -97,25 +58,19 @@ class Elements:
         return np.asarray(passable & (self.body[self.edges.left] == self.body[self.edges.right]))
 
 
-def cut_elements(lattice: Lattice, bodies: list[Floats], cracks: list[CrackGeometry]) -> Elements:
-    """Cut bodies (outlines (n, 2), lattice coordinates, counter-clockwise) and cracks into manifold elements."""
-    tips = np.array([crack.tip_point(at_end) for crack in cracks for at_end in crack.tips()]).reshape(-1, 2)
-    outline_segments = [np.stack([outline, np.roll(outline, -1, axis=0)], axis=1) for outline in bodies]
-    crack_segments = [np.stack([crack.points[:-1], crack.points[1:]], axis=1) for crack in cracks]
-    extensions = [_tip_extension(lattice, crack, at_end)[None] for crack in cracks for at_end in crack.tips()]
-    segments = np.concatenate(outline_segments + crack_segments + extensions)
+def cut_elements(lattice: Lattice, bodies: list[BodyGeometry], lines: list[CrackGeometry]) -> Elements:
+    """Cut bodies, cracks and interfaces (lines without tips between two bodies) into manifold elements."""
+    tips = np.array([line.tip_point(at_end) for line in lines for at_end in line.tips()]).reshape(-1, 2)
+    body_sides = [body.sides for body in bodies]
+    line_segments = [np.stack([line.points[:-1], line.points[1:]], axis=1) for line in lines]
+    extensions = [_tip_extension(lattice, line, at_end)[None] for line in lines for at_end in line.tips()]
+    segments = np.concatenate(body_sides + line_segments + extensions)
     touched = touched_tiles(lattice, segments, tips)
-    regions = [shapely.Polygon(outline) for outline in bodies]
+    regions = [body.region for body in bodies]
     shapely.prepare(regions)
 
     whole_tiles, whole_body = _whole_tiles(lattice, touched, regions)
-    lines = np.concatenate(
-        [
-            tile_outlines(lattice, np.argwhere(touched)),
-            shapely.linestrings(segments),
-        ]
-    )
-    polygons = faces_of(lines)
+    polygons = faces_of(np.concatenate([tile_outlines(lattice, np.argwhere(touched)), shapely.linestrings(segments)]))
     inside_points = _inside_points(polygons)
     body = _bodies_at(regions, inside_points)
     tile = tiles_at(lattice, inside_points)
@@ -135,7 +90,7 @@ def cut_elements(lattice: Lattice, bodies: list[Floats], cracks: list[CrackGeome
     ring_end = ids[np.concatenate([whole_ends, ends + 4 * n_whole]).astype(np.int64)]
     ring_element = np.concatenate([np.repeat(np.arange(n_whole), 4), polygon + n_whole])
     edges = edges_between(ids, ring_end, ring_element)
-    crack_edges, is_crack = _edges_on_cracks(cracks, vertices, edges, n_whole)
+    line_edges, is_crack = edges_on_lines(lines, vertices, edges, n_whole)
     whole_of_tile = np.full(touched.shape, -1, dtype=np.int64)
     whole_of_tile[i, j] = np.arange(n_whole)
     element_body = np.concatenate([whole_body, body])
@@ -151,21 +106,25 @@ def cut_elements(lattice: Lattice, bodies: list[Floats], cracks: list[CrackGeome
         ring_element=ring_element,
         edges=edges,
         is_crack=is_crack,
-        cracks=crack_edges,
-        outlines=_edges_on_outlines(bodies, vertices, edges, element_body),
+        lines=line_edges,
+        outlines=edges_on_outlines(body_sides, vertices, edges, element_body),
         tree=shapely.STRtree(polygons),
         whole_of_tile=whole_of_tile,
     )
 
 
-def locate(lattice: Lattice, elements: Elements, points: Floats) -> Ints:
-    """Element (n,) that holds each of `points` (n, 2) in lattice coordinates; -1 outside of all bodies."""
+def locate(lattice: Lattice, elements: Elements, points: Floats, body: int | None = None) -> Ints:
+    """Element (n,), of one body or of any, that holds each of `points` (n, 2) in lattice coordinates; -1 for none."""
     found = np.full(len(points), -1, dtype=np.int64)
     tile = tiles_at(lattice, points)
     inside = np.all((tile >= 0) & (tile < elements.whole_of_tile.shape), axis=1)
     found[inside] = elements.whole_of_tile[tuple(tile[inside].T)]
     rest = np.flatnonzero(inside & (found < 0))
     which, polygon = elements.tree.query(shapely.points(points[rest]), predicate="dwithin", distance=ON_LINE)
+    if body is not None:
+        found[(found >= 0) & (elements.body[found] != body)] = -1
+        mine = elements.body[polygon + elements.n_whole] == body
+        which, polygon = which[mine], polygon[mine]
     found[rest[which[::-1]]] = polygon[::-1] + elements.n_whole  # the first hit of a point wins
     return found
 
@@ -213,78 +172,3 @@ def _tip_extension(lattice: Lattice, crack: CrackGeometry, at_end: bool) -> Floa
     if not beyond:
         raise GeometryError(f"crack '{crack.name}': its tip lies outside of the lattice")
     return np.stack([tip, min(beyond)[1]])
-
-
-def _edges_on_cracks(
-    cracks: list[CrackGeometry], vertices: Floats, edges: Edges, n_whole: int
-) -> tuple[tuple[CrackEdges, ...], Bools]:
-    """The edges along each crack, sorted and turned along it, and which of all edges they are."""
-    is_crack = np.zeros(len(edges.a), dtype=bool)
-    candidates = np.flatnonzero((edges.right >= n_whole) & (edges.left >= n_whole))
-    middles = shapely.points(0.5 * (vertices[edges.a[candidates]] + vertices[edges.b[candidates]]))
-    tree = shapely.STRtree(middles)
-    found = []
-    for crack in cracks:
-        lines = shapely.linestrings(np.stack([crack.points[:-1], crack.points[1:]], axis=1))
-        segment, hit = tree.query(lines, predicate="dwithin", distance=ON_LINE)
-        hit, first = np.unique(hit, return_index=True)
-        chain = _chain(vertices, edges.a[candidates[hit]], edges.b[candidates[hit]], crack)
-        edge, segment = candidates[hit[chain]], segment[first[chain]]
-        along = segment_directions(crack.points)[segment]
-        forward = np.sum((vertices[edges.b[edge]] - vertices[edges.a[edge]]) * along, axis=1) > 0
-        start = np.where(forward, edges.a[edge], edges.b[edge])
-        end = np.where(forward, edges.b[edge], edges.a[edge])
-        offset = np.sum((vertices[start] - crack.points[segment]) * along, axis=1)
-        lengths = np.sum((vertices[end] - vertices[start]) * along, axis=1)
-        s = arc_lengths(crack.points)[segment] + offset
-        is_crack[edge] = True
-        found.append(
-            CrackEdges(
-                s=np.stack([s, s + lengths], axis=1),
-                points=np.stack([vertices[start], vertices[end]], axis=1),
-                segment=segment,
-                plus=np.where(forward, edges.left[edge], edges.right[edge]),
-                minus=np.where(forward, edges.right[edge], edges.left[edge]),
-            )
-        )
-    return tuple(found), is_crack
-
-
-def _chain(vertices: Floats, a: Ints, b: Ints, crack: CrackGeometry) -> Ints:
-    """The edges (a, b), of those that lie on a crack within rounding, that lead from its start to its end, in order.
-
-    A lattice line closer to the crack than rounding gives more than one way; the shortest is taken.
-    """
-    used, ends = np.unique(np.concatenate([a, b]), return_inverse=True)
-    ends = ends.reshape(2, -1)
-    n = len(used)
-    lengths = np.hypot(*(vertices[b] - vertices[a]).T)
-    graph = coo_array((lengths, tuple(ends)), shape=(n, n)).tocsr()
-    number = coo_array((np.arange(1, len(a) + 1), tuple(ends)), shape=(n, n)).tocsr()
-    first, last = (int(np.argmin(np.hypot(*(vertices[used] - p).T))) for p in crack.points[[0, -1]])
-    length, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
-    total = arc_lengths(crack.points)[-1]
-    if abs(length[last] - total) > 1e-6 * max(total, 1.0):
-        raise GeometryError(f"crack '{crack.name}' could not be cut along all of its {total:g} spacings")
-    chain = []
-    while last != first:
-        chain.append(number[before[last], last] + number[last, before[last]] - 1)
-        last = int(before[last])
-    return np.array(chain[::-1], dtype=np.int64)
-
-
-def _edges_on_outlines(bodies: list[Floats], vertices: Floats, edges: Edges, body: Ints) -> OutlineEdges:
-    """The edges along the outlines, with the outline's edge that each lies on."""
-    free = np.flatnonzero(edges.right < 0)
-    points = np.stack([vertices[edges.a[free]], vertices[edges.b[free]]], axis=1)
-    middles = points.mean(axis=1)
-    element = edges.left[free]
-    segment = np.full(len(free), -1, dtype=np.int64)
-    for index, outline in enumerate(bodies):
-        mine = np.flatnonzero(body[element] == index)
-        lines = shapely.linestrings(np.stack([outline, np.roll(outline, -1, axis=0)], axis=1))
-        distances = shapely.distance(shapely.points(middles[mine])[:, None], lines[None, :])
-        segment[mine] = np.argmin(distances, axis=1)
-        if len(mine) and distances.min(axis=1).max() > ON_LINE:
-            raise GeometryError("an element has a side that is neither shared nor on an outline")
-    return OutlineEdges(points, body[element], segment, element)

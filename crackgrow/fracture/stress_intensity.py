@@ -33,7 +33,7 @@ def from_face_displacement(cover: Cover, young_prime: float, u: Floats, tip: int
     ends of a crack. A negative K_II turns the crack counter-clockwise.
     """
     crack, at_end = cover.tip_ends[tip]
-    path = cover.cracks[crack].points
+    path = cover.surfaces[crack].points
     ends = stretch_ends(path)
     total = arc_lengths(path)[-1]
     length = float(min(ends[-1] - ends[-2] if at_end else ends[1] - ends[0], FIT_SPACINGS, 0.5 * total))

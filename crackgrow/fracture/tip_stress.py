@@ -53,7 +53,7 @@ def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip
     weight = 2.0 * x * w  # area / distance = dr dt
     toward = np.stack([np.cos(direction + angles), np.sin(direction + angles)], axis=1)
     points = (point + toward[:, None] * r[None, :, None]).reshape(-1, 2)
-    elements = locate(cover.lattice, cover.elements, points)
+    elements = locate(cover.lattice, cover.elements, points, _body(cover, tip))
     inside = elements >= 0
     found = np.zeros((len(points), 3))
     found[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
@@ -67,6 +67,12 @@ def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip
     rays = np.divide(along, whole, out=np.full_like(along, np.nan), where=whole > 0.0)
     mean = np.einsum("nr,nrc->c", weights, stress) / weights.sum()
     return TipField(direction, angles, rays, mean)
+
+
+def _body(cover: Cover, tip: int) -> int:
+    """The body that a tip lies in."""
+    crack, at_end = cover.tip_ends[tip]
+    return int(cover.elements.body[cover.elements.lines[crack].plus[-1 if at_end else 0]])
 
 
 def _in_sight(cover: Cover, tip: int, points: Floats) -> Floats:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.stress import principal_stresses
-from crackgrow.run.result import CrackPath, Frame
+from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, Frame, StepResult
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +27,7 @@ COLOUR_PERCENTILES = (2.0, 98.0)  # colours span these, so that a singular tip d
 ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
 LONG_SIDE = 7.0  # inches
 DPI = 150
+MOST_CONTACT_ROWS = 6  # surfaces in one figure
 MOST_STEP_TICKS = 11  # on the colour bar of steps
 
 
@@ -39,7 +40,9 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     low, high = _extent([body.outline for body in case.bodies])
     figure, axes = _equal_axes(low * scale, high * scale, unit)
     for body in case.bodies:
-        axes.fill(*(body.outline * scale).T, facecolor="0.94", edgecolor="0.35", linewidth=1.0)
+        for ring in body.rings:
+            hole = ring is not body.rings[0]
+            axes.fill(*(ring.points * scale).T, facecolor="white" if hole else "0.94", edgecolor="0.35", linewidth=1.0)
     last = max((int(crack.steps.max()) for crack in cracks), default=0)
     colours = _step_colours(max(last, 1))
     for crack in cracks:
@@ -83,6 +86,43 @@ def draw_sigma_1(path: Path, case: Case, frame: Frame, step: int) -> None:
     bar = figure.colorbar(cells, ax=axes, extend="both", shrink=0.8)
     bar.set_label(f"$\\sigma_1$, most tensile in-plane principal stress [{stress_unit}]")
     axes.set_title(f"{case.title}\nstep {step}, displacement x {magnification:g}", fontsize=10, wrap=True)
+    _save(path, figure)
+
+
+def draw_contact(path: Path, case: Case, result: StepResult) -> None:
+    """Plot slip, normal and shear traction against the arc length, a row for each surface with a contact law.
+
+    Dots are the contact points, filled where they slip; the lines are the same along the whole face. Raises
+    OutputError.
+    """
+    scale, unit = _length_unit(case)
+    contact = result.contact
+    faces = [face for face in result.faces if face.crack in contact.crack][:MOST_CONTACT_ROWS]
+    figure = Figure(figsize=(3.6 * 3, 2.6 * len(faces) + 0.4), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    table = figure.subplots(len(faces), 3, squeeze=False, sharex="row")
+    owner = np.array(contact.crack)
+    for row, face in zip(table, faces, strict=True):
+        mine = owner == face.crack
+        largest = max(np.abs(contact.normal_traction[mine]).max(), np.abs(contact.tangential_traction[mine]).max())
+        stress, stress_unit = (1e-6, "MPa") if largest >= 1e4 else (1.0, "Pa")
+        for axes, values, along, label in (
+            (row[0], contact.slip, face.slip * scale, f"slip [{unit}]"),
+            (row[1], contact.normal_traction, face.normal_traction * stress, f"normal traction [{stress_unit}]"),
+            (row[2], contact.tangential_traction, face.tangential_traction * stress, f"shear traction [{stress_unit}]"),
+        ):
+            factor = scale if values is contact.slip else stress
+            axes.plot(face.s * scale, along, color="0.4", linewidth=1.0)
+            for state, fill in ((OPEN, "white"), (STICK, "tab:blue"), (SLIP, "tab:red")):
+                here = mine & (contact.state == state)
+                axes.plot(
+                    contact.s[here] * scale, values[here] * factor, "o", markersize=3.5, markerfacecolor=fill,
+                    markeredgecolor="0.2", markeredgewidth=0.5, label=STATE_NAMES[state],
+                )  # fmt: skip
+            axes.set(xlabel=f"s along {face.crack} [{unit}]", ylabel=label)
+            axes.grid(linewidth=0.3)
+        row[0].legend(fontsize=7)
+    figure.suptitle(f"{case.title}, step {result.step}", fontsize=10, wrap=True)
     _save(path, figure)
 
 

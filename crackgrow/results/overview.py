@@ -4,14 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.case.model import Body, Case, Crack, EdgeSupport
+from crackgrow.case.model import (
+    Body,
+    Case,
+    ContactSupport,
+    CoulombContact,
+    Crack,
+    CrackPressure,
+    EdgeSupport,
+    EdgeTraction,
+    Floats,
+    Gravity,
+    InSituStress,
+    Interface,
+    PointSupport,
+)
 
 
 def overview(case: Case) -> str:
-    """Lines of text: bodies, cracks and tips, supports and loads, growth, spacing and estimated size."""
+    """Lines of text: bodies, interfaces, cracks and tips, supports and loads, growth, spacing and estimated size."""
     scale, unit = _length_unit(case)
     n_tips = sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
-    n_edges = sum(isinstance(support, EdgeSupport) for support in case.supports)
     contact = case.numerics.contact
     stiffness = "rigid" if contact.stiffness is None else f"stiffness {contact.stiffness:g} E/h"
     nodes = estimated_nodes(case)
@@ -19,10 +32,11 @@ def overview(case: Case) -> str:
         f"{case.name}: {case.title}",
         f"plane {case.plane}",
         *(_body_line(body, scale, unit) for body in case.bodies),
+        *(_interface_line(interface, scale, unit) for interface in case.interfaces),
         *(_crack_line(crack, scale, unit) for crack in case.cracks),
         f"cracks: {len(case.cracks)}, tips: {n_tips}",
-        f"supports: {len(case.supports) - n_edges} at points, {n_edges} on edges",
-        f"loads: {len(case.loads)} tractions on edges, load factors {', '.join(f'{f:g}' for f in case.load_factors)}",
+        *_support_lines(case),
+        f"loads: {_loads(case)}, load factors {', '.join(f'{f:g}' for f in case.load_factors)}",
         _growth_line(case, scale, unit),
         f"lattice: spacing {case.numerics.spacing * scale:g} {unit}, support {case.numerics.support:g} spacings, "
         f"about {nodes} nodes, {2 * nodes} dofs before cracks",
@@ -32,39 +46,87 @@ def overview(case: Case) -> str:
 
 
 def estimated_nodes(case: Case) -> int:
-    """About how many lattice nodes have a patch that overlaps a body.
+    """About how many lattice nodes have a patch that overlaps a body, counted for each body.
 
     Nodes within half a patch r of the outline count too: area + perimeter r + 4 r^2 (a convex outline, square
-    patches), over the area h^2 of a node.
+    patches), without those further than r inside of a hole: its area - perimeter r + 4 r^2; over the area h^2 of a
+    node.
     """
     h = case.numerics.spacing
     reach = case.numerics.support * h
     total = 0.0
     for body in case.bodies:
-        following = np.roll(body.outline, -1, axis=0)
-        (x, y), (x_next, y_next) = body.outline.T, following.T
-        area = abs(np.sum(x * y_next - x_next * y)) / 2
-        perimeter = np.linalg.norm(following - body.outline, axis=1).sum()
-        total += (area + perimeter * reach + 4 * reach**2) / h**2
-    return round(total)
+        outline, *holes = (_area_and_perimeter(ring.points) for ring in body.rings)
+        total += outline[0] + outline[1] * reach + 4 * reach**2
+        for area, perimeter in holes:
+            if area > perimeter * reach / 2:  # a square hole wider than a patch
+                total -= area - perimeter * reach + 4 * reach**2
+    return round(total / h**2)
+
+
+def _area_and_perimeter(points: Floats) -> tuple[float, float]:
+    following = np.roll(points, -1, axis=0)
+    (x, y), (x_next, y_next) = (points - points[0]).T, (following - points[0]).T
+    area = abs(float(np.sum(x * y_next - x_next * y))) / 2
+    return area, float(np.linalg.norm(following - points, axis=1).sum())
 
 
 def _body_line(body: Body, scale: float, unit: str) -> str:
     width, height = np.ptp(body.outline, axis=0) * scale
     material = f"E = {body.material.young / 1e9:g} GPa, nu = {body.material.poisson:g}"
+    if body.material.density is not None:
+        material += f", density {body.material.density:g} kg/m^3"
+    n_holes = len(body.rings) - 1
+    holes = f" with {_count(n_holes, 'hole')}" if n_holes else ""
     strength = "no strength given" if body.strength is None else (
         f"tension {body.strength.tension / 1e6:g} MPa, cohesion {body.strength.cohesion / 1e6:g} MPa, "
         f"friction angle {body.strength.friction_angle:g} deg"
     )  # fmt: skip
-    return f"body {body.name}: {width:g} x {height:g} {unit}, {material}; {strength}"
+    return f"body {body.name}: {width:g} x {height:g} {unit}{holes}, {material}; {strength}"
+
+
+def _interface_line(interface: Interface, scale: float, unit: str) -> str:
+    length = sum(float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in interface.lines) * scale
+    law = "bonded" if interface.contact == "bonded" else _law(interface.contact)
+    return f"interface between {' and '.join(interface.bodies)}: length {length:g} {unit}; {law}"
+
+
+def _support_lines(case: Case) -> list[str]:
+    n_points = sum(isinstance(support, PointSupport) for support in case.supports)
+    n_edges = sum(isinstance(support, EdgeSupport) for support in case.supports)
+    foundations = [support for support in case.supports if isinstance(support, ContactSupport)]
+    return [
+        f"supports: {n_points} at points, {n_edges} on edges, {_count(len(foundations), 'rigid foundation')}",
+        *(f"foundation on edge {f.region.edge} of {f.region.body}: {_law(f.contact)}" for f in foundations),
+    ]
+
+
+def _loads(case: Case) -> str:
+    """Say which loads there are."""
+    n_tractions = sum(isinstance(load, EdgeTraction) for load in case.loads)
+    words = [_count(n_tractions, "traction") + " on edges"] if n_tractions or not case.loads else []
+    for load in case.loads:
+        if isinstance(load, Gravity):
+            words.append(f"gravity on {load.body}")
+        elif isinstance(load, CrackPressure):
+            words.append(f"pressure {load.pressure / 1e6:g} MPa in {load.crack}")
+        elif isinstance(load, InSituStress):
+            words.append(f"in-situ stress in {load.body}")
+    return ", ".join(words)
+
+
+def _law(contact: CoulombContact) -> str:
+    return f"friction {contact.friction:g}, cohesion {contact.cohesion / 1e6:g} MPa"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def _crack_line(crack: Crack, scale: float, unit: str) -> str:
     length = np.linalg.norm(np.diff(crack.points, axis=0), axis=1).sum() * scale
     tips = [name for name, there in (("start", crack.tip_at_start), ("end", crack.tip_at_end)) if there]
-    contact = "faces never touch" if crack.contact is None else (
-        f"friction {crack.contact.friction:g}, cohesion {crack.contact.cohesion / 1e6:g} MPa"
-    )  # fmt: skip
+    contact = "faces never touch" if crack.contact is None else _law(crack.contact)
     return f"crack {crack.name}: length {length:g} {unit}, tips: {' and '.join(tips) or 'none'}; {contact}"
 
 
@@ -72,12 +134,13 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
     growth = case.growth
     if growth is None:
         return "growth: none, one static solve"
+    direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     return (
-        f"growth: {growth.steps} steps of {growth.increment * scale:g} {unit}, {growth.criterion}, "
+        f"growth: {growth.steps} steps of {growth.increment * scale:g} {unit}, {growth.criterion}{direction}, "
         f"{growth.advance.replace('_', ' ')}, tip radius {growth.tip_radius * scale:g} {unit}"
     )
 
 
 def _length_unit(case: Case) -> tuple[float, str]:
-    size = max(float(np.ptp(body.outline, axis=0).max()) for body in case.bodies)
+    size = float(np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max())
     return (1e3, "mm") if size < 1 else (1.0, "m")

@@ -14,6 +14,7 @@ TIPS = ("step", "crack", "tip", "x", "y", "K_I", "K_II", "sigma_1", "sigma_3", "
         "load_factor")  # fmt: skip
 PATHS = ("crack", "vertex", "x", "y", "step")
 CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state")
+REACTIONS = ("step", "where", "force_x", "force_y", "load_factor")
 PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
 STEPS = ("step", "n_dofs", "n_contact", "contact_iterations", "factorizations", "residual", "penetration",
          *(f"seconds_{phase}" for phase in PHASES),
@@ -95,6 +96,11 @@ def contact_rows(result: StepResult) -> list[tuple[Value, ...]]:
         (int(result.step), crack, s, x, y, normal, tangential, opening, slip, STATE_NAMES[state])
         for crack, s, (x, y), normal, tangential, opening, slip, state in columns
     ]
+
+
+def reaction_rows(result: StepResult) -> list[tuple[Value, ...]]:
+    """Rows of reactions.csv: N per metre of thickness, on the rock; of an interface on its first body."""
+    return [(int(result.step), item.where, *item.force, float(result.load_factor)) for item in result.reactions]
 
 
 def step_row(result: StepResult, seconds_frames: float) -> tuple[Value, ...]:

@@ -40,11 +40,11 @@ def specimen_grid(frame: Frame, fields: Sequence[str]) -> pyvista.UnstructuredGr
     return grid
 
 
-def crack_lines(faces: Sequence[CrackFaces], names: Sequence[str]) -> pyvista.PolyData:
-    """One polyline a crack; m and Pa.
+def crack_lines(faces: Sequence[CrackFaces]) -> pyvista.PolyData:
+    """One polyline a crack, interface or foundation; m and Pa.
 
     Point data: s, opening, slip, normal_traction, tangential_traction, state (0 open, 1 stick, 2 slip).
-    Cell data: crack, the index into the field data crack_names. `names` holds the name of every crack.
+    Cell data: crack, the index into the field data crack_names.
     """
     sizes = [len(face.s) for face in faces]
     starts = np.cumsum([0, *sizes[:-1]])
@@ -55,8 +55,8 @@ def crack_lines(faces: Sequence[CrackFaces], names: Sequence[str]) -> pyvista.Po
     for name in ("s", "opening", "slip", "normal_traction", "tangential_traction"):
         mesh.point_data[name] = np.concatenate([getattr(face, name) for face in faces])
     mesh.point_data["state"] = np.concatenate([face.state for face in faces]).astype(np.int8)
-    mesh.cell_data["crack"] = np.array([names.index(face.crack) for face in faces], dtype=np.int32)
-    mesh.field_data["crack_names"] = list(names)
+    mesh.cell_data["crack"] = np.arange(len(faces), dtype=np.int32)
+    mesh.field_data["crack_names"] = [face.crack for face in faces]
     return mesh
 
 
@@ -67,7 +67,7 @@ def write_frame(path: Path, frame: Frame, fields: Sequence[str]) -> None:
 
 def write_cracks(path: Path, result: StepResult) -> None:
     """Write the step's crack faces to `path` (.vtp); raises OutputError."""
-    _write(path, crack_lines(result.faces, [crack.name for crack in result.cracks]), vtkXMLPolyDataWriter())
+    _write(path, crack_lines(result.faces), vtkXMLPolyDataWriter())
 
 
 def write_series(path: Path, files: Sequence[tuple[int, str]]) -> None:

@@ -30,6 +30,7 @@ class RunWriter:
         self._tally = Tally()
         self._tips = tables.Table(folder / "tips.csv", tables.TIPS)
         self._contact = tables.Table(folder / "contact.csv", tables.CONTACT)
+        self._reactions = tables.Table(folder / "reactions.csv", tables.REACTIONS)
         self._steps = tables.Table(folder / "steps.csv", tables.STEPS)
         self._first: StepResult | None = None
         self._last: StepResult | None = None
@@ -41,7 +42,7 @@ class RunWriter:
         remove_leftovers(self.folder, self.case.name)
         write_text(self.folder / "case.yaml", dump_case(self.case))
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
-        self._write_tables(self._tips, self._contact, self._steps)
+        self._write_tables(self._tips, self._contact, self._reactions, self._steps)
         self._write_paths(())
 
     def add(self, result: StepResult) -> None:
@@ -55,8 +56,9 @@ class RunWriter:
         self._tally.add_seconds("output", seconds)
         self._tips.extend(tables.tip_rows(result))
         self._contact.extend(tables.contact_rows(result))
+        self._reactions.extend(tables.reaction_rows(result))
         self._steps.extend([tables.step_row(result, seconds)])
-        self._write_tables(self._tips, self._contact, self._steps)
+        self._write_tables(self._tips, self._contact, self._reactions, self._steps)
         self._write_paths(result.cracks)
         self._log.write(step_line(result, self.case.growth.steps if self.case.growth else None))
         for text in result.warnings:
@@ -125,3 +127,5 @@ class RunWriter:
         for name, result in (("sigma_1_first.png", self._first), ("sigma_1_last.png", last)):
             if result is not None and result.frame is not None:
                 figures.draw_sigma_1(folder / name, self.case, result.frame, result.step)
+        if any(face.crack in last.contact.crack for face in last.faces):
+            figures.draw_contact(folder / "contact.png", self.case, last)

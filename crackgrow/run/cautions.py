@@ -19,6 +19,9 @@ SHORT_CRACK = 3.0
 GOOD_SUPPORT = 2.0
 """Half width of a patch, in spacings, from which K is within 1 %."""
 
+GOOD_CONTACT_SPACING = 1.25
+"""Distance of the contact nodes, in spacings, from which tractions follow the displacement without oscillating."""
+
 CLOSE = 1.0
 """Spacings: things closer than this share all of their patches."""
 
@@ -33,9 +36,9 @@ LARGE_RESIDUAL = 1e-9
 
 
 def largest_overlap(scene: Scene, faces: tuple[CrackFaces, ...]) -> float:
-    """Largest overlap (m) anywhere along cracks that have a contact law: conditions hold on average only."""
-    touching = [f for crack, f in zip(scene.case.cracks, faces, strict=True) if crack.contact is not None]
-    gaps = [f.opening - scene.contact_compliance * f.normal_traction for f in touching]
+    """Largest overlap (m) anywhere along surfaces that have a contact law: conditions hold on average only."""
+    touching = [(law, f) for law, f in zip(scene.laws, faces, strict=True) if law.contact is not None]
+    gaps = [f.opening - law.compliance * f.normal_traction for law, f in touching]
     return float(max((-gap.min(initial=0.0) for gap in gaps), default=0.0))
 
 
@@ -50,7 +53,7 @@ def cautions(
     if overlap > max(LARGE_OVERLAP * largest, NOISE * solution.displacement_size):
         found.append(
             f"faces overlap by {overlap:.2g} m between contact points, {100.0 * overlap / largest:.2g} % of the "
-            "largest jump: K of that crack is unsure; use a smaller spacing"
+            "largest jump: what happens there is unsure; use a smaller spacing"
         )
     for first, second in _close(solution):
         found.append(f"{first} is closer than a spacing to {second}: the cover does not resolve what is between")
@@ -72,6 +75,12 @@ def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
     if support < GOOD_SUPPORT and scene.case.cracks:
         found.append(
             f"numerics.support is {support:g}: below {GOOD_SUPPORT:g} tips are resolved badly, and K can be 20 % low"
+        )
+    contact = scene.case.numerics.contact
+    if contact.discretization == "mortar" and contact.spacing < GOOD_CONTACT_SPACING and solution.faces.n:
+        found.append(
+            f"numerics.contact.spacing is {contact.spacing:g}: below {GOOD_CONTACT_SPACING:g} contact tractions can "
+            "oscillate from node to node, where faces stick up to their full size"
         )
     for crack in solution.cover.cracks:
         length = arc_lengths(crack.points)[-1]

@@ -84,7 +84,7 @@ def _advance(
         assert verdict is not None
         others = [other for number, other in enumerate(grown) if number != index]
         grown[index], out = advanced(
-            grown[index], at_end, verdict.kink, growth.increment, step, scene.regions[0], others
+            grown[index], at_end, verdict.kink, growth.increment, step, scene.regions[scene.crack_bodies[index]], others
         )
         if out:
             left.append(f"crack '{grown[index].crack.name}' ({'end' if at_end else 'start'})")

@@ -13,6 +13,7 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.criteria import effective_toughness
 from crackgrow.run.cautions import cautions, largest_overlap
 from crackgrow.run.frame import make_frame
+from crackgrow.run.reactions import reactions
 from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, StepResult, TipResult
 from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution
@@ -36,16 +37,17 @@ def step_result(
     """Result of step number `step`; tips `chosen` advance, `started` is when the reporting began (perf_counter)."""
     outcome = solution.outcome
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
-    faces = tuple(_faces(solution, scene, index) for index in range(len(paths)))
+    faces = tuple(_faces(solution, scene, index) for index in range(len(solution.cover.surfaces)))
     overlap = largest_overlap(scene, faces)
-    frame = make_frame(solution.cover, scene.materials, outcome.u) if with_frame else None
+    frame = make_frame(solution.cover, solution.materials, outcome.u) if with_frame else None
     return StepResult(
         step=step,
         load_factor=scene.case.load_factors[-1],
         cracks=paths,
         tips=tips,
-        contact=_contact(solution, scene, paths),
+        contact=_contact(solution, scene),
         faces=faces,
+        reactions=reactions(scene, solution),
         frame=frame,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.n_unknowns,
@@ -82,12 +84,12 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene) -> TipR
     )
 
 
-def _contact(solution: StepSolution, scene: Scene, paths: tuple[CrackPath, ...]) -> ContactPoints:
+def _contact(solution: StepSolution, scene: Scene) -> ContactPoints:
     """Tractions and states as solved; opening and slip are the jump of displacement at the points themselves."""
     faces, outcome = solution.faces, solution.outcome
     opening, slip = gap_and_slip(solution.cover, faces.nodes, outcome.u)
     return ContactPoints(
-        crack=tuple(paths[index].name for index in faces.crack.tolist()),
+        crack=tuple(solution.cover.surfaces[index].name for index in faces.surface.tolist()),
         s=faces.s * scene.lattice.spacing,
         points=scene.lattice.to_metres(faces.nodes.points),
         normal_traction=outcome.normal_traction,
@@ -99,7 +101,7 @@ def _contact(solution: StepSolution, scene: Scene, paths: tuple[CrackPath, ...])
 
 
 def _faces(solution: StepSolution, scene: Scene, index: int) -> CrackFaces:
-    """Jump and tractions of one crack at the ends of all its edges, each place once.
+    """Jump and tractions of one surface at the ends of all its edges, each place once.
 
     Tractions are interpolated between the contact points of a stretch, the state is that of the nearest one.
     """
@@ -108,10 +110,10 @@ def _faces(solution: StepSolution, scene: Scene, index: int) -> CrackFaces:
     gap, slip = gap_and_slip(cover, vertices, outcome.u)
     first = np.flatnonzero(np.diff(vertices.s, prepend=-np.inf) > SAME_PLACE)
     s = vertices.s[first]
-    stretch = np.searchsorted(stretch_ends(cover.cracks[index].points)[1:-1], s, side="right")
+    stretch = np.searchsorted(stretch_ends(cover.surfaces[index].points)[1:-1], s, side="right")
     normal, tangential = (np.zeros(len(s)) for _ in range(2))
     state = np.full(len(s), OPEN, dtype=np.int64)
-    mine = np.flatnonzero(faces.crack == index)
+    mine = np.flatnonzero(faces.surface == index)
     for number in np.unique(stretch) if len(mine) else ():
         there = np.flatnonzero(stretch == number)
         nodes = mine[faces.stretch[mine] == number]
@@ -119,7 +121,7 @@ def _faces(solution: StepSolution, scene: Scene, index: int) -> CrackFaces:
         tangential[there] = np.interp(s[there], faces.s[nodes], outcome.tangential_traction[nodes])
         state[there] = outcome.state[nodes][np.abs(s[there, None] - faces.s[nodes]).argmin(axis=1)]
     return CrackFaces(
-        crack=cover.cracks[index].name,
+        crack=cover.surfaces[index].name,
         s=s * scene.lattice.spacing,
         points=scene.lattice.to_metres(vertices.points[first]),
         opening=gap[first],
@@ -131,8 +133,9 @@ def _faces(solution: StepSolution, scene: Scene, index: int) -> CrackFaces:
 
 
 def _toughness(scene: Scene) -> float:
-    """Effective toughness of the criterion, nan without growth."""
-    growth, strength = scene.case.growth, scene.case.bodies[0].strength
+    """Effective toughness of the criterion in the first crack's body, nan without growth."""
+    growth = scene.case.growth
+    strength = scene.case.bodies[scene.crack_bodies[0]].strength if scene.crack_bodies else None
     if growth is None or strength is None:
         return float("nan")
     return effective_toughness(growth.criterion, strength.tension, growth.tip_radius)

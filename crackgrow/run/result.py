@@ -43,10 +43,10 @@ class TipResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactPoints:
-    """Contact points of all cracks that have a contact law, crack by crack, in order of s."""
+    """Contact points of all surfaces that have a contact law, one after the other, in order of s."""
 
-    crack: tuple[str, ...]  # (n,)
-    s: Floats  # (n,) m, arc length from the crack's start
+    crack: tuple[str, ...]  # (n,) name of the crack, "first/second" of an interface, "body.edge" of a foundation
+    s: Floats  # (n,) m, arc length from the surface's start
     points: Floats  # (n, 2) m
     normal_traction: Floats  # (n,) Pa, negative in compression
     tangential_traction: Floats  # (n,) Pa
@@ -57,7 +57,7 @@ class ContactPoints:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CrackFaces:
-    """Samples along one crack, from start to end, both ends included."""
+    """Samples along one crack, interface or foundation, from start to end, both ends included."""
 
     crack: str
     s: Floats  # (n,) m
@@ -67,6 +67,14 @@ class CrackFaces:
     normal_traction: Floats  # (n,) Pa
     tangential_traction: Floats  # (n,) Pa
     state: Ints  # (n,) index into STATE_NAMES
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reaction:
+    """The force that a support or a contact surface carries."""
+
+    where: str  # "supports.0", "body.edge" of a foundation, "first/second" of an interface
+    force: tuple[float, float]  # N per metre of thickness, on the rock; of an interface on its first body
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,7 +99,8 @@ class StepResult:
     cracks: tuple[CrackPath, ...]
     tips: tuple[TipResult, ...]
     contact: ContactPoints
-    faces: tuple[CrackFaces, ...]
+    faces: tuple[CrackFaces, ...]  # cracks, then interfaces, then foundations
+    reactions: tuple[Reaction, ...]
     frame: Frame | None
     n_dofs: int
     n_contact: int  # contact unknowns that the solver saw

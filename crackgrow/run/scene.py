@@ -1,15 +1,30 @@
-"""What stays the same through a run: the lattice, the materials and the regions of a case."""
+"""What stays the same through a run: the lattice, the bodies, their materials and the surfaces that do not grow."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from crackgrow.case.model import Case
+from crackgrow.case.model import Case, ContactSupport, CoulombContact, InSituStress
+from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
+from crackgrow.solid.supports import body_index
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SurfaceLaw:
+    """What holds the two faces of a surface."""
+
+    contact: CoulombContact | None  # None: they never touch
+    bonded: bool
+    compliance: float  # m/Pa: 1/k, zero for rigid contact
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -18,14 +33,24 @@ class Scene:
 
     case: Case
     lattice: Lattice
-    materials: tuple[PlaneElasticity, ...]  # body by body
+    materials: tuple[PlaneElasticity, ...]  # body by body, without in-situ stress
     regions: tuple[shapely.Polygon, ...]  # body by body, m
+    bodies: tuple[BodyGeometry, ...]  # body by body, lattice coordinates
+    interfaces: tuple[CrackGeometry, ...]  # line by line, lattice coordinates
+    foundations: tuple[Foundation, ...]
+    crack_bodies: tuple[int, ...]  # crack by crack, the body it lies in
+    laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
 
-    @property
-    def contact_compliance(self) -> float:
-        """1/k (m/Pa) of the contact with k = kappa E / h, zero for rigid contact."""
-        kappa = self.case.numerics.contact.stiffness
-        return 0.0 if kappa is None else self.lattice.spacing / (kappa * self.case.bodies[0].material.young)
+    def materials_at(self, load_factor: float) -> tuple[PlaneElasticity, ...]:
+        """Materials, body by body, with their in-situ stress at a load factor."""
+        stresses = np.zeros((len(self.materials), 3))
+        for load in self.case.loads:
+            if isinstance(load, InSituStress):
+                stresses[body_index(self.case.bodies, load.body)] += load_factor * np.asarray(load.stress)
+        return tuple(
+            replace(material, initial=(float(xx), float(yy), float(xy)))
+            for material, (xx, yy, xy) in zip(self.materials, stresses, strict=True)
+        )
 
 
 def make_scene(case: Case) -> Scene:
@@ -33,4 +58,41 @@ def make_scene(case: Case) -> Scene:
     corners = np.concatenate([body.outline for body in case.bodies])
     lattice = place_lattice(corners.min(axis=0), corners.max(axis=0), case.numerics.spacing, case.numerics.support)
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
-    return Scene(case, lattice, materials, tuple(shapely.Polygon(body.outline) for body in case.bodies))
+    crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
+    laws = [SurfaceLaw(c.contact, False, _compliance(case, (c.body,))) for c in case.cracks]
+    interfaces = []
+    for interface in case.interfaces:
+        bonded = interface.contact == "bonded"
+        contact = None if isinstance(interface.contact, str) else interface.contact
+        for number, line in enumerate(interface.lines):
+            suffix = f".{number}" if len(interface.lines) > 1 else ""
+            name = "/".join(interface.bodies) + suffix
+            interfaces.append(CrackGeometry(name, lattice.to_lattice(line), False, False))
+            laws.append(SurfaceLaw(contact, bonded, _compliance(case, interface.bodies)))
+    foundations = []
+    for support in case.supports:
+        if isinstance(support, ContactSupport):
+            region = support.region
+            index = body_index(case.bodies, region.body)
+            foundations.append(Foundation(f"{region.body}.{region.edge}", index, region.sides, region.limits))
+            laws.append(SurfaceLaw(support.contact, False, _compliance(case, (region.body,))))
+    return Scene(
+        case=case,
+        lattice=lattice,
+        materials=materials,
+        regions=tuple(shapely.Polygon(b.rings[0].points, [r.points for r in b.rings[1:]]) for b in case.bodies),
+        bodies=tuple(BodyGeometry(tuple(lattice.to_lattice(r.points) for r in b.rings)) for b in case.bodies),
+        interfaces=tuple(interfaces),
+        foundations=tuple(foundations),
+        crack_bodies=crack_bodies,
+        laws=tuple(laws),
+    )
+
+
+def _compliance(case: Case, bodies: tuple[str, ...]) -> float:
+    """1/k (m/Pa) of contact with k = kappa E / h, E of the softer body; zero for rigid contact."""
+    kappa = case.numerics.contact.stiffness
+    if kappa is None:
+        return 0.0
+    young = min(body.material.young for body in case.bodies if body.name in bodies)
+    return case.numerics.spacing / (kappa * young)

@@ -13,13 +13,20 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array, vstack
 
+from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.solve import ContactLaw, ContactOutcome, solve_contact
+from crackgrow.contact.solve import (
+    ContactLaw,
+    ContactOutcome,
+    ContactSystem,
+    solve_contact,
+    solve_contact_held_loosely,
+)
 from crackgrow.cover.cover import Cover, build_cover
-from crackgrow.cover.elements import CrackGeometry
+from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA, Verdict
@@ -27,13 +34,15 @@ from crackgrow.fracture.stress_intensity import from_face_displacement
 from crackgrow.fracture.tip_stress import tip_field
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.scene import Scene
+from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.linear_solver import ConstrainedSystem, displacement_size
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.rigid_modes import check_held
+from crackgrow.solid.rigid_modes import check_held, free_pieces, loose_springs
 from crackgrow.solid.stiffness import stiffness
-from crackgrow.solid.supports import constraints
+from crackgrow.solid.supports import Constraints, constraints, tied
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 ON_OUTLINE = 1e-9
 """A crack end closer to an outline than this fraction of its length lies on it."""
@@ -56,6 +65,9 @@ class StepSolution:
     """Everything that is known of a solved configuration."""
 
     cover: Cover
+    materials: tuple[PlaneElasticity, ...]  # body by body, in-situ stress included
+    constraints: Constraints
+    loads: Floats  # (n_dofs,) N/m
     faces: ContactFaces
     outcome: ContactOutcome
     tips: tuple[TipState, ...]
@@ -68,96 +80,112 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
     """Solve one configuration. Raises GeometryError or SolveError where that can't be done to a small residual."""
     case = scene.case
     seconds: dict[str, float] = {}
+    materials = scene.materials_at(load_factor)
     with _timed(seconds, "cover"):
-        outlines = [scene.lattice.to_lattice(body.outline) for body in case.bodies]
-        cover = build_cover(scene.lattice, outlines, [_geometry(scene, g) for g in growing])
+        cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
+        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
     with _timed(seconds, "assembly"):
-        matrix = stiffness(cover, scene.materials, case.numerics.quadrature)
-        rows, given = constraints(cover, case.bodies, case.supports)
-        check_held(cover, rows)
-        loads = load_factor * load_vector(cover, case.bodies, case.loads)
-    with _timed(seconds, "factorize"):
-        system = ConstrainedSystem(matrix, rows, max(material.c33 for material in scene.materials))
-    with _timed(seconds, "contact"):
-        faces = _faces(scene, cover, growing)
+        matrix = stiffness(cover, materials, case.numerics.quadrature)
+        faces = _faces(scene, cover)
         operators = contact_operators(cover, faces)
+        held = tied(constraints(cover, case.bodies, case.supports), _bonds(scene, cover))
+        given = load_factor * held.given
+        loads = load_vector(cover, case.bodies, case.loads, case.numerics.quadrature)
+        loads = load_factor * (loads + face_load_vector(cover, [g.crack.body for g in growing], case.loads))
+        free = free_pieces(cover, held.matrix)
+        check_held(free, _patches_at(cover, faces))
+    with _timed(seconds, "factorize"):
+        springs = loose_springs(cover, matrix, free) if free else None
+        system = ConstrainedSystem(matrix if springs is None else springs.added_to(matrix), held.matrix)
+    with _timed(seconds, "contact"):
         weights = faces.weights * scene.lattice.spacing
         law = _law(scene, faces, growing)
-        outcome = solve_contact(
-            system, loads, load_factor * given, operators, weights, law, case.numerics.contact.solver
-        )
-        residual = _residual(system, loads, operators, weights, outcome)
+        contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver)
+        if springs is None:
+            outcome = solve_contact(contact, loads, given)
+        else:
+            outcome = solve_contact_held_loosely(contact, springs, free, loads, given)
+        residual = _residual(matrix, contact, loads, outcome)
         if not residual <= WORST_RESIDUAL:
             raise SolveError(
                 f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}: the system is too ill "
                 "conditioned; a tip may lie too close to another one or to an outline for this spacing"
             )
     with _timed(seconds, "criterion"):
-        tips = tuple(_tip_state(scene, cover, outcome.u, tip) for tip in range(len(cover.tips)))
-    size = displacement_size(loads, outcome.u, load_factor * given)
-    return StepSolution(cover, faces, outcome, tips, size, residual, seconds)
+        tips = tuple(_tip_state(scene, cover, materials, outcome.u, tip) for tip in range(len(cover.tips)))
+    size = displacement_size(loads, outcome.u, given)
+    return StepSolution(cover, materials, held, loads, faces, outcome, tips, size, residual, seconds)
 
 
-def _geometry(scene: Scene, growing: GrowingCrack) -> CrackGeometry:
-    """The crack in lattice coordinates. An end is a tip unless it lies on an outline, whether it can grow or not."""
+def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
+    """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not."""
     points = growing.crack.points.copy()
     inside = [True, True]
+    boundary = scene.regions[body].boundary
     for index, end in enumerate((0, -1)):
-        for region in scene.regions:
-            place = shapely.Point(points[end])
-            if shapely.dwithin(region.boundary, place, ON_OUTLINE * region.length):
-                points[end] = region.boundary.interpolate(region.boundary.project(place)).coords[0]
-                inside[index] = False
+        place = shapely.Point(points[end])
+        if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
+            points[end] = boundary.interpolate(boundary.project(place)).coords[0]
+            inside[index] = False
     return CrackGeometry(growing.crack.name, scene.lattice.to_lattice(points), *inside)
 
 
-def _faces(scene: Scene, cover: Cover, growing: tuple[GrowingCrack, ...]) -> ContactFaces:
-    touching = [index for index, g in enumerate(growing) if g.crack.contact is not None]
+def _faces(scene: Scene, cover: Cover) -> ContactFaces:
+    touching = [index for index, law in enumerate(scene.laws) if law.contact is not None]
     settings = scene.case.numerics.contact
     if settings.discretization == "gauss":
         return gauss_faces(cover, touching)
     return mortar_faces(cover, touching, settings.spacing)
 
 
+def _bonds(scene: Scene, cover: Cover) -> csr_array:
+    """Gap and slip (k, n_dofs) of bonded interfaces, averaged at mortar nodes."""
+    bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
+    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing)
+    return csr_array(vstack(contact_operators(cover, faces), format="csr"))
+
+
+def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
+    """Physical patches next to the contact points."""
+    elements = np.concatenate([faces.nodes.plus, faces.nodes.minus])
+    return np.unique(cover.functions[elements[elements >= 0]])
+
+
 def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -> ContactLaw:
-    """Friction and cohesion point by point. Faces that growth has made are broken: they have no cohesion."""
-    friction, cohesion = np.zeros(faces.n), np.zeros(faces.n)
-    for index, g in enumerate(growing):
-        if g.crack.contact is None:
+    """Friction, cohesion and compliance point by point. Faces that growth has made are broken: they do not cohere."""
+    friction, cohesion, compliance = np.zeros((3, faces.n))
+    for index, law in enumerate(scene.laws):
+        if law.contact is None:
             continue
-        mine = faces.crack == index
-        friction[mine] = g.crack.contact.friction
-        given = arc_lengths(scene.lattice.to_lattice(g.crack.points))[g.steps == 0]
-        bonded = (faces.s >= given[0]) & (faces.s <= given[-1])
-        cohesion[mine & bonded] = g.crack.contact.cohesion
-    return ContactLaw(friction, cohesion, np.full(faces.n, scene.contact_compliance))
+        mine = faces.surface == index
+        friction[mine], cohesion[mine], compliance[mine] = law.contact.friction, law.contact.cohesion, law.compliance
+        if index < len(growing):
+            crack = growing[index]
+            given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.steps == 0]
+            cohesion[mine & ((faces.s < given[0]) | (faces.s > given[-1]))] = 0.0
+    return ContactLaw(friction, cohesion, compliance)
 
 
-def _residual(
-    system: ConstrainedSystem,
-    loads: Floats,
-    operators: tuple[csr_array, csr_array],
-    weights: Floats,
-    outcome: ContactOutcome,
-) -> float:
+def _residual(matrix: csc_array, contact: ContactSystem, loads: Floats, outcome: ContactOutcome) -> float:
     """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts."""
-    internal = system.stiffness @ outcome.u
-    reactions = system.constraints.T @ outcome.multipliers
-    contact = operators[0].T @ (weights * outcome.normal_traction)
-    contact = contact + operators[1].T @ (weights * outcome.tangential_traction)
-    parts = (internal, reactions, contact, loads)
+    internal = matrix @ outcome.u
+    reactions = contact.system.constraints.T @ outcome.multipliers
+    tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
+    tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)
+    parts = (internal, reactions, tractions, loads)
     size = max(np.abs(part).max(initial=0.0) for part in parts)
-    residual = np.abs(internal + reactions + contact - loads).max(initial=0.0)
+    residual = np.abs(internal + reactions + tractions - loads).max(initial=0.0)
     return float(residual / size) if size > 0.0 else 0.0
 
 
-def _tip_state(scene: Scene, cover: Cover, u: Floats, tip: int) -> TipState:
+def _tip_state(scene: Scene, cover: Cover, materials: tuple[PlaneElasticity, ...], u: Floats, tip: int) -> TipState:
     case = scene.case
-    k_1, k_2 = from_face_displacement(cover, scene.materials[0].young_prime, u, tip)
-    strength = case.bodies[0].strength
+    body = scene.crack_bodies[cover.tip_ends[tip][0]]
+    k_1, k_2 = from_face_displacement(cover, materials[body].young_prime, u, tip)
+    strength = case.bodies[body].strength
     if case.growth is None or strength is None:
         return TipState(k_1, k_2, None)
-    field = tip_field(cover, scene.materials, u, tip, case.growth.tip_radius)
+    field = tip_field(cover, materials, u, tip, case.growth.tip_radius)
     return TipState(k_1, k_2, CRITERIA[case.growth.criterion](field, strength))
 
 

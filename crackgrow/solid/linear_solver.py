@@ -1,6 +1,6 @@
 """The linear solve behind one interface: a symmetric positive definite matrix with a few linear constraints.
 
-K u + C' m = f, C u = g. With constraints K alone may be singular, so K0 = K + rho C'C is factorized (the constraints
+K u + C' m = f, C u = g. With constraints K alone may be singular, so K0 = K + C' rho C is factorized (the constraints
 add the same amount to both sides, the answer does not depend on rho) and the few multipliers m are found from the
 Schur complement C K0^-1 C'.
 """
@@ -65,12 +65,16 @@ class Factorization:
 class ConstrainedSystem:
     """K with constraints C u = g, factorized once for many loads."""
 
-    def __init__(self, stiffness: csc_array, constraints: csr_array, modulus: float) -> None:
-        """`stiffness` (n, n) Pa, `constraints` (m, n), `modulus` a stiffness (Pa) of the size of K's entries."""
+    def __init__(self, stiffness: csc_array, constraints: csr_array) -> None:
+        """`stiffness` (n, n) Pa, `constraints` (m, n)."""
         self.stiffness = stiffness
         self.constraints = constraints
-        self._rho = modulus
-        augmented = csc_array(stiffness + self._rho * (constraints.T @ constraints))
+        share = abs(constraints)
+        total = np.maximum(share.sum(axis=1), np.finfo(float).tiny)
+        rho = share @ stiffness.diagonal() / total  # row by row, of the size of the entries it meets
+        self._penalty = csr_array(diags_array(rho) @ constraints)
+        self._rho = rho
+        augmented = csc_array(stiffness + constraints.T @ self._penalty)
         self.factorization = Factorization(augmented)
         self._flexible = self.factorization.solve(constraints.T.toarray())  # K0^-1 C'
         schur = constraints @ self._flexible
@@ -84,7 +88,7 @@ class ConstrainedSystem:
 
         `given` (m,) are the prescribed values g, zero if None. Raises SolveError where constraints contradict.
         """
-        right = loads if given is None else loads + self._rho * (self.constraints.T @ given)
+        right = loads if given is None else loads + self._penalty.T @ given
         u = self.factorization.solve(right)
         missing = self.constraints @ u - (0.0 if given is None else given)
         in_basis = self._independent.T @ missing
@@ -96,5 +100,5 @@ class ConstrainedSystem:
             size = displacement_size(loads, u, given)
             if np.abs(left).max(initial=0.0) > INCONSISTENT * size:
                 raise SolveError(f"the supports contradict each other by {np.abs(left).max():.3g} m")
-            multipliers = multipliers - self._rho * left
+            multipliers = multipliers - self._rho * left  # what the penalty carries
         return u, multipliers

@@ -1,10 +1,12 @@
-"""Rigid motions: whether the supports hold every piece that cracks leave of a body."""
+"""Rigid motions: which pieces of rock the supports leave free, and loose springs that hold those until contact does."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array
 
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import SolveError
@@ -16,17 +18,78 @@ Ints = NDArray[np.int64]
 HOLDS_NOTHING = 1e-8
 """Singular values below this, of constraints on the three rigid motions scaled by the piece's size, hold nothing."""
 
+SPRING_STIFFNESS = 1e-3
+"""Stiffness of a loose spring, relative to the rock's at its place. The spring ends up without force."""
 
-def check_held(cover: Cover, constraints: csr_array) -> None:
-    """Raise SolveError, naming the motion, where `constraints` (m, n_dofs) leave a piece of a body free to move."""
-    for functions in pieces(cover):
-        motion = free_motion(cover, functions, constraints)
-        if motion is not None:
-            centre = cover.lattice.to_metres(cover.patch_nodes[functions].mean(axis=0))
-            raise SolveError(
-                f"the piece of rock round ({centre[0]:.3g}, {centre[1]:.3g}) m is free to move: {_named(motion)}; "
-                "it needs supports of its own (a piece held by contact alone is not supported in this version)"
-            )
+FULL_PATCH = 0.5
+"""Springs hang on patches whose stiffness is at least this part of the piece's median: on no sliver."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreePiece:
+    """A piece of rock that the supports leave free to move."""
+
+    functions: Ints  # physical patches
+    motion: Floats  # (3,) its part of a free motion: translation x, y and rotation
+    centre: Floats  # (2,) m
+
+    def __str__(self) -> str:
+        """Say which piece it is."""
+        return f"the piece of rock round ({self.centre[0]:.3g}, {self.centre[1]:.3g}) m"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Springs:
+    """Springs to the ground on the coefficients of a few physical patches."""
+
+    dofs: Ints  # (k,)
+    stiffness: Floats  # (k,) Pa
+    piece: Ints  # (k,) index into the free pieces
+
+    def added_to(self, matrix: csc_array) -> csc_array:
+        """A stiffness matrix (n_dofs, n_dofs) with the springs."""
+        return csc_array(matrix + csc_array((self.stiffness, (self.dofs, self.dofs)), shape=matrix.shape))
+
+
+def free_pieces(cover: Cover, constraints: csr_array) -> tuple[FreePiece, ...]:
+    """Pieces that take part in a rigid motion which `constraints` (m, n_dofs) do not see."""
+    found = pieces(cover)
+    motions = np.concatenate([rigid_motions(cover, functions) for functions in found], axis=1)
+    held = constraints @ motions
+    n = motions.shape[1]
+    _, values, directions = np.linalg.svd(np.vstack([held, np.zeros((n, n))]), full_matrices=False)
+    free = directions[values <= HOLDS_NOTHING].reshape(-1, len(found), 3)
+    moving = np.abs(free).max(axis=(0, 2), initial=0.0) > HOLDS_NOTHING
+    result = []
+    for index in np.flatnonzero(moving).tolist():
+        mine = free[:, index]
+        centre = cover.lattice.to_metres(cover.patch_nodes[found[index]].mean(axis=0))
+        result.append(FreePiece(found[index], mine[np.argmax(np.abs(mine).max(axis=1))], centre))
+    return tuple(result)
+
+
+def check_held(pieces: tuple[FreePiece, ...], touching: Ints) -> None:
+    """Raise SolveError, naming the motion, for free pieces none of whose patches is among `touching` (k,)."""
+    for piece in pieces:
+        if not np.isin(piece.functions, touching).any():
+            raise SolveError(f"{piece} is free to move: {named(piece.motion)}; it needs supports of its own")
+
+
+def loose_springs(cover: Cover, stiffness: csc_array, pieces: tuple[FreePiece, ...]) -> Springs:
+    """Two springs in x and two in y on each free piece, on patches far apart."""
+    diagonal = stiffness.diagonal()
+    dofs, piece = [], []
+    for index, free in enumerate(pieces):
+        full = diagonal[2 * free.functions]
+        solid = free.functions[full >= FULL_PATCH * np.median(full)]
+        nodes = cover.patch_nodes[solid]
+        first = int(np.argmax(np.abs(nodes - nodes.mean(axis=0)).sum(axis=1)))
+        last = int(np.argmax(np.abs(nodes - nodes[first]).sum(axis=1)))
+        ends = solid[np.unique([first, last])]
+        dofs.append((2 * ends[:, None] + np.arange(2)).ravel())
+        piece.append(np.full(2 * len(ends), index))
+    chosen = np.concatenate(dofs)
+    return Springs(chosen, SPRING_STIFFNESS * diagonal[chosen], np.concatenate(piece))
 
 
 def pieces(cover: Cover) -> list[Ints]:
@@ -49,14 +112,7 @@ def rigid_motions(cover: Cover, functions: Ints) -> Floats:
     return motions
 
 
-def free_motion(cover: Cover, functions: Ints, constraints: csr_array) -> Floats | None:
-    """A rigid motion (3,) of a piece that the constraints do not see, None where they hold it."""
-    held = constraints @ rigid_motions(cover, functions)
-    _, values, motions = np.linalg.svd(np.vstack([held, np.zeros((3, 3))]))
-    return None if values[-1] > HOLDS_NOTHING else np.asarray(motions[-1])
-
-
-def _named(motion: Floats) -> str:
+def named(motion: Floats) -> str:
     """A rigid motion in words."""
     if abs(motion[2]) > HOLDS_NOTHING:
         return "rotation"

@@ -6,14 +6,18 @@ along an edge the average weighted with the multiplier's hat function.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array, vstack
 
 from crackgrow.approximation.basis import basis_at, value_matrix
-from crackgrow.case.model import Body, EdgeRegion, EdgeSupport, PointSupport
+from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, PointSupport, Support
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
+from crackgrow.cover.face_edges import edges_of_region
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.lines import on_edges
 
@@ -24,25 +28,62 @@ POINTS_PER_EDGE = 6
 """Gauss points on each edge of the arrangement: round-off for the polynomials, 1e-6 for the rest."""
 
 
-def constraints(
-    cover: Cover, bodies: tuple[Body, ...], supports: tuple[PointSupport | EdgeSupport, ...]
-) -> tuple[csr_array, Floats]:
-    """Constraint matrix C (m, n_dofs) and prescribed displacements g (m,) in metres.
+@dataclass(frozen=True, slots=True, eq=False)
+class Constraints:
+    """Linear conditions C u = g on the displacement."""
 
-    Raises GeometryError for a support outside of all bodies.
+    matrix: csr_array  # (m, n_dofs) C
+    given: Floats  # (m,) m, g
+    support: Ints  # (m,) number of the support that a row belongs to, -1 for none
+    component: Ints  # (m,) 0: x, 1: y
+
+
+def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support]) -> Constraints:
+    """The conditions of all supports; contact supports have none.
+
+    Raises GeometryError for a support outside of its body.
     """
     rows: list[csr_array] = [csr_array((0, cover.n_dofs))]
-    given: list[Floats] = []
-    for support in supports:
+    given: list[Floats] = [np.empty(0)]
+    owner: list[Ints] = [np.empty(0, dtype=np.int64)]
+    components: list[Ints] = [np.empty(0, dtype=np.int64)]
+    for number, support in enumerate(supports):
+        if isinstance(support, ContactSupport):
+            continue
         if isinstance(support, PointSupport):
-            values = _at_point(cover, support.point)
+            average, points, elements = _at_point(cover, bodies, support)
         else:
-            values = _along_edge(cover, bodies, support.region)
+            average, points, elements = _along_edge(cover, bodies, support.region)
+        values = csr_array(average @ value_matrix(basis_at(cover, points, elements), cover.n_functions))
+        places = cover.lattice.to_metres(points)
         for component, displacement in enumerate(support.displacement):
             if displacement is not None:
                 rows.append(component_matrix(values, component))
-                given.append(np.full(values.shape[0], displacement))
-    return csr_array(vstack(rows, format="csr")), np.concatenate(given) if given else np.empty(0)
+                given.append(prescribed(displacement, average, places))
+                owner.append(np.full(len(given[-1]), number))
+                components.append(np.full(len(given[-1]), component))
+    return Constraints(
+        csr_array(vstack(rows, format="csr")), np.concatenate(given), np.concatenate(owner), np.concatenate(components)
+    )
+
+
+def tied(constraints: Constraints, rows: csr_array) -> Constraints:
+    """The constraints with further `rows` (k, n_dofs) that are held at zero."""
+    n = rows.shape[0]
+    none = np.full(n, -1)
+    return Constraints(
+        csr_array(vstack([constraints.matrix, rows], format="csr")),
+        np.concatenate([constraints.given, np.zeros(n)]),
+        np.concatenate([constraints.support, none]),
+        np.concatenate([constraints.component, none]),
+    )
+
+
+def prescribed(displacement: Component, average: csr_array, points: Floats) -> Floats:
+    """Averages (m,) m of a prescribed displacement, from its values at points (n, 2) m by `average` (m, n)."""
+    if callable(displacement):
+        return np.asarray(average @ displacement(points))
+    return np.full(average.shape[0], displacement)
 
 
 def component_matrix(values: csr_array, component: int) -> csr_array:
@@ -52,62 +93,44 @@ def component_matrix(values: csr_array, component: int) -> csr_array:
     )
 
 
-def edge_points(cover: Cover, bodies: tuple[Body, ...], region: EdgeRegion) -> tuple[Floats, Floats, Ints, Floats]:
+def edge_points(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> tuple[Floats, Floats, Ints, Floats]:
     """Gauss points along a region of an edge.
 
-    Points (n, 2) in lattice coordinates, their lengths (n,) m, elements (n,), arc length (n,) m from the edge's start.
+    Points (n, 2) in lattice coordinates, their lengths (n,) m, elements (n,), arc length (n,) m from the part's start.
     """
-    body_index = next(index for index, body in enumerate(bodies) if body.name == region.body)
-    body = bodies[body_index]
-    outlines = cover.elements.outlines
-    named = np.array([name == region.edge for name in body.edge_names])
-    mine = np.flatnonzero((outlines.body == body_index) & named[outlines.segment])
-    ends = outlines.points[mine]
-    elements = outlines.element[mine]
-    corner = int(np.flatnonzero(named)[0])
-    start = cover.lattice.to_lattice(body.outline[corner])
-    direction = body.outline[(corner + 1) % len(body.outline)] - body.outline[corner]
-    axis = int(np.argmax(np.abs(direction)))
-    unit = direction / np.hypot(*direction)
-    ends, elements = _clipped(cover, ends, elements, region, axis)
-    position, weights = on_edges(len(ends), POINTS_PER_EDGE)
-    step = ends[:, 1] - ends[:, 0]
-    points = (ends[:, None, 0] + position[:, :, None] * step[:, None]).reshape(-1, 2)
-    length = (weights * np.hypot(step[:, 0], step[:, 1])[:, None]).ravel() * cover.lattice.spacing
-    s = (points - start) @ unit * cover.lattice.spacing
-    return points, length, np.repeat(elements, POINTS_PER_EDGE), s
+    body = body_index(bodies, region.body)
+    sides = cover.bodies[body].sides
+    edges = edges_of_region(cover.elements.outlines, body, sides, region.sides, region.limits)
+    position, weights = on_edges(len(edges.s), POINTS_PER_EDGE)
+    step = edges.points[:, 1] - edges.points[:, 0]
+    points = (edges.points[:, None, 0] + position[:, :, None] * step[:, None]).reshape(-1, 2)
+    size = np.diff(edges.s, axis=1)
+    lengths = (weights * size).ravel() * cover.lattice.spacing
+    s = (edges.s[:, :1] + position * size).ravel() * cover.lattice.spacing
+    return points, lengths, np.repeat(edges.plus, POINTS_PER_EDGE), s
 
 
-def _clipped(cover: Cover, ends: Floats, elements: Ints, region: EdgeRegion, axis: int) -> tuple[Floats, Ints]:
-    """The edges (n, 2, 2) cut off at the region's coordinates along `axis`."""
-    low, high = -np.inf, np.inf
-    if region.start is not None:
-        low = (region.start - cover.lattice.origin[axis]) / cover.lattice.spacing
-    if region.end is not None:
-        high = (region.end - cover.lattice.origin[axis]) / cover.lattice.spacing
-    along = ends[:, :, axis]
-    clipped = np.clip(along, low, high)
-    span = along[:, 1] - along[:, 0]
-    t = (clipped - along[:, :1]) / span[:, None]
-    cut = ends[:, :1] + t[:, :, None] * (ends[:, 1:] - ends[:, :1])
-    keep = np.abs(clipped[:, 1] - clipped[:, 0]) > 0.0
-    return cut[keep], elements[keep]
+def body_index(bodies: Sequence[Body], name: str) -> int:
+    """Number of the body of that name."""
+    return next(index for index, body in enumerate(bodies) if body.name == name)
 
 
-def _at_point(cover: Cover, point: Floats) -> csr_array:
-    at = cover.lattice.to_lattice(point[None])
-    element = locate(cover.lattice, cover.elements, at)
+_Averages = tuple[csr_array, Floats, Ints]  # averages (rows, n) of values at points (n, 2) in elements (n,)
+
+
+def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _Averages:
+    at = cover.lattice.to_lattice(support.point[None])
+    element = locate(cover.lattice, cover.elements, at, body_index(bodies, support.body))
     if element[0] < 0:
-        raise GeometryError(f"the support at ({point[0]:g}, {point[1]:g}) m lies outside of all bodies")
-    return value_matrix(basis_at(cover, at, element), cover.n_functions)
+        x, y = support.point
+        raise GeometryError(f"the support at ({x:g}, {y:g}) m lies outside of body '{support.body}'")
+    return csr_array(np.ones((1, 1))), at, element
 
 
-def _along_edge(cover: Cover, bodies: tuple[Body, ...], region: EdgeRegion) -> csr_array:
-    """Averages weighted with hat functions whose nodes are about one spacing apart: (nodes, n_functions)."""
+def _along_edge(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> _Averages:
+    """Averages weighted with hat functions whose nodes are about one spacing apart."""
     points, length, elements, s = edge_points(cover, bodies, region)
-    values = value_matrix(basis_at(cover, points, elements), cover.n_functions)
-    total = length.sum()
-    n_pieces = max(1, int(total / cover.lattice.spacing))
+    n_pieces = max(1, int(length.sum() / cover.lattice.spacing))
     position = (s - s.min()) / (s.max() - s.min()) * n_pieces
     hats = np.maximum(0.0, 1.0 - np.abs(position[None] - np.arange(n_pieces + 1)[:, None])) * length
-    return csr_array(diags_array(1.0 / hats.sum(axis=1)) @ (csr_array(hats) @ values))
+    return csr_array(diags_array(1.0 / hats.sum(axis=1)) @ csr_array(hats)), points, elements

@@ -46,7 +46,7 @@ def test_both_sides_of_every_border_that_is_no_crack_agree(build, name: str, sup
 def test_displacement_jumps_across_the_crack(build, name: str, support: float) -> None:
     sample = sample_of(build, name, support)
     u = random_unknowns(sample)
-    for crack in sample.cover.elements.cracks:
+    for crack in sample.cover.elements.lines:
         middles = crack.points.mean(axis=1)
         plus, minus = (displacement_at(sample.cover, u, middles, side) for side in (crack.plus, crack.minus))
         jump = np.hypot(*(plus - minus).T)
@@ -59,7 +59,7 @@ def test_jump_closes_with_the_square_root_of_the_distance_from_the_tip(build, na
     sample = sample_of(build, name, 2.0)
     u = random_unknowns(sample)
     for (index, at_end), tip in zip(sample.cover.tip_ends, sample.cover.tips, strict=True):
-        crack = sample.cover.elements.cracks[index]
+        crack = sample.cover.elements.lines[index]
         last = -1 if at_end else 0
         back = -tip.rotation[0]
         points = tip.point + np.array([[4e-6], [1e-6]]) * back

@@ -32,7 +32,10 @@ def solution(build, *, shift=(0.0, 0.0), mirror=(1.0, 1.0), size=1.0, young=1.0,
     )  # fmt: skip
     t = young * 1e-3 * np.array(traction) * mirror
     top, bottom = ("top", "bottom") if mirror[1] > 0 else ("bottom", "top")
-    held = [PointSupport(place(LOWER), (0.0, 0.0)), PointSupport(place(LOWER * (0, 1) + UPPER * (1, 0)), (None, 0.0))]
+    held = [
+        PointSupport("rock", place(LOWER), (0.0, 0.0)),
+        PointSupport("rock", place(LOWER * (0, 1) + UPPER * (1, 0)), (None, 0.0)),
+    ]
     u = sample.solve(held, {top: tuple(t), bottom: tuple(-t)})
     points = sample.lattice.to_lattice(place(PLACES))
     elements = locate(sample.lattice, sample.cover.elements, points)
@@ -79,7 +82,7 @@ def test_turning_the_crack_round_does_not_matter(build) -> None:
     results = []
     for points in (KINKED, KINKED[::-1]):
         sample = build.sample(LOWER, UPPER, [build.crack(points)], support=2.0)
-        held = [PointSupport(LOWER, (0.0, 0.0)), PointSupport(np.array([6.0, 0.0]), (None, 0.0))]
+        held = [PointSupport("rock", LOWER, (0.0, 0.0)), PointSupport("rock", np.array([6.0, 0.0]), (None, 0.0))]
         u = sample.solve(held, {"top": (0.2, 1.0), "bottom": (-0.2, -1.0)})
         at = sample.lattice.to_lattice(PLACES)
         results.append(displacement_at(sample.cover, u, at, locate(sample.lattice, sample.cover.elements, at)))
@@ -88,7 +91,7 @@ def test_turning_the_crack_round_does_not_matter(build) -> None:
 
 def test_crack_without_load_opens_under_tension_and_the_body_gets_softer(build) -> None:
     """The work of the load grows with the crack's length."""
-    held = [PointSupport(LOWER, (0.0, 0.0)), PointSupport(np.array([6.0, 0.0]), (None, 0.0))]
+    held = [PointSupport("rock", LOWER, (0.0, 0.0)), PointSupport("rock", np.array([6.0, 0.0]), (None, 0.0))]
     tops = np.array([[x, 5.0] for x in np.linspace(0.5, 5.5, 11)])
     lifts = []
     for half in (0.0, 0.8, 1.3, 1.8):

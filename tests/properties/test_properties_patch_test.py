@@ -24,7 +24,9 @@ def errors(sample, size: tuple[int, int], quadrature: int, stress: tuple[float, 
     sxx, syy, sxy = stress
     tractions = {"left": (-sxx, -sxy), "right": (sxx, sxy), "bottom": (-sxy, -syy), "top": (sxy, syy)}
     low, right = np.array([0.5, 0.5]), np.array([size[0] + 0.5, 0.5])
-    u = sample.solve([PointSupport(low, (0.0, 0.0)), PointSupport(right, (None, 0.0))], tractions, quadrature)
+    u = sample.solve(
+        [PointSupport("rock", low, (0.0, 0.0)), PointSupport("rock", right, (None, 0.0))], tractions, quadrature
+    )
     exx, eyy, gxy = np.linalg.solve(sample.material.matrix, stress)
     metres = np.random.default_rng(60).uniform(low, low + size, (600, 2))
     exact = (metres - low) @ np.array([[exx, gxy], [0.0, eyy]]).T  # no rotation of the lower side

@@ -74,11 +74,11 @@ def test_contact_tractions_along_the_crack(friction: float, spacing: float) -> N
     )
     s = solution.faces.s * solution.cover.lattice.spacing - HALF_LENGTH
     away = np.abs(s) < HALF_LENGTH - solution.cover.lattice.spacing  # more than a spacing from the tips
-    assert away.sum() >= 4
+    assert away.sum() >= 3
     pressure = np.interp(s[away], table["s_mm"] * 1e-3, table["normal_pressure_MPa"] * 1e6)
-    np.testing.assert_allclose(-solution.outcome.normal_traction[away], pressure, rtol=1e-2)
+    np.testing.assert_allclose(-solution.outcome.normal_traction[away], pressure, rtol=2e-3)
     shear = np.abs(solution.outcome.tangential_traction[away])
-    np.testing.assert_allclose(shear, friction * pressure, rtol=1e-2, atol=1.0)
+    np.testing.assert_allclose(shear, friction * pressure, rtol=2e-3, atol=1.0)
 
 
 def test_slip_along_the_crack_follows_the_reference() -> None:

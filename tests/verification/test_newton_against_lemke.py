@@ -73,9 +73,9 @@ def test_lcp_of_all_points_with_the_open_wings(friction: float) -> None:
     case = gauss_case(friction, "lemke")
     scene = make_scene(case)
     stiff = stiffness(solution.cover, scene.materials, case.numerics.quadrature)
-    rows, given = constraints(solution.cover, case.bodies, case.supports)
-    system = ConstrainedSystem(stiff, rows, scene.materials[0].c33)
-    free, _ = system.solve(load_vector(solution.cover, case.bodies, case.loads), given)
+    held = constraints(solution.cover, case.bodies, case.supports)
+    system = ConstrainedSystem(stiff, held.matrix)
+    free, _ = system.solve(load_vector(solution.cover, case.bodies, case.loads, 4), held.given)
     operators = contact_operators(solution.cover, solution.faces)[: 1 if friction == 0.0 else 2]
     jumps = csr_array(vstack(operators))
     weights = np.tile(solution.faces.weights * scene.lattice.spacing, len(operators))

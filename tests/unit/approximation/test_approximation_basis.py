@@ -67,7 +67,7 @@ def test_plain_functions_sum_to_one_and_reproduce_positions_everywhere(build, su
 def test_values_differ_on_the_faces_only_by_pieces_and_sines(build, support: float) -> None:
     """At a crack point: phi is the same from both sides, but belongs to other pieces where the patch is cut."""
     sample = kinked(build, support)
-    edges = sample.cover.elements.cracks[0]
+    edges = sample.cover.elements.lines[0]
     middles = edges.points.mean(axis=1)
     plus, minus = (basis_at(sample.cover, middles, side) for side in (edges.plus, edges.minus))
     window = sample.lattice.window
@@ -81,7 +81,7 @@ def test_values_differ_on_the_faces_only_by_pieces_and_sines(build, support: flo
 
 def test_faces_next_to_a_tip_share_the_patches_and_open_by_the_sines(build) -> None:
     sample = build.block((6, 5), [build.crack([(1.7, 2.5), (4.2, 2.5)])], 2.0)
-    edges = sample.cover.elements.cracks[0]
+    edges = sample.cover.elements.lines[0]
     tip = sample.cover.tips[1]
     point = tip.point - (1e-3, 0.0)
     plus, minus = (

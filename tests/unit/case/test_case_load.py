@@ -62,7 +62,7 @@ def test_compression30_in_si():
     (crack,) = case.cracks
     assert (case.name, case.plane, case.load_factors) == ("compression30", "strain", (1.0,))
     assert body.outline.tolist() == [[-0.0155, -0.0275], [0.0155, -0.0275], [0.0155, 0.0275], [-0.0155, 0.0275]]
-    assert body.edge_names == ("bottom", "right", "top", "left")
+    assert body.rings[0].edge_names == ("bottom", "right", "top", "left")
     assert (body.material.young, body.material.poisson, body.material.density) == (1e10, 0.25, None)
     assert body.strength is not None
     assert (body.strength.tension, body.strength.cohesion, body.strength.friction_angle) == (5e5, 1e7, 40.0)
@@ -71,12 +71,14 @@ def test_compression30_in_si():
     assert (crack.tip_at_start, crack.tip_at_end) == (True, True)
     assert crack.contact is not None
     assert (crack.contact.friction, crack.contact.cohesion) == (0.0, 0.0)
+    assert (crack.body, case.interfaces) == ("rock", ())
+    assert [support.body for support in case.supports] == ["rock"] * 3
     assert all(isinstance(support, PointSupport) for support in case.supports)
     assert [support.displacement for support in case.supports] == [(None, 0.0), (None, 0.0), (0.0, None)]
     assert [(load.region.edge, load.traction) for load in case.loads] == [("top", (0.0, -1e8)), ("bottom", (0.0, 1e8))]
     assert case.growth is not None
     assert (case.growth.steps, case.growth.increment, case.growth.tip_radius) == (22, 0.002, 0.001)
-    assert case.growth.criterion == "directional_strength"
+    assert (case.growth.criterion, case.growth.direction) == ("directional_strength", "explicit")
     assert case.growth.unload_between_steps is True
 
 
@@ -85,7 +87,8 @@ def test_defaults_are_filled_in():
     numerics = case.numerics
     assert (numerics.spacing, numerics.support, numerics.quadrature) == (0.0015, 2.0, 4)
     contact = numerics.contact
-    assert (contact.stiffness, contact.discretization, contact.solver, contact.spacing) == (None, "mortar", "newton", 1)
+    assert (contact.stiffness, contact.discretization, contact.solver) == (None, "mortar", "newton")
+    assert contact.spacing == 1.25
     assert (case.output.frames, case.output.fields, case.output.figures) == (
         "every_step",
         ("displacement", "stress"),
@@ -102,9 +105,10 @@ def test_defaults_of_one_case_are_not_those_of_the_next():
 
 def test_arrays_are_read_only():
     case = load_case(CASES / "compression30.yaml")
-    for array in (case.bodies[0].outline, case.cracks[0].points, case.supports[0].point):
+    region = case.loads[0].region
+    for array in (case.bodies[0].outline, case.cracks[0].points, case.supports[0].point, region.sides, region.limits):
         with pytest.raises(ValueError, match="read-only"):
-            array[0] = 1.0
+            array[0] = 1
 
 
 def test_tension0_is_horizontal():
@@ -190,6 +194,7 @@ def test_repeated_vertices_are_dropped():
         ("units.length=cm", lambda c: c.numerics.spacing, 0.015),
         ("cracks.flaw.tips=end", lambda c: (c.cracks[0].tip_at_start, c.cracks[0].tip_at_end), (False, True)),
         ("growth.steps=1e1", lambda c: c.growth.steps, 10),
+        ("growth.criterion=max_hoop_stress", lambda c: c.growth.criterion, "max_hoop_stress"),
     ],
 )
 def test_overrides(override, read, value):
@@ -235,7 +240,8 @@ def test_edge_support_with_part(tmp_path: Path):
     path = edited(tmp_path, "at: [0, -27.5] ", "on: {body: rock, edge: bottom, from: -5, to: 5} ")
     support = load_case(path).supports[2]
     assert isinstance(support, EdgeSupport)
-    assert (support.region.edge, support.region.start, support.region.end) == ("bottom", -0.005, 0.005)
+    assert (support.region.body, support.region.edge, support.region.sides.tolist()) == ("rock", "bottom", [0])
+    np.testing.assert_allclose(support.region.limits, [[10.5 / 31, 20.5 / 31]], rtol=1e-14)  # a few roundings
 
 
 def without(tmp_path: Path, *keys: str) -> Path:
@@ -306,6 +312,7 @@ def test_missing_key(key: str, tmp_path: Path):
 
 
 OPTIONAL = ["source", "units", "loads", "loading", "growth", "growth.unload_between_steps", "numerics.contact"]
+OPTIONAL += ["growth.direction", "interfaces"]
 
 
 @pytest.mark.parametrize("key", [*OPTIONAL, "output", "output.frames", "cracks.flaw.tips", "numerics.support"])

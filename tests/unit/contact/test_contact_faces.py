@@ -58,7 +58,7 @@ def shape_sum(faces: ContactFaces) -> np.ndarray:
     return np.asarray(faces.functions.sum(axis=0)).ravel()
 
 
-@pytest.mark.parametrize(("spacing", "n"), [(3.0, 3), (1.5, 5), (1.0, 9), (0.5, 19)])
+@pytest.mark.parametrize(("spacing", "n"), [(3.0, 1), (1.5, 5), (1.0, 9), (0.5, 19)])
 @pytest.mark.parametrize("angle", [0.0, 30.0, -75.0])
 def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> None:
     path = tilted(LENGTH, angle)
@@ -71,7 +71,7 @@ def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> 
     np.testing.assert_allclose(sample.lattice.to_metres(faces.nodes.points), expected, atol=ROUND_OFF)
 
 
-@pytest.mark.parametrize(("distance", "n"), [(0.5, 19), (1.0, 9), (2.0, 5), (4.0, 1)])
+@pytest.mark.parametrize(("distance", "n"), [(0.5, 19), (1.0, 9), (2.0, 3), (4.0, 1)])
 def test_the_distance_of_the_nodes_is_a_setting(build, distance: float, n: int) -> None:
     assert mortar_faces(plate(build, tilted(LENGTH, 30.0)).cover, [0], distance).n == n
 
@@ -106,7 +106,7 @@ def test_functions_interpolate_linearly_between_nodes_and_stay_constant_beyond(b
 
 def test_weighted_points_integrate_along_the_crack(build) -> None:
     """Half powers of the distance from a tip, as openings have them, and polynomials."""
-    faces = mortar_faces(plate(build, PATHS["straight"]).cover, [0], 1.0)
+    faces = mortar_faces(plate(build, PATHS["straight"]).cover, [0], 0.8)
     s, total = faces.points.s, arc_lengths(np.array(PATHS["straight"]))[-1]
     for power in (0.5, 1.0, 1.5, 3.0, 4.0):
         # sqrt(distance) is integrated exactly in the piece at the tip, to 1e-9 by 5 points in the others
@@ -120,12 +120,28 @@ def test_sharp_kinks_split_stretches_and_gentle_ones_do_not(build, kink: float, 
     faces = mortar_faces(plate(build, path).cover, [0], 1.0)
     assert len(stretch_ends(path)) == n_stretches + 1
     assert set(faces.stretch.tolist()) == set(range(n_stretches))
-    assert faces.n == {1: 7, 2: 3 + 3}[n_stretches]
+    assert faces.n == {1: 5, 2: 3 + 1}[n_stretches]
     before, after = faces.points.s < 4.0, faces.points.s > 4.0
     reach = faces.functions.toarray() > 0.0
     round_the_kink = reach[:, before].any(axis=1) & reach[:, after].any(axis=1)
     # the gentle kink lies between two nodes, whose hats reach to both sides
     assert round_the_kink.sum() == {1: 2, 2: 0}[n_stretches]
+
+
+@pytest.mark.parametrize("distance", [1.0, 1.25, 1.5])
+@pytest.mark.parametrize("length", np.linspace(4.0, 9.0, 11))
+def test_nodes_are_never_closer_than_asked(build, length: float, distance: float) -> None:
+    """Closer nodes carry tractions that the displacement cannot follow: they oscillate."""
+    s = mortar_faces(plate(build, tilted(length, 30.0)).cover, [0], distance).s
+    assert np.diff(s).min(initial=np.inf) > distance * (1.0 - 1e-5)
+
+
+def test_an_end_that_is_no_tip_has_a_node_with_half_a_hat(build) -> None:
+    through = build.crack([(-15.5, 3.3), (15.5, 3.3)], (False, False))  # from side to side
+    sample = build.sample((-15.5, -27.5), (15.5, 27.5), [through], spacing=1.0, support=2.0)
+    faces = mortar_faces(sample.cover, [0], 31.0 / 14.0)
+    assert (faces.s[0], faces.s[-1]) == pytest.approx((0.0, 31.0), abs=ROUND_OFF)
+    np.testing.assert_allclose(faces.weights, np.array([0.5, *[1.0] * 13, 0.5]) * 31.0 / 14.0, atol=ROUND_OFF)
 
 
 @pytest.mark.parametrize("length", [0.3, 0.7, 1.4, 2.4])
@@ -200,13 +216,13 @@ def test_two_cracks_keep_their_own_points(build) -> None:
     cover = plate(build, first, second).cover
     both = mortar_faces(cover, [0, 1], 1.0)
     alone = mortar_faces(cover, [1], 1.0)
-    assert np.bincount(both.crack).tolist() == [9, 5]
-    assert alone.crack.tolist() == [1] * 5
-    np.testing.assert_array_equal(both.nodes.points[both.crack == 1], alone.nodes.points)
-    np.testing.assert_array_equal(both.weights[both.crack == 1], alone.weights)
+    assert np.bincount(both.surface).tolist() == [9, 3]
+    assert alone.surface.tolist() == [1] * 3
+    np.testing.assert_array_equal(both.nodes.points[both.surface == 1], alone.nodes.points)
+    np.testing.assert_array_equal(both.weights[both.surface == 1], alone.weights)
     reach = both.functions.toarray() > 0.0
-    assert not reach[both.crack == 0][:, both.points.crack == 1].any()
-    assert not reach[both.crack == 1][:, both.points.crack == 0].any()
+    assert not reach[both.surface == 0][:, both.points.surface == 1].any()
+    assert not reach[both.surface == 1][:, both.points.surface == 0].any()
     np.testing.assert_allclose(shape_sum(both), 1.0, rtol=1e-14)
 
 

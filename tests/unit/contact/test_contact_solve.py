@@ -10,11 +10,11 @@ import pytest
 from scipy.sparse import csc_array, csr_array
 
 import crackgrow.contact.solve as module
-from crackgrow.case.model import EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactSolution
 from crackgrow.contact.faces import ContactFaces, mortar_faces
 from crackgrow.contact.jump import contact_operators, gap_and_slip
-from crackgrow.contact.solve import ContactLaw, ContactOutcome, solve_contact
+from crackgrow.contact.solve import ContactLaw, ContactOutcome, ContactSystem, solve_contact
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
@@ -52,9 +52,8 @@ class Block:
         n = self.faces.n
         law = ContactLaw(np.full(n, friction), np.full(n, cohesion), np.full(n, 1.0 / stiffness))
         operators = contact_operators(self.sample.cover, self.faces)
-        return solve_contact(
-            self.system, factor * self.loads, factor * self.given, operators, self.faces.weights, law, solver
-        )
+        contact = ContactSystem(self.system, *operators, self.faces.weights, law, solver)
+        return solve_contact(contact, factor * self.loads, factor * self.given)
 
 
 def cut(angle_deg: float) -> np.ndarray:
@@ -67,8 +66,8 @@ def make(build, supports: list[Support], tractions: dict[str, tuple[float, float
     crack = build.crack(cut(angle), tips=(False, False))
     sample = build.sample((0.0, 0.0), (WIDTH, HEIGHT), [crack], spacing=SPACING, support=2.0, young=YOUNG)
     system, given = sample.system(supports, quadrature=8)
-    loads = tuple(EdgeTraction(EdgeRegion("rock", edge), t) for edge, t in tractions.items())
-    f = load_vector(sample.cover, (sample.body,), loads)
+    loads = tuple(EdgeTraction(build.edge(edge), t) for edge, t in tractions.items())
+    f = load_vector(sample.cover, (sample.body,), loads, 8)
     return Block(sample, system, given, f, mortar_faces(sample.cover, list(touching), 1.0))
 
 
@@ -98,17 +97,17 @@ def uniform(build, stress: np.ndarray, angle: float, slip: float = 0.0, touching
             point = np.array([x, y])
             displacement = strain(stress) @ (point - middle) + offset
             components = [None if k in free else float(displacement[k]) for k in range(2)]
-            supports.append(PointSupport(point, (components[0], components[1])))
+            supports.append(PointSupport("rock", point, (components[0], components[1])))
     return make(build, supports, tractions, angle, touching)
 
 
 def pressed(build, shortening: float, touching=(0,)) -> Block:
     """A bar with a level cut, its ends pushed together without friction."""
     supports = [
-        EdgeSupport(EdgeRegion("rock", "bottom"), (None, 0.0)),
-        EdgeSupport(EdgeRegion("rock", "top"), (None, -shortening)),
-        PointSupport(np.array([0.5 * WIDTH, 0.0]), (0.0, None)),
-        PointSupport(np.array([0.5 * WIDTH, HEIGHT]), (0.0, None)),
+        EdgeSupport(build.edge("bottom"), (None, 0.0)),
+        EdgeSupport(build.edge("top"), (None, -shortening)),
+        PointSupport("rock", np.array([0.5 * WIDTH, 0.0]), (0.0, None)),
+        PointSupport("rock", np.array([0.5 * WIDTH, HEIGHT]), (0.0, None)),
     ]
     return make(build, supports, {}, 0.0, touching)
 
@@ -241,10 +240,10 @@ def test_equilibrium_with_supports_and_contact_tractions(build) -> None:
 def tilting(build) -> Block:
     """The upper half turned round its middle: the cut opens on the left and closes on the right."""
     supports: list[Support] = [
-        PointSupport(np.array([0.0, 0.0]), (0.0, 0.0)),
-        PointSupport(np.array([WIDTH, 0.0]), (None, 0.0)),
-        PointSupport(np.array([0.0, HEIGHT]), (0.0, 0.02)),
-        PointSupport(np.array([WIDTH, HEIGHT]), (None, -0.02)),
+        PointSupport("rock", np.array([0.0, 0.0]), (0.0, 0.0)),
+        PointSupport("rock", np.array([WIDTH, 0.0]), (None, 0.0)),
+        PointSupport("rock", np.array([0.0, HEIGHT]), (0.0, 0.02)),
+        PointSupport("rock", np.array([WIDTH, HEIGHT]), (None, -0.02)),
     ]
     return make(build, supports, {}, 0.0)
 
@@ -280,16 +279,17 @@ def test_a_point_that_the_contact_of_another_closes_is_taken_in(solver: str) -> 
     compliance = np.array([[2.0, -1.0], [-1.0, 2.0]])
     K = np.eye(3)
     K[:2, :2] = np.linalg.inv(compliance)
-    system = ConstrainedSystem(csc_array(K), csr_array([[0.0, 0.0, 1.0]]), 1.0)
+    system = ConstrainedSystem(csc_array(K), csr_array([[0.0, 0.0, 1.0]]))
     free = np.array([-1.0, 0.3])
     loads = np.append(K[:2, :2] @ free, 0.0)
     gap_of, slip_of = csr_array(np.eye(3)[:2]), csr_array((2, 3))
     law = ContactLaw(np.zeros(2), np.zeros(2), np.zeros(2))
-    outcome = solve_contact(system, loads, np.zeros(1), (gap_of, slip_of), np.ones(2), law, solver)
+    outcome = solve_contact(ContactSystem(system, gap_of, slip_of, np.ones(2), law, solver), loads, np.zeros(1))
     assert outcome.n_unknowns == 2
     np.testing.assert_allclose(outcome.normal_traction, K[:2, :2] @ free, rtol=1e-14)  # both gaps closed
     np.testing.assert_allclose(outcome.gap, 0.0, atol=1e-15)
-    apart = solve_contact(system, 1e-3 * loads, np.array([0.0]), (gap_of[:1], slip_of[:1]), np.ones(1), _one(), solver)
+    alone = ContactSystem(system, gap_of[:1], slip_of[:1], np.ones(1), _one(), solver)
+    apart = solve_contact(alone, 1e-3 * loads, np.array([0.0]))
     assert apart.normal_traction == pytest.approx([-5e-4])  # the first one alone: half of its overlap
 
 

@@ -24,13 +24,13 @@ def areas(sample) -> np.ndarray:
 
 
 def crack_lengths(elements: Elements, crack: int = 0) -> np.ndarray:
-    ends = elements.cracks[crack].points
+    ends = elements.lines[crack].points
     return np.hypot(*(ends[:, 1] - ends[:, 0]).T)
 
 
 def on_their_sides(elements: Elements, crack: int = 0) -> np.ndarray:
     """Whether the plus element lies just left of each edge's middle, and the minus element just right: (2, n)."""
-    edges = elements.cracks[crack]
+    edges = elements.lines[crack]
     start, along = edges.points[:, 0], edges.points[:, 1] - edges.points[:, 0]
     length = np.hypot(*along.T)
     left = np.stack([-along[:, 1], along[:, 0]], axis=1) / length[:, None]
@@ -55,13 +55,13 @@ def test_elements_fill_the_body(build, support: float, cracks: list) -> None:
 def test_plus_is_on_the_left_of_every_crack_edge(build, support: float) -> None:
     elements = build.block((6, 5), [build.crack(KINKED)], support).cover.elements
     assert on_their_sides(elements).all()
-    assert not np.intersect1d(elements.cracks[0].plus, elements.cracks[0].minus).size
+    assert not np.intersect1d(elements.lines[0].plus, elements.lines[0].minus).size
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_crack_edges_follow_the_crack_without_gaps(build, support: float) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)], support)
-    edges = sample.cover.elements.cracks[0]
+    edges = sample.cover.elements.lines[0]
     np.testing.assert_allclose(edges.s[1:, 0], edges.s[:-1, 1], atol=1e-8)
     np.testing.assert_array_equal(edges.points[1:, 0], edges.points[:-1, 1])
     corners = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(KINKED, axis=0).T))])
@@ -73,7 +73,7 @@ def test_crack_edges_follow_the_crack_without_gaps(build, support: float) -> Non
 def test_turning_a_crack_round_swaps_its_sides(build) -> None:
     forth = build.block((6, 5), [build.crack(KINKED)]).cover.elements
     back = build.block((6, 5), [build.crack(KINKED[::-1])]).cover.elements
-    np.testing.assert_array_equal(forth.reference[forth.cracks[0].plus], back.reference[back.cracks[0].minus][::-1])
+    np.testing.assert_array_equal(forth.reference[forth.lines[0].plus], back.reference[back.lines[0].minus][::-1])
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
@@ -139,7 +139,7 @@ def fault(build, points: np.ndarray, support: float) -> str:
         "area": abs(areas(sample).sum() - 30.0) > 30.0 * AREA,
         "length": abs(crack_lengths(elements).sum() - length) > 1e-8,  # rounding moves each end by 1e-9
         "side": not on_their_sides(elements).all(),
-        "gap": (elements.cracks[0].points[1:, 0] != elements.cracks[0].points[:-1, 1]).any(),
+        "gap": (elements.lines[0].points[1:, 0] != elements.lines[0].points[:-1, 1]).any(),
     }
     return ", ".join(name for name, is_wrong in wrong.items() if is_wrong)
 
@@ -167,9 +167,9 @@ def test_outline_edges_go_round_the_body_counter_clockwise(build) -> None:
     sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])
     outlines = sample.cover.elements.outlines
     steps = outlines.points[:, 1] - outlines.points[:, 0]
-    lengths = [np.hypot(*steps[outlines.segment == k].T).sum() for k in range(4)]
+    lengths = [np.hypot(*steps[outlines.side == k].T).sum() for k in range(4)]
     np.testing.assert_allclose(lengths, [6, 5, 6, 5], rtol=1e-8)
-    directions = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])[outlines.segment]
+    directions = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])[outlines.side]
     assert np.all(np.sum(steps * directions, axis=1) > 0.0)
     reference = sample.cover.elements.reference[outlines.element]
     inward = directions @ np.array([[0, 1], [-1, 0]])
@@ -184,10 +184,11 @@ def test_crack_that_leaves_the_body_is_refused(build) -> None:
 def test_two_bodies_side_by_side_keep_their_elements(build) -> None:
     """The common side is no crack; elements on both sides know their body."""
     from crackgrow.cover.elements import cut_elements
+    from crackgrow.cover.shapes import BodyGeometry
 
     lattice = build.block((6, 5)).lattice
     bodies = [np.array([[x, 2.5], [x + 3, 2.5], [x + 3, 7.5], [x, 7.5]]) for x in (2.5, 5.5)]
-    elements = cut_elements(lattice, bodies, [])
+    elements = cut_elements(lattice, [BodyGeometry((outline,)) for outline in bodies], [])
     x, y = tile_lines(lattice)
     i, j = elements.tile[: elements.n_whole].T
     area = np.concatenate([np.diff(x)[i] * np.diff(y)[j], shapely.area(elements.polygons)])

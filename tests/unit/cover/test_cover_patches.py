@@ -90,7 +90,7 @@ def test_fully_cut_patch_falls_in_two_and_the_one_round_a_tip_stays_one(build) -
     assert count[(2, 3)] == 2
     assert count[(4, 3)] == 1
     assert count[(5, 5)] == 1
-    edges = cover.elements.cracks[0]
+    edges = cover.elements.lines[0]
     both = np.intersect1d(cover.functions[edges.plus[0]], cover.functions[edges.minus[0]])
     assert both.max() < 0
 

@@ -15,7 +15,7 @@ NONE_YET = np.zeros(4, dtype=np.int64)
 
 
 def growing(points: list[tuple[float, float]], steps: list[int] | None = None) -> GrowingCrack:
-    crack = Crack("flaw", np.array(points, dtype=float), True, True, None)
+    crack = Crack("flaw", np.array(points, dtype=float), True, True, None, "rock")
     return GrowingCrack(crack, np.array(steps or [0] * len(points), dtype=np.int64))
 
 

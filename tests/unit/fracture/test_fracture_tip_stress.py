@@ -121,8 +121,8 @@ def vertical_crack_in_tension(build, tip_y: float, radius: float) -> TipField:
     crack = build.crack(path, (False, True))
     sample = build.sample((0.0, 0.0), (12.0, 14.0), [crack], support=2.0)
     supports = [
-        PointSupport(np.array([0.0, 0.0]), (0.0, 0.0)),
-        PointSupport(np.array([12.0, 0.0]), (None, 0.0)),
+        PointSupport("rock", np.array([0.0, 0.0]), (0.0, 0.0)),
+        PointSupport("rock", np.array([12.0, 0.0]), (None, 0.0)),
     ]
     u = sample.solve(supports, {"bottom": (0.0, -1.0), "top": (0.0, 1.0)}, quadrature=8)
     return tip_field(sample.cover, [sample.material], u, 0, radius)

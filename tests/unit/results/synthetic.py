@@ -17,6 +17,7 @@ from crackgrow.case.model import (
     Material,
     Numerics,
     Output,
+    Ring,
     Strength,
 )
 from crackgrow.run.result import (
@@ -42,7 +43,7 @@ def make_case(**output: Any) -> Case:
     x, y = WIDTH / 2, HEIGHT / 2
     outline = np.array([[-x, -y], [x, -y], [x, y], [-x, y]])
     edges = ("bottom", "right", "top", "left")
-    body = Body("rock", outline, edges, Material(1e10, 0.25), Strength(5e5, 1e7, 40.0))
+    body = Body("rock", (Ring(outline, edges),), Material(1e10, 0.25), Strength(5e5, 1e7, 40.0))
     settings = {"frames": "every_step", "fields": ("displacement", "stress"), "figures": False} | output
     return Case(
         name="block",
@@ -50,11 +51,12 @@ def make_case(**output: Any) -> Case:
         source="",
         plane="strain",
         bodies=(body,),
-        cracks=(Crack("flaw", CRACK, True, True, CoulombContact(0.3, 0.0)),),
+        cracks=(Crack("flaw", CRACK, True, True, CoulombContact(0.3, 0.0), "rock"),),
+        interfaces=(),
         supports=(),
         loads=(),
         load_factors=(1.0,),
-        growth=Growth(2, INCREMENT, "most_critical", "strength", 0.002, True),
+        growth=Growth(2, INCREMENT, "most_critical", "strength", "explicit", 0.002, True),
         numerics=Numerics(0.005, 2.0, 3, ContactNumerics(None, "mortar", "newton", 1.0)),
         output=Output(**settings),
         resolved={},
@@ -118,6 +120,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         tips=tips,
         contact=ContactPoints(("flaw",) * n, s, points, normal, tangential, opening, slip, state),
         faces=(CrackFaces("flaw", s, points, opening, slip, normal, tangential, state),),
+        reactions=(),
         frame=make_frame(1.0 + step),
         n_dofs=400 + 8 * step,
         n_contact=2 * n,

@@ -28,7 +28,7 @@ def files(folder: Path) -> set[str]:
     return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
 
 
-TABLES = {"case.yaml", "run.log", "tips.csv", "paths.csv", "contact.csv", "steps.csv"}
+TABLES = {"case.yaml", "run.log", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv"}
 
 
 def test_everything_is_on_disk_after_every_step(tmp_path: Path) -> None:

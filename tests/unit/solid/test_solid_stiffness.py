@@ -93,10 +93,11 @@ def test_plane_strain_stiffness_does_not_depend_on_the_spacings_unit(build) -> N
 
 def test_two_materials_each_stiffen_their_own_body(build) -> None:
     from crackgrow.cover.cover import build_cover
+    from crackgrow.cover.shapes import BodyGeometry
 
     lattice = build.block((6, 5)).lattice
     bodies = [np.array([[x, 2.5], [x + 3, 2.5], [x + 3, 7.5], [x, 7.5]]) for x in (2.5, 5.5)]
-    cover = build_cover(lattice, bodies, [])
+    cover = build_cover(lattice, [BodyGeometry((outline,)) for outline in bodies], [])
     materials = [plane_elasticity(young, 0.25, "strain") for young in (1.0, 10.0)]
     matrix = stiffness(cover, materials, 4)
     nodes = lattice.to_metres(cover.patch_nodes)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from crackgrow.approximation.basis import basis_at, value_matrix
-from crackgrow.case.model import EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
 from crackgrow.solid.loads import load_vector
@@ -30,7 +30,7 @@ def resultant(sample, f: np.ndarray) -> np.ndarray:
 def test_traction_has_its_resultant_force_and_moment(build, edge: str, support: float) -> None:
     sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))], support)
     traction = (2.0, -3.0)
-    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(EdgeRegion("rock", edge), traction),))
+    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(build.edge(edge), traction),), 4)
     middle = {"bottom": (3.5, 0.5), "right": (6.5, 3.0), "top": (3.5, 5.5), "left": (0.5, 3.0)}[edge]
     force = SIDES[edge] * np.array(traction)
     moment = middle[0] * force[1] - middle[1] * force[0]
@@ -39,26 +39,26 @@ def test_traction_has_its_resultant_force_and_moment(build, edge: str, support: 
 
 def test_traction_on_a_part_of_an_edge_has_the_parts_resultant(build) -> None:
     sample = build.block((6, 5), support=2.0)
-    region = EdgeRegion("rock", "right", 1.7, 4.1)
-    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(region, (1.0, 0.0)),))
+    region = build.edge("right", 0.24, 0.72)
+    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(region, (1.0, 0.0)),), 4)
     np.testing.assert_allclose(resultant(sample, f), [2.4, 0.0, -2.4 * 2.9], atol=1e-8)
 
 
 def test_loads_add_up(build) -> None:
     sample = build.block((6, 5))
     one, two = (
-        EdgeTraction(EdgeRegion("rock", "top"), (1.0, 2.0)),
-        EdgeTraction(EdgeRegion("rock", "left"), (0.0, -1.0)),
+        EdgeTraction(build.edge("top"), (1.0, 2.0)),
+        EdgeTraction(build.edge("left"), (0.0, -1.0)),
     )
-    together = load_vector(sample.cover, (sample.body,), (one, two))
-    single = [load_vector(sample.cover, (sample.body,), (load,)) for load in (one, two)]
+    together = load_vector(sample.cover, (sample.body,), (one, two), 4)
+    single = [load_vector(sample.cover, (sample.body,), (load,), 4) for load in (one, two)]
     np.testing.assert_allclose(together, sum(single), atol=1e-15)
 
 
 @pytest.mark.parametrize("edge", SIDES)
 def test_edge_points_lie_on_the_edge_and_their_lengths_add_up(build, edge: str) -> None:
     sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])
-    points, length, elements, s = edge_points(sample.cover, (sample.body,), EdgeRegion("rock", edge))
+    points, length, elements, s = edge_points(sample.cover, (sample.body,), build.edge(edge))
     metres = sample.lattice.to_metres(points)
     axis, value = {"bottom": (1, 0.5), "right": (0, 6.5), "top": (1, 5.5), "left": (0, 0.5)}[edge]
     np.testing.assert_allclose(metres[:, axis], value, rtol=1e-14)
@@ -73,9 +73,9 @@ def test_stretch_between_edge_supports_is_uniform(build, quadrature: int) -> Non
     """u_x = 0 left, 0.01 right, u_y = 0 bottom: free sides contract by Poisson's ratio; the field is linear."""
     sample = build.block((6, 5), support=2.0)
     held = [
-        EdgeSupport(EdgeRegion("rock", "left"), (0.0, None)),
-        EdgeSupport(EdgeRegion("rock", "right"), (0.01, None)),
-        EdgeSupport(EdgeRegion("rock", "bottom"), (None, 0.0)),
+        EdgeSupport(build.edge("left"), (0.0, None)),
+        EdgeSupport(build.edge("right"), (0.01, None)),
+        EdgeSupport(build.edge("bottom"), (None, 0.0)),
     ]
     u = sample.solve(held, {}, quadrature)
     metres = np.random.default_rng(50).uniform((0.5, 0.5), (6.5, 5.5), (200, 2))
@@ -94,9 +94,9 @@ def test_stretch_between_edge_supports_is_uniform(build, quadrature: int) -> Non
 def test_multipliers_are_the_reactions(build) -> None:
     """Pulled with a uniform traction at the top, held at the bottom: reactions sum to the pull."""
     sample = build.block((6, 5), [build.crack(KINKED)], 2.0)
-    held = (EdgeSupport(EdgeRegion("rock", "bottom"), (0.0, 0.0)),)
+    held = (EdgeSupport(build.edge("bottom"), (0.0, 0.0)),)
     system, given = sample.system(held)
-    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(EdgeRegion("rock", "top"), (0.5, 2.0)),))
+    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(build.edge("top"), (0.5, 2.0)),), 4)
     u, multipliers = system.solve(f, given)
     reactions = system.constraints.T @ multipliers
     np.testing.assert_allclose(resultant(sample, f - reactions), 0.0, atol=1e-8)
@@ -106,20 +106,20 @@ def test_multipliers_are_the_reactions(build) -> None:
 def test_constraint_rows_average_the_displacement_of_the_edge(build) -> None:
     """Each row gives a constant as it is, and their values of a linear field lie within the edge, in order."""
     sample = build.block((6, 5), support=2.0)
-    rows, given = constraints(sample.cover, (sample.body,), (EdgeSupport(EdgeRegion("rock", "right"), (0.3, None)),))
+    held = constraints(sample.cover, (sample.body,), (EdgeSupport(build.edge("right"), (0.3, None)),))
     nodes = sample.lattice.to_metres(sample.cover.patch_nodes)
-    np.testing.assert_allclose(rows @ np.tile([1.0, 7.0], len(nodes)), 1.0, rtol=1e-13)
-    heights = rows @ np.stack([nodes[:, 1], 0 * nodes[:, 0]], axis=1).ravel()
+    np.testing.assert_allclose(held.matrix @ np.tile([1.0, 7.0], len(nodes)), 1.0, rtol=1e-13)
+    heights = held.matrix @ np.stack([nodes[:, 1], 0 * nodes[:, 0]], axis=1).ravel()
     np.testing.assert_allclose(heights[1:-1], [1.5, 2.5, 3.5, 4.5], atol=2e-2)  # 6 Gauss points on a kinked hat
     assert 0.5 < heights[0] < heights[1]
     assert heights[-2] < heights[-1] < 5.5
-    np.testing.assert_array_equal(given, [0.3] * 6)
+    np.testing.assert_array_equal(held.given, [0.3] * 6)
 
 
 def test_point_support_holds_the_point_exactly(build) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)])
     place = np.array([5.2, 1.3])
-    held = [PointSupport(place, (0.02, -0.01)), PointSupport(np.array([0.5, 0.5]), (None, 0.0))]
+    held = [PointSupport("rock", place, (0.02, -0.01)), PointSupport("rock", np.array([0.5, 0.5]), (None, 0.0))]
     u = sample.solve(held, {"top": (0.0, 0.01), "bottom": (0.0, -0.01)})
     at = sample.lattice.to_lattice(place[None])
     element = locate(sample.lattice, sample.cover.elements, at)
@@ -131,11 +131,11 @@ def test_point_support_holds_the_point_exactly(build) -> None:
 def test_point_support_outside_is_refused_with_its_place(build) -> None:
     sample = build.block((6, 5))
     with pytest.raises(GeometryError, match=r"\(7, 2\) m lies outside"):
-        constraints(sample.cover, (sample.body,), (PointSupport(np.array([7.0, 2.0]), (0.0, None)),))
+        constraints(sample.cover, (sample.body,), (PointSupport("rock", np.array([7.0, 2.0]), (0.0, None)),))
 
 
 def test_no_supports_give_an_empty_matrix(build) -> None:
     sample = build.block((6, 5))
-    rows, given = constraints(sample.cover, (sample.body,), ())
-    assert rows.shape == (0, sample.cover.n_dofs)
-    assert given.shape == (0,)
+    held = constraints(sample.cover, (sample.body,), ())
+    assert held.matrix.shape == (0, sample.cover.n_dofs)
+    assert held.given.shape == (0,)

@@ -1,0 +1,85 @@
+"""Whether `on` of supports and loads names an edge, or a part of one; fills the regions of the scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from crackgrow.case.along import Along
+from crackgrow.case.layout import Scene, named
+from crackgrow.case.regions import FULL_CIRCLE, SAME_PLACE, Edge, edge_of, region_of
+from crackgrow.case.report import Path, did_you_mean, quoted
+from crackgrow.case.shapes import edge_hint
+
+
+def check_regions(scene: Scene) -> None:
+    """Report unknown bodies and edges and parts that are none; bring `from` and `to` to m, or degrees on arcs."""
+    for key in ("supports", "loads"):
+        items = scene.resolved.get(key)
+        for index, item in enumerate(items if isinstance(items, list) else []):
+            if "on" in (item if isinstance(item, dict) else {}) and scene.report.sound(key, index, "on"):
+                _check_region(scene, (key, index, "on"), item["on"])
+
+
+def knows_body(scene: Scene, key: Path, name: str) -> bool:
+    """Whether there is a body of this name; reports it at the key if not."""
+    names = list(named(scene.resolved, "bodies"))
+    if names and name not in names:
+        message = f"no body {quoted(name)}; the case has: {', '.join(names)}{did_you_mean(name, names)}"
+        scene.report.fault(key, message)
+    return name in names
+
+
+def _check_region(scene: Scene, key: Path, on: dict[str, Any]) -> None:
+    if not knows_body(scene, (*key, "body"), on["body"]):
+        return
+    body = scene.bodies.get(on["body"])
+    if body is None or not scene.report.sound("bodies", body.name, "edges"):
+        return
+    if on["edge"] not in body.edge_names:
+        allowed = edge_hint(on["edge"], body.edge_names)
+        message = f"body '{body.name}' has no edge {quoted(on['edge'])}; it has: {allowed}"
+        scene.report.fault((*key, "edge"), message)
+        return
+    edge = edge_of(body, on["edge"], scene.tolerance)
+    for end in ("from", "to"):
+        if end in on:
+            _settle(scene, (*key, end), on, end, edge)
+    if scene.report.sound(*key):
+        _check_part(scene, key, on, edge)
+    if scene.report.sound(*key):
+        scene.regions[key] = region_of(body, on, scene.tolerance)
+
+
+def _settle(scene: Scene, key: Path, on: dict[str, Any], end: str, edge: Edge) -> None:
+    """Bring `from` or `to` to what the edge measures; report the other kind, and places off the edge."""
+    place: Along = on[end]
+    kind, other = ("angle", "length") if edge.measure == "angle" else ("length", "angle")
+    value = place.angle if edge.measure == "angle" else place.length
+    if value is None:
+        scene.report.fault(key, f"a place on edge '{on['edge']}' is given by {_an(kind)}, not by {_an(other)}")
+        return
+    on[end] = value
+    low, high = edge.reach
+    if edge.measure == "angle":
+        if not -FULL_CIRCLE <= value <= 2 * FULL_CIRCLE:
+            message = f"{value:g} deg is out of range; wanted: an angle from {-FULL_CIRCLE:g} to {2 * FULL_CIRCLE:g}"
+            scene.report.fault(key, message)
+    elif not low - scene.tolerance <= value <= high + scene.tolerance:
+        reach = f"{edge.measure} from {scene.length(low)} to {scene.length(high)}"
+        scene.report.fault(key, f"{scene.length(value)} is not on edge '{on['edge']}', which has {reach}")
+
+
+def _check_part(scene: Scene, key: Path, on: dict[str, Any], edge: Edge) -> None:
+    """Report a part without length, or of more than the whole arc."""
+    start, end = on.get("from", edge.reach[0]), on.get("to", edge.reach[1])
+    at = (*key, "from" if "from" in on else "to")
+    is_arc = edge.measure == "angle"
+    shown = " to ".join(f"{value:g} deg" if is_arc else scene.length(value) for value in (start, end))
+    if end - start <= (FULL_CIRCLE * SAME_PLACE if is_arc else scene.tolerance):
+        scene.report.fault(at, f"the part from {shown} has no length; `from` must be less than `to`")
+    elif is_arc and end - start > FULL_CIRCLE:
+        scene.report.fault(at, f"the part from {shown} is more than the whole arc; wanted: at most {FULL_CIRCLE:g} deg")
+
+
+def _an(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"

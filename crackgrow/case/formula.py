@@ -1,0 +1,216 @@
+"""Formulas in x and y, such as "0.09*x - 0.1": read by a whitelist, brought to SI, evaluated at points."""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from crackgrow.case.model import Floats
+from crackgrow.case.reader import Node, Scalar
+from crackgrow.case.report import Path, clean, did_you_mean, quoted
+from crackgrow.case.scalars import INVALID, Context, Quantity, given
+from crackgrow.case.units import UNITS, is_number, parse_number
+from crackgrow.errors import CaseError, Fault
+
+LONGEST = 1000  # characters of a formula
+DEEPEST = 100  # levels of its tree
+
+_QUANTITY = re.compile(r"[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[^\W\d_]+")  # a number and one word, perhaps a unit
+
+_OPERATORS: Final[dict[type[ast.operator], Callable[..., Floats]]] = {
+    ast.Add: np.add,
+    ast.Sub: np.subtract,
+    ast.Mult: np.multiply,
+    ast.Div: np.divide,
+    ast.Pow: np.power,
+}
+_SIGNS: Final[dict[type[ast.unaryop], Callable[..., Floats]]] = {ast.UAdd: np.positive, ast.USub: np.negative}
+_FUNCTIONS: Final[dict[str, Callable[..., Floats]]] = {
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "sqrt": np.sqrt,
+    "exp": np.exp,
+    "log": np.log,
+    "abs": np.abs,
+}
+_EXTREMES: Final[dict[str, Callable[..., Floats]]] = {"min": np.minimum, "max": np.maximum}
+_NAMES = ("x", "y", "pi")
+_ALLOWED = f"numbers, x, y, pi, + - * / **, parentheses, {', '.join((*_FUNCTIONS, *_EXTREMES))}"
+
+
+class FormulaError(ValueError):
+    """A text that is no formula; the message says why."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoordinateFormula:
+    """A length in m as a function of the place; made by `parse_formula` only, so that the text is known to be one."""
+
+    text: str  # in SI
+
+    def __call__(self, points: Floats) -> Floats:
+        """Values `(n,) float` m at points `(n, 2) float` m.
+
+        Raises CaseError where the formula has no finite value.
+        """
+        x, y = np.asarray(points, dtype=float).T
+        with np.errstate(all="ignore"):
+            values = np.array(np.broadcast_to(_evaluate(_tree(self.text), x, y), x.shape), dtype=float)
+        if not np.isfinite(values).all():
+            a, b = points[int(np.argmin(np.isfinite(values)))]
+            message = f"has no finite value at ({a:.6g} m, {b:.6g} m)"
+            raise CaseError([Fault(f"formula {quoted(self.text)}", None, "", message)])
+        return values
+
+
+def parse_formula(text: str, unit: float = 1.0) -> str:
+    """Return the formula in SI: the same function, of x and y in m, with values in m.
+
+    unit: m, length of the unit in which x, y and the values of `text` are
+
+    Raises FormulaError for what is none.
+    """
+    if len(text) > LONGEST:
+        raise FormulaError(f"is longer than {LONGEST} characters")
+    tree = _parse(text)
+    if unit != 1.0:
+        scale = ast.Constant(unit)
+        tree = ast.BinOp(scale, ast.Mult(), _Rescaled(scale).visit(tree))
+        _check(tree)
+    in_si = ast.unparse(tree)
+    if len(in_si) > LONGEST:
+        raise FormulaError(f"is longer than {LONGEST} characters in SI")
+    return in_si
+
+
+@dataclass(frozen=True, slots=True)
+class LengthOrFormula:
+    """A length, or a formula in x and y; x, y and the value are in the length unit of the case."""
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return 'a length or a formula in x and y such as "0.09*x - 0.1"'
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the float in m, or the text of the formula in SI."""
+        if not isinstance(node, Scalar) or node.is_null:
+            return Quantity("length", note=" or a formula in x and y").read(node, path, context)
+        text = node.text.strip()
+        if is_number(text) or _QUANTITY.fullmatch(text):
+            return Quantity("length", note=" or a formula in x and y").read(node, path, context)
+        try:
+            formula = parse_formula(text, float(UNITS["length"][context.units.length]))
+        except FormulaError as error:
+            context.report.fault(path, f"{given(node)} {error}; wanted: {self.describe()}")
+            return INVALID
+        return parse_number(formula) if is_number(formula) else formula
+
+
+@lru_cache(maxsize=64)
+def _tree(text: str) -> ast.expr:
+    return _parse(text)
+
+
+def _parse(text: str) -> ast.expr:
+    """Return the checked tree of a formula."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of the reader, about what is refused below anyway
+            tree = ast.parse(text.strip(), mode="eval").body
+    except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
+        reason = error.msg if isinstance(error, SyntaxError) else "unreadable"
+        raise FormulaError(f"is not a formula: {clean(reason)}") from None
+    _check(tree)
+    return tree
+
+
+def _check(tree: ast.expr) -> None:
+    """Hold every node to the whitelist, and the tree to its depth."""
+    level: list[ast.expr] = [tree]
+    for _ in range(DEEPEST):
+        level = [child for node in level for child in _parts(node)]
+        if not level:
+            return
+    raise FormulaError(f"is nested deeper than {DEEPEST} levels")
+
+
+def _parts(node: ast.expr) -> list[ast.expr]:
+    """Return what an allowed node is made of."""
+    match node:
+        case ast.BinOp(left, operator, right) if type(operator) in _OPERATORS:
+            return [left, right]
+        case ast.BinOp(_, ast.BitXor(), _):
+            raise FormulaError("has ^, which is no power here: write **")
+        case ast.UnaryOp(sign, operand) if type(sign) in _SIGNS:
+            return [operand]
+        case ast.Constant(int() | float() as value) if not isinstance(value, bool):
+            try:
+                finite = math.isfinite(float(value))
+            except OverflowError:
+                finite = False
+            if not finite:
+                raise FormulaError("has a number that is too large")
+            return []
+        case ast.Name(name) if name in _NAMES:
+            return []
+        case ast.Name(name):
+            known = (*_NAMES, *_FUNCTIONS, *_EXTREMES)
+            message = f"has the unknown name {quoted(name)}; allowed: {_ALLOWED}{did_you_mean(name, known)}"
+            raise FormulaError(message)
+        case ast.Call(ast.Name(name), arguments, []):
+            return _arguments(name, arguments)
+    raise FormulaError(f"has {quoted(ast.unparse(node))}, which is not allowed; allowed: {_ALLOWED}")
+
+
+def _arguments(name: str, arguments: list[ast.expr]) -> list[ast.expr]:
+    if name not in _FUNCTIONS and name not in _EXTREMES:
+        hint = did_you_mean(name, (*_FUNCTIONS, *_EXTREMES))
+        raise FormulaError(f"has the unknown function {quoted(name)}; allowed: {_ALLOWED}{hint}")
+    if name in _FUNCTIONS and len(arguments) != 1:
+        raise FormulaError(f"gives {name} {len(arguments)} values; it takes one")
+    if name in _EXTREMES and len(arguments) < 2:
+        raise FormulaError(f"gives {name} {len(arguments)} values; it takes two or more")
+    return arguments
+
+
+class _Rescaled(ast.NodeTransformer):
+    """Writes x and y in m into a tree in another unit."""
+
+    def __init__(self, unit: ast.Constant) -> None:
+        self.unit = unit
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return ast.BinOp(node, ast.Div(), self.unit) if node.id in ("x", "y") else node
+
+    def visit_Call(self, node: ast.Call) -> ast.expr:
+        return ast.Call(node.func, [self.visit(argument) for argument in node.args], [])
+
+
+def _evaluate(node: ast.expr, x: Floats, y: Floats) -> Floats:
+    match node:
+        case ast.BinOp(left, operator, right):
+            return _OPERATORS[type(operator)](_evaluate(left, x, y), _evaluate(right, x, y))
+        case ast.UnaryOp(sign, operand):
+            return _SIGNS[type(sign)](_evaluate(operand, x, y))
+        case ast.Call(ast.Name(name), arguments):
+            values = [_evaluate(argument, x, y) for argument in arguments]
+            if name in _FUNCTIONS:
+                return _FUNCTIONS[name](*values)
+            extreme = values[0]
+            for value in values[1:]:
+                extreme = _EXTREMES[name](extreme, value)
+            return extreme
+        case ast.Name(name):
+            return {"x": x, "y": y}.get(name, np.array(np.pi))
+        case ast.Constant(int() | float() as value):
+            return np.array(float(value))
+    raise TypeError("the tree was not checked")

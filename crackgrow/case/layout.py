@@ -1,0 +1,174 @@
+"""Where the bodies and cracks of a case lie, as far as their shapes are sound: what the checks look at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from shapely import LineString
+
+from crackgrow.case.model import EdgeRegion, Floats
+from crackgrow.case.neighbours import close_pairs, overlap, shared_lines, with_common_corners
+from crackgrow.case.report import Path, Report
+from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
+from crackgrow.case.units import Units
+
+ON_OUTLINE = 1e-9  # points nearer to an outline than this part of the scene's diagonal lie on it
+FARTHEST = 1e5  # largest distance of a scene from the origin, in diagonals: coordinates must resolve ON_OUTLINE
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The resolved case, sound or not, with what checks need of it."""
+
+    resolved: dict[str, Any]
+    report: Report
+    units: Units
+    bodies: dict[str, BodyShape] = field(default_factory=dict)  # those with a sound shape
+    cracks: dict[str, Floats] = field(default_factory=dict)  # points (n, 2) m of those with a sound path
+    box: Floats = field(default_factory=lambda: np.zeros((2, 2)))  # (2, 2) m, lower left and upper right of the bodies
+    shared: dict[tuple[str, str], tuple[Floats, ...]] = field(default_factory=dict)  # of bodies with a common boundary
+    hosts: dict[str, str] = field(default_factory=dict)  # for a crack, the body in which most of it lies
+    regions: dict[Path, EdgeRegion] = field(default_factory=dict)  # by key of `on`, filled by check_regions
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the bounding box of all bodies in m."""
+        return float(np.hypot(*(self.box[1] - self.box[0])))
+
+    @property
+    def tolerance(self) -> float:
+        """Distance in m; what is nearer is the same place."""
+        return ON_OUTLINE * self.size
+
+    @property
+    def complete(self) -> bool:
+        """Whether every body of the case has a sound shape."""
+        return len(self.bodies) == len(named(self.resolved, "bodies")) > 0
+
+    def touch(self, first: str, second: str) -> bool:
+        """Whether two bodies share a boundary."""
+        return (first, second) in self.shared or (second, first) in self.shared
+
+    def get(self, *path: str) -> Any:
+        """Return the value at a key path if it is given and sound, else None."""
+        value: Any = self.resolved
+        if not self.report.sound(*path):
+            return None
+        for key in path:
+            if key not in value:
+                return None
+            value = value[key]
+        return value
+
+    def items(self, key: str, kind: str) -> list[tuple[int, Resolved]]:
+        """Return the items of a list that have a key and no fault, with their numbers."""
+        listing = self.resolved.get(key)
+        return [
+            (index, item)
+            for index, item in enumerate(listing if isinstance(listing, list) else [])
+            if isinstance(item, dict) and kind in item and self.report.sound(key, index)
+        ]
+
+    def length(self, value: float) -> str:
+        """Write a length in the units of the case."""
+        return self.units.show(value, "length")
+
+    def point(self, point: Floats | list[float]) -> str:
+        """Write a point in the units of the case."""
+        return f"({self.length(point[0])}, {self.length(point[1])})"
+
+
+def named(resolved: dict[str, Any], key: str) -> dict[str, Any]:
+    """Return the things under names, empty if they could not be read."""
+    things = resolved.get(key)
+    return things if isinstance(things, dict) else {}
+
+
+def scene_of(resolved: dict[str, Any], report: Report, units: Units) -> Scene:
+    """Collect the geometry of bodies and cracks that are sound; report shapes that are not, and overlaps."""
+    scene = Scene(resolved, report, units)
+    for name, body in named(resolved, "bodies").items():
+        shape = shape_of(name, body, report, units) if report.sound("bodies", name, "shape") else None
+        if shape is not None:
+            scene.bodies[name] = shape
+    for name, crack in named(resolved, "cracks").items():
+        if report.sound("cracks", name, "path"):
+            scene.cracks[name] = points_of(crack["path"])
+    if scene.bodies:
+        _place(scene)
+    return scene
+
+
+def points_of(path: Resolved) -> Floats:
+    """Return the vertices `(n, 2) float` of a crack in m from start to end, repeated ones once.
+
+    n is 1 if all vertices are one and 0 if none is given.
+    """
+    if "points" not in path:
+        x, y = path["center"]
+        cos, sin = direction_of(path["angle"])
+        a = path["length"] / 2
+        return frozen([(x - a * cos, y - a * sin), (x + a * cos, y + a * sin)])
+    points = np.array(path["points"], dtype=float).reshape(-1, 2)
+    return frozen(points[without_repeats(points, closed=False)])
+
+
+def _place(scene: Scene) -> None:
+    """Measure the scene, bring neighbours together and find out what lies where."""
+    outlines = np.concatenate([body.outline for body in scene.bodies.values()])
+    scene.box[:] = outlines.min(axis=0), outlines.max(axis=0)
+    far = {name: float(np.abs(body.outline).max()) for name, body in scene.bodies.items()}
+    name, distance = max(far.items(), key=lambda item: item[1])
+    if distance > FARTHEST * scene.size:
+        message = f"{scene.length(distance)} from the origin is too far for a scene of size {scene.length(scene.size)}"
+        scene.report.fault(("bodies", name, "shape"), f"{message}: coordinates lose accuracy; move the scene")
+        scene.bodies.clear()
+        return
+    bodies = with_common_corners(list(scene.bodies.values()), scene.tolerance)
+    for body in bodies:
+        if _is_too_fine(body, scene.tolerance):
+            message = f"has details below the smallest length of this scene, {scene.length(scene.tolerance)}"
+            scene.report.fault(("bodies", body.name, "shape"), message)
+    bodies = [body for body in bodies if scene.report.sound("bodies", body.name, "shape")]
+    overlapping = _check_overlaps(scene, bodies)
+    scene.bodies.clear()
+    scene.bodies.update((body.name, body) for body in bodies)
+    for first, second in close_pairs(bodies, scene.tolerance):
+        if (first, second) not in overlapping:
+            lines = shared_lines(bodies[first], bodies[second], scene.tolerance)
+            if lines:
+                scene.shared[bodies[first].name, bodies[second].name] = lines
+    for name, points in scene.cracks.items():
+        host = _host(points, bodies)
+        if host is not None:
+            scene.hosts[name] = host
+
+
+def _is_too_fine(body: BodyShape, tolerance: float) -> bool:
+    sides = body.sides
+    return bool(np.hypot(*(sides[:, 1] - sides[:, 0]).T).min() <= tolerance) or not body.polygon.is_valid
+
+
+def _check_overlaps(scene: Scene, bodies: list[BodyShape]) -> set[tuple[int, int]]:
+    """Report bodies that lie in each other; return their numbers."""
+    found = set()
+    for first, second in close_pairs(bodies, scene.tolerance):
+        place = overlap(bodies[first], bodies[second], scene.tolerance)
+        if place is not None:
+            message = f"overlaps body '{bodies[first].name}', such as at {scene.point(place)}"
+            scene.report.fault(("bodies", bodies[second].name, "shape"), message)
+            found.add((first, second))
+    return found
+
+
+def _host(points: Floats, bodies: list[BodyShape]) -> str | None:
+    """Return the body in which most of a crack lies, or else the one nearest to it."""
+    if len(points) < 2 or not bodies:
+        return None
+    line = LineString(points)
+    inside = [body.polygon.intersection(line).length for body in bodies]
+    if max(inside) > 0:
+        return bodies[int(np.argmax(inside))].name
+    return bodies[int(np.argmin([body.polygon.distance(line) for body in bodies]))].name

@@ -1,0 +1,126 @@
+"""From a named edge, or a part of one, to sides of the body's rings."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from crackgrow.case.model import EdgeRegion, Floats
+from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
+
+FULL_CIRCLE = 360.0  # degrees
+SAME_PLACE = 1e-9  # parts of a side shorter than this part of it are none
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edge:
+    """The sides under one name, in the order in which they were drawn."""
+
+    sides: tuple[int, ...]  # numbers of the body's sides
+    ends: Floats  # (k, 2, 2) m, first and second corner of each as drawn
+    backwards: bool  # whether the stored sides run the other way
+    measure: Literal["x", "y", "distance", "angle"]  # what tells a place on it
+    reach: tuple[float, float]  # m or degrees, least and largest place
+
+
+def edge_of(body: BodyShape, name: str, tolerance: float) -> Edge:
+    """Return the edge of a body; raises KeyError if there is none of that name."""
+    first_side = 0
+    for ring in body.rings:
+        if name in ring.edge_names:
+            return _edge(ring, name, first_side, tolerance)
+        first_side += len(ring.points)
+    raise KeyError(name)
+
+
+def region_of(body: BodyShape, on: Resolved, tolerance: float) -> EdgeRegion:
+    """Return the edge `on` names, or its part between `from` and `to` (m, degrees on an arc), which lie on it."""
+    edge = edge_of(body, on["edge"], tolerance)
+    if "from" not in on and "to" not in on:
+        parts = [(side, 0.0, 1.0) for side in edge.sides]
+    elif edge.measure == "angle":
+        parts = _part_of_arc(edge, on.get("from", edge.reach[0]), on.get("to", edge.reach[1]))
+    else:
+        parts = _part_of_line(edge, on.get("from", edge.reach[0]), on.get("to", edge.reach[1]))
+    if edge.backwards:
+        parts = [(side, 1.0 - end, 1.0 - start) for side, start, end in reversed(parts)]
+    sides, limits = np.array([part[0] for part in parts], dtype=np.int64), np.array([part[1:] for part in parts])
+    sides.setflags(write=False)
+    limits.setflags(write=False)
+    return EdgeRegion(body.name, on["edge"], sides, limits)
+
+
+def ends_of(body: BodyShape, region: EdgeRegion) -> Floats:
+    """Return both ends `(k, 2, 2) float` in m of the region's part of every side."""
+    start, end = np.moveaxis(body.sides[region.sides], 1, 0)
+    return np.asarray(start[:, None] + region.limits[:, :, None] * (end - start)[:, None], dtype=float)
+
+
+def _edge(ring: DrawnRing, name: str, first_side: int, tolerance: float) -> Edge:
+    n = len(ring.points)
+    ends = np.stack([ring.points, np.roll(ring.points, -1, axis=0)], axis=1)
+    ids = np.arange(n)
+    if ring.backwards:
+        ends, ids = ends[::-1, ::-1], ids[::-1]
+    has_name = np.array(ring.edge_names)[ids] == name
+    starts = np.flatnonzero(has_name & ~np.roll(has_name, 1))
+    order = np.roll(np.arange(n), -int(starts[0])) if len(starts) else np.arange(n)
+    order = order[has_name[order]]
+    measure, reach = _measure(ends[order], ring.is_arc, tolerance)
+    return Edge(tuple((first_side + ids[order]).tolist()), ends[order], ring.backwards, measure, reach)
+
+
+def _measure(
+    ends: Floats, is_arc: bool, tolerance: float
+) -> tuple[Literal["x", "y", "distance", "angle"], tuple[float, float]]:
+    """Return what tells a place on an edge, and its range."""
+    if is_arc:
+        return "angle", (0.0, FULL_CIRCLE)
+    width, height = np.abs(ends[-1, 1] - ends[0, 0])
+    if len(ends) == 1 and height <= tolerance:
+        return "x", (float(ends[0, :, 0].min()), float(ends[0, :, 0].max()))
+    if len(ends) == 1 and width <= tolerance:
+        return "y", (float(ends[0, :, 1].min()), float(ends[0, :, 1].max()))
+    return "distance", (0.0, float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum()))
+
+
+def _part_of_line(edge: Edge, start: float, end: float) -> list[tuple[int, float, float]]:
+    """Return sides with fractions, both in drawing order, between two places on straight sides."""
+    lengths = np.hypot(*(edge.ends[:, 1] - edge.ends[:, 0]).T)
+    if edge.measure != "distance":
+        axis = "xy".index(edge.measure)
+        first, second = edge.ends[0, :, axis]
+        start, end = sorted(((place - first) / (second - first) * lengths[0]) for place in (start, end))
+    parts, passed = [], 0.0
+    for side, length in zip(edge.sides, lengths.tolist(), strict=True):
+        parts += _piece(side, (start - passed) / length, (end - passed) / length)
+        passed += length
+    return parts
+
+
+def _part_of_arc(edge: Edge, start: float, end: float) -> list[tuple[int, float, float]]:
+    """Return sides with fractions, both in drawing order, between two angles in degrees."""
+    n = len(edge.sides)
+    step = FULL_CIRCLE / n
+    parts = []
+    for k in range(math.floor(start / step), math.ceil(end / step)):
+        limits = (_chord_fraction(angle / step - k, step) for angle in (start, end))
+        parts += _piece(edge.sides[k % n], *limits)
+    return parts
+
+
+def _chord_fraction(fraction: float, step: float) -> float:
+    """Return where a ray at this fraction of a step of degrees cuts the chord of the step, clipped to it."""
+    if not 0.0 < fraction < 1.0:
+        return min(max(fraction, 0.0), 1.0)
+    half = math.radians(step) / 2
+    return 0.5 + math.tan((2.0 * fraction - 1.0) * half) / math.tan(half) / 2
+
+
+def _piece(side: int, start: float, end: float) -> list[tuple[int, float, float]]:
+    """Return the part of a side between two fractions, clipped and snapped to its ends; nothing if it is empty."""
+    start, end = (0.0 if t <= SAME_PLACE else 1.0 if t >= 1.0 - SAME_PLACE else t for t in (start, end))
+    return [(side, start, end)] if end > start else []

@@ -1,0 +1,256 @@
+"""Shapes of bodies: the rings of an outline and its holes, with the names of their edges."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import Polygon
+
+from crackgrow.case.model import Floats
+from crackgrow.case.report import Path, Report, did_you_mean, quoted
+from crackgrow.case.units import Units
+
+Resolved = dict[str, Any]  # a part of the resolved case
+
+RECTANGLE_EDGES: Final = ("bottom", "right", "top", "left")
+ARC: Final = "arc"  # the edge of a disk
+HOLE: Final = "hole{}"  # the edge of a hole
+DISK_SIDES: Final = 360  # a disk is a polygon with a corner at every whole degree
+REPEATED_VERTEX: Final = 1e-9  # vertices nearer than this part of the line's extent are one
+SHOWN_EDGES: Final = 12  # longer lists of edges are cut in messages
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnRing:
+    """A ring with rock on its left, and how it was drawn."""
+
+    points: Floats  # (n, 2) m, not closed
+    edge_names: tuple[str, ...]  # (n,): name of the edge that the side after each corner belongs to
+    backwards: bool  # whether it runs against the direction in which it was drawn
+    is_arc: bool  # whether it is a circle, on which places are angles
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyShape:
+    """Geometry of a body whose shape has no fault."""
+
+    name: str
+    rings: tuple[DrawnRing, ...]  # the outline, then the holes
+    polygon: Polygon
+
+    @property
+    def outline(self) -> Floats:
+        """Corners `(n, 2) float` of the outline in m."""
+        return self.rings[0].points
+
+    @property
+    def extent(self) -> Floats:
+        """Width and height of the bounding box, `(2,) float` in m."""
+        return np.asarray(np.ptp(self.outline, axis=0), dtype=float)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the bounding box in m."""
+        return float(np.hypot(*self.extent))
+
+    @property
+    def center(self) -> Floats:
+        """Centre of the bounding box, `(2,) float` in m."""
+        return np.asarray((self.outline.min(axis=0) + self.outline.max(axis=0)) / 2, dtype=float)
+
+    @property
+    def corners(self) -> Floats:
+        """Corners `(n, 2) float` of all rings in m."""
+        return np.concatenate([ring.points for ring in self.rings])
+
+    @property
+    def sides(self) -> Floats:
+        """Ends `(n, 2, 2) float` of all sides in m, ring by ring."""
+        return np.concatenate(
+            [np.stack([ring.points, np.roll(ring.points, -1, axis=0)], axis=1) for ring in self.rings]
+        )
+
+    @property
+    def edge_names(self) -> tuple[str, ...]:
+        """Names of the edges, each once."""
+        return tuple(dict.fromkeys(name for ring in self.rings for name in ring.edge_names))
+
+
+def body_shape(name: str, rings: list[DrawnRing]) -> BodyShape:
+    """Return the geometry of a body with these rings."""
+    return BodyShape(name, tuple(rings), Polygon(rings[0].points, [ring.points for ring in rings[1:]]))
+
+
+def shape_of(name: str, body: Resolved, report: Report, units: Units) -> BodyShape | None:
+    """Return the geometry of a body, or None after reporting why it has none."""
+    key: Path = ("bodies", name, "shape")
+    shape = body["shape"]
+    parts = [(shape, key), *((hole, (*key, "holes", k)) for k, hole in enumerate(shape.get("holes", ())))]
+    rings = []
+    for index, (part, where) in enumerate(parts):
+        points, names = _drawn(part)
+        problem = _problem_of(points, names, units)
+        if problem:
+            report.fault(where, problem)
+            continue
+        names = names if index == 0 else (HOLE.format(index - 1),) * len(points)
+        rings.append(_oriented(points, names, is_hole=index > 0, is_arc="disk" in part))
+    if not report.sound(*key):
+        return None
+    _check_holes(rings, key, report)
+    if not report.sound(*key):
+        return None
+    if "edges" in body and report.sound("bodies", name, "edges"):
+        rings[0] = _renamed(rings[0], body, ("bodies", name, "edges"), report)
+    return body_shape(name, rings)
+
+
+def without_repeats(points: Floats, *, closed: bool) -> NDArray[np.int64]:
+    """Return the numbers `(m,) int` of the points `(n, 2) float` that do not repeat the one kept before them."""
+    smallest = REPEATED_VERTEX * math.hypot(*np.ptp(points, axis=0)) if len(points) else 0.0
+    kept: list[int] = []
+    for index, point in enumerate(points):
+        if not kept or math.dist(point, points[kept[-1]]) > smallest:
+            kept.append(index)
+    while closed and len(kept) > 1 and math.dist(points[kept[-1]], points[0]) <= smallest:
+        kept.pop()
+    return np.array(kept, dtype=np.int64)
+
+
+def frozen(values: object) -> Floats:
+    """Return a float array that cannot be written to."""
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
+
+
+def direction_of(angle: float) -> tuple[float, float]:
+    """Return cosine and sine of an angle in degrees, exact at right angles."""
+    quarter, rest = divmod(angle % 360.0, 90.0)
+    if rest == 0.0:
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarter) % 4]
+    radians = math.radians(angle % 360.0)
+    return math.cos(radians), math.sin(radians)
+
+
+def _drawn(shape: Resolved) -> tuple[Floats, tuple[str, ...]]:
+    """Return the corners `(n, 2) float` in m as they are drawn, and the name of the edge after each."""
+    if "rectangle" in shape:
+        (x, y), width, height = (shape["rectangle"][key] for key in ("center", "width", "height"))
+        a, b = width / 2, height / 2
+        return frozen([(x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b)]), RECTANGLE_EDGES
+    if "disk" in shape:
+        (x, y), radius = shape["disk"]["center"], shape["disk"]["radius"]
+        rays = [direction_of(360.0 * k / DISK_SIDES) for k in range(DISK_SIDES)]
+        return frozen([(x + radius * cos, y + radius * sin) for cos, sin in rays]), (ARC,) * DISK_SIDES
+    points = frozen(np.array(shape["polygon"], dtype=float).reshape(-1, 2))
+    kept = without_repeats(points, closed=True)
+    # A side keeps the number of the one drawn edge between two kept corners that is not a mere repetition: the
+    # one that leaves the last point of the first corner's run.
+    following = [*kept[1:], len(points)] if len(kept) else []
+    names = [str(end - 1) for end in following]
+    if len(kept) > 1:
+        names[-1] = str(_last_edge(points, int(kept[-1])))
+    return frozen(points[kept]), tuple(names)
+
+
+def _last_edge(points: Floats, last: int) -> int:
+    """Return the number of the drawn edge from the run of the last kept corner back to the first corner."""
+    smallest = REPEATED_VERTEX * math.hypot(*np.ptp(points, axis=0))
+    edge = last
+    while edge + 1 < len(points) and math.dist(points[edge + 1], points[last]) <= smallest:
+        edge += 1
+    return edge
+
+
+def _oriented(points: Floats, names: tuple[str, ...], *, is_hole: bool, is_arc: bool) -> DrawnRing:
+    """Return the ring with rock on its left: an outline runs counter-clockwise, a hole clockwise."""
+    backwards = (_area(points) < 0) is not is_hole
+    if backwards:  # the first corner stays the first
+        points, names = np.roll(points[::-1], 1, axis=0), names[::-1]
+    return DrawnRing(frozen(points), names, backwards, is_arc)
+
+
+def _area(points: Floats) -> float:
+    """Signed area, positive if the corners run counter-clockwise."""
+    x, y = (points - points[0]).T if len(points) else (np.zeros(0), np.zeros(0))
+    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
+
+
+def _problem_of(points: Floats, names: tuple[str, ...], units: Units) -> str | None:
+    """Say what is wrong with a closed line, if anything is."""
+    if len(points) < 3:
+        return f"{len(points)} different corners given; wanted: at least three"
+    size = math.hypot(*np.ptp(points, axis=0))
+    if shapely.MultiPoint(points).convex_hull.area <= REPEATED_VERTEX * size**2:
+        return "the corners lie on a line; they enclose no area"
+    n = len(points)
+    sides = shapely.linestrings(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
+    pairs = shapely.STRtree(sides).query(sides, predicate="dwithin", distance=REPEATED_VERTEX * size)
+    for first, second in sorted(zip(*pairs.tolist(), strict=True)):
+        if 2 <= second - first <= n - 2:  # no neighbours; if those fold back, a side next to them touches too
+            x, y = shapely.shortest_line(sides[first], sides[second]).coords[0]
+            place = f"({units.show(x, 'length')}, {units.show(y, 'length')})"
+            return f"edges {names[first]} and {names[second]} cross or touch at {place}"
+    return None
+
+
+def _check_holes(rings: list[DrawnRing], key: Path, report: Report) -> None:
+    """Report holes that do not lie clear of the outline and of each other."""
+    outline, *holes = (Polygon(ring.points) for ring in rings)
+    tolerance = REPEATED_VERTEX * math.hypot(*np.ptp(rings[0].points, axis=0))
+    for index, hole in enumerate(holes):
+        where = (*key, "holes", index)
+        if not outline.contains(hole) or outline.exterior.dwithin(hole.exterior, tolerance):
+            report.fault(where, f"{HOLE.format(index)} is not inside of the outline, clear of it")
+        for other in range(index):
+            if hole.dwithin(holes[other], tolerance):
+                report.fault(where, f"{HOLE.format(index)} overlaps or touches {HOLE.format(other)}")
+
+
+def _renamed(ring: DrawnRing, body: Resolved, key: Path, report: Report) -> DrawnRing:
+    """Give the names of `edges` to the edges of a polygon; report numbers and names that do not fit."""
+    if "polygon" not in body["shape"]:
+        kind = next(iter(body["shape"]))
+        message = f"names the edges of a polygon or a file; a {kind} has {', '.join(dict.fromkeys(ring.edge_names))}"
+        report.fault(key, message)
+        return ring
+    known = list(ring.edge_names)[:: -1 if ring.backwards else 1]  # in drawing order
+    names = dict(zip(known, known, strict=True))
+    holes = [HOLE.format(k) for k in range(len(body["shape"].get("holes", ())))]
+    for name, numbers in body["edges"].items():
+        where = (*key, name)
+        given = [str(number) for number in (numbers if isinstance(numbers, list) else [numbers])]
+        strange = [number for number in given if number not in names]
+        taken = [number for number in given if number in names and names[number] != number]
+        if name.isdecimal() or name in holes:
+            kind = "number of an edge" if name.isdecimal() else "name of a hole"
+            report.fault(where, f"{quoted(name)} is the {kind}; choose another name")
+        elif not given:
+            report.fault(where, "no edge given; wanted: the number of an edge, or a list of them")
+        elif strange:
+            report.fault(where, f"no edge {strange[0]}; the polygon has {listed(known)}")
+        elif taken or len(set(given)) < len(given):
+            twice = taken[0] if taken else next(number for number in given if given.count(number) > 1)
+            report.fault(where, f"edge {twice} is named twice")
+        elif any(known.index(b) != (known.index(a) + 1) % len(known) for a, b in pairwise(given)):
+            report.fault(where, f"edges {', '.join(given)} do not follow one another")
+        else:
+            names.update(dict.fromkeys(given, name))
+    return replace(ring, edge_names=tuple(names[number] for number in ring.edge_names))
+
+
+def listed(names: list[str] | tuple[str, ...]) -> str:
+    """Write a list of edges, cut if it is long."""
+    return ", ".join(names) if len(names) <= SHOWN_EDGES else f"{', '.join(names[:SHOWN_EDGES])}, ..., {names[-1]}"
+
+
+def edge_hint(name: str, names: tuple[str, ...]) -> str:
+    """Say which edges there are, and which was probably meant."""
+    return listed(names) + did_you_mean(name, names)

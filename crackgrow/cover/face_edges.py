@@ -1,0 +1,155 @@
+"""Edges of the arrangement along the lines that bound rock: cracks, interfaces and the rims of bodies.
+
+They know the elements on their two sides; nothing else decides on which side of a line a point lies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+
+from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.errors import GeometryError
+from crackgrow.geometry.arrangement import Edges
+from crackgrow.geometry.polyline import arc_lengths, segment_directions
+from crackgrow.geometry.tolerance import ON_LINE
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceEdges:
+    """Edges of the arrangement along a line with rock on its left, in order of arc length from its start."""
+
+    s: Floats  # (n, 2) arc length at both ends, spacings
+    points: Floats  # (n, 2, 2) both ends
+    segment: Ints  # (n,) segment of the polyline
+    plus: Ints  # (n,) element on the left of the direction from start to end
+    minus: Ints  # (n,) element on the right, -1 where there is none
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OutlineEdges:
+    """Edges of the arrangement along the rims of all bodies; two entries where two bodies touch."""
+
+    points: Floats  # (n, 2, 2) both ends, the body on the left
+    body: Ints  # (n,)
+    side: Ints  # (n,) side of the body
+    element: Ints  # (n,) element inside
+
+
+def edges_on_lines(
+    cracks: list[CrackGeometry], vertices: Floats, edges: Edges, n_whole: int
+) -> tuple[tuple[FaceEdges, ...], Bools]:
+    """The edges along each crack or interface, sorted and turned along it, and which of all edges they are."""
+    is_crack = np.zeros(len(edges.a), dtype=bool)
+    candidates = np.flatnonzero((edges.right >= n_whole) & (edges.left >= n_whole))
+    middles = shapely.points(0.5 * (vertices[edges.a[candidates]] + vertices[edges.b[candidates]]))
+    tree = shapely.STRtree(middles)
+    found = []
+    for crack in cracks:
+        lines = shapely.linestrings(np.stack([crack.points[:-1], crack.points[1:]], axis=1))
+        segment, hit = tree.query(lines, predicate="dwithin", distance=ON_LINE)
+        hit, first = np.unique(hit, return_index=True)
+        chain = _chain(vertices, edges.a[candidates[hit]], edges.b[candidates[hit]], crack)
+        edge, segment = candidates[hit[chain]], segment[first[chain]]
+        along = segment_directions(crack.points)[segment]
+        forward = np.sum((vertices[edges.b[edge]] - vertices[edges.a[edge]]) * along, axis=1) > 0
+        start = np.where(forward, edges.a[edge], edges.b[edge])
+        end = np.where(forward, edges.b[edge], edges.a[edge])
+        offset = np.sum((vertices[start] - crack.points[segment]) * along, axis=1)
+        lengths = np.sum((vertices[end] - vertices[start]) * along, axis=1)
+        s = arc_lengths(crack.points)[segment] + offset
+        is_crack[edge] = True
+        found.append(
+            FaceEdges(
+                s=np.stack([s, s + lengths], axis=1),
+                points=np.stack([vertices[start], vertices[end]], axis=1),
+                segment=segment,
+                plus=np.where(forward, edges.left[edge], edges.right[edge]),
+                minus=np.where(forward, edges.right[edge], edges.left[edge]),
+            )
+        )
+    return tuple(found), is_crack
+
+
+def _chain(vertices: Floats, a: Ints, b: Ints, crack: CrackGeometry) -> Ints:
+    """The edges (a, b), of those that lie on a crack within rounding, that lead from its start to its end, in order.
+
+    A lattice line closer to the crack than rounding gives more than one way; the shortest is taken.
+    """
+    used, ends = np.unique(np.concatenate([a, b]), return_inverse=True)
+    ends = ends.reshape(2, -1)
+    n = len(used)
+    lengths = np.hypot(*(vertices[b] - vertices[a]).T)
+    graph = coo_array((lengths, tuple(ends)), shape=(n, n)).tocsr()
+    number = coo_array((np.arange(1, len(a) + 1), tuple(ends)), shape=(n, n)).tocsr()
+    first, last = (int(np.argmin(np.hypot(*(vertices[used] - p).T))) for p in crack.points[[0, -1]])
+    length, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
+    total = arc_lengths(crack.points)[-1]
+    if abs(length[last] - total) > 1e-6 * max(total, 1.0):
+        raise GeometryError(f"crack '{crack.name}' could not be cut along all of its {total:g} spacings")
+    chain = []
+    while last != first:
+        chain.append(number[before[last], last] + number[last, before[last]] - 1)
+        last = int(before[last])
+    return np.array(chain[::-1], dtype=np.int64)
+
+
+def edges_on_outlines(sides: list[Floats], vertices: Floats, edges: Edges, body: Ints) -> OutlineEdges:
+    """The edges along the rims of the bodies (sides (n, 2, 2)), with the side that each lies on."""
+    between = (edges.right < 0) | (body[edges.left] != body[edges.right])
+    shared = between & (edges.right >= 0)
+    points = np.concatenate(
+        [
+            np.stack([vertices[edges.a[between]], vertices[edges.b[between]]], axis=1),
+            np.stack([vertices[edges.b[shared]], vertices[edges.a[shared]]], axis=1),
+        ]
+    )
+    element = np.concatenate([edges.left[between], edges.right[shared]])
+    middles = shapely.points(points.mean(axis=1))
+    side = np.full(len(element), -1, dtype=np.int64)
+    for index, ends in enumerate(sides):
+        mine = np.flatnonzero(body[element] == index)
+        tree = shapely.STRtree(shapely.linestrings(ends))
+        (which, hit), distance = tree.query_nearest(middles[mine], all_matches=False, return_distance=True)
+        side[mine[which]] = hit
+        if distance.max(initial=0.0) > ON_LINE:
+            raise GeometryError("an element has a side that is neither shared nor on an outline")
+    return OutlineEdges(points, body[element], side, element)
+
+
+def edges_of_region(outlines: OutlineEdges, body: int, ends: Floats, sides: Ints, limits: Floats) -> FaceEdges:
+    """The edges along a part of a body's rim, with nothing on their right.
+
+    `ends` (n, 2, 2) are all sides of the body; the part is `sides` (k,), each between two fractions `limits` (k, 2) of
+    its length. Edges that reach out of the part are cut off.
+    """
+    found = []
+    begin = 0.0  # arc length
+    for segment, (side, (low, high)) in enumerate(zip(sides.tolist(), limits.tolist(), strict=True)):
+        mine = np.flatnonzero((outlines.body == body) & (outlines.side == side))
+        corner, step = ends[side, 0], ends[side, 1] - ends[side, 0]
+        fraction = (outlines.points[mine] - corner) @ step / (step @ step)
+        clipped = np.clip(fraction, low, high)
+        keep = np.flatnonzero(clipped[:, 1] > clipped[:, 0])
+        keep = keep[np.argsort(clipped[keep, 0])]
+        cut, length = clipped[keep], float(np.hypot(*step))
+        found.append(
+            (begin + (cut - low) * length, corner + cut[:, :, None] * step, keep, outlines.element[mine[keep]])
+        )
+        begin += (high - low) * length
+    return FaceEdges(
+        s=np.concatenate([part[0] for part in found]),
+        points=np.concatenate([part[1] for part in found]),
+        segment=np.concatenate([np.full(len(part[2]), number) for number, part in enumerate(found)]),
+        plus=np.concatenate([part[3] for part in found]),
+        minus=np.concatenate([np.full(len(part[2]), -1) for part in found]),
+    )

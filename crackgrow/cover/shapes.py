@@ -1,0 +1,46 @@
+"""Bodies and cracks in lattice coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrackGeometry:
+    """A crack in lattice coordinates."""
+
+    name: str
+    points: Floats  # (n, 2)
+    tip_at_start: bool
+    tip_at_end: bool
+
+    def tips(self) -> list[bool]:
+        """The ends that are tips: False for the start, True for the end."""
+        return [at_end for at_end, tip in ((False, self.tip_at_start), (True, self.tip_at_end)) if tip]
+
+    def tip_point(self, at_end: bool) -> Floats:
+        """Position (2,) of the tip at the end or start."""
+        return np.asarray(self.points[-1 if at_end else 0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyGeometry:
+    """A body in lattice coordinates: its outline counter-clockwise, its holes clockwise."""
+
+    rings: tuple[Floats, ...]  # each (n, 2), not closed
+
+    @property
+    def sides(self) -> Floats:
+        """Both ends (n, 2, 2) of all sides, ring by ring; the body lies on their left."""
+        return np.concatenate([np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in self.rings])
+
+    @property
+    def region(self) -> shapely.Polygon:
+        """The body as a polygon."""
+        return shapely.Polygon(self.rings[0], self.rings[1:])

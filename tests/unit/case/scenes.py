@@ -1,0 +1,131 @@
+"""Small scenes as mappings, written out and loaded."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from crackgrow.case import Case, load_case
+from crackgrow.errors import CaseError, Fault
+
+MATERIAL = {"young": 10000, "poisson": 0.25}
+
+# A block on a foundation, with a glued plug in its round hole: every form of the format that is no growth setting.
+EVERYTHING: dict[str, Any] = {
+    "title": "everything",
+    "units": {"length": "mm", "stress": "MPa"},
+    "plane": "strain",
+    "bodies": {
+        "foundation": {"shape": {"rectangle": {"center": [0, -5], "width": 40, "height": 10}}, "material": MATERIAL},
+        "block": {
+            "shape": {
+                "polygon": [[-10, 0], [-10, 20], [10, 20], [10, 0], [-10, 0]],
+                "holes": [
+                    {"disk": {"center": [0, 10], "radius": 2}},
+                    {"rectangle": {"center": [7, 10], "width": 2, "height": 4}},
+                    {"polygon": [[-8, 9], [-6, 9], [-7, 11]]},
+                ],
+            },
+            "edges": {"wall": [0, 1], "base": 3},
+            "material": {**MATERIAL, "density": "2500 kg/m^3"},
+            "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
+        },
+        "plug": {"shape": {"disk": {"center": [0, 10], "radius": 2}}, "material": MATERIAL},
+    },
+    "cracks": {
+        "flaw": {
+            "path": {"center": [0, 16], "length": 4, "angle": 30},
+            "contact": {"friction": 0.1, "cohesion": 0},
+        }
+    },
+    "interfaces": [
+        {"between": ["block", "foundation"], "contact": {"friction": 0.5, "cohesion": 0}},
+        {"between": ["plug", "block"], "contact": "bonded"},
+    ],
+    "supports": [
+        {"on": {"body": "foundation", "edge": "bottom"}, "contact": {"friction": 0.3, "cohesion": 1}},
+        {
+            "on": {"body": "block", "edge": "wall", "from": 5, "to": "25 mm"},
+            "displacement": {"x": "0.09*x - 0.1", "y": "min(x, 2, y)**2 + sin(pi*y/20)"},
+        },
+        {"at": [-10, 0], "body": "block", "displacement": {"y": 0}},
+    ],
+    "loads": [
+        {"on": {"body": "block", "edge": "hole2"}, "traction": [1, 2]},
+        {"on": {"body": "plug", "edge": "arc", "from": -10, "to": "10.5 deg"}, "traction": [1, 2]},
+        {"body": "block", "gravity": [0, "-9.81 m/s^2"]},
+        {"crack": "flaw", "pressure": 2},
+        {"body": "block", "stress": [-20, -10, 3]},
+    ],
+    "growth": {
+        "steps": 2,
+        "increment": 1,
+        "advance": "all",
+        "criterion": "max_hoop_stress",
+        "direction": "implicit",
+        "tip_stress": {"radius": 1},
+    },
+    "numerics": {"spacing": 1},
+}
+
+
+def with_body(shape: dict[str, Any], **more: Any) -> dict[str, Any]:
+    """One body in m, "rock", that nothing holds."""
+    return {
+        "title": "one body",
+        "plane": "strain",
+        "bodies": {"rock": {"shape": shape, "material": dict(MATERIAL), **more}},
+        "supports": [],
+        "numerics": {"spacing": 0.1},
+    }
+
+
+def blocks(**shapes: dict[str, Any]) -> dict[str, Any]:
+    """Bodies in m with these shapes."""
+    bodies = {name: {"shape": shape, "material": dict(MATERIAL)} for name, shape in shapes.items()}
+    return {"title": "blocks", "plane": "strain", "bodies": bodies, "supports": [], "numerics": {"spacing": 0.1}}
+
+
+def rectangle(x: float, y: float, width: float, height: float) -> dict[str, Any]:
+    """A rectangle with its lower left corner at (x, y)."""
+    return {"rectangle": {"center": [x + width / 2, y + height / 2], "width": width, "height": height}}
+
+
+def held(*bodies: str) -> list[dict[str, Any]]:
+    """Supports on a `bottom` that hold rectangles."""
+    return [{"on": {"body": body, "edge": "bottom"}, "displacement": {"x": 0, "y": 0}} for body in bodies]
+
+
+def changed(scene: dict[str, Any], **parts: Any) -> dict[str, Any]:
+    """A scene with whole keys replaced."""
+    return {**copy.deepcopy(scene), **parts}
+
+
+def text_of(scene: dict[str, Any]) -> str:
+    """A scene as YAML, without aliases."""
+    return yaml.safe_dump(json.loads(json.dumps(scene)), sort_keys=False)
+
+
+def load(tmp_path: Path, scene: dict[str, Any], *overrides: str) -> Case:
+    """Write a scene and load it."""
+    path = tmp_path / "scene.yaml"
+    path.write_text(text_of(scene), encoding="utf-8")
+    return load_case(path, overrides)
+
+
+def faults(tmp_path: Path, scene: dict[str, Any], *overrides: str) -> tuple[Fault, ...]:
+    """Write a scene and return its faults."""
+    with pytest.raises(CaseError) as caught:
+        load(tmp_path, scene, *overrides)
+    return caught.value.faults
+
+
+def fault(tmp_path: Path, scene: dict[str, Any], *overrides: str) -> tuple[str, str]:
+    """Write a scene with one fault and return its key and message."""
+    (only,) = faults(tmp_path, scene, *overrides)
+    return only.key, only.message

@@ -1,0 +1,294 @@
+"""Outlines and holes: corners, names of edges, orientation, files, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from crackgrow.case import Body, dump_case, load_case
+from tests.unit.case.scenes import changed, fault, faults, load, rectangle, with_body
+
+SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
+
+
+def body_of(tmp_path: Path, scene: dict[str, Any], *at: float) -> Body:
+    """Load a scene with one body, held near a point in it."""
+    x, y = at or (2, 1)
+    scene = changed(
+        scene,
+        supports=[{"at": [x, y], "displacement": {"x": 0, "y": 0}}, {"at": [x + 0.1, y], "displacement": {"y": 0}}],
+    )
+    return load(tmp_path, scene).bodies[0]
+
+
+def area(points: np.ndarray) -> float:
+    x, y = points.T
+    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
+
+
+def test_polygon_counter_clockwise(tmp_path: Path):
+    body = body_of(tmp_path, with_body({"polygon": SQUARE}))
+    assert body.outline.tolist() == SQUARE
+    assert body.rings[0].edge_names == ("0", "1", "2", "3")
+
+
+def test_polygon_clockwise_keeps_the_names_of_its_sides(tmp_path: Path):
+    points = [[0, 0], [0, 3], [4, 3], [5, 1], [4, 0]]
+    body = body_of(tmp_path, with_body({"polygon": points}))
+    assert body.outline.tolist() == [[0, 0], [4, 0], [5, 1], [4, 3], [0, 3]]
+    assert body.rings[0].edge_names == ("4", "3", "2", "1", "0")
+    for start, end, name in zip(body.outline, np.roll(body.outline, -1, axis=0), body.rings[0].edge_names, strict=True):
+        drawn = [points[int(name)], points[(int(name) + 1) % 5]]
+        assert drawn == [end.tolist(), start.tolist()]
+
+
+@pytest.mark.parametrize(
+    ("points", "corners", "names"),
+    [
+        ([[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]], SQUARE, ("0", "1", "2", "3")),
+        ([[0, 0], [0, 0], [4, 0], [4, 3], [4, 3], [4, 3], [0, 3]], SQUARE, ("1", "2", "5", "6")),
+        ([[0, 0], [4, 0], [4, 3], [0, 3], [0, 3], [0, 0], [1e-12, 0]], SQUARE, ("0", "1", "2", "4")),
+    ],
+)
+def test_repeated_corners_are_dropped_and_edges_keep_their_numbers(points, corners, names, tmp_path: Path):
+    body = body_of(tmp_path, with_body({"polygon": points}))
+    assert body.outline.tolist() == corners
+    assert body.rings[0].edge_names == names
+
+
+def test_named_edges(tmp_path: Path):
+    scene = with_body({"polygon": SQUARE}, edges={"inlet": 3, "wall": [0, 1]})
+    assert body_of(tmp_path, scene).rings[0].edge_names == ("wall", "wall", "2", "inlet")
+    scene = with_body({"polygon": SQUARE[::-1]}, edges={"inlet": [3, 0]})
+    assert body_of(tmp_path, scene).rings[0].edge_names == ("inlet", "2", "1", "inlet")
+
+
+def test_disk(tmp_path: Path):
+    body = body_of(tmp_path, with_body({"disk": {"center": [1, 2], "radius": 3}}), 1, 2)
+    assert body.outline.shape == (360, 2)
+    assert body.outline[[0, 90, 180, 270]].tolist() == [[4, 2], [1, 5], [-2, 2], [1, -1]]
+    rays = np.deg2rad(np.arange(360))
+    expected = np.column_stack([1 + 3 * np.cos(rays), 2 + 3 * np.sin(rays)])
+    np.testing.assert_allclose(body.outline, expected, atol=1e-15 * 6)  # cos, product and sum round
+    assert set(body.rings[0].edge_names) == {"arc"}
+
+
+def test_holes_run_clockwise(tmp_path: Path):
+    holes = [rectangle(1, 1, 1, 0.5), {"polygon": [[3, 1], [3.5, 1.5], [3.5, 1]]}]
+    holes.append({"disk": {"center": [1, 2.5], "radius": 0.25}})
+    body = body_of(tmp_path, with_body({"polygon": SQUARE, "holes": holes}), 2.5, 1)
+    outline, first, second, third = body.rings
+    assert area(outline.points) == 12
+    assert first.points.tolist() == [[1, 1], [1, 1.5], [2, 1.5], [2, 1]]
+    assert second.points.tolist() == [[3, 1], [3.5, 1.5], [3.5, 1]]
+    assert (first.edge_names, second.edge_names) == (("hole0",) * 4, ("hole1",) * 3)
+    assert third.edge_names == ("hole2",) * 360
+    assert third.points[:2].tolist() == [[1.25, 2.5], [1 + 0.25 * np.cos(np.deg2rad(359)), third.points[1, 1]]]
+    assert third.points[1, 1] < 2.5
+    assert area(third.points) == pytest.approx(-180 * 0.25**2 * np.sin(np.deg2rad(1)), rel=1e-12)
+
+
+# shape, key, words
+REFUSED = [
+    ({"polygon": [[0, 0], [4, 0]]}, "", "2 different corners given; wanted: at least three"),
+    ({"polygon": []}, "", "0 different corners given"),
+    ({"polygon": [[1, 1]] * 5}, "", "1 different corners given"),
+    ({"polygon": [[0, 0], [1, 1], [2, 2]]}, "", "enclose no area"),
+    ({"polygon": [[0, 0], [2, 0], [1, 1e-10]]}, "", "enclose no area"),
+    ({"polygon": [[0, 0], [4, 0], [0, 3], [4, 4]]}, "", "edges 1 and 3 cross or touch at ("),
+    ({"polygon": [[0, 0], [4, 0], [4, 3], [2, 0], [0, 3]]}, "", "edges 0 and 2 cross or touch at (2 m, 0 m)"),
+    ({"polygon": [[0, 0], [4, 0], [4, 3], [2, 3], [2, 5], [2, 3], [0, 3]]}, "", "edges 2 and 4 cross or touch"),
+    ({"polygon": [[0, 0], [4, 0], [4, 3], [6, 3], [0, 3]]}, "", "edges 1 and 3 cross or touch at (4 m, 3 m)"),
+    ({"polygon": [[0, 0], [4, 0], [4, 3], [-2, 3], [-1, 3]]}, "", "edges 2 and 4 cross or touch at (-1 m, 3 m)"),
+    ({"polygon": [[-2, 0], [4, 0], [4, 3], [0, 3], [-1, 0]]}, "", "edges 0 and 3 cross or touch at (-1 m, 0 m)"),
+    ({"polygon": [[0, 0, 0], [4, 0], [4, 3]]}, ".polygon.0", "a list of 3 given"),
+    ({"polygon": SQUARE, "holes": [rectangle(3, 1, 2, 1)]}, ".holes.0", "hole0 is not inside of the outline"),
+    ({"polygon": SQUARE, "holes": [rectangle(5, 1, 2, 1)]}, ".holes.0", "not inside of the outline"),
+    ({"polygon": SQUARE, "holes": [rectangle(0, 1, 2, 1)]}, ".holes.0", "not inside of the outline, clear of it"),
+    ({"polygon": SQUARE, "holes": [rectangle(-1, -1, 9, 9)]}, ".holes.0", "not inside of the outline"),
+    (
+        {"polygon": SQUARE, "holes": [rectangle(1, 1, 1, 1), rectangle(1.5, 1.5, 1, 1)]},
+        ".holes.1",
+        "hole1 overlaps or touches hole0",
+    ),
+    (
+        {"polygon": SQUARE, "holes": [rectangle(1, 1, 1, 1), rectangle(2, 2, 1, 0.5)]},
+        ".holes.1",
+        "hole1 overlaps or touches hole0",
+    ),
+    (
+        {"polygon": SQUARE, "holes": [rectangle(1, 1, 1, 1), rectangle(1.25, 1.25, 0.5, 0.5)]},
+        ".holes.1",
+        "hole1 overlaps or touches hole0",
+    ),
+    ({"polygon": SQUARE, "holes": [{"polygon": [[1, 1], [2, 2]]}]}, ".holes.0", "at least three"),
+    ({"polygon": SQUARE, "holes": [{"polygon": [[1, 1], [2, 2], [1, 2], [2, 1]]}]}, ".holes.0", "edges 0 and 2"),
+    ({"polygon": SQUARE, "holes": [{"disk": {"center": [1, 1]}}]}, ".holes.0.disk.radius", "missing"),
+    ({"polygon": SQUARE, "holes": [{"disk": {"center": [1, 1], "radius": 0}}]}, ".holes.0.disk.radius", "> 0"),
+    ({"polygon": SQUARE, "disk": {"center": [1, 1], "radius": 1}}, "", "give either {rectangle} or {polygon} or"),
+    ({}, "", "give either {rectangle} or {polygon} or {disk} or {file}"),
+    ({"holes": []}, "", "give either {rectangle}"),
+    ({"plygon": SQUARE}, ".plygon", "did you mean 'polygon'?"),
+]
+
+
+@pytest.mark.parametrize(("shape", "key", "words"), REFUSED)
+def test_shape_refused(shape: dict[str, Any], key: str, words: str, tmp_path: Path):
+    where, message = fault(tmp_path, with_body(shape))
+    assert where == f"bodies.rock.shape{key}"
+    assert words in message
+
+
+def test_a_hole_has_no_holes(tmp_path: Path):
+    where, message = fault(tmp_path, with_body({"polygon": SQUARE, "holes": [{**rectangle(1, 1, 1, 1), "holes": []}]}))
+    assert where == "bodies.rock.shape.holes.0.holes"
+    assert "unknown key; allowed: rectangle" in message
+
+
+@pytest.mark.parametrize(
+    ("shape", "edges", "key", "words"),
+    [
+        ({"polygon": SQUARE}, {"a": 4}, "a", "no edge 4; the polygon has 0, 1, 2, 3"),
+        ({"polygon": [*SQUARE, [0, 0]]}, {"a": 4}, "a", "no edge 4; the polygon has 0, 1, 2, 3"),
+        ({"polygon": SQUARE}, {"a": -1}, "a", "a whole number >= 0"),
+        ({"polygon": SQUARE}, {"a": "b"}, "a", "a whole number"),
+        ({"polygon": SQUARE}, {"a": [0, 1.5]}, "a.1", "a whole number"),
+        ({"polygon": SQUARE}, {"a": []}, "a", "no edge given"),
+        ({"polygon": SQUARE}, {"a": [0, 2]}, "a", "edges 0, 2 do not follow one another"),
+        ({"polygon": SQUARE}, {"a": [1, 0]}, "a", "do not follow one another"),
+        ({"polygon": SQUARE}, {"a": [1, 1]}, "a", "edge 1 is named twice"),
+        ({"polygon": SQUARE}, {"a": 1, "b": [0, 1]}, "b", "edge 1 is named twice"),
+        ({"polygon": SQUARE}, {"3": 1}, "3", "'3' is the number of an edge; choose another name"),
+        ({"polygon": SQUARE, "holes": [rectangle(1, 1, 1, 1)]}, {"hole0": 1}, "hole0", "is the name of a hole"),
+        (rectangle(0, 0, 4, 3), {"a": 1}, "", "a rectangle has bottom, right, top, left"),
+        ({"disk": {"center": [0, 0], "radius": 2}}, {"a": 1}, "", "a disk has arc"),
+    ],
+)
+def test_names_of_edges_refused(shape, edges, key, words, tmp_path: Path):
+    scene = with_body(shape, edges=edges)
+    scene["supports"] = [{"on": {"body": "rock", "edge": "2"}, "displacement": {"x": 0, "y": 0}}]
+    where, message = fault(tmp_path, scene)
+    assert where == "bodies.rock.edges" + (f".{key}" if key else "")
+    assert words in message
+
+
+def test_faults_of_several_shapes_at_once(tmp_path: Path):
+    shape = {"polygon": SQUARE, "holes": [rectangle(3, 1, 2, 1), {"polygon": [[1, 1], [1, 1]]}]}
+    shape["holes"].append({"disk": {"center": [1, 1], "radius": -1}})
+    keys = [found.key for found in faults(tmp_path, with_body(shape))]
+    assert keys == ["bodies.rock.shape.holes.2.disk.radius"]  # the rest is judged once all holes can be read
+    shape["holes"].pop()
+    shape["polygon"] = [[0, 0], [1, 1]]
+    keys = [found.key for found in faults(tmp_path, with_body(shape))]
+    assert keys == ["bodies.rock.shape", "bodies.rock.shape.holes.1"]
+
+
+# --- files -----------------------------------------------------------------------------------------------------------
+
+WKT = "POLYGON ((0 0, 0 3, 4 3, 4 0, 0 0), (1 1, 2 1, 2 1.5, 1 1.5, 1 1))"
+RINGS = [[[0, 0], [0, 3], [4, 3], [4, 0], [0, 0]], [[1, 1], [2, 1], [2, 1.5], [1, 1.5], [1, 1]]]
+POLYGON = {"type": "Polygon", "coordinates": RINGS}
+FEATURE = {"type": "Feature", "properties": {"name": "rock"}, "geometry": POLYGON}
+FILES = {
+    "rock.wkt": WKT,
+    "rock.geojson": json.dumps(POLYGON),
+    "feature.geojson": json.dumps(FEATURE),
+    "collection.GeoJSON": json.dumps({"type": "FeatureCollection", "features": [FEATURE]}),
+    "multi.json": json.dumps({"type": "MultiPolygon", "coordinates": [RINGS]}),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_outline_from_a_file(name: str, tmp_path: Path):
+    (tmp_path / "shapes").mkdir()
+    (tmp_path / "shapes" / name).write_text(FILES[name], encoding="utf-8")
+    scene = with_body({"file": f"shapes/{name}", "holes": [rectangle(3, 1, 0.5, 0.5)]}, edges={"roof": 1})
+    scene["numerics"] = {"spacing": 0.1}
+    scene["units"] = {"length": "mm"}
+    body = body_of(tmp_path, scene, 2.5, 2)
+    np.testing.assert_array_equal(body.outline, np.array([[0, 0], [4, 0], [4, 3], [0, 3]]) / 1000)
+    assert body.rings[0].edge_names == ("3", "2", "roof", "0")
+    np.testing.assert_array_equal(body.rings[1].points, np.array([[1, 1], [1, 1.5], [2, 1.5], [2, 1]]) / 1000)
+    assert [ring.edge_names[0] for ring in body.rings[1:]] == ["hole0", "hole1"]
+
+
+def test_resolved_case_needs_no_outline_file(tmp_path: Path):
+    (tmp_path / "rock.wkt").write_text(WKT, encoding="utf-8")
+    (tmp_path / "notch.wkt").write_text("POLYGON ((3 1, 3.5 1, 3.5 1.5, 3 1))", encoding="utf-8")
+    scene = with_body({"file": "rock.wkt", "holes": [{"file": "notch.wkt"}]})
+    scene["supports"] = [{"on": {"body": "rock", "edge": "3"}, "displacement": {"x": 0, "y": 0}}]
+    case = load(tmp_path, scene)
+    shape = case.resolved["bodies"]["rock"]["shape"]  # type: ignore[index]
+    assert shape == {
+        "polygon": [[0.0, 0.0], [0.0, 3.0], [4.0, 3.0], [4.0, 0.0]],
+        "holes": [
+            {"polygon": [[1.0, 1.0], [2.0, 1.0], [2.0, 1.5], [1.0, 1.5]]},
+            {"polygon": [[3.0, 1.0], [3.5, 1.0], [3.5, 1.5]]},
+        ],
+    }
+    (tmp_path / "elsewhere").mkdir()
+    again = tmp_path / "elsewhere" / "scene.yaml"
+    again.write_text(dump_case(case), encoding="utf-8")
+    assert load_case(again).bodies[0].rings[2].points.tolist() == case.bodies[0].rings[2].points.tolist()
+    assert yaml.safe_load(dump_case(load_case(again))) == case.resolved
+
+
+def test_coordinates_of_a_file_are_read_like_those_of_the_case(tmp_path: Path):
+    (tmp_path / "rock.wkt").write_text("POLYGON ((0.1 0.7, 33.3 0.7, 33.3 51.9, 0.1 0.7))", encoding="utf-8")
+    polygon = {"polygon": [[0.1, 0.7], [33.3, 0.7], [33.3, 51.9]]}
+    first, second = (
+        body_of(tmp_path, {**with_body(shape), "units": {"length": "mm"}}, 30, 10).outline
+        for shape in (polygon, {"file": "rock.wkt"})
+    )
+    assert first.tobytes() == second.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("none.wkt", None, "does not exist in"),
+        (".", None, "ends in ''"),
+        ("rock.dxf", "", "ends in '.dxf'; wanted: the name of a .geojson or .wkt file with one polygon"),
+        ("rock.wkt", "", "cannot be read as wkt"),
+        ("rock.wkt", "POLYGON ((0 0, 1", "cannot be read as wkt"),
+        ("rock.wkt", "POINT (0 0)", "holds Point"),
+        ("rock.wkt", "POLYGON EMPTY", "holds nothing"),
+        ("rock.wkt", "MULTIPOLYGON (((0 0, 1 0, 1 1, 0 0)), ((5 0, 6 0, 6 1, 5 0)))", "holds 2 shapes"),
+        ("rock.wkt", "POLYGON ((0 0, 4 0, 0 3, 4 4, 0 0))", "not valid: Self-intersection"),
+        ("rock.wkt", "POLYGON ((0 0, 1e99 0, 0 1, 0 0))", "too large"),
+        ("rock.geojson", "{}", "cannot be read as geojson"),
+        ("rock.geojson", "[1, 2", "cannot be read as geojson"),
+        ("rock.geojson", '{"type": "FeatureCollection", "features": []}', "holds nothing"),
+        ("rock.geojson", json.dumps({"type": "LineString", "coordinates": RINGS[0]}), "holds LineString"),
+    ],
+)
+def test_file_refused(name: str, text: str | None, words: str, tmp_path: Path):
+    if text is not None:
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    where, message = fault(tmp_path, with_body({"file": name}))
+    assert where == "bodies.rock.shape.file"
+    assert words in message
+    assert message.isprintable()
+
+
+def test_file_that_is_no_text(tmp_path: Path):
+    (tmp_path / "rock.wkt").write_bytes(b"POLYGON \xff")
+    assert "not a text in UTF-8" in fault(tmp_path, with_body({"file": "rock.wkt"}))[1]
+    (tmp_path / "folder.wkt").mkdir()
+    assert "is no file" in fault(tmp_path, with_body({"file": "folder.wkt"}))[1]
+    assert "wanted: the name of a" in fault(tmp_path, with_body({"file": ""}))[1]
+    assert "wanted: the name of a" in fault(tmp_path, with_body({"file": "a\0.wkt"}))[1]
+    assert "wanted: the name of a" in fault(tmp_path, with_body({"file": "a" * 5000 + ".wkt"}))[1]
+
+
+def test_file_with_a_hole_is_no_hole(tmp_path: Path):
+    (tmp_path / "rock.wkt").write_text(WKT, encoding="utf-8")
+    shape = {**rectangle(-1, -1, 9, 9), "holes": [{"file": "rock.wkt"}]}
+    where, message = fault(tmp_path, with_body(shape))
+    assert where == "bodies.rock.shape.holes.0.file"
+    assert "the polygon has holes" in message
