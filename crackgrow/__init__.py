@@ -12,6 +12,7 @@ contact        crack faces: contact points, jump, Coulomb law, the contact solve
 fracture       tip stress, stress intensity, growth criteria, advance of a tip
 run            one step, and the loop over the steps
 results        tables, frames and figures on disk, made from the results alone
+study          what several runs tell: how far apart their crack paths are
 cli            the command line, the only place that prints
 """
 
@@ -27,17 +28,38 @@ if TYPE_CHECKING:
     from crackgrow.results.writer import RunWriter
     from crackgrow.run import grow
     from crackgrow.run.result import RunEnd, StepResult
+    from crackgrow.study.compare import compare_paths
+    from crackgrow.study.comparison import Comparison
+    from crackgrow.study.comparison_text import comparison_csv, comparison_text
 
 __version__ = "0.1.0"
 
-__all__ = ["Case", "RunEnd", "RunWriter", "StepResult", "__version__", "dump_case", "grow", "load_case", "overview"]
+__all__ = [
+    "Case",
+    "Comparison",
+    "RunEnd",
+    "RunWriter",
+    "StepResult",
+    "__version__",
+    "compare_paths",
+    "comparison_csv",
+    "comparison_text",
+    "dump_case",
+    "grow",
+    "load_case",
+    "overview",
+]
 
 # Loaded on first use: importing crackgrow stays cheap, and the command line can set thread limits before numpy.
 _HOMES = {
     "Case": "crackgrow.case.model",
+    "Comparison": "crackgrow.study.comparison",
     "RunEnd": "crackgrow.run.result",
     "RunWriter": "crackgrow.results.writer",
     "StepResult": "crackgrow.run.result",
+    "compare_paths": "crackgrow.study.compare",
+    "comparison_csv": "crackgrow.study.comparison_text",
+    "comparison_text": "crackgrow.study.comparison_text",
     "dump_case": "crackgrow.case",
     "grow": "crackgrow.run",
     "load_case": "crackgrow.case",

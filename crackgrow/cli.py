@@ -1,6 +1,7 @@
 """The command line: the only place that prints.
 
-Exit codes: 0 done, 2 the case is wrong, 3 it can't be solved or written as asked, 130 interrupted, 1 a bug.
+Exit codes: 0 done, 2 the case is wrong, 3 it can't be solved or written as asked, 130 interrupted, 1 a bug (which
+shows its traceback), or paths that `compare` finds further apart than the tolerance.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.errors import CaseError, CrackgrowError, Fault
-from crackgrow.results.atomic import OutputError
+from crackgrow.results.atomic import OutputError, write_text
 from crackgrow.results.log import step_label, step_line
 
 if TYPE_CHECKING:
@@ -27,9 +28,22 @@ if TYPE_CHECKING:
     from crackgrow.run.result import RunEnd, StepResult
 
 EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
+EXIT_DIFFERENT = 1  # of compare, as of diff and cmp
 THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 BAR_WIDTH = 20
 MOST_WARNINGS = 5  # printed at the end; run.log has all
+COMPARE_HELP = """\
+Compare the crack paths of two result folders, or of a folder and a CSV file, crack by crack and tip by tip:
+Hausdorff and Frechet distance of what has grown, distance of the tips, the place of the largest deviation.
+"""
+COMPARE_EXAMPLES = """\
+A CSV has columns x and y in m, or x_mm and y_mm, and may have crack, vertex and step. Without step it may hold a
+part of a path, such as one wing: then the part that both have is compared. Exit code 1: beyond the tolerance.
+
+examples:
+  crackgrow compare outputs/before outputs/after --tolerance "0.15 mm"
+  crackgrow compare outputs/compression30 paper.csv --crack flaw --tip end --columns x_mm_fem,y_mm
+"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -95,6 +109,22 @@ def check(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
+def compare(arguments: argparse.Namespace) -> int:
+    """`crackgrow compare`: how far apart the crack paths of two runs are."""
+    comparison = crackgrow.compare_paths(
+        arguments.a,
+        arguments.b,
+        tolerance=arguments.tolerance,
+        crack=arguments.crack,
+        tip=arguments.tip,
+        columns=arguments.columns,
+    )
+    _say(crackgrow.comparison_text(comparison))
+    if arguments.csv is not None:
+        write_text(arguments.csv, crackgrow.comparison_csv(comparison))
+    return EXIT_DONE if comparison.agrees else EXIT_DIFFERENT
+
+
 class Progress:
     """How far a run is: one live line on a terminal, otherwise a line a step."""
 
@@ -154,7 +184,35 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(command=run)
     command = commands.add_parser("check", parents=[case], help="validate a case and say what it models")
     command.set_defaults(command=check)
+    _add_compare(commands)
     return parser
+
+
+def _add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    command = commands.add_parser(
+        "compare",
+        help="say how far apart the crack paths of two runs are",
+        description=COMPARE_HELP,
+        epilog=COMPARE_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    for name in ("a", "b"):
+        command.add_argument(name, metavar=name.upper(), help="a result folder or a CSV file")
+    command.add_argument(
+        "--tolerance", metavar="LENGTH", help='largest distance allowed: "0.15 mm", or a bare number in m'
+    )
+    command.add_argument("--csv", type=Path, metavar="FILE", help="write the rows of the table, SI, to a file")
+    command.add_argument("--crack", metavar="NAME", help="compare this crack alone")
+    command.add_argument("--tip", choices=("start", "end"), help="compare what has grown at this tip alone")
+    command.add_argument("--columns", type=_two_names, metavar="X,Y", help="columns of x and y of a CSV with several")
+    command.set_defaults(command=compare)
+
+
+def _two_names(text: str) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in text.split(","))
+    if len(names) != 2 or not all(names):
+        raise argparse.ArgumentTypeError(f"{text!r}: two column names are wanted, that of x and that of y: X,Y")
+    return names
 
 
 def _load(arguments: argparse.Namespace) -> Case:

@@ -1,0 +1,1 @@
+"""Studies: what is learnt from several runs, such as how far apart their crack paths are."""

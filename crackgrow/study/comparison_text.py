@@ -1,0 +1,183 @@
+"""A comparison as text for people and as CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from crackgrow.results.tables import Value, format_value
+from crackgrow.study.comparison import Comparison, Deviation, Pair, Place
+from crackgrow.study.path_files import PathSet
+
+UNEQUAL = 1e-3  # of the longer length: lengths further apart are told as unequal growth
+MOST_SETTINGS = 20  # that differ and are printed
+MOST_MILLIMETRES = 1.0  # m, of the longest part: from there on lengths are printed in m
+HEADINGS = ("crack", "part", "length A", "length B", "Hausdorff", "Frechet", "ends apart",
+            "worst at, in A", "along", "step", "in B", "along", "step")  # fmt: skip
+N_WORDS = 2  # columns of words come first, left-aligned
+CSV_COLUMNS = (
+    "crack", "part", "length_a", "length_b", "hausdorff", "frechet", "end_distance",
+    "x_a", "y_a", "s_a", "step_a", "x_b", "y_b", "s_b", "step_b",
+    "common_length_a", "common_length_b", "common_hausdorff", "common_frechet", "verdict",
+)  # fmt: skip
+
+
+def comparison_text(comparison: Comparison) -> str:
+    """Lines of text: what is compared, settings that differ, the table, remarks, the largest deviation, the verdict."""
+    lengths = [length for pair in comparison.pairs for length in (pair.length_a, pair.length_b)]
+    show = _Lengths(max(lengths, default=0.0))
+    lines = [_source_line("A", comparison.a), _source_line("B", comparison.b), *_settings_lines(comparison)]
+    if comparison.pairs:
+        lines += [f"lengths in {show.unit}", *_aligned([HEADINGS, *(_cells(pair, show) for pair in comparison.pairs)])]
+        lines += [line for pair in comparison.pairs for line in _remarks(pair, comparison, show)]
+    lines += [f"crack {crack}: only in {name}" for crack, name in comparison.in_one_only]
+    if comparison.pairs:
+        lines.append(_largest_line(comparison.pairs, show))
+    return "\n".join([*lines, *_verdict_lines(comparison, show)])
+
+
+def comparison_csv(comparison: Comparison) -> str:
+    """A row for each part of each crack, SI; empty where there is no value; a row for each crack that one alone has."""
+    beyond = comparison.beyond
+    judged = comparison.tolerance is not None
+    rows: list[Sequence[Value]] = [CSV_COLUMNS]
+    rows += [
+        (*_pair_values(pair), ("beyond" if pair in beyond else "within") if judged else "") for pair in comparison.pairs
+    ]
+    blank = [""] * (len(CSV_COLUMNS) - 3)
+    rows += [(crack, f"only in {name}", *blank, "beyond" if judged else "") for crack, name in comparison.in_one_only]
+    return "".join(",".join(format_value(value) for value in row) + "\n" for row in rows)
+
+
+class _Lengths:
+    """Writes lengths in mm, or in m where they are large."""
+
+    def __init__(self, largest: float) -> None:
+        self._scale, self.unit = (1e3, "mm") if largest < MOST_MILLIMETRES else (1.0, "m")
+
+    def bare(self, value: float) -> str:
+        scaled = value * self._scale
+        return f"{scaled:.3f}" if scaled == 0 or abs(scaled) >= 0.0005 else f"{scaled:.0e}"
+
+    def __call__(self, value: float) -> str:
+        return f"{self.bare(value)} {self.unit}"
+
+    def point(self, point: Iterable[float]) -> str:
+        return f"({', '.join(self.bare(float(value)) for value in point)})"
+
+
+def _source_line(name: str, paths: PathSet) -> str:
+    return f"{name}  {paths.source}{f': {paths.status}' if paths.status else ''}"
+
+
+def _settings_lines(comparison: Comparison) -> list[str]:
+    a, b = comparison.a.settings, comparison.b.settings
+    if a is None or b is None:
+        return []
+    keys = [key for key in dict.fromkeys([*a, *b]) if a.get(key) != b.get(key)]
+    if not keys:
+        return ["same settings"]
+    shown = [f"  {key}: {a.get(key, 'not given')} | {b.get(key, 'not given')}" for key in keys[:MOST_SETTINGS]]
+    more = [f"  and {len(keys) - MOST_SETTINGS} more"] if len(keys) > MOST_SETTINGS else []
+    return ["settings that differ, A | B:", *shown, *more]
+
+
+def _cells(pair: Pair, show: _Lengths) -> tuple[str, ...]:
+    deviation = pair.deviation
+    return (
+        pair.crack or "-",
+        pair.part,
+        show.bare(pair.length_a),
+        show.bare(pair.length_b),
+        show.bare(deviation.hausdorff),
+        show.bare(deviation.frechet),
+        "-" if pair.end_distance is None else show.bare(pair.end_distance),
+        *_place_cells(deviation, deviation.in_a, show),
+        *_place_cells(deviation, deviation.in_b, show),
+    )
+
+
+def _place_cells(deviation: Deviation, place: Place, show: _Lengths) -> tuple[str, ...]:
+    if deviation.hausdorff == 0:
+        return "-", "-", "-"
+    return show.point(place.point), show.bare(place.s), "-" if place.step is None else str(place.step)
+
+
+def _pair_values(pair: Pair) -> tuple[Value, ...]:
+    """The values of CSV_COLUMNS up to the verdict."""
+    whole, common = pair.whole, pair.common
+    shared = (
+        (common.length_a, common.length_b, common.deviation.hausdorff, common.deviation.frechet) if common else None
+    )
+    return (
+        pair.crack,
+        pair.part,
+        pair.length_a,
+        pair.length_b,
+        *((whole.hausdorff, whole.frechet) if whole else ("", "")),
+        "" if pair.end_distance is None else pair.end_distance,
+        *_place_values(pair.deviation.in_a),
+        *_place_values(pair.deviation.in_b),
+        *(shared or ("", "", "", "")),
+    )
+
+
+def _place_values(place: Place) -> tuple[Value, ...]:
+    x, y = (float(value) for value in place.point)
+    return x, y, place.s, "" if place.step is None else place.step
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return [
+        "  ".join(
+            cell.ljust(width) if column < N_WORDS else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in rows
+    ]
+
+
+def _remarks(pair: Pair, comparison: Comparison, show: _Lengths) -> list[str]:
+    """What was compared where it isn't all, and whether the one path only goes further than the other."""
+    common = pair.common
+    if pair.whole is None and common is not None:
+        begin, end = (show.point(point) for point in common.ends)
+        return [
+            f"{pair.name}: compared {show(common.length_a)} of A, from {begin} to {end}, "
+            f"with {show(common.length_b)} of B: the part that both have"
+        ]
+    ahead = pair.length_b - pair.length_a
+    if pair.part == "given" or abs(ahead) <= UNEQUAL * max(pair.length_a, pair.length_b):
+        return []
+    further = f"{pair.name}: {'B' if ahead > 0 else 'A'} has grown {show(abs(ahead))} further"
+    if common is None:
+        return [f"{further}, the other not at all"]
+    apart = common.deviation
+    judged = ""
+    if comparison.tolerance is not None:
+        judged = ": the same path so far" if apart.largest <= comparison.tolerance else ": another path"
+    return [
+        f"{further}; over the common part, {show(common.length_a)} of A, "
+        f"Hausdorff {show(apart.hausdorff)}, Frechet {show(apart.frechet)}{judged}"
+    ]
+
+
+def _largest_line(pairs: Sequence[Pair], show: _Lengths) -> str:
+    worst = max(pairs, key=lambda pair: pair.deviation.hausdorff)
+    deviation = worst.deviation
+    largest_frechet = max(pair.deviation.frechet for pair in pairs)
+    if deviation.hausdorff == 0:
+        place = ""
+    else:
+        place = f", {worst.name}: {show.point(deviation.in_a.point)} in A, {show.point(deviation.in_b.point)} in B"
+    return f"largest: Hausdorff {show(deviation.hausdorff)}, Frechet {show(largest_frechet)}{place}"
+
+
+def _verdict_lines(comparison: Comparison, show: _Lengths) -> list[str]:
+    if comparison.tolerance is None:
+        return []
+    if comparison.agrees:
+        return [f"within the tolerance of {show(comparison.tolerance)}"]
+    parts = [f"{pair.name} ({show(pair.deviation.largest)})" for pair in comparison.beyond]
+    parts += [f"{crack} (only in {name})" for crack, name in comparison.in_one_only]
+    return [f"beyond the tolerance of {show(comparison.tolerance)}: {', '.join(parts)}"]

@@ -1,0 +1,369 @@
+"""Comparing crack paths: hand-made paths with distances that are known, other programs' CSVs, faults."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from crackgrow import cli
+from crackgrow.errors import CaseError
+from crackgrow.study.compare import compare_paths
+from crackgrow.study.comparison_text import CSV_COLUMNS, comparison_csv, comparison_text
+from crackgrow.study.path_files import MOST_FAULTS, read_paths, read_settings
+
+Vertex = tuple[float, float, int]  # mm, mm, step
+
+# A flaw from (-5, 0) to (5, 0); its start has grown 4 mm to the left, its end 4 mm to the right, in turn.
+STRAIGHT: list[Vertex] = [(-9, 0, 4), (-7, 0, 2), (-5, 0, 0), (5, 0, 0), (7, 0, 1), (9, 0, 3)]
+LONGER: list[Vertex] = [*STRAIGHT, (11, 0, 5)]
+# The end turns off by 0.3 mm; the largest distance, at its first vertex, is to a straight line.
+BENT: list[Vertex] = [*STRAIGHT[:4], (7, 0.3, 1), (9, 0, 3)]
+
+
+def folder(path: Path, settings: str | None = None, **cracks: list[Vertex]) -> Path:
+    """A result folder with these cracks."""
+    path.mkdir()
+    rows = ["crack,vertex,x,y,step"]
+    for name, vertices in cracks.items():
+        rows += [f"{name},{i},{x * 1e-3!r},{y * 1e-3!r},{step}" for i, (x, y, step) in enumerate(vertices)]
+    (path / "paths.csv").write_text("\n".join(rows) + "\n")
+    if settings is not None:
+        (path / "case.yaml").write_text(settings)
+    return path
+
+
+def table(path: Path, text: str) -> Path:
+    path.write_text(text)
+    return path
+
+
+def faults(*args: object, **options: object) -> list[str]:
+    with pytest.raises(CaseError) as caught:
+        compare_paths(*args, **options)  # type: ignore[arg-type]
+    return [str(fault) for fault in caught.value.faults]
+
+
+def test_equal_paths_are_no_distance_apart(tmp_path: Path) -> None:
+    result = compare_paths(folder(tmp_path / "a", flaw=BENT), folder(tmp_path / "b", flaw=BENT), tolerance=0)
+    assert [(pair.name, pair.deviation.largest, pair.end_distance) for pair in result.pairs] == [
+        ("flaw given", 0.0, 0.0),
+        ("flaw start", 0.0, 0.0),
+        ("flaw end", 0.0, 0.0),
+    ]
+    assert result.agrees
+
+
+def test_tip_that_turns_off_is_found_with_its_place(tmp_path: Path) -> None:
+    result = compare_paths(folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=BENT))
+    given, start, end = result.pairs
+    assert (given.deviation.largest, start.deviation.largest) == (0.0, 0.0)
+    assert end.deviation.hausdorff == pytest.approx(0.3e-3, rel=1e-3)
+    assert end.deviation.frechet == pytest.approx(0.3e-3, rel=1e-3)
+    in_a, in_b = end.deviation.in_a, end.deviation.in_b
+    assert in_b.point == pytest.approx([7e-3, 0.3e-3])
+    assert in_a.point == pytest.approx([7e-3, 0.0], abs=1e-8)
+    assert (in_a.s, in_b.s) == (pytest.approx(2e-3), pytest.approx((2**2 + 0.3**2) ** 0.5 * 1e-3))
+    assert (in_a.step, in_b.step) == (1, 1)
+    assert end.end_distance == 0.0
+    assert end.length_b - end.length_a == pytest.approx(2 * ((2**2 + 0.3**2) ** 0.5 - 2) * 1e-3)
+
+
+def test_wings_are_measured_from_their_root(tmp_path: Path) -> None:
+    shifted: list[Vertex] = [(-9, 0.1, 4), (-7, 0, 2), *STRAIGHT[2:]]
+    result = compare_paths(folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=shifted))
+    start = result.pairs[1]
+    assert start.deviation.hausdorff == pytest.approx(0.1e-3)
+    assert start.deviation.in_b.step == 4
+    assert start.deviation.in_a.s == pytest.approx(4e-3)
+    assert start.end_distance == pytest.approx(0.1e-3)
+
+
+def test_shorter_steps_along_the_same_line_are_the_same_path(tmp_path: Path) -> None:
+    fine: list[Vertex] = [*STRAIGHT[:4], *((5 + 0.4 * i, 0.0, i) for i in range(1, 11))]
+    result = compare_paths(folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=fine), tolerance=1e-9)
+    assert result.agrees
+
+
+def test_given_cracks_that_differ_count(tmp_path: Path) -> None:
+    lifted: list[Vertex] = [(x, y + 0.5, step) for x, y, step in STRAIGHT]
+    result = compare_paths(
+        folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=lifted), tolerance="0.4 mm"
+    )
+    assert [pair.deviation.hausdorff for pair in result.pairs] == pytest.approx([0.5e-3] * 3)
+    assert [pair.deviation.frechet for pair in result.pairs] == pytest.approx([0.5e-3] * 3)
+    assert [pair.part for pair in result.beyond] == ["given", "start", "end"]
+
+
+def test_same_path_but_further_is_told_from_another_path(tmp_path: Path) -> None:
+    a = folder(tmp_path / "a", flaw=STRAIGHT)
+    further = compare_paths(a, folder(tmp_path / "b", flaw=LONGER), tolerance="0.1 mm")
+    end = further.pairs[2]
+    assert end.deviation.hausdorff == pytest.approx(2e-3)
+    assert end.common is not None
+    assert (end.common.length_a, end.common.length_b) == pytest.approx((4e-3, 4e-3), abs=1e-8)
+    assert end.common.deviation.largest == pytest.approx(0.0, abs=1e-8)
+    assert not further.agrees
+    assert "flaw end: B has grown 2.000 mm further; over the common part, 4.000 mm of A" in comparison_text(further)
+    assert ": the same path so far" in comparison_text(further)
+    off = [*STRAIGHT[:4], (7, 0.3, 1), (9, 0.6, 3), (11, 0.9, 5)]
+    other = compare_paths(a, folder(tmp_path / "c", flaw=off), tolerance="0.1 mm")
+    assert ": another path" in comparison_text(other)
+    end = other.pairs[2]
+    assert end.common is not None
+    assert end.common.deviation.hausdorff == pytest.approx(0.6e-3, rel=0.02)
+
+
+def test_tip_that_has_grown_in_one_only(tmp_path: Path) -> None:
+    still = STRAIGHT[2:]
+    result = compare_paths(folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=still))
+    start = result.pairs[1]
+    assert (start.length_b, start.common) == (0.0, None)
+    assert (start.deviation.hausdorff, start.deviation.frechet) == pytest.approx((4e-3, 4e-3))
+    assert "flaw start: A has grown 4.000 mm further, the other not at all" in comparison_text(result)
+
+
+def test_crack_in_one_only_is_beyond_any_tolerance(tmp_path: Path) -> None:
+    a = folder(tmp_path / "a", flaw=STRAIGHT, joint=[(0, 5, 0), (1, 5, 0)])
+    b = folder(tmp_path / "b", flaw=STRAIGHT)
+    result = compare_paths(a, b, tolerance="1 km")
+    assert (result.only_in_a, result.only_in_b, result.agrees) == (("joint",), (), False)
+    assert "beyond the tolerance of 1000000.000 mm: joint (only in A)" in comparison_text(result)
+    assert compare_paths(a, b).agrees
+    assert compare_paths(a, b, tolerance=0, crack="flaw").agrees
+    assert compare_paths(b, a, tolerance=0).only_in_b == ("joint",)
+
+
+def test_one_tip_can_be_chosen(tmp_path: Path) -> None:
+    a, b = folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=BENT)
+    assert [pair.part for pair in compare_paths(a, b, tip="start").pairs] == ["start"]
+    assert compare_paths(a, b, tip="start", tolerance="0.1 mm").agrees
+    assert not compare_paths(a, b, tip="end", tolerance="0.1 mm").agrees
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x,y\n0.006,0.0001\n0.008,0.0001\n",
+        "x_mm,y_mm\n6,0.1\n8,0.1\n",
+        "y_mm;x_cm\n0.1;0.6\n0.1;0.8\n",
+        "X [mm]\tY [mm]\n6\t0.1\n8\t0.1\n",
+        "# digitised from figure 5\n\nx,y_um\n0.006,100\n\n0.008,100\n",
+        "x_mm,y_mm\n8,0.1\n6,0.1\n",
+        "\ufeffcrack,vertex,x_mm,y_mm,comment\nflaw,0,6,0.1,first\nflaw,1,8,0.1,last\n",
+        "x,y\n6 mm,0.1 mm\n8 mm,0.1 mm\n",
+    ],
+)
+@pytest.mark.parametrize("tip", [None, "end"])
+def test_reference_of_a_part_is_compared_where_it_is(tmp_path: Path, text: str, tip: str | None) -> None:
+    run, reference = folder(tmp_path / "run", flaw=STRAIGHT), table(tmp_path / "paper.csv", text)
+    (pair,) = compare_paths(run, reference, tip=tip).pairs  # type: ignore[arg-type]
+    assert pair.crack == "flaw"
+    assert pair.whole is None
+    assert pair.deviation.hausdorff == pytest.approx(0.1e-3)
+    assert pair.deviation.frechet == pytest.approx(0.1e-3)
+    assert pair.common is not None
+    assert (pair.common.length_a, pair.common.length_b) == pytest.approx((2e-3, 2e-3))
+    assert sorted(pair.common.ends[:, 0]) == pytest.approx([6e-3, 8e-3])
+    (turned,) = compare_paths(reference, run, tip=tip).pairs  # type: ignore[arg-type]
+    assert turned.deviation.hausdorff == pytest.approx(0.1e-3)
+    assert turned.deviation.in_b.step is not None
+    assert turned.deviation.in_a.step is None
+
+
+def test_reference_beyond_the_tip_is_cut_there(tmp_path: Path) -> None:
+    reference = table(tmp_path / "paper.csv", "x_mm,y_mm\n6,0\n30,0\n")
+    result = compare_paths(folder(tmp_path / "run", flaw=STRAIGHT), reference, tolerance="1 um")
+    assert result.agrees
+    assert "flaw path: compared 3.000 mm of A, from (6.000, 0.000) to (9.000, 0.000)" in comparison_text(result)
+
+
+def test_reference_of_one_of_two_wings_side_by_side(tmp_path: Path) -> None:
+    """The other wing is beside the reference too, but further."""
+    wings: list[Vertex] = [(-1, 10, 2), (-1, 0, 0), (1, 0, 0), (1, 10, 1)]
+    run, reference = folder(tmp_path / "run", flaw=wings), table(tmp_path / "paper.csv", "x_mm,y_mm\n1.1,2\n1.1,10\n")
+    for pair in (*compare_paths(run, reference).pairs, *compare_paths(reference, run).pairs):
+        assert pair.deviation.largest == pytest.approx(0.1e-3)
+
+
+def test_reference_elsewhere_is_compared_as_a_whole(tmp_path: Path) -> None:
+    reference = table(tmp_path / "paper.csv", "x_mm,y_mm\n19,0\n29,0\n")
+    result = compare_paths(folder(tmp_path / "run", flaw=STRAIGHT), reference, tolerance="1 mm")
+    assert result.pairs[0].deviation.hausdorff == pytest.approx(28e-3)  # from the start, -9, to 19
+    assert not result.agrees
+
+
+def test_two_files_without_steps(tmp_path: Path) -> None:
+    a = table(tmp_path / "a.csv", "x,y\n0,0\n10,0\n")
+    b = table(tmp_path / "b.csv", "x,y\n4,1\n2,1\n")
+    (pair,) = compare_paths(a, b).pairs
+    assert (pair.name, pair.deviation.hausdorff) == ("path", 1.0)
+    assert "lengths in m\n" in comparison_text(compare_paths(a, b))
+    assert "neither path has the column step" in faults(a, b, tip="end")[0]
+
+
+def test_one_of_several_cracks_and_columns_is_chosen(tmp_path: Path) -> None:
+    run = folder(tmp_path / "run", left=STRAIGHT, right=BENT)
+    reference = table(tmp_path / "paper.csv", "y_mm,x_mm_fem,x_mm_bem\n0.2,6,7\n0.2,8,7.5\n")
+    (fault,) = faults(run, reference)
+    assert fault == f"{reference}:1: has several columns for x: x_mm_fem, x_mm_bem; choose with --columns X,Y"
+    (fault,) = faults(run, reference, columns=("x_mm_fem", "y_mm"))
+    assert fault == f"{reference}: has no column crack; choose the one to compare with by --crack: left, right"
+    (fault,) = faults(run, reference, columns=("x_mm_fen", "y_mm"))
+    assert "has no column 'x_mm_fen'; did you mean 'x_mm_fem'?" in fault
+    (pair,) = compare_paths(run, reference, crack="left", columns=("x_mm_fem", "y_mm")).pairs
+    assert (pair.crack, pair.deviation.hausdorff) == ("left", pytest.approx(0.2e-3))
+    (fault,) = faults(run, reference, crack="lefty", columns=("x_mm_fem", "y_mm"))
+    assert fault == "--crack: no crack 'lefty'; did you mean 'left'?; there are left, right"
+
+
+def test_case_files_that_differ_are_told(tmp_path: Path) -> None:
+    case = "title: A\nnumerics: {spacing: 0.003, support: 2}\nloads:\n- {traction: [0, -1]}\n- {traction: [0, 1]}\n"
+    a = folder(tmp_path / "a", case, flaw=STRAIGHT)
+    b = folder(tmp_path / "b", case.replace("0.003", "0.0015").replace("-1", "-2") + "plane: strain\n", flaw=STRAIGHT)
+    lines = comparison_text(compare_paths(a, b)).splitlines()
+    assert lines[2:6] == [
+        "settings that differ, A | B:",
+        "  numerics.spacing: 0.003 | 0.0015",
+        "  loads.0.traction: [0, -1] | [0, -2]",
+        "  plane: not given | strain",
+    ]
+    assert "same settings" in comparison_text(compare_paths(a, a))
+    (b / "case.yaml").write_text("title: A\nloads: [\n")
+    assert faults(a, b)[0].startswith(f"{b / 'case.yaml'}:3: is no YAML")
+
+
+def test_settings_are_flat() -> None:
+    assert read_settings("a: {b: 1, c: {}}\nd: [x, {e: null}]\n") == {
+        "a.b": "1",
+        "a.c": "{}",
+        "d.0": "x",
+        "d.1.e": "None",
+    }
+    assert read_settings("") == {"": "None"}
+
+
+HEADER = "crack,vertex,x,y,step\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", ":1: is empty; a CSV of crack paths has columns x and y"),
+        ("# nothing\n\n", ":1: is empty"),
+        (HEADER, ":1: has no cracks, only a header"),
+        ("1,2\n3,4\n", ":1: has no column for x, it has 1, 2; a CSV of crack paths"),
+        ("x,z\n1,2\n3,4\n", ":1: has no column for y, it has x, z"),
+        ("x_inch,y\n1,2\n3,4\n", ":1: x_inch: has no known unit of length; allowed are x, x_m, x_cm, x_mm, x_um, x_km"),
+        ("x,y\n1,2\n3\n", ":3: has 1 values, the header has 2"),
+        ("x,y\n1,2\nnan,4\n", ":3: x: 'nan' is not finite; allowed is a length, in m where it has no unit"),
+        ("x,y\n1,inf\n3,4\n", ":2: y: 'inf' is not finite"),
+        ("x_mm,y\n1,2\n,4\n", ":3: x_mm: '' is neither a number nor a number with a unit; allowed is a length, in mm"),
+        ("x,y\n1,2\n3 inch,4\n", ":3: x: '3 inch' has an unknown unit"),
+        ("x,y\n1,2\n3 MPa,4\n", ":3: x: '3 MPa' has a unit of stress"),
+        ("x,y\n1,2\n1e99,4\n", ":3: x: '1e99' is too large"),
+        ("x,y\n1,2\n1,2\n", ":2: has 1 different points; allowed are 2 to 2000 a crack"),
+        (HEADER + "flaw,0,0,0,0\n", ":2: crack flaw: has 1 different points"),
+        (HEADER + "flaw,0,0,0,0\nflaw,0,1,0,0\n", ":3: vertex: '0' comes after 0; allowed are numbers that rise"),
+        (HEADER + "flaw,a,0,0,0\nflaw,1,1,0,0\n", ":2: vertex: 'a' is not a number"),
+        (HEADER + "flaw,0,0,0,-1\nflaw,1,1,0,0\n", ":2: step: '-1' is no step; allowed are 0"),
+        (HEADER + "flaw,0,0,0,1\nflaw,1,1,0,2\n", ":2: crack flaw: its vertices of step 0"),
+        (HEADER + "flaw,0,0,0,0\nflaw,1,1,0,2\nflaw,2,2,0,0\n", ":2: crack flaw: its vertices of step 0"),
+        ('x,y\n1,2\n"3,4\n', ":3: has 1 values, the header has 2"),
+    ],
+)
+def test_faults_of_a_csv_name_file_and_line(tmp_path: Path, text: str, message: str) -> None:
+    path = table(tmp_path / "bad.csv", text)
+    found = faults(path, folder(tmp_path / "b", flaw=STRAIGHT))
+    assert found[0].startswith(f"{path}{message}")
+
+
+def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
+    bad = table(tmp_path / "bad.csv", "x,y\nnan,0\n1,nan\n")
+    found = faults(bad, tmp_path / "nowhere", tolerance="3 inch")
+    assert [fault.split(": ")[0] for fault in found] == [
+        "--tolerance",
+        f"{bad}:2",
+        f"{bad}:3",
+        str(tmp_path / "nowhere"),
+    ]
+    many = table(tmp_path / "many.csv", "x,y\n" + "nan,0\n" * (MOST_FAULTS + 5))
+    assert faults(many, many)[-1] == f"{many}: and 5 more faults"
+
+
+def test_what_is_no_result_is_a_fault(tmp_path: Path) -> None:
+    a = folder(tmp_path / "fine", flaw=STRAIGHT)
+    (fault,) = faults(a, tmp_path / "fin")
+    assert fault.startswith(f"{tmp_path / 'fin'}: no such folder or file; did you mean 'fine'?; compared are")
+    (fault,) = faults(a, tmp_path)
+    assert fault == f"{tmp_path}: is no result folder: it has no paths.csv; there are results in fine inside it"
+    binary = tmp_path / "binary"
+    binary.write_bytes(b"\xff\xfe\x00")
+    assert faults(a, binary) == [f"{binary}: cannot be read: is not a text in UTF-8"]
+    assert faults(a, a, columns=("x", "y")) == ["--columns: is for a CSV file; both are result folders"]
+    assert faults(folder(tmp_path / "b", flaw=STRAIGHT[2:4]), a, tolerance="-1 mm") == [
+        "--tolerance: '-1 mm' is negative; allowed is a length from 0 on"
+    ]
+    ungrown = tmp_path / "b"
+    assert faults(ungrown, ungrown, tip="end") == [f"--tip: the end has not grown in {ungrown} nor in {ungrown}"]
+
+
+def test_broken_summary_does_not_hide_the_paths(tmp_path: Path) -> None:
+    a = folder(tmp_path / "a", flaw=STRAIGHT)
+    (a / "summary.json").write_text('{"status": "completed", "steps_done": 4}')
+    assert read_paths(a).status == "completed, 4 steps"
+    (a / "summary.json").write_text("{")
+    assert read_paths(a).status == ""
+
+
+def test_csv_has_si_values_and_blanks(tmp_path: Path) -> None:
+    a = folder(tmp_path / "a", flaw=STRAIGHT, joint=[(0, 5, 0), (1, 5, 0)])
+    b = folder(tmp_path / "b", flaw=BENT)
+    rows = list(csv.DictReader(comparison_csv(compare_paths(a, b, tolerance="0.2 mm")).splitlines()))
+    assert list(rows[0]) == list(CSV_COLUMNS)
+    assert [(row["crack"], row["part"], row["verdict"]) for row in rows] == [
+        ("flaw", "given", "within"),
+        ("flaw", "start", "within"),
+        ("flaw", "end", "beyond"),
+        ("joint", "only in A", "beyond"),
+    ]
+    assert float(rows[2]["hausdorff"]) == pytest.approx(0.3e-3, rel=1e-3)
+    assert (rows[0]["common_hausdorff"], rows[3]["hausdorff"]) == ("", "")
+    assert float(rows[2]["y_b"]) == pytest.approx(0.3e-3)
+
+
+def test_exit_code_and_last_line_tell_of_the_tolerance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    a, b = (str(folder(tmp_path / name, flaw=path)) for name, path in (("a", STRAIGHT), ("b", BENT)))
+    assert cli.main(["compare", a, b]) == 0
+    out = capsys.readouterr().out.splitlines()
+    assert out[-1].startswith("largest: Hausdorff 0.300 mm, Frechet 0.300 mm, flaw end: (7.000, ")
+    assert cli.main(["compare", a, b, "--tolerance", "0.31 mm"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "within the tolerance of 0.310 mm"
+    assert cli.main(["compare", a, b, "--tolerance", "0.00029"]) == 1
+    assert capsys.readouterr().out.splitlines()[-1] == "beyond the tolerance of 0.290 mm: flaw end (0.300 mm)"
+    assert cli.main(["compare", a, b, "--tolerance", "0.3 bananas"]) == 2
+    assert capsys.readouterr().err.startswith("--tolerance: '0.3 bananas' has an unknown unit; allowed is a length")
+    assert cli.main(["compare", a, str(tmp_path / "c")]) == 2
+
+
+def test_csv_is_written_where_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    a = str(folder(tmp_path / "a", flaw=STRAIGHT))
+    assert cli.main(["compare", a, a, "--csv", str(tmp_path / "new" / "rows.csv")]) == 0
+    assert (tmp_path / "new" / "rows.csv").read_text().splitlines()[0] == ",".join(CSV_COLUMNS)
+    assert cli.main(["compare", a, a, "--csv", str(tmp_path / "a" / "paths.csv" / "rows.csv")]) == 3
+    assert "cannot write" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("columns", ["x", "x,y,z", "x,"])
+def test_columns_are_two(columns: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        cli.main(["compare", "a", "b", "--columns", columns])
+    assert caught.value.code == 2
+    assert "two column names are wanted" in capsys.readouterr().err
+
+
+def test_help_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["compare", "--help"])
+    assert capsys.readouterr().out.count("\n  crackgrow compare outputs/") == 2
