@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.contact.coulomb import OPEN
-from crackgrow.contact.faces import face_vertices, stretch_ends
+from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
+from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.fracture.criteria import effective_toughness
 from crackgrow.run.cautions import cautions, largest_overlap
 from crackgrow.run.frame import make_frame
@@ -101,34 +102,22 @@ def _contact(solution: StepSolution, scene: Scene) -> ContactPoints:
 
 
 def _faces(solution: StepSolution, scene: Scene, index: int) -> CrackFaces:
-    """Jump and tractions of one surface at the ends of all its edges, each place once.
-
-    Tractions are interpolated between the contact points of a stretch, the state is that of the nearest one.
-    """
+    """Jump, tractions and state of one surface at the ends of all its edges, each place once."""
     cover, faces, outcome = solution.cover, solution.faces, solution.outcome
     vertices = face_vertices(cover, index)
     gap, slip = gap_and_slip(cover, vertices, outcome.u)
     first = np.flatnonzero(np.diff(vertices.s, prepend=-np.inf) > SAME_PLACE)
     s = vertices.s[first]
-    stretch = np.searchsorted(stretch_ends(cover.surfaces[index].points)[1:-1], s, side="right")
-    normal, tangential = (np.zeros(len(s)) for _ in range(2))
-    state = np.full(len(s), OPEN, dtype=np.int64)
-    mine = np.flatnonzero(faces.surface == index)
-    for number in np.unique(stretch) if len(mine) else ():
-        there = np.flatnonzero(stretch == number)
-        nodes = mine[faces.stretch[mine] == number]
-        normal[there] = np.interp(s[there], faces.s[nodes], outcome.normal_traction[nodes])
-        tangential[there] = np.interp(s[there], faces.s[nodes], outcome.tangential_traction[nodes])
-        state[there] = outcome.state[nodes][np.abs(s[there, None] - faces.s[nodes]).argmin(axis=1)]
+    nearest = nearest_contact_point(cover, faces, index, s)
     return CrackFaces(
         crack=cover.surfaces[index].name,
         s=s * scene.lattice.spacing,
         points=scene.lattice.to_metres(vertices.points[first]),
         opening=gap[first],
         slip=slip[first],
-        normal_traction=normal,
-        tangential_traction=tangential,
-        state=state,
+        normal_traction=between_contact_points(cover, faces, index, s, outcome.normal_traction),
+        tangential_traction=between_contact_points(cover, faces, index, s, outcome.tangential_traction),
+        state=np.append(outcome.state, OPEN)[nearest],  # the last entry serves the index -1
     )
 
 

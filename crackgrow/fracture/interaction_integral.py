@@ -1,0 +1,288 @@
+"""Stress intensity factors by the domain interaction integral (Yau, Wang, Corten 1980; Moran, Shih 1987).
+
+With an auxiliary field a of known K, P_j = sigma_ij u^a_i,1 + sigma^a_ij u_i,1 - sigma_ik u^a_i,k delta_1j has the
+divergence -b_i u^a_i,1 under a body force b, and with q falling from 1 at the tip to 0 on the rim of a disc A
+
+    M = int_A P_j q_,j dA - int_A q b_i u^a_i,1 dA - int_faces P_j n_j q ds,    K = E'/2 M.
+
+The auxiliary fields are Williams' with their angle counted so that it jumps on the crack itself, kinks included: exact
+in the slit body, so that M does not depend on the disc. On a face with unit tangent s, s_1 n_2 - n_1 s_2 = +-1 leaves
+P_j n_j = t_i u^a_i,1 +- sigma^a_i2 u_i,s: of the body's own field it needs the tractions t, which are known, and the
+derivative along the face. On the last straight segment sigma^a_i2 vanishes and the tractions alone are left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from crackgrow.contact.faces import points_at
+from crackgrow.cover.cover import Cover
+from crackgrow.cover.elements import locate
+from crackgrow.cover.tips import Tip, crack_angle
+from crackgrow.fracture.williams import williams_gradient
+from crackgrow.geometry.polyline import arc_lengths, segment_directions
+from crackgrow.quadrature.rules import gauss
+from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.recovery import gradient_at
+
+Floats = NDArray[np.float64]
+
+DomainField = Callable[[Floats, Floats], Floats]
+"""Elastic displacement gradient (n, 2, 2) in the tip's axes at polar coordinates r, t (n,)."""
+
+FaceField = Callable[[Floats], tuple[Floats, Floats]]
+"""At arc lengths (n,) from the tip, in the tip's axes: stress vectors sigma . n on the crack's left normal (n, 2) and
+elastic displacement gradients (n, 2, 2), the sums of both faces. The gradients may be zero on the last segment."""
+
+FaceTraction = Callable[[Floats], tuple[Floats, Floats]]
+"""Normal and tangential traction (n,) Pa at arc lengths (n,), spacings, from the crack's start."""
+
+RADIUS = 2.5
+"""Radius of the disc in spacings: from 1.5 on K is within 0.2 % on straight cracks, and kinks of the last increments,
+which the cover does not resolve, disturb a disc that reaches beyond them least."""
+
+SMALLEST_RADIUS = 0.5
+"""Spacings: K from a smaller disc is worth nothing."""
+
+PARTS = np.array([0.7, 0.85, 1.0])
+"""The discs, as fractions of the radius, whose spread is the error estimate."""
+
+N_RADIAL = 6
+"""Points per panel along a ray; panels end at the discs' radii and at kinks."""
+
+N_ANGULAR = 24
+"""Points on a circle, from face to face."""
+
+FACE_PANEL = 0.25
+"""Length of a panel on the faces, spacings, at the tip in terms of the square root."""
+
+N_FACE = 5
+"""Points per panel on the faces."""
+
+SAME = 1e-9
+"""Stops of panels closer than this are one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StressIntensity:
+    """K of one tip. K_II is positive where the face on the left of the outward direction moves outward."""
+
+    K_I: float  # Pa sqrt(m)
+    K_II: float  # Pa sqrt(m)
+    K_I_error: float  # Pa sqrt(m): spread over three radii
+    K_II_error: float  # Pa sqrt(m)
+    radius: float  # m, of the largest disc; nan where none fits
+    shrunk: bool  # whether the disc is smaller than the default
+    note: str  # why, in words; empty where it is not
+
+
+def interaction_integral(
+    cover: Cover,
+    materials: Sequence[PlaneElasticity],
+    u: Floats,
+    tip: int,
+    traction: FaceTraction,
+    body_force: Floats | None = None,
+    radius: float | None = None,
+) -> StressIntensity:
+    """K_I and K_II of tip number `tip`; `u` (n_dofs,) m, `body_force` (2,) N/m^3, `radius` m.
+
+    `traction` is all that acts between the faces: contact tractions less fluid pressure.
+    """
+    geometry, spacing = cover.tips[tip], cover.lattice.spacing
+    wanted = RADIUS if radius is None else radius / spacing
+    room, obstacle = clearance(cover, tip)
+    if room < min(SMALLEST_RADIUS, wanted):
+        nan = float("nan")
+        return StressIntensity(
+            nan, nan, nan, nan, nan, True, f"{obstacle} leaves no room for an integral round the tip"
+        )
+    fitting = min(wanted, room)
+    shrunk = fitting < wanted
+    material = materials[cover.elements.body[_element_at(cover, tip)]]
+    M = interaction(
+        geometry,
+        material,
+        fitting * PARTS,
+        _domain_field(cover, material, u, geometry),
+        _face_field(cover, material, u, tip, traction),
+        np.zeros(2) if body_force is None else spacing * geometry.rotation @ body_force,
+    )
+    K = 0.5 * material.young_prime * np.sqrt(spacing) * M
+    (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
+    note = f"{obstacle} makes the disc of the integral small" if shrunk else ""
+    return StressIntensity(K_I, K_II, spread_I, spread_II, fitting * spacing, shrunk, note)
+
+
+def interaction(
+    tip: Tip,
+    material: PlaneElasticity,
+    radii: Floats,
+    domain: DomainField,
+    faces: FaceField,
+    body_force: Floats,
+) -> Floats:
+    """M (radii, 2) of discs with increasing `radii` (n,), for the auxiliary modes I and II; lengths in spacings."""
+    r, weight = _panels_from_tip(_with_kinks(tip, radii), N_RADIAL)
+    t, angle_weight = _angles(tip, r)
+    rr = np.repeat(r, t.shape[1])
+    flux = _radial_flux(material, rr, t.ravel(), domain(rr, t.ravel())).reshape(*t.shape, 2)
+    through_circle = np.einsum("a,ram->rm", angle_weight, flux) * r[:, None]
+    through_faces = _face_terms(tip, material, radii, faces)
+    from_force = _force_terms(tip, material, radii, body_force) if body_force.any() else 0.0
+    return -_running_average(r, weight, through_circle, radii) - through_faces - from_force
+
+
+def clearance(cover: Cover, tip: int) -> tuple[float, str]:
+    """Largest radius (spacings) of a disc round a tip that holds one stretch of its own crack alone; what limits it."""
+    geometry, (index, at_end) = cover.tips[tip], cover.tip_ends[tip]
+    own = cover.cracks[index]
+    from_tip = own.points[::-1] if at_end else own.points
+    obstacles = {"the outline": shapely.multilinestrings(shapely.linestrings(cover.elements.outlines.points))}
+    for number, crack in enumerate(cover.cracks):
+        if number != index:
+            obstacles[f"crack '{crack.name}'"] = shapely.LineString(crack.points)
+    if len(geometry.path) < len(from_tip):  # the crack turns back towards its tip
+        obstacles["the crack's own bend"] = shapely.LineString(from_tip[len(geometry.path) - 1 :])
+    obstacles["the crack's other end"] = shapely.Point(from_tip[-1])
+    place = shapely.Point(geometry.point)
+    return min((float(shapely.distance(place, obstacle)), name) for name, obstacle in obstacles.items())
+
+
+def _element_at(cover: Cover, tip: int) -> int:
+    """An element at a tip."""
+    index, at_end = cover.tip_ends[tip]
+    return int(cover.elements.cracks[index].plus[-1 if at_end else 0])
+
+
+def _domain_field(cover: Cover, material: PlaneElasticity, u: Floats, tip: Tip) -> DomainField:
+    initial = _initial_gradient(material)
+
+    def field(r: Floats, t: Floats) -> Floats:
+        points = tip.point + r[:, None] * np.stack([np.cos(t), np.sin(t)], axis=1) @ tip.rotation
+        elements = locate(cover.lattice, cover.elements, points)
+        return tip.rotation @ (gradient_at(cover, u, points, elements) + initial) @ tip.rotation.T
+
+    return field
+
+
+def _face_field(cover: Cover, material: PlaneElasticity, u: Floats, tip: int, traction: FaceTraction) -> FaceField:
+    geometry, (index, at_end) = cover.tips[tip], cover.tip_ends[tip]
+    length = float(arc_lengths(cover.cracks[index].points)[-1])
+    last_segment = float(geometry.radii[1])
+    initial = _initial_gradient(material)
+
+    def field(arc: Floats) -> tuple[Floats, Floats]:
+        s = length - arc if at_end else arc
+        points = points_at(cover, index, s)
+        left = points.normal if at_end else -points.normal  # the tip's left normal, not the crack's
+        outward = np.stack([left[:, 1], -left[:, 0]], axis=1)
+        normal, tangential = traction(s)
+        vectors = 2.0 * (normal[:, None] * left + tangential[:, None] * outward)
+        gradients = np.zeros((len(arc), 2, 2))
+        kinked = np.flatnonzero(arc > last_segment)
+        for elements in (points.plus[kinked], points.minus[kinked]):
+            gradients[kinked] += gradient_at(cover, u, points.points[kinked], elements) + initial
+        return vectors @ geometry.rotation.T, geometry.rotation @ gradients @ geometry.rotation.T
+
+    return field
+
+
+def _initial_gradient(material: PlaneElasticity) -> Floats:
+    """The symmetric gradient (2, 2) whose stress is the in-situ stress."""
+    xx, yy, xy2 = np.linalg.solve(material.matrix, np.array(material.initial))
+    return np.array([[xx, 0.5 * xy2], [0.5 * xy2, yy]])
+
+
+def _stress(material: PlaneElasticity, gradient: Floats) -> Floats:
+    """Stress (..., 2, 2) Pa of displacement gradients (..., 2, 2)."""
+    xx = material.c11 * gradient[..., 0, 0] + material.c12 * gradient[..., 1, 1]
+    yy = material.c12 * gradient[..., 0, 0] + material.c11 * gradient[..., 1, 1]
+    xy = material.c33 * (gradient[..., 0, 1] + gradient[..., 1, 0])
+    return np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
+
+
+def _radial_flux(material: PlaneElasticity, r: Floats, t: Floats, gradient: Floats) -> Floats:
+    """P_j r_j (n, 2) for both auxiliary modes, r_j the unit vector away from the tip."""
+    away = np.stack([np.cos(t), np.sin(t)], axis=1)
+    auxiliary = williams_gradient(material, r, t)
+    stress = _stress(material, gradient)
+    own = np.einsum("nij,nj,nmi->nm", stress, away, auxiliary[..., 0])
+    other = np.einsum("nmij,nj,ni->nm", _stress(material, auxiliary), away, gradient[..., 0])
+    energy = np.einsum("nij,nmij->nm", stress, auxiliary)
+    return np.asarray(own + other - energy * away[:, :1])
+
+
+def _face_terms(tip: Tip, material: PlaneElasticity, radii: Floats, faces: FaceField) -> Floats:
+    """int P_j n_j q ds over both faces (radii, 2)."""
+    arcs = arc_lengths(tip.path)
+    ends = _arc_at(tip, arcs, radii)
+    stops = np.concatenate([arcs[arcs < ends[-1]], ends, np.arange(0.0, ends[-1], FACE_PANEL)])
+    arc, weight = _panels_from_tip(stops, N_FACE)
+    segment = np.searchsorted(arcs, arc, side="right") - 1
+    toward_tip = -segment_directions(tip.path)[segment]
+    place = tip.path[segment] - (arc - arcs[segment])[:, None] * toward_tip
+    r = np.hypot(place[:, 0], place[:, 1])
+    auxiliary = williams_gradient(material, r, crack_angle(tip, r))  # of the left face; minus that on the right
+    vectors, gradients = faces(arc)
+    along = np.einsum("nij,nj->ni", gradients, toward_tip)
+    second = _stress(material, auxiliary)[..., 1]
+    flux = np.einsum("ni,nmi->nm", vectors, auxiliary[..., 0]) + np.einsum("nmi,ni->nm", second, along)
+    return -_weighted_by_cone(r, weight, flux, radii)
+
+
+def _force_terms(tip: Tip, material: PlaneElasticity, radii: Floats, force: Floats) -> Floats:
+    """int q b_i u^a_i,1 dA (radii, 2)."""
+    r, weight = _panels_from_tip(_with_kinks(tip, radii), N_RADIAL)
+    t, angle_weight = _angles(tip, r)
+    auxiliary = williams_gradient(material, np.repeat(r, t.shape[1]), t.ravel())[..., 0]
+    around = np.einsum("a,rami,i->rm", angle_weight, auxiliary.reshape(*t.shape, 2, 2), force)
+    return _weighted_by_cone(r, weight * r, around, radii)
+
+
+def _running_average(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
+    """Averages (radii, m) of values (n, m) over 0 < r < R: -dq/dr = 1/R of the cone q."""
+    return np.stack([(weight * (r < R)) @ values / R for R in radii])
+
+
+def _weighted_by_cone(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
+    """Integrals (radii, m) of q times values (n, m), with the cone q = 1 - r/R, at least 0."""
+    return np.stack([(weight * np.maximum(1.0 - r / R, 0.0)) @ values for R in radii])
+
+
+def _with_kinks(tip: Tip, radii: Floats) -> Floats:
+    """Zero, the radii and those of the kinks between them, increasing."""
+    return np.unique(np.concatenate([tip.radii[tip.radii < radii[-1]], radii]))
+
+
+def _panels(stops: Floats, n: int) -> tuple[Floats, Floats]:
+    """Gauss points and weights between neighbouring stops."""
+    x, w = gauss(n)
+    size = np.diff(stops)[:, None]
+    return (stops[:-1, None] + size * x).ravel(), (size * w).ravel()
+
+
+def _panels_from_tip(stops: Floats, n: int) -> tuple[Floats, Floats]:
+    """Gauss points and weights between stops (any order), for half powers of the distance from the tip."""
+    stops = np.unique(stops)
+    root, weight = _panels(np.sqrt(stops[np.diff(stops, prepend=-1.0) > SAME]), n)
+    return root**2, 2.0 * root * weight
+
+
+def _angles(tip: Tip, r: Floats) -> tuple[Floats, Floats]:
+    """Angles (r, n) once round the tip from face to face at distances r, and their weights (n,)."""
+    x, w = gauss(N_ANGULAR)
+    return crack_angle(tip, r)[:, None] - 2.0 * np.pi * (1.0 - x), 2.0 * np.pi * w
+
+
+def _arc_at(tip: Tip, arcs: Floats, r: Floats) -> Floats:
+    """Arc length (n,) at which the crack leaves the circle of radius r (n,)."""
+    alpha = crack_angle(tip, r)
+    at = r[:, None] * np.stack([np.cos(alpha), np.sin(alpha)], axis=1)
+    segment = np.clip(np.searchsorted(tip.radii, r, side="right") - 1, 0, len(tip.radii) - 2)
+    return np.asarray(arcs[segment] + np.hypot(*(at - tip.path[segment]).T))

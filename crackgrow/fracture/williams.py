@@ -1,0 +1,46 @@
+"""The singular fields of a crack tip (Williams 1957) in the tip's axes: x outward, y to the left.
+
+u = sqrt(r / 2 pi) g(t) / (2 shear modulus) with K = 1. The angle t may be counted so that it jumps on a kinked crack
+(`cover.tips`): continued like that the fields are exact in the body slit along that crack, though free of traction on
+the last straight segment only.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.solid.elasticity import PlaneElasticity
+
+Floats = NDArray[np.float64]
+
+
+def williams_displacement(material: PlaneElasticity, r: Floats, t: Floats) -> Floats:
+    """Displacement (n, 2, 2) [point, mode, component] of K_I = 1 and K_II = 1 at polar coordinates r, t (n,)."""
+    shape, _ = _shapes(material, t)
+    return np.asarray(np.sqrt(r)[:, None, None] * shape)
+
+
+def williams_gradient(material: PlaneElasticity, r: Floats, t: Floats) -> Floats:
+    """Displacement gradient du_c/dx_d (n, 2, 2, 2) [point, mode, c, d] of K_I = 1 and K_II = 1 at r, t (n,)."""
+    shape, slope = _shapes(material, t)
+    over_root = 1.0 / np.sqrt(r)[:, None, None]
+    by_r, by_t = 0.5 * over_root * shape, over_root * slope  # d/dr and (1/r) d/dt
+    c, s = np.cos(t)[:, None, None], np.sin(t)[:, None, None]
+    return np.stack([c * by_r - s * by_t, s * by_r + c * by_t], axis=3)
+
+
+def _shapes(material: PlaneElasticity, t: Floats) -> tuple[Floats, Floats]:
+    """g(t) / (2 shear modulus sqrt(2 pi)) and its derivative, (n, 2, 2) [point, mode, component] each."""
+    kappa = 8.0 * material.c33 / material.young_prime - 1.0
+    arguments = np.stack([0.5 * t, 1.5 * t], axis=1)
+    cos, sin = np.cos(arguments), np.sin(arguments)
+    functions = np.concatenate([cos, sin], axis=1)
+    rates = np.concatenate([-sin, cos], axis=1) * (0.5, 1.5, 0.5, 1.5)
+    coefficients = np.array(  # of cos t/2, cos 3t/2, sin t/2, sin 3t/2
+        [
+            [[kappa - 0.5, -0.5, 0.0, 0.0], [0.0, 0.0, kappa + 0.5, -0.5]],
+            [[0.0, 0.0, kappa + 1.5, 0.5], [1.5 - kappa, -0.5, 0.0, 0.0]],
+        ]
+    ) / (2.0 * material.c33 * np.sqrt(2.0 * np.pi))
+    return np.einsum("mck,nk->nmc", coefficients, functions), np.einsum("mck,nk->nmc", coefficients, rates)
