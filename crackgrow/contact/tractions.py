@@ -1,4 +1,4 @@
-"""Between the contact points of a surface: tractions are interpolated within each stretch, states are the nearest one's."""
+"""Between the contact points of a surface: tractions are interpolated along each stretch, states are the nearest's."""
 
 from __future__ import annotations
 

@@ -4,6 +4,8 @@ Strength: tension cut-off sigma_1 >= T0, else Mohr-Coulomb shear |tau| >= c - ta
 `strength` applies it to the averaged stress of the tip, `directional_strength` to hoop tension and shear on every ray,
 averaged from the tip to the same radius with the same weights. (The stress at the ray's end alone would follow the
 direction of K less well: the stress parallel to the crack weighs more there.)
+
+Maximum hoop stress (Erdogan, Sih 1963): the hoop stress of K_I and K_II alone, at the radius, against T0.
 """
 
 from __future__ import annotations
@@ -43,15 +45,26 @@ class Verdict:
     kink: float  # rad, from the tip's direction to the growth direction
 
 
-Criterion = Callable[[TipField, Strength], Verdict]
+@dataclass(frozen=True, slots=True, eq=False)
+class TipLoading:
+    """What criteria know of a tip."""
+
+    field: TipField
+    K_I: float  # Pa sqrt(m)
+    K_II: float  # Pa sqrt(m)
+    radius: float  # m, material length of the criterion
 
 
-def strength(field: TipField, limits: Strength) -> Verdict:
+Criterion = Callable[[TipLoading, Strength], Verdict]
+
+
+def strength(loading: TipLoading, limits: Strength) -> Verdict:
     """Strength of the averaged stress: growth perpendicular to sigma_1, or on a Mohr-Coulomb plane.
 
     The planes lie at 45 - phi/2 degrees to the major compression; of the two, growth takes the one on which the ray
     from the tip carries the larger shear stress.
     """
+    field = loading.field
     s1, s3, axis = (float(v[0]) for v in principal(field.mean[None]))
     tension = s1 / limits.tension
     phi = np.deg2rad(limits.friction_angle)
@@ -69,8 +82,9 @@ def strength(field: TipField, limits: Strength) -> Verdict:
     return Verdict(s1, s3, "shear" if shear >= 1.0 else "none", shear, kink)
 
 
-def directional_strength(field: TipField, limits: Strength) -> Verdict:
+def directional_strength(loading: TipLoading, limits: Strength) -> Verdict:
     """Strength on every ray from the tip: hoop tension first, then Mohr-Coulomb shear on the ray."""
+    field = loading.field
     s1, s3, _ = (float(v[0]) for v in principal(field.mean[None]))
     hoop, shear = hoop_and_shear(field, field.rays)
     ahead = (np.abs(field.angles) <= LARGEST_KINK) & np.isfinite(hoop)
@@ -83,10 +97,42 @@ def directional_strength(field: TipField, limits: Strength) -> Verdict:
     return Verdict(s1, s3, "shear" if sliding >= 1.0 else "none", sliding, shear_kink)
 
 
-CRITERIA: dict[str, Criterion] = {"strength": strength, "directional_strength": directional_strength}
+def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
+    """Tension where the hoop stress of K_I, K_II is largest: K_eq / sqrt(2 pi R) against T0 (Erdogan, Sih 1963).
 
-MEAN_FACTOR_I = {"strength": 1.5279, "directional_strength": 2.0}
-"""Averaged s_yy sqrt(2 pi R) / K_I in pure mode I: over the disc, and along the ray straight ahead."""
+    K_eq = cos(t/2) (K_I cos^2(t/2) - 3/2 K_II sin t) at the kink t. A tip under compression alone does not grow.
+    """
+    s1, s3, _ = (float(v[0]) for v in principal(loading.field.mean[None]))
+    kink = hoop_stress_kink(loading.K_I, loading.K_II)
+    half = np.cos(0.5 * kink)
+    K_eq = half * (loading.K_I * half**2 - 1.5 * loading.K_II * np.sin(kink))
+    criticality = float(K_eq / effective_toughness("max_hoop_stress", limits.tension, loading.radius))
+    return Verdict(s1, s3, "tension" if criticality >= 1.0 else "none", criticality, kink)
+
+
+def hoop_stress_kink(K_I: float, K_II: float) -> float:
+    """Direction (rad) of the largest hoop stress, from the tip's, at most LARGEST_KINK to either side.
+
+    tan(t/2) = (K_I - sqrt(K_I^2 + 8 K_II^2)) / (4 K_II), written so that a small K_II costs no digits.
+    """
+    root = np.hypot(K_I, np.sqrt(8.0) * K_II)
+    if K_I > 0.0:
+        kink = -2.0 * np.arctan(2.0 * K_II / (K_I + root))
+    elif K_II != 0.0:
+        kink = -2.0 * np.sign(K_II) * np.arctan2(root - K_I, 4.0 * abs(K_II))
+    else:
+        kink = 0.0
+    return float(np.clip(kink, -LARGEST_KINK, LARGEST_KINK))
+
+
+CRITERIA: dict[str, Criterion] = {
+    "strength": strength,
+    "directional_strength": directional_strength,
+    "max_hoop_stress": max_hoop_stress,
+}
+
+MEAN_FACTOR_I = {"strength": 1.5279, "directional_strength": 2.0, "max_hoop_stress": 1.0}
+"""The criterion's s_yy sqrt(2 pi R) / K_I in pure mode I: averaged over the disc or along the ray, at the radius."""
 
 
 def effective_toughness(criterion: str, tension: float, radius: float) -> float:

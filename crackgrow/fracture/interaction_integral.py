@@ -157,7 +157,7 @@ def clearance(cover: Cover, tip: int) -> tuple[float, str]:
 def _element_at(cover: Cover, tip: int) -> int:
     """An element at a tip."""
     index, at_end = cover.tip_ends[tip]
-    return int(cover.elements.cracks[index].plus[-1 if at_end else 0])
+    return int(cover.elements.lines[index].plus[-1 if at_end else 0])
 
 
 def _domain_field(cover: Cover, material: PlaneElasticity, u: Floats, tip: Tip) -> DomainField:

@@ -11,7 +11,7 @@ from crackgrow.run.result import STATE_NAMES, CrackPath, StepResult
 Value = str | bool | int | float
 
 TIPS = ("step", "crack", "tip", "x", "y", "K_I", "K_II", "sigma_1", "sigma_3", "criterion", "kink_deg", "advanced",
-        "load_factor")  # fmt: skip
+        "load_factor", "K_I_error", "K_II_error", "K_radius", "K_note", "K_I_faces", "K_II_faces")  # fmt: skip
 PATHS = ("crack", "vertex", "x", "y", "step")
 CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state")
 REACTIONS = ("step", "where", "force_x", "force_y", "load_factor")
@@ -66,6 +66,12 @@ def tip_rows(result: StepResult) -> list[tuple[Value, ...]]:
             float(tip.kink_deg),
             bool(tip.advanced),
             float(result.load_factor),
+            float(tip.K_I_error),
+            float(tip.K_II_error),
+            float(tip.K_radius),
+            tip.K_note,
+            float(tip.K_I_faces),
+            float(tip.K_II_faces),
         )
         for tip in result.tips
     ]

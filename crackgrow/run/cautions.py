@@ -43,9 +43,18 @@ def largest_overlap(scene: Scene, faces: tuple[CrackFaces, ...]) -> float:
 
 
 def cautions(
-    scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], overlap: float, step: int
+    scene: Scene,
+    solution: StepSolution,
+    faces: tuple[CrackFaces, ...],
+    overlap: float,
+    step: int,
+    told: frozenset[str] = frozenset(),
 ) -> tuple[str, ...]:
-    """What the user should know of this step, of `largest_overlap` m; what holds for all steps is said at the first."""
+    """What the user should know of this step, of `largest_overlap` m.
+
+    What holds for all steps is said at the first, and of each tip without room for the integral of K once: where it is
+    not among the warnings already `told`.
+    """
     found = list(solution.outcome.notes)
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
@@ -55,6 +64,7 @@ def cautions(
             f"faces overlap by {overlap:.2g} m between contact points, {100.0 * overlap / largest:.2g} % of the "
             "largest jump: what happens there is unsure; use a smaller spacing"
         )
+    found.extend(text for text in _short_of_room(solution) if text not in told)
     for first, second in _close(solution):
         found.append(f"{first} is closer than a spacing to {second}: the cover does not resolve what is between")
     if solution.residual > LARGE_RESIDUAL:
@@ -89,6 +99,16 @@ def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
                 f"crack '{crack.name}' is {length:.3g} spacings long: below {SHORT_CRACK:g} the cover does not resolve "
                 "it, and K can be off by 20 %"
             )
+    return found
+
+
+def _short_of_room(solution: StepSolution) -> list[str]:
+    """Tips whose K comes from a smaller disc than usual, or from the displacement of the faces alone."""
+    found = []
+    for state, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True):
+        if state.intensity.shrunk:
+            place = f"the {'end' if at_end else 'start'} of crack '{solution.cover.cracks[index].name}'"
+            found.append(f"K at {place}: {state.intensity.note}; see the columns K_*_error of tips.csv")
     return found
 
 

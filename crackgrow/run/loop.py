@@ -29,6 +29,7 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
     cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
     n_steps = case.growth.steps if case.growth else 0
     ended: RunEnd | None = None
+    told: frozenset[str] = frozenset()
     for step in range(n_steps + 1):
         try:
             solution = solve_step(scene, cracks, case.load_factors[-1])
@@ -37,7 +38,9 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
                 raise
             return ended  # the body that a crack broke through can't be held any more
         chosen = _choose(case.growth, cracks, solution, last=step == n_steps or ended is not None)
-        yield _reported(scene, cracks, solution, step, chosen)
+        result = _reported(scene, cracks, solution, step, chosen, told)
+        told |= frozenset(result.warnings)
+        yield result
         if ended is not None:
             return ended
         if len(chosen) == 0 and step < n_steps:
@@ -92,13 +95,18 @@ def _advance(
 
 
 def _reported(
-    scene: Scene, cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, chosen: Ints
+    scene: Scene,
+    cracks: tuple[GrowingCrack, ...],
+    solution: StepSolution,
+    step: int,
+    chosen: Ints,
+    told: frozenset[str],
 ) -> StepResult:
     """The step's result; frames are made where files or figures can want them."""
     start = time.perf_counter()
     output = scene.case.output
     wanted = output.frames != "none" or output.figures
-    return step_result(scene, _paths(cracks), solution, step, chosen, wanted, start)
+    return step_result(scene, _paths(cracks), solution, step, chosen, wanted, start, told)
 
 
 def _paths(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:

@@ -34,8 +34,12 @@ def step_result(
     chosen: Ints,
     with_frame: bool,
     started: float,
+    told: frozenset[str],
 ) -> StepResult:
-    """Result of step number `step`; tips `chosen` advance, `started` is when the reporting began (perf_counter)."""
+    """Result of step number `step`; tips `chosen` advance, `started` is when the reporting began (perf_counter).
+
+    `told` are the warnings of the steps before.
+    """
     outcome = solution.outcome
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
     faces = tuple(_faces(solution, scene, index) for index in range(len(solution.cover.surfaces)))
@@ -61,7 +65,7 @@ def step_result(
         overlap=overlap,
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
-        warnings=cautions(scene, solution, faces, overlap, step),
+        warnings=cautions(scene, solution, faces, overlap, step, told),
     )
 
 
@@ -74,14 +78,20 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene) -> TipR
         crack=cover.cracks[index].name,
         tip="end" if at_end else "start",
         point=scene.lattice.to_metres(cover.tips[tip].point),
-        K_I=state.K_I,
-        K_II=state.K_II,
+        K_I=state.intensity.K_I,
+        K_II=state.intensity.K_II,
         sigma_1=verdict.sigma_1 if verdict else nan,
         sigma_3=verdict.sigma_3 if verdict else nan,
         criterion=verdict.branch if verdict else "none",
         criticality=verdict.criticality if verdict else nan,
         kink_deg=float(np.rad2deg(verdict.kink)) if verdict else nan,
         advanced=advances,
+        K_I_error=state.intensity.K_I_error,
+        K_II_error=state.intensity.K_II_error,
+        K_radius=state.intensity.radius,
+        K_note=state.intensity.note,
+        K_I_faces=state.K_faces[0],
+        K_II_faces=state.K_faces[1],
     )
 
 

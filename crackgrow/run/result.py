@@ -31,7 +31,7 @@ class TipResult:
     crack: str
     tip: Literal["start", "end"]
     point: Floats  # (2,) m, before the advance
-    K_I: float  # Pa sqrt(m), from the face displacements
+    K_I: float  # Pa sqrt(m), by the interaction integral; nan where it finds no room
     K_II: float  # Pa sqrt(m)
     sigma_1: float  # Pa, major (most tensile) averaged principal stress; nan without growth
     sigma_3: float  # Pa
@@ -39,6 +39,12 @@ class TipResult:
     criticality: float  # strength ratio: >= 1 where the criterion is met
     kink_deg: float  # degrees, from the tip's direction to the growth direction, counter-clockwise
     advanced: bool
+    K_I_error: float  # Pa sqrt(m), spread between discs of integration
+    K_II_error: float  # Pa sqrt(m)
+    K_radius: float  # m, of the disc
+    K_note: str  # why the disc is smaller than usual, or missing; empty where it is not
+    K_I_faces: float  # Pa sqrt(m), from the displacement of the faces: a coarse check
+    K_II_faces: float  # Pa sqrt(m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.case.model import Case, ContactSupport, CoulombContact, InSituStress
+from crackgrow.case.model import Case, ContactSupport, CoulombContact, CrackPressure, Gravity, InSituStress
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
@@ -40,6 +40,22 @@ class Scene:
     foundations: tuple[Foundation, ...]
     crack_bodies: tuple[int, ...]  # crack by crack, the body it lies in
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
+
+    def fluid_pressure(self, crack: int) -> float:
+        """Pressure (Pa) on the faces of a crack at load factor 1."""
+        name = self.case.cracks[crack].name
+        pressures = (load for load in self.case.loads if isinstance(load, CrackPressure))
+        return sum(load.pressure for load in pressures if load.crack == name)
+
+    def weight(self, body: int) -> Floats:
+        """Body force (2,) N/m^3 at load factor 1."""
+        force = np.zeros(2)
+        for load in self.case.loads:
+            if isinstance(load, Gravity) and load.body == self.case.bodies[body].name:
+                density = self.case.bodies[body].material.density
+                assert density is not None  # the case was checked
+                force += density * np.asarray(load.acceleration)
+        return force
 
     def materials_at(self, load_factor: float) -> tuple[PlaneElasticity, ...]:
         """Materials, body by body, with their in-situ stress at a load factor."""

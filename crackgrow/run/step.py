@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -25,11 +25,13 @@ from crackgrow.contact.solve import (
     solve_contact,
     solve_contact_held_loosely,
 )
+from crackgrow.contact.tractions import between_contact_points
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.criteria import CRITERIA, Verdict
+from crackgrow.fracture.criteria import CRITERIA, TipLoading, Verdict
+from crackgrow.fracture.interaction_integral import StressIntensity, interaction_integral
 from crackgrow.fracture.stress_intensity import from_face_displacement
 from crackgrow.fracture.tip_stress import tip_field
 from crackgrow.geometry.polyline import arc_lengths
@@ -55,9 +57,15 @@ WORST_RESIDUAL = 1e-5
 class TipState:
     """Fracture quantities of one tip of the cover."""
 
-    K_I: float  # Pa sqrt(m)
-    K_II: float  # Pa sqrt(m)
+    intensity: StressIntensity
+    K_faces: tuple[float, float]  # Pa sqrt(m): K_I and K_II from the displacement of the faces, as a check
     verdict: Verdict | None  # None without growth
+
+    @property
+    def K(self) -> tuple[float, float]:
+        """K_I and K_II (Pa sqrt(m)) to go by: the integral's, or the faces' where the integral finds no room."""
+        found = (self.intensity.K_I, self.intensity.K_II)
+        return found if np.isfinite(found).all() else self.K_faces
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,7 +120,7 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
                 "conditioned; a tip may lie too close to another one or to an outline for this spacing"
             )
     with _timed(seconds, "criterion"):
-        tips = tuple(_tip_state(scene, cover, materials, outcome.u, tip) for tip in range(len(cover.tips)))
+        tips = tuple(_tip_state(scene, cover, materials, faces, outcome, load_factor, tip) for tip in range(len(cover.tips)))
     size = displacement_size(loads, outcome.u, given)
     return StepSolution(cover, materials, held, loads, faces, outcome, tips, size, residual, seconds)
 
@@ -178,15 +186,34 @@ def _residual(matrix: csc_array, contact: ContactSystem, loads: Floats, outcome:
     return float(residual / size) if size > 0.0 else 0.0
 
 
-def _tip_state(scene: Scene, cover: Cover, materials: tuple[PlaneElasticity, ...], u: Floats, tip: int) -> TipState:
-    case = scene.case
-    body = scene.crack_bodies[cover.tip_ends[tip][0]]
-    k_1, k_2 = from_face_displacement(cover, materials[body].young_prime, u, tip)
+def _tip_state(
+    scene: Scene,
+    cover: Cover,
+    materials: tuple[PlaneElasticity, ...],
+    faces: ContactFaces,
+    outcome: ContactOutcome,
+    load_factor: float,
+    tip: int,
+) -> TipState:
+    case, crack = scene.case, cover.tip_ends[tip][0]
+    body = scene.crack_bodies[crack]
+    pressure = load_factor * scene.fluid_pressure(crack)
+
+    def traction(s: Floats) -> tuple[Floats, Floats]:
+        normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)
+        return normal - pressure, between_contact_points(cover, faces, crack, s, outcome.tangential_traction)
+
+    weight = load_factor * scene.weight(body)
+    intensity = interaction_integral(cover, materials, outcome.u, tip, traction, weight)
+    K_faces = from_face_displacement(cover, materials[body].young_prime, outcome.u, tip)
+    state = TipState(intensity, K_faces, None)
     strength = case.bodies[body].strength
     if case.growth is None or strength is None:
-        return TipState(k_1, k_2, None)
-    field = tip_field(cover, materials, u, tip, case.growth.tip_radius)
-    return TipState(k_1, k_2, CRITERIA[case.growth.criterion](field, strength))
+        return state
+    radius = case.growth.tip_radius
+    field = tip_field(cover, materials, outcome.u, tip, radius)
+    verdict = CRITERIA[case.growth.criterion](TipLoading(field, *state.K, radius), strength)
+    return replace(state, verdict=verdict)
 
 
 @contextmanager

@@ -10,10 +10,14 @@ import pytest
 from crackgrow.case.model import Strength
 from crackgrow.fracture.criteria import (
     CRITERIA,
+    LARGEST_KINK,
     MEAN_FACTOR_I,
+    TipLoading,
     directional_strength,
     effective_toughness,
     hoop_and_shear,
+    hoop_stress_kink,
+    max_hoop_stress,
     strength,
 )
 from crackgrow.fracture.tip_stress import TipField
@@ -41,9 +45,13 @@ def turned(stress: np.ndarray, angle: float) -> np.ndarray:
     return np.stack([tensors[:, 0, 0], tensors[:, 1, 1], tensors[:, 0, 1]], axis=1)
 
 
-def uniform(stress: tuple[float, float, float], direction: float = 0.0) -> TipField:
+def loading(field: TipField, K_I: float = 0.0, K_II: float = 0.0) -> TipLoading:
+    return TipLoading(field, K_I, K_II, RADIUS)
+
+
+def uniform(stress: tuple[float, float, float], direction: float = 0.0) -> TipLoading:
     """The same stress everywhere, seen by a tip that points to `direction` (rad)."""
-    return TipField(direction, ANGLES, np.tile(stress, (N_RAYS, 1)), np.array(stress))
+    return loading(TipField(direction, ANGLES, np.tile(stress, (N_RAYS, 1)), np.array(stress)))
 
 
 def uniaxial(sigma: float, axis: float) -> tuple[float, float, float]:
@@ -51,7 +59,9 @@ def uniaxial(sigma: float, axis: float) -> tuple[float, float, float]:
     return sigma * c * c, sigma * s * s, sigma * c * s
 
 
-def near_field(K_I: float, K_II: float, along: float = 0.0, direction: float = 0.0, pressure: float = 0.0) -> TipField:
+def near_field(
+    K_I: float, K_II: float, along: float = 0.0, direction: float = 0.0, pressure: float = 0.0
+) -> TipLoading:
     """Williams' field averaged as the polar rule does (2 / sqrt(2 pi R)), plus a stress `along` the crack."""
     t = ANGLES
     c, s, c3, s3 = np.cos(t / 2), np.sin(t / 2), np.cos(3 * t / 2), np.sin(3 * t / 2)
@@ -61,10 +71,10 @@ def near_field(K_I: float, K_II: float, along: float = 0.0, direction: float = 0
         [along - pressure, -pressure, 0.0]
     )
     rays = turned(rays, direction)
-    return TipField(direction, ANGLES, rays, rays.mean(axis=0))
+    return loading(TipField(direction, ANGLES, rays, rays.mean(axis=0)), K_I, K_II)
 
 
-def hoop_stress_kink(K_I: float, K_II: float) -> float:
+def closed_form_kink(K_I: float, K_II: float) -> float:
     """Direction (degrees) of the largest hoop stress, Erdogan and Sih 1963."""
     return float(np.rad2deg(2.0 * np.arctan2(K_I - np.sqrt(K_I**2 + 8.0 * K_II**2), 4.0 * K_II)))
 
@@ -139,7 +149,7 @@ def test_of_two_shear_planes_the_one_with_the_larger_shear_is_taken(sense: float
     """Compression along the crack; the stress is larger above (angles > 0) or below."""
     rays = np.outer(1.0 + 0.3 * sense * np.sin(ANGLES), [-50.0, 0.0, 0.0])
     field = TipField(0.0, ANGLES, rays, rays.mean(axis=0))
-    verdict = strength(field, Strength(tension=1e3, cohesion=1.0, friction_angle=30.0))
+    verdict = strength(loading(field), Strength(tension=1e3, cohesion=1.0, friction_angle=30.0))
     assert verdict.branch == "shear"
     assert verdict.kink == pytest.approx(sense * np.deg2rad(30.0))  # 45 - 30 / 2
 
@@ -172,7 +182,7 @@ def test_directional_strength_turns_to_the_largest_hoop_stress(K_I: float, K_II:
 @pytest.mark.parametrize("ratio", [0.25, 0.5, 2.0, 4.0])
 def test_directional_strength_between_the_modes(ratio: float) -> None:
     verdict = directional_strength(near_field(ratio, 1.0), WEAK_IN_TENSION)
-    assert np.rad2deg(verdict.kink) == pytest.approx(hoop_stress_kink(ratio, 1.0), abs=DIRECTION)
+    assert np.rad2deg(verdict.kink) == pytest.approx(closed_form_kink(ratio, 1.0), abs=DIRECTION)
 
 
 def test_strength_of_the_mean_turns_pure_shear_by_45_degrees() -> None:
@@ -231,9 +241,17 @@ def test_turning_the_scene_turns_nothing_but_the_direction(
     assert (there.sigma_1, there.sigma_3) == pytest.approx((here.sigma_1, here.sigma_3), rel=1e-9)
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
-@pytest.mark.parametrize("limits", [WEAK_IN_TENSION, WEAK_IN_SHEAR], ids=["tension", "shear"])
-def test_mirroring_the_load_turns_the_kink_round(limits: Strength, criterion: Callable) -> None:
+@pytest.mark.parametrize(
+    ("criterion", "limits"),
+    [
+        (strength, WEAK_IN_TENSION),
+        (strength, WEAK_IN_SHEAR),
+        (directional_strength, WEAK_IN_TENSION),
+        (directional_strength, WEAK_IN_SHEAR),
+        (max_hoop_stress, WEAK_IN_TENSION),
+    ],
+)
+def test_mirroring_the_load_turns_the_kink_round(criterion: Callable, limits: Strength) -> None:
     pressure = {WEAK_IN_TENSION: 0.0, WEAK_IN_SHEAR: 30.0}[limits]  # else tension uses up the shear resistance
     right, left = (criterion(near_field(0.3, K_II, -1.0, pressure=pressure), limits) for K_II in (0.8, -0.8))
     assert left.branch == right.branch != "none"
@@ -243,10 +261,10 @@ def test_mirroring_the_load_turns_the_kink_round(limits: Strength, criterion: Ca
 
 
 def test_rays_outside_of_the_body_are_left_out() -> None:
-    field = near_field(0.0, -1.0)  # the largest hoop stress is at 70.5 degrees
+    field = near_field(0.0, -1.0).field  # the largest hoop stress is at 70.5 degrees
     rays = field.rays.copy()
     rays[np.abs(np.rad2deg(ANGLES) - 70.0) < 20.0] = np.nan
-    verdict = directional_strength(TipField(0.0, ANGLES, rays, field.mean), WEAK_IN_TENSION)
+    verdict = directional_strength(loading(TipField(0.0, ANGLES, rays, field.mean)), WEAK_IN_TENSION)
     assert np.isfinite(verdict.kink)
     assert np.rad2deg(verdict.kink) == pytest.approx(92.5, abs=1e-9)  # larger than at 47.5: 1.035 to 1.012
 
@@ -255,7 +273,7 @@ def test_rays_along_the_crack_itself_are_no_way_forward() -> None:
     rays = np.tile([0.0, 0.0, 0.0], (N_RAYS, 1))
     rays[np.abs(np.rad2deg(ANGLES)) > 160.0] = (0.0, 100.0, 0.0)  # hoop tension behind the tip
     rays[36] = (0.0, 5.0, 0.0)  # at 2.5 degrees
-    verdict = directional_strength(TipField(0.0, ANGLES, rays, rays.mean(axis=0)), ROCK)
+    verdict = directional_strength(loading(TipField(0.0, ANGLES, rays, rays.mean(axis=0))), ROCK)
     assert abs(np.rad2deg(verdict.kink)) < 5.0
     assert verdict.criticality == pytest.approx(2.5, rel=0.01)
 
@@ -270,3 +288,31 @@ def test_hoop_and_shear_are_the_stress_across_the_ray() -> None:
         along, across = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])
         assert hoop[k] == pytest.approx(across @ tensor @ across, abs=1e-12)
         assert shear[k] == pytest.approx(along @ tensor @ across, abs=1e-12)
+
+
+@pytest.mark.parametrize("K_I", [-2.0, -0.1, 0.0, 0.3, 1.0, 5.0])
+@pytest.mark.parametrize("K_II", [1.0, -0.5])
+def test_hoop_stress_kink_is_the_direction_of_the_largest_hoop_stress(K_I: float, K_II: float) -> None:
+    t = np.linspace(-LARGEST_KINK, LARGEST_KINK, 200_001)
+    hoop = np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))
+    assert hoop_stress_kink(K_I, K_II) == pytest.approx(t[np.argmax(hoop)], abs=2e-5)
+    verdict = max_hoop_stress(near_field(K_I, K_II), WEAK_IN_TENSION)
+    scale = WEAK_IN_TENSION.tension * np.sqrt(2.0 * np.pi * RADIUS)
+    assert (verdict.kink, verdict.criticality) == pytest.approx((t[np.argmax(hoop)], hoop.max() / scale), abs=2e-5)
+
+
+@pytest.mark.parametrize("K_II", [1e-3, 1e-9, 1e-15, -1e-15])
+def test_a_small_K_II_turns_the_crack_in_proportion(K_II: float) -> None:
+    assert hoop_stress_kink(1.0, K_II) == pytest.approx(-2.0 * K_II, rel=1e-5)
+
+
+def test_pure_modes_in_the_maximum_hoop_stress() -> None:
+    assert hoop_stress_kink(1.0, 0.0) == 0.0
+    assert np.rad2deg(hoop_stress_kink(0.0, 1.0)) == pytest.approx(-70.5288, abs=1e-4)
+    assert np.rad2deg(hoop_stress_kink(0.0, -1.0)) == pytest.approx(70.5288, abs=1e-4)
+
+
+def test_a_tip_that_is_pressed_together_does_not_grow() -> None:
+    verdict = max_hoop_stress(near_field(-1.0, 0.0), WEAK_IN_TENSION)
+    assert (verdict.branch, verdict.kink) == ("none", 0.0)
+    assert verdict.criticality < 0.0

@@ -55,3 +55,15 @@ def test_elastic_contact_explains_its_overlap() -> None:
     (faces,) = soft.faces
     assert -faces.opening.min() > 1e-7  # m: 74 MPa over 100 E / h
     assert soft.overlap < 5e-3 * np.abs(faces.slip).max()
+
+
+def test_a_tip_without_room_for_the_integral_of_K_is_told_once() -> None:
+    close = "cracks.flaw.path.center=[8, 0]"  # the end is 2.1 spacings from the side
+    case = load_case(CASES / "compression30.yaml", [close, "growth.steps=2", "output.frames=none"])
+    told = [[text for text in result.warnings if "the integral" in text] for result in grow(case)]
+    assert told == [
+        ["K at the end of crack 'flaw': the outline makes the disc of the integral small; see the columns K_*_error of "
+         "tips.csv"],
+        [],
+        [],
+    ]  # fmt: skip
