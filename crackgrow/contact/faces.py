@@ -86,7 +86,7 @@ def stretch_ends(points: Floats) -> Floats:
 
 
 def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
-    """Mortar nodes `spacing` (lattice spacings) apart or a little more along each stretch of the surfaces `touching` (indices).
+    """Mortar nodes at least `spacing` (lattice spacings) apart along each stretch of the surfaces `touching` (indices).
 
     One node lies in the middle of each stretch and one on every end of the surface that is no tip. The end pieces at
     tips and sharp kinks are constant: no node lies there.

@@ -134,7 +134,7 @@ def edges_of_region(outlines: OutlineEdges, body: int, ends: Floats, sides: Ints
     """
     found = []
     begin = 0.0  # arc length
-    for segment, (side, (low, high)) in enumerate(zip(sides.tolist(), limits.tolist(), strict=True)):
+    for side, (low, high) in zip(sides.tolist(), limits.tolist(), strict=True):
         mine = np.flatnonzero((outlines.body == body) & (outlines.side == side))
         corner, step = ends[side, 0], ends[side, 1] - ends[side, 0]
         fraction = (outlines.points[mine] - corner) @ step / (step @ step)

@@ -120,13 +120,18 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
                 "conditioned; a tip may lie too close to another one or to an outline for this spacing"
             )
     with _timed(seconds, "criterion"):
-        tips = tuple(_tip_state(scene, cover, materials, faces, outcome, load_factor, tip) for tip in range(len(cover.tips)))
+        tips = tuple(
+            _tip_state(scene, cover, materials, faces, outcome, load_factor, tip) for tip in range(len(cover.tips))
+        )
     size = displacement_size(loads, outcome.u, given)
     return StepSolution(cover, materials, held, loads, faces, outcome, tips, size, residual, seconds)
 
 
 def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
-    """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not."""
+    """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not.
+
+    `body` is the one that it lies in.
+    """
     points = growing.crack.points.copy()
     inside = [True, True]
     boundary = scene.regions[body].boundary
