@@ -55,7 +55,7 @@ def cautions(
     What holds for all steps is said at the first, and of each tip without room for the integral of K once: where it is
     not among the warnings already `told`.
     """
-    found = list(solution.outcome.notes)
+    found = [*solution.outcome.notes, *solution.notes]
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
     largest = max((np.hypot(f.opening, f.slip).max() for f in faces), default=0.0)

@@ -58,7 +58,7 @@ def step_result(
         n_contact=outcome.n_unknowns,
         contact_iterations=outcome.iterations,
         contact_status=outcome.status,
-        factorizations=1,
+        factorizations=solution.factorizations,
         residual=solution.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
