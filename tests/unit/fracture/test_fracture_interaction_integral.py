@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import Tip, crack_angle, make_tip
 from crackgrow.fracture.interaction_integral import PARTS, RADIUS, clearance, interaction, interaction_integral
 from crackgrow.fracture.williams import williams_displacement, williams_gradient
@@ -154,3 +157,38 @@ def test_a_small_disc_is_told_and_too_small_a_one_has_no_K(build) -> None:
         room = 20.5 - end
         assert near.radius == pytest.approx(room if room > 0.5 else np.nan, nan_ok=True)
         assert np.isnan(near.K_I) == (room < 0.5)
+
+
+@pytest.mark.parametrize(
+    "points", [[(7, 8), (14, 11)], [(7, 8), (9, 9), (12, 9.5), (13, 12)]], ids=["straight", "bent"]
+)
+def test_in_situ_stress_that_the_tractions_balance_has_no_K(build, points: list[tuple[float, float]]) -> None:
+    """No displacement, a uniform stress, and on the faces its tractions by the crack's own normals."""
+    sample = build.block((20, 20), [build.crack(points)], support=2.0)
+    material = replace(sample.material, initial=(-2.0, -5.0, 1.5))
+    u = np.zeros(sample.cover.n_dofs)
+
+    def traction(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        places = points_at(sample.cover, 0, s)
+        xx, yy, xy = material.initial
+        n = places.normal
+        vector = n @ np.array([[xx, xy], [xy, yy]])
+        return np.sum(vector * n, axis=1), vector[:, 0] * n[:, 1] - vector[:, 1] * n[:, 0]
+
+    for tip in (0, 1):
+        balanced = interaction_integral(sample.cover, [material], u, tip, traction)
+        free = interaction_integral(sample.cover, [material], u, tip, no_traction)
+        assert np.hypot(free.K_I, free.K_II) > 1.0
+        assert pytest.approx((0.0, 0.0), abs=1e-5) == (balanced.K_I, balanced.K_II)
+
+
+def test_tractions_count_at_their_own_tip(build) -> None:
+    sample = build.block((20, 20), [build.crack([(6, 10), (14, 11)])], support=2.0)
+    u = np.zeros(sample.cover.n_dofs)
+
+    def near_the_end(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.where(s > 5.0, -1.0, 0.0), np.zeros_like(s)
+
+    start, end = (interaction_integral(sample.cover, [sample.material], u, tip, near_the_end) for tip in (0, 1))
+    assert pytest.approx((0.0, 0.0), abs=1e-12) == (start.K_I, start.K_II)
+    assert end.K_I > 1.0
