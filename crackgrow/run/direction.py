@@ -96,7 +96,9 @@ def _advanced(
     left = []
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
         others = [other for number, other in enumerate(grown) if number != index]
-        grown[index], out = advanced(grown[index], at_end, kink, growth.increment, step, scene.regions[0], others)
+        grown[index], out = advanced(
+            grown[index], at_end, kink, growth.increment, step, scene.regions[scene.crack_bodies[index]], others
+        )
         if out:
             left.append(f"crack '{grown[index].crack.name}' ({'end' if at_end else 'start'})")
     return Advance(tuple(grown), tuple(left))

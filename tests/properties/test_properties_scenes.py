@@ -166,7 +166,7 @@ def test_a_block_slides_off_beyond_its_friction(tmp_path: Path, push: float) -> 
 
 def test_a_frictionless_block_slides_at_any_push(tmp_path: Path) -> None:
     smooth = "supports.0.contact={friction: 0, cohesion: 0}"
-    scene, solution = solve(tmp_path, BLOCK, smooth)
+    _, solution = solve(tmp_path, BLOCK, smooth)
     assert set(solution.outcome.state.tolist()) == {SLIP}
     assert solution.outcome.n_unknowns == solution.faces.n  # normal only
     with pytest.raises(SolveError, match="contact does not hold it"):
@@ -231,7 +231,7 @@ def test_fluid_pressure_opens_a_crack_as_tension_does(tmp_path: Path) -> None:
     units = "units={length: mm, stress: MPa}"
     edges = "{on: {body: rock, edge: top}, traction: [0, 2]}, {on: {body: rock, edge: bottom}, traction: [0, -2]}"
     _, pulled = solve(tmp_path, CRACKED, units, f"loads=[{edges}]")
-    scene, blown = solve(tmp_path, CRACKED, units, "loads=[{crack: flaw, pressure: 2}]")
+    _, blown = solve(tmp_path, CRACKED, units, "loads=[{crack: flaw, pressure: 2}]")
     for one, two in zip(pulled.tips, blown.tips, strict=True):
         assert two.K[0] == pytest.approx(one.K[0], rel=1e-4)
         assert abs(two.K[1]) < 1e-4 * one.K[0]
