@@ -285,3 +285,81 @@ def test_traction_on_an_arc_has_its_resultant(tmp_path: Path) -> None:
     np.testing.assert_allclose(total_load(solution), [2.0 * length, -length], rtol=1e-7)
     forces = {item.where: np.array(item.force) for item in reactions(scene, solution)}
     np.testing.assert_allclose(sum(forces.values()), [-2.0 * length, length], rtol=1e-8)
+
+
+SLANTED = """
+title: Two blocks with a slanted joint
+plane: strain
+bodies:
+  up: {{shape: {{polygon: [[0, {left}], [1, {right}], [1, 2], [0, 2]]}}, material: {{young: 1e10, poisson: 0.3}}}}
+  lo: {{shape: {{polygon: [[0, 0], [1, 0], [1, {right}], [0, {left}]]}}, material: {{young: 1e10, poisson: 0.3}}}}
+interfaces: [{{between: [up, lo], contact: {contact}}}]
+supports:
+  - {{on: {{body: lo, edge: "0"}}, displacement: {{y: 0}}}}
+  - {{at: [0, 0], displacement: {{x: 0}}}}
+loads:
+  - {{on: {{body: up, edge: "2"}}, traction: [0, -1e6]}}
+numerics: {{spacing: 0.17, support: {support}}}
+"""
+
+INCLUSION = """
+title: A plate with a core of the same rock
+plane: strain
+bodies:
+  rock:
+    shape: {{rectangle: {{center: [0, 0], width: 4, height: 4}}, holes: [{shape}]}}
+    material: {{young: 1e10, poisson: 0.3}}
+  core: {{shape: {shape}, material: {{young: 1e10, poisson: 0.3}}}}
+interfaces: [{{between: [rock, core], contact: {contact}}}]
+supports:
+  - {{on: {{body: rock, edge: bottom}}, displacement: {{y: 0}}}}
+  - {{at: [-2, -2], displacement: {{x: 0}}}}
+loads:
+  - {{on: {{body: rock, edge: top}}, traction: [0, -1e6]}}
+  - {{on: {{body: rock, edge: left}}, traction: [1e6, 0]}}
+  - {{on: {{body: rock, edge: right}}, traction: [-1e6, 0]}}
+numerics: {{spacing: 0.2, support: {support}}}
+"""
+
+CONTACTS = ("bonded", "{friction: 2, cohesion: 0}")
+
+
+@pytest.mark.parametrize(("support", "tolerance"), [(1.5, PATCH_TEST), (2.0, 1e-9)])
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize("seed", range(4))
+def test_patch_test_through_slanted_joints(
+    tmp_path: Path, seed: int, contact: str, support: float, tolerance: float
+) -> None:
+    left, right = np.random.default_rng(seed).uniform(0.6, 1.4, 2).tolist()
+    scene, solution = solve(tmp_path, SLANTED.format(left=left, right=right, contact=contact, support=support))
+    e_yy, e_xx = -1e6 * (1 - 0.3**2) / 1e10, 1e6 * 0.3 * 1.3 / 1e10
+    metres = places((0, 0), (1, 2))
+    above = metres[:, 1] > left + (right - left) * metres[:, 0]
+    for body, mine in enumerate((metres[above], metres[~above])):
+        error = np.abs(displacement(scene, solution, mine, body) - mine * (e_xx, e_yy)).max()
+        assert error < tolerance * 2.0 * abs(e_yy)
+
+
+@pytest.mark.parametrize(("support", "tolerance"), [(1.5, 2.0 * PATCH_TEST), (2.0, 1e-9)])  # measured 1.3e-5, 6e-11
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize(
+    "shape",
+    [
+        "{disk: {center: [0.25, -0.53], radius: 0.83}}",
+        "{polygon: [[-0.9, -0.4], [0.3, -0.6], [1.1, 0.2], [0, 0.7]]}",
+        "{rectangle: {center: [0.1, 0.2], width: 1.1, height: 0.8}}",
+    ],
+    ids=["disk", "polygon", "rectangle"],
+)
+def test_patch_test_through_inclusions(
+    tmp_path: Path, shape: str, contact: str, support: float, tolerance: float
+) -> None:
+    """The core is held by the rock round it alone, on an interface that closes on itself."""
+    scene, solution = solve(tmp_path, INCLUSION.format(shape=shape, contact=contact, support=support))
+    strain = -1e6 * (1 - 0.3**2 - 0.3 * 1.3) / 1e10
+    metres = places((-1.9, -1.9), (1.9, 1.9))
+    points = scene.lattice.to_lattice(metres)
+    elements = locate(scene.lattice, solution.cover.elements, points)
+    found = displacement_at(solution.cover, solution.outcome.u, points, elements)
+    assert np.abs(found - (metres + 2.0) * strain).max() < tolerance * 4.0 * abs(strain)
+    assert (solution.outcome.state == STICK).all()
