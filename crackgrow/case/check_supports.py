@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from shapely import LineString, Point
 
@@ -14,6 +16,7 @@ from crackgrow.case.report import Path
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.errors import CaseError
 
+SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
 FREE_MOTION = 1e-8  # singular values below this, of constraints scaled by the body's size, hold nothing
 
 
@@ -78,9 +81,11 @@ def _body_at(scene: Scene, key: Path, support: Resolved, point: Floats) -> str |
 
 
 def _check_formulas(scene: Scene) -> None:
-    """Report displacements that have no finite value at the point, or at the ends of a side of the region."""
+    """Report displacements that have no finite value at the point, or at places along the sides of the region."""
     for index, support in scene.items("supports", "displacement"):
         points = _support_points(scene, index)
+        if points is not None and len(points) > 1:  # ends of sides, in order: places between them
+            points = np.concatenate([a + SAMPLES[:, None] * (b - a) for a, b in pairwise(points)])
         for component, value in support["displacement"].items():
             if not isinstance(value, str) or points is None:
                 continue

@@ -13,7 +13,7 @@ SHORTEST = 1e-3  # least crack length and increment, in lattice spacings
 
 
 def check_counts(scene: Scene) -> None:
-    """A body, one load factor, unloading between steps: all that this version can do."""
+    """At least one body; one load factor and unloading between steps, all that this version can do."""
     report = scene.report
     if not named(scene.resolved, "bodies") and report.sound("bodies"):
         report.fault(("bodies",), "no body given; a case needs one")

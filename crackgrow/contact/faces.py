@@ -34,6 +34,9 @@ POINTS_PER_EDGE = 8
 GAUSS_PARTS, GAUSS_POINTS = 10, 5
 """The paper's contact segments: each straight stretch in 10 parts with 5 Gauss points."""
 
+STRAIGHT = np.deg2rad(1.5)
+"""A line that turns by less than this at its corners is one straight stretch: so are the sides of a disk."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FacePoints:
@@ -96,11 +99,13 @@ def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFa
 
 
 def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
-    """The paper's contact points: Gauss points on ten parts of every segment of the surfaces `touching` (indices)."""
+    """The paper's contact points: Gauss points on ten parts of each straight stretch of surfaces `touching`."""
     parts = []
     x, w = gauss(GAUSS_POINTS)
     for surface in touching:
-        corners = arc_lengths(cover.surfaces[surface].points)
+        path = cover.surfaces[surface].points
+        bent = np.concatenate([[True], np.abs(kink_angles(path)) > STRAIGHT, [True]])
+        corners = arc_lengths(path)[bent]
         size = np.repeat(np.diff(corners) / GAUSS_PARTS, GAUSS_PARTS)
         start = np.concatenate([corners[:1], corners[0] + np.cumsum(size)[:-1]])
         s = (start[:, None] + size[:, None] * x).ravel()

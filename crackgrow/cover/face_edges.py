@@ -98,7 +98,7 @@ def _chain(vertices: Floats, a: Ints, b: Ints, crack: CrackGeometry) -> Ints:
     length, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
     total = arc_lengths(crack.points)[-1]
     if abs(length[last] - total) > 1e-6 * max(total, 1.0):
-        raise GeometryError(f"crack '{crack.name}' could not be cut along all of its {total:g} spacings")
+        raise GeometryError(f"'{crack.name}' could not be cut along all of its {total:g} spacings")
     chain = []
     while last != first:
         chain.append(number[before[last], last] + number[last, before[last]] - 1)

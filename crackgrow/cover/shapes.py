@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CrackGeometry:
-    """A crack in lattice coordinates."""
+    """A crack in lattice coordinates, or an interface, which has no tips."""
 
     name: str
     points: Floats  # (n, 2)

@@ -13,6 +13,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as LinePath
 from numpy.typing import NDArray
 
 from crackgrow.case.model import Case
@@ -40,9 +42,9 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     low, high = _extent([body.outline for body in case.bodies])
     figure, axes = _equal_axes(low * scale, high * scale, unit)
     for body in case.bodies:
-        for ring in body.rings:
-            hole = ring is not body.rings[0]
-            axes.fill(*(ring.points * scale).T, facecolor="white" if hole else "0.94", edgecolor="0.35", linewidth=1.0)
+        closed = [LinePath(np.vstack([ring.points, ring.points[:1]]) * scale, closed=True) for ring in body.rings]
+        whole = LinePath.make_compound_path(*closed)
+        axes.add_patch(PathPatch(whole, facecolor="0.94", edgecolor="0.35", linewidth=1.0))
     last = max((int(crack.steps.max()) for crack in cracks), default=0)
     colours = _step_colours(max(last, 1))
     for crack in cracks:
@@ -92,12 +94,13 @@ def draw_sigma_1(path: Path, case: Case, frame: Frame, step: int) -> None:
 def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     """Plot slip, normal and shear traction against the arc length, a row for each surface with a contact law.
 
-    Dots are the contact points, filled where they slip; the lines are the same along the whole face. Raises
-    OutputError.
+    Dots are the contact points: white open, blue stuck, red slipping; the lines are the same along the whole face.
+    Raises OutputError.
     """
     scale, unit = _length_unit(case)
     contact = result.contact
-    faces = [face for face in result.faces if face.crack in contact.crack][:MOST_CONTACT_ROWS]
+    touching = [face for face in result.faces if face.crack in contact.crack]
+    faces = touching[:MOST_CONTACT_ROWS]
     figure = Figure(figsize=(3.6 * 3, 2.6 * len(faces) + 0.4), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     table = figure.subplots(len(faces), 3, squeeze=False, sharex="row")
@@ -122,7 +125,8 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
             axes.set(xlabel=f"s along {face.crack} [{unit}]", ylabel=label)
             axes.grid(linewidth=0.3)
         row[0].legend(fontsize=7)
-    figure.suptitle(f"{case.title}, step {result.step}", fontsize=10, wrap=True)
+    rest = f" (the first {len(faces)} of {len(touching)} surfaces)" if len(touching) > len(faces) else ""
+    figure.suptitle(f"{case.title}, step {result.step}{rest}", fontsize=10, wrap=True)
     _save(path, figure)
 
 

@@ -7,7 +7,7 @@ import shapely
 
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.result import CrackFaces
-from crackgrow.run.scene import Scene
+from crackgrow.run.scene import Scene, SurfaceLaw
 from crackgrow.run.step import StepSolution
 
 SMALL_RADIUS = 0.5
@@ -29,7 +29,10 @@ LARGE_OVERLAP = 0.05
 """Overlap of faces, as a fraction of the largest jump, from which a step carries a warning."""
 
 NOISE = 1e-3
-"""Jumps smaller than this fraction of the displacement are within the error of the quadrature."""
+"""Jumps smaller than this fraction of the displacement are within the error of the discretization."""
+
+AT_CORNERS = 0.05
+"""The same on interfaces and foundations: the corners of bodies make such overlaps on any lattice."""
 
 LARGE_RESIDUAL = 1e-9
 """Relative equilibrium residual from which a step carries a warning."""
@@ -37,20 +40,24 @@ LARGE_RESIDUAL = 1e-9
 
 def largest_overlap(scene: Scene, faces: tuple[CrackFaces, ...]) -> float:
     """Largest overlap (m) anywhere along surfaces that have a contact law: conditions hold on average only."""
-    touching = [(law, f) for law, f in zip(scene.laws, faces, strict=True) if law.contact is not None]
-    gaps = [f.opening - law.compliance * f.normal_traction for law, f in touching]
-    return float(max((-gap.min(initial=0.0) for gap in gaps), default=0.0))
+    return max((_overlap(law, face) for law, face in zip(scene.laws, faces, strict=True)), default=0.0)
+
+
+def _overlap(law: SurfaceLaw, face: CrackFaces) -> float:
+    """Largest overlap (m) along a surface, beyond what its stiffness explains."""
+    if law.contact is None:
+        return 0.0
+    return float(-(face.opening - law.compliance * face.normal_traction).min(initial=0.0))
 
 
 def cautions(
     scene: Scene,
     solution: StepSolution,
     faces: tuple[CrackFaces, ...],
-    overlap: float,
     step: int,
     told: frozenset[str] = frozenset(),
 ) -> tuple[str, ...]:
-    """What the user should know of this step, of `largest_overlap` m.
+    """What the user should know of this step.
 
     What holds for all steps is said at the first, and of each tip without room for the integral of K once: where it is
     not among the warnings already `told`.
@@ -58,12 +65,15 @@ def cautions(
     found = [*solution.outcome.notes, *solution.notes]
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
-    largest = max((np.hypot(f.opening, f.slip).max() for f in faces), default=0.0)
-    if overlap > max(LARGE_OVERLAP * largest, NOISE * solution.displacement_size):
-        found.append(
-            f"faces overlap by {overlap:.2g} m between contact points, {100.0 * overlap / largest:.2g} % of the "
-            "largest jump: what happens there is unsure; use a smaller spacing"
-        )
+    n_cracks, size = len(solution.cover.cracks), _elastic_size(scene, solution, faces)
+    for index, (law, face) in enumerate(zip(scene.laws, faces, strict=True)):
+        largest, overlap = float(np.hypot(face.opening, face.slip).max()), _overlap(law, face)
+        if overlap > max(LARGE_OVERLAP * largest, (NOISE if index < n_cracks else AT_CORNERS) * size):
+            found.append(
+                f"the faces of '{face.crack}' overlap by {overlap:.2g} m between contact points, "
+                f"{100.0 * overlap / largest:.2g} % of their largest jump: what happens there is unsure; "
+                "use a smaller spacing"
+            )
     found.extend(text for text in _short_of_room(solution) if text not in told)
     for first, second in _close(solution):
         found.append(f"{first} is closer than a spacing to {second}: the cover does not resolve what is between")
@@ -115,6 +125,13 @@ def _short_of_room(solution: StepSolution) -> list[str]:
             place = f"the {'end' if at_end else 'start'} of crack '{solution.cover.cracks[index].name}'"
             found.append(f"K at {place}: {state.intensity.note}; see the columns K_*_error of tips.csv")
     return found
+
+
+def _elastic_size(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> float:
+    """Displacement (m) that overlaps are held against; also where nothing but the given stress presses the faces."""
+    pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
+    softest = min(material.young_prime for material in scene.materials)
+    return float(max(solution.displacement_size, 2.0 * scene.lattice.spacing * pressure / softest))
 
 
 def _layers(scene: Scene) -> list[bool]:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from crackgrow.errors import GeometryError, SolveError
@@ -100,8 +101,23 @@ def _advanced(
             grown[index], at_end, kink, growth.increment, step, scene.regions[scene.crack_bodies[index]], others
         )
         if out:
-            left.append(f"crack '{grown[index].crack.name}' ({'end' if at_end else 'start'})")
+            end = "end" if at_end else "start"
+            place = grown[index].crack.points[-1 if at_end else 0]
+            left.append(f"crack '{grown[index].crack.name}' ({end}) reached {_rim_at(scene, index, place)}")
     return Advance(tuple(grown), tuple(left))
+
+
+def _rim_at(scene: Scene, crack: int, place: Floats) -> str:
+    """What lies at a place on the rim of the body that a crack is in."""
+    point = shapely.Point(place)
+    near = 1e-6 * scene.lattice.spacing
+    for line in scene.interfaces:
+        if shapely.dwithin(shapely.LineString(scene.lattice.to_metres(line.points)), point, near):
+            return f"interface '{line.name}'"
+    for number, hole in enumerate(scene.regions[scene.crack_bodies[crack]].interiors):
+        if shapely.dwithin(hole, point, near):
+            return f"hole{number}"
+    return "the outline"
 
 
 def _without_shear(
@@ -150,6 +166,8 @@ def _judged(kinks: Floats, advance: Advance, ends: Sequence[tuple[int, bool]]) -
             continue  # it has left the body
         state = solution.tips[solution.cover.tip_ends.index(end)]
         size = float(np.hypot(*state.K))
+        if size == 0.0:
+            continue  # nothing to turn it
         # the kink of the largest hoop stress is -2 K_II / K_I where that is small, and bounded everywhere
         shear[number] = -0.5 * hoop_stress_kink(*state.K)
         error[number] = np.clip(np.nan_to_num(state.intensity.K_II_error) / size, SMALL_SHEAR, WORST_ERROR)

@@ -51,7 +51,7 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
             advance = advance_tips(scene, cracks, solution, chosen, step + 1, case.load_factors[-1])
             cracks, known = advance.cracks, advance.solution
             if advance.left:
-                reached = f"step {step + 1}: {' and '.join(advance.left)} reached the outline"
+                reached = f"step {step + 1}: {' and '.join(advance.left)}"
                 ended = RunEnd("broke_through", reached, _paths(cracks))
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
     return RunEnd("completed", done, _paths(cracks))

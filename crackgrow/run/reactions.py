@@ -5,31 +5,43 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.cover.cover import Cover
 from crackgrow.run.result import Reaction
-from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution
 
 Floats = NDArray[np.float64]
 
 
-def reactions(scene: Scene, solution: StepSolution) -> tuple[Reaction, ...]:
+def reactions(solution: StepSolution) -> tuple[Reaction, ...]:
     """Force of every support and foundation on the rock, and of the second body of an interface on the first."""
     found = []
-    held, multipliers = solution.constraints, solution.outcome.multipliers
+    held, multipliers = solution.held, solution.outcome.multipliers
     for number in np.unique(held.support[held.support >= 0]).tolist():
         force = [-float(multipliers[(held.support == number) & (held.component == axis)].sum()) for axis in range(2)]
         found.append(Reaction(f"supports.{number}", (force[0], force[1])))
-    faces, outcome = solution.faces, solution.outcome
-    area = faces.weights * scene.lattice.spacing
-    normal = faces.nodes.normal
-    along = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
-    forces = -area[:, None] * (outcome.normal_traction[:, None] * normal + outcome.tangential_traction[:, None] * along)
-    n_cracks = len(solution.cover.cracks)
-    for index, surface in enumerate(solution.cover.surfaces[n_cracks:], start=n_cracks):
-        if not scene.laws[index].bonded:
-            x, y = forces[faces.surface == index].sum(axis=0)
-            found.append(Reaction(surface.name, (float(x), float(y))))
+    cover = solution.cover
+    for index, surface in enumerate(cover.surfaces[len(cover.cracks) :], start=len(cover.cracks)):
+        forces = _face_forces(solution, index)
+        body = cover.elements.body[surface.edges.plus[0]]
+        found.append(Reaction(surface.name, _resultant(cover, forces, int(body))))
     return tuple(found)
+
+
+def _face_forces(solution: StepSolution, surface: int) -> Floats:
+    """Forces (n_dofs,) N/m of a surface's contact or bond on the rock on both of its sides."""
+    mine = solution.held.surface == surface
+    bond = solution.held.matrix[mine].T @ solution.outcome.multipliers[mine]
+    contact, outcome, here = solution.contact, solution.outcome, solution.faces.surface == surface
+    normal = contact.gap_of[here].T @ (contact.weights * outcome.normal_traction)[here]
+    tangential = contact.slip_of[here].T @ (contact.weights * outcome.tangential_traction)[here]
+    return np.asarray(-(bond + normal + tangential))
+
+
+def _resultant(cover: Cover, forces: Floats, body: int) -> tuple[float, float]:
+    """Sum of forces (n_dofs,) on a body: over its patches' own functions, which add up to one everywhere."""
+    patches = np.unique(cover.functions[cover.elements.body == body])
+    x, y = forces.reshape(-1, 2)[patches[patches >= 0]].sum(axis=0)
+    return float(x), float(y)
 
 
 def total_load(solution: StepSolution) -> Floats:

@@ -52,7 +52,7 @@ def step_result(
         tips=tips,
         contact=_contact(solution, scene),
         faces=faces,
-        reactions=reactions(scene, solution),
+        reactions=reactions(solution),
         frame=frame,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.n_unknowns,
@@ -65,7 +65,7 @@ def step_result(
         overlap=overlap,
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
-        warnings=cautions(scene, solution, faces, overlap, step, told),
+        warnings=cautions(scene, solution, faces, step, told),
     )
 
 

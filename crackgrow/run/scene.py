@@ -85,12 +85,14 @@ def make_scene(case: Case) -> Scene:
             name = "/".join(interface.bodies) + suffix
             interfaces.append(CrackGeometry(name, lattice.to_lattice(line), False, False))
             laws.append(SurfaceLaw(contact, bonded, _compliance(case, interface.bodies)))
-    foundations = []
+    foundations: list[Foundation] = []
+    on_edge = [f"{s.region.body}.{s.region.edge}" for s in case.supports if isinstance(s, ContactSupport)]
     for support in case.supports:
         if isinstance(support, ContactSupport):
-            region = support.region
+            region, number = support.region, len(foundations)
+            suffix = f".{on_edge[:number].count(on_edge[number])}" if on_edge.count(on_edge[number]) > 1 else ""
             index = body_index(case.bodies, region.body)
-            foundations.append(Foundation(f"{region.body}.{region.edge}", index, region.sides, region.limits))
+            foundations.append(Foundation(on_edge[number] + suffix, index, region.sides, region.limits))
             laws.append(SurfaceLaw(support.contact, False, _compliance(case, (region.body,))))
     return Scene(
         case=case,

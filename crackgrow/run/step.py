@@ -15,6 +15,7 @@ import shapely
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, vstack
 
+from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
 from crackgrow.contact.jump import contact_operators
@@ -39,7 +40,7 @@ from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.linear_solver import ConstrainedSystem, displacement_size
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.rigid_modes import check_held, free_pieces, loose_springs
+from crackgrow.solid.rigid_modes import check_held, free_pieces, loose_springs, named
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import Constraints, constraints, tied
 
@@ -48,6 +49,9 @@ Ints = NDArray[np.int64]
 
 ON_OUTLINE = 1e-9
 """A crack end closer to an outline than this fraction of its length lies on it."""
+
+UNSTRESSED = 1e-6
+"""Forces below this fraction of the terms that they are the sum of are no forces."""
 
 WORST_RESIDUAL = 1e-5
 """Relative equilibrium residual beyond which a solution is refused."""
@@ -74,7 +78,8 @@ class StepSolution:
 
     cover: Cover
     materials: tuple[PlaneElasticity, ...]  # body by body, in-situ stress included
-    constraints: Constraints
+    held: Constraints
+    contact: ContactSystem
     loads: Floats  # (n_dofs,) N/m
     faces: ContactFaces
     outcome: ContactOutcome
@@ -98,7 +103,7 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
         matrix = stiffness(cover, materials, case.numerics.quadrature)
         faces = _faces(scene, cover)
         operators = contact_operators(cover, faces)
-        held = tied(constraints(cover, case.bodies, case.supports), _bonds(scene, cover))
+        held = tied(constraints(cover, case.bodies, case.supports), *_bonds(scene, cover))
         given = load_factor * held.given
         loads = load_vector(cover, case.bodies, case.loads, case.numerics.quadrature)
         loads = load_factor * (loads + face_load_vector(cover, [g.crack.body for g in growing], case.loads))
@@ -115,18 +120,20 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
             outcome = solve_contact(contact, loads, given)
         else:
             outcome = solve_contact_held_loosely(contact, springs, free, loads, given)
+            notes = (*outcome.notes, *_unheld(cover, contact, outcome))
+            outcome = replace(outcome, notes=notes)
         residual = _residual(matrix, contact, loads, outcome)
         if not residual <= WORST_RESIDUAL:
             raise SolveError(
                 f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}: the system is too ill "
-                "conditioned; a tip may lie too close to another one or to an outline for this spacing"
+                "conditioned" + ("; a tip may lie too close to another one or to an outline" if cover.tips else "")
             )
     with _timed(seconds, "criterion"):
         tips = tuple(
             _tip_state(scene, cover, materials, faces, outcome, load_factor, tip) for tip in range(len(cover.tips))
         )
     size = displacement_size(loads, outcome.u, given)
-    return StepSolution(cover, materials, held, loads, faces, outcome, tips, size, residual, seconds)
+    return StepSolution(cover, materials, held, contact, loads, faces, outcome, tips, size, residual, seconds)
 
 
 def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
@@ -140,7 +147,7 @@ def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
     for index, end in enumerate((0, -1)):
         place = shapely.Point(points[end])
         if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
-            points[end] = boundary.interpolate(boundary.project(place)).coords[0]
+            points[end] = shapely.shortest_line(boundary, place).coords[0]
             inside[index] = False
     return CrackGeometry(growing.crack.name, scene.lattice.to_lattice(points), *inside)
 
@@ -153,11 +160,22 @@ def _faces(scene: Scene, cover: Cover) -> ContactFaces:
     return mortar_faces(cover, touching, settings.spacing)
 
 
-def _bonds(scene: Scene, cover: Cover) -> csr_array:
-    """Gap and slip (k, n_dofs) of bonded interfaces, averaged at mortar nodes."""
+def _bonds(scene: Scene, cover: Cover) -> tuple[csr_array, Ints]:
+    """Gap and slip (k, n_dofs) of bonded interfaces, averaged at mortar nodes, and the surface (k,) of each."""
     bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
     faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing)
-    return csr_array(vstack(contact_operators(cover, faces), format="csr"))
+    return csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2)
+
+
+def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> list[str]:
+    """What to say of pieces that have rigid motions which neither supports nor pressed contact points see."""
+    pressed, stuck = outcome.state != OPEN, outcome.state == STICK
+    rows = [contact.system.constraints, contact.gap_of[pressed], contact.slip_of[stuck]]
+    pieces = free_pieces(cover, csr_array(vstack(rows, format="csr")))
+    return [
+        f"{piece} may move without any resistance ({named(piece.motion)}): where it lies is arbitrary"
+        for piece in pieces
+    ]
 
 
 def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
@@ -182,13 +200,17 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
 
 
 def _residual(matrix: csc_array, contact: ContactSystem, loads: Floats, outcome: ContactOutcome) -> float:
-    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts."""
+    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts.
+
+    Where nothing is stressed all parts are round-off of K u, whose terms then give the size.
+    """
     internal = matrix @ outcome.u
     reactions = contact.system.constraints.T @ outcome.multipliers
     tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
     tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)
     parts = (internal, reactions, tractions, loads)
     size = max(np.abs(part).max(initial=0.0) for part in parts)
+    size = max(size, UNSTRESSED * (abs(matrix) @ np.abs(outcome.u)).max(initial=0.0))
     residual = np.abs(internal + reactions + tractions - loads).max(initial=0.0)
     return float(residual / size) if size > 0.0 else 0.0
 

@@ -118,5 +118,5 @@ def named(motion: Floats) -> str:
     """A rigid motion in words."""
     if abs(motion[2]) > HOLDS_NOTHING:
         return "rotation"
-    angle = np.rad2deg(np.arctan2(motion[1], motion[0])) % 180.0
+    angle = np.round(np.rad2deg(np.arctan2(motion[1], motion[0])), 6) % 180.0
     return f"translation at {angle:.3g} degrees from x"

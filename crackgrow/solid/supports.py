@@ -33,6 +33,7 @@ class Constraints:
     given: Floats  # (m,) m, g
     support: Ints  # (m,) number of the support that a row belongs to, -1 for none
     component: Ints  # (m,) 0: x, 1: y
+    surface: Ints  # (m,) number of the bonded surface that a row belongs to, -1 for none
 
 
 def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support]) -> Constraints:
@@ -59,20 +60,25 @@ def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support
                 given.append(prescribed(displacement, average, places))
                 owner.append(np.full(len(given[-1]), number))
                 components.append(np.full(len(given[-1]), component))
+    owners = np.concatenate(owner)
     return Constraints(
-        csr_array(vstack(rows, format="csr")), np.concatenate(given), np.concatenate(owner), np.concatenate(components)
+        csr_array(vstack(rows, format="csr")),
+        np.concatenate(given),
+        owners,
+        np.concatenate(components),
+        np.full(len(owners), -1),
     )
 
 
-def tied(constraints: Constraints, rows: csr_array) -> Constraints:
-    """The constraints with further `rows` (k, n_dofs) that are held at zero."""
-    n = rows.shape[0]
-    none = np.full(n, -1)
+def tied(constraints: Constraints, rows: csr_array, surface: Ints) -> Constraints:
+    """The constraints with further `rows` (k, n_dofs), of bonded surfaces (k,), that are held at zero."""
+    none = np.full(len(surface), -1)
     return Constraints(
         csr_array(vstack([constraints.matrix, rows], format="csr")),
-        np.concatenate([constraints.given, np.zeros(n)]),
+        np.concatenate([constraints.given, np.zeros(len(surface))]),
         np.concatenate([constraints.support, none]),
         np.concatenate([constraints.component, none]),
+        np.concatenate([constraints.surface, surface]),
     )
 
 
