@@ -8,7 +8,7 @@ loses its cohesion, so that open faces carry no shear.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -33,11 +33,17 @@ UNPRESSED = 1e-6
 """A pressure below this fraction of the traction that would undo the jump is none: the point is open."""
 
 
-MOST_PULLS = 40
+MOST_PULLS = 60
 """Solves after which springs that still carry force are given up."""
 
-LAST_PULLS = 4
-"""The springs' force has to halve within so many solves: it falls a thousandfold in each where contact holds."""
+LAST_PULLS = 8
+"""The springs' force has to halve within so many solves."""
+
+NEARLY_SLACK = 1e-5
+"""The same where round-off lets the springs' force fall no further: the solution carries a note."""
+
+NO_CHANGE = 1e-9
+"""A change of the springs' drift by less than this fraction is round-off."""
 
 SLACK = 1e-10
 """Springs with a force below this part of the loads are slack."""
@@ -94,32 +100,54 @@ def solve_contact(contact: ContactSystem, loads: Floats, given: Floats) -> Conta
 def solve_contact_held_loosely(
     contact: ContactSystem, springs: Springs, pieces: tuple[FreePiece, ...], loads: Floats, given: Floats
 ) -> ContactOutcome:
-    """As `solve_contact` where the system's stiffness contains loose `springs` on pieces that contact alone holds.
+    """As `solve_contact` where the system's stiffness contains `springs` on pieces that contact alone holds.
 
     The springs' far ends follow the rock until they carry no force (the proximal point method, Rockafellar 1976): the
     solution is that of the rock without springs. Raises SolveError where contact does not hold a piece.
     """
     columns = _Columns(contact)
-    ends = np.zeros(len(springs.dofs))
     outcome: ContactOutcome | None = None
+    ends, drifts = [np.zeros(len(springs.dofs))], []
     forces: list[float] = []
     slack = False
     for _ in range(MOST_PULLS):
         pulled = loads.copy()
-        np.add.at(pulled, springs.dofs, springs.stiffness * ends)
+        np.add.at(pulled, springs.dofs, springs.stiffness * ends[-1])
         outcome = _solve(contact, columns, pulled, given, outcome)
-        if slack:  # once more: the error left falls another thousandfold
+        if slack:  # this was once more: the error left has fallen again
             return outcome
-        drift = outcome.u[springs.dofs] - ends
-        ends = outcome.u[springs.dofs]
+        drifts.append(outcome.u[springs.dofs] - ends[-1])
+        ends.append(accelerated(ends, drifts))
         pressed = contact.weights @ np.abs(outcome.normal_traction)
-        forces.append(float(np.abs(springs.stiffness * drift).max()))
+        forces.append(float(np.abs(springs.stiffness * drifts[-1]).max()))
         if forces[-1] <= SLACK * max(float(np.abs(loads).sum()), float(pressed)):
             slack = True
         elif len(forces) > LAST_PULLS and forces[-1] > 0.5 * forces[-1 - LAST_PULLS]:
             break
+    assert outcome is not None
+    left = forces[-1] / max(float(np.abs(loads).sum()), float(pressed))
+    if left <= NEARLY_SLACK:
+        note = f"pieces held by contact are out of balance by {left:.1g} of the loads: very unlike stiffnesses"
+        return replace(outcome, notes=(*outcome.notes, note))
+    drift = drifts[-1]
     piece = pieces[int(springs.piece[int(np.argmax(np.abs(drift)))])]
     raise SolveError(f"{piece} is free to move: contact does not hold it; it needs supports, friction or another load")
+
+
+def accelerated(ends: list[Floats], drifts: list[Floats]) -> Floats:
+    """The next ends (k,) of springs after `ends` (k,) that gave `drifts` (k,), by Anderson's method (1965).
+
+    Where the drift is linear in the ends, as it is once the contact states are found, k steps suffice, however loose
+    or stiff the springs. Steps that changed the drift by round-off alone say nothing and are left out.
+    """
+    steps = np.diff(np.array(ends), axis=0)[-len(ends[0]) :]
+    changes = np.diff(np.array(drifts), axis=0)[-len(ends[0]) :]
+    telling = np.abs(changes).max(axis=1, initial=0.0) > NO_CHANGE * np.abs(drifts[-1]).max()
+    plain = ends[-1] + drifts[-1]
+    if not telling.any():
+        return plain
+    share = np.linalg.lstsq(changes[telling].T, drifts[-1], rcond=NO_CHANGE)[0]
+    return np.asarray(plain - share @ (steps + changes)[telling])
 
 
 def _solve(

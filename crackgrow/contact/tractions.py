@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.contact.faces import ContactFaces, stretch_ends
+from crackgrow.contact.faces import ContactFaces, points_at, stretch_ends
+from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.cover import Cover
 
 Floats = NDArray[np.float64]
@@ -41,3 +42,18 @@ def _stretches(cover: Cover, faces: ContactFaces, surface: int, s: Floats) -> It
     stretch = np.searchsorted(stretch_ends(cover.surfaces[surface].points)[1:-1], s, side="right")
     for number in np.unique(stretch):
         yield np.flatnonzero(stretch == number), mine[faces.stretch[mine] == number]
+
+
+def elastic_tractions(
+    cover: Cover, crack: int, s: Floats, u: Floats, compliance: float, tractions: tuple[Floats, Floats]
+) -> tuple[Floats, Floats]:
+    """Normal and tangential traction (n,) Pa at arc lengths s (n,) as the law p_n = gap / `compliance` (m/Pa) has them.
+
+    For contact points that are the points where the law holds: between them and on to the tip, where the gap vanishes
+    with the square root of the distance, the law says more than `tractions` (n,), interpolated, do. These give the
+    ratio of the two components.
+    """
+    gap, _ = gap_and_slip(cover, points_at(cover, crack, s), u)
+    normal, tangential = tractions
+    ratio = np.divide(np.minimum(gap, 0.0) / compliance, normal, out=np.zeros_like(normal), where=normal < 0.0)
+    return ratio * normal, ratio * tangential

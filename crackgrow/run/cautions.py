@@ -55,7 +55,7 @@ def cautions(
     What holds for all steps is said at the first, and of each tip without room for the integral of K once: where it is
     not among the warnings already `told`.
     """
-    found = list(solution.outcome.notes)
+    found = [*solution.outcome.notes, *solution.notes]
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
     largest = max((np.hypot(f.opening, f.slip).max() for f in faces), default=0.0)
@@ -84,13 +84,18 @@ def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
     support = scene.case.numerics.support
     if support < GOOD_SUPPORT and scene.case.cracks:
         found.append(
-            f"numerics.support is {support:g}: below {GOOD_SUPPORT:g} tips are resolved badly, and K can be 20 % low"
+            f"numerics.support is {support:g}: below {GOOD_SUPPORT:g} tips are resolved badly, and K can be 2 % low"
         )
     contact = scene.case.numerics.contact
     if contact.discretization == "mortar" and contact.spacing < GOOD_CONTACT_SPACING and solution.faces.n:
         found.append(
             f"numerics.contact.spacing is {contact.spacing:g}: below {GOOD_CONTACT_SPACING:g} contact tractions can "
             "oscillate from node to node, where faces stick up to their full size"
+        )
+    if contact.discretization == "mortar" and contact.stiffness is not None and any(_layers(scene)):
+        found.append(
+            "elastic contact with mortar nodes: the pressure falls to a closed tip over E'/(2k), less than their "
+            "distance, and K_I there is not resolved; use numerics.contact.discretization gauss, or a rigid contact"
         )
     for crack in solution.cover.cracks:
         length = arc_lengths(crack.points)[-1]
@@ -110,6 +115,13 @@ def _short_of_room(solution: StepSolution) -> list[str]:
             place = f"the {'end' if at_end else 'start'} of crack '{solution.cover.cracks[index].name}'"
             found.append(f"K at {place}: {state.intensity.note}; see the columns K_*_error of tips.csv")
     return found
+
+
+def _layers(scene: Scene) -> list[bool]:
+    """Crack by crack: whether its elastic contact gives way at a tip over less than the distance of the nodes."""
+    distance = scene.case.numerics.contact.spacing * scene.lattice.spacing
+    stiff = (scene.materials[body].young_prime for body in scene.crack_bodies)
+    return [0.5 * modulus * law.compliance < distance for modulus, law in zip(stiff, scene.laws, strict=False)]
 
 
 def _close(solution: StepSolution) -> list[tuple[str, str]]:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from crackgrow.case.model import Case, Growth
 from crackgrow.errors import GeometryError, SolveError
-from crackgrow.fracture.advance import GrowingCrack, advanced, growing_tips
+from crackgrow.fracture.advance import GrowingCrack, growing_tips
+from crackgrow.run.direction import advance_tips
 from crackgrow.run.report import step_result
 from crackgrow.run.result import CrackPath, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
@@ -30,9 +31,10 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
     n_steps = case.growth.steps if case.growth else 0
     ended: RunEnd | None = None
     told: frozenset[str] = frozenset()
+    known: StepSolution | None = None
     for step in range(n_steps + 1):
         try:
-            solution = solve_step(scene, cracks, case.load_factors[-1])
+            solution = known or solve_step(scene, cracks, case.load_factors[-1])
         except (SolveError, GeometryError):
             if ended is None:
                 raise
@@ -46,11 +48,11 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
         if len(chosen) == 0 and step < n_steps:
             return RunEnd("arrested", _why_arrested(cracks, solution, step), _paths(cracks))
         if case.growth and step < n_steps:
-            cracks, left = _advance(scene, cracks, solution, chosen, step + 1)
-            if left:
-                ended = RunEnd(
-                    "broke_through", f"step {step + 1}: {' and '.join(left)} reached the outline", _paths(cracks)
-                )
+            advance = advance_tips(scene, cracks, solution, chosen, step + 1, case.load_factors[-1])
+            cracks, known = advance.cracks, advance.solution
+            if advance.left:
+                reached = f"step {step + 1}: {' and '.join(advance.left)} reached the outline"
+                ended = RunEnd("broke_through", reached, _paths(cracks))
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
     return RunEnd("completed", done, _paths(cracks))
 
@@ -71,27 +73,6 @@ def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Fl
             for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
         ]
     )
-
-
-def _advance(
-    scene: Scene, cracks: tuple[GrowingCrack, ...], solution: StepSolution, chosen: Ints, step: int
-) -> tuple[tuple[GrowingCrack, ...], list[str]]:
-    """The cracks after the tips `chosen` have advanced, and the names of tips that have left the body."""
-    growth = scene.case.growth
-    assert growth is not None
-    grown = list(cracks)
-    left = []
-    for tip in chosen.tolist():
-        index, at_end = solution.cover.tip_ends[tip]
-        verdict = solution.tips[tip].verdict
-        assert verdict is not None
-        others = [other for number, other in enumerate(grown) if number != index]
-        grown[index], out = advanced(
-            grown[index], at_end, verdict.kink, growth.increment, step, scene.regions[scene.crack_bodies[index]], others
-        )
-        if out:
-            left.append(f"crack '{grown[index].crack.name}' ({'end' if at_end else 'start'})")
-    return tuple(grown), left
 
 
 def _reported(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.contact.coulomb import OPEN
-from crackgrow.contact.faces import face_vertices
+from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.fracture.criteria import effective_toughness
@@ -58,7 +58,7 @@ def step_result(
         n_contact=outcome.n_unknowns,
         contact_iterations=outcome.iterations,
         contact_status=outcome.status,
-        factorizations=1,
+        factorizations=solution.factorizations,
         residual=solution.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
@@ -112,19 +112,19 @@ def _contact(solution: StepSolution, scene: Scene) -> ContactPoints:
 
 
 def _faces(solution: StepSolution, scene: Scene, index: int) -> CrackFaces:
-    """Jump, tractions and state of one surface at the ends of all its edges, each place once."""
+    """Jump, tractions and state of one surface at the ends of all its edges and its contact points, each place once."""
     cover, faces, outcome = solution.cover, solution.faces, solution.outcome
-    vertices = face_vertices(cover, index)
-    gap, slip = gap_and_slip(cover, vertices, outcome.u)
-    first = np.flatnonzero(np.diff(vertices.s, prepend=-np.inf) > SAME_PLACE)
-    s = vertices.s[first]
+    places = np.sort(np.concatenate([cover.surfaces[index].edges.s.ravel(), faces.s[faces.surface == index]]))
+    s = places[np.diff(places, prepend=-np.inf) > SAME_PLACE]
+    samples = points_at(cover, index, s)
+    gap, slip = gap_and_slip(cover, samples, outcome.u)
     nearest = nearest_contact_point(cover, faces, index, s)
     return CrackFaces(
         crack=cover.surfaces[index].name,
         s=s * scene.lattice.spacing,
-        points=scene.lattice.to_metres(vertices.points[first]),
-        opening=gap[first],
-        slip=slip[first],
+        points=scene.lattice.to_metres(samples.points),
+        opening=gap,
+        slip=slip,
         normal_traction=between_contact_points(cover, faces, index, s, outcome.normal_traction),
         tangential_traction=between_contact_points(cover, faces, index, s, outcome.tangential_traction),
         state=np.append(outcome.state, OPEN)[nearest],  # the last entry serves the index -1

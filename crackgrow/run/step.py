@@ -25,7 +25,7 @@ from crackgrow.contact.solve import (
     solve_contact,
     solve_contact_held_loosely,
 )
-from crackgrow.contact.tractions import between_contact_points
+from crackgrow.contact.tractions import between_contact_points, elastic_tractions
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import SolveError
@@ -82,6 +82,8 @@ class StepSolution:
     displacement_size: float  # m
     residual: float  # relative equilibrium residual
     seconds: dict[str, float]
+    factorizations: int = 1  # solves that it took, those of rejected directions included
+    notes: tuple[str, ...] = ()  # what the user should know of how it was found
 
 
 def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: float) -> StepSolution:
@@ -204,9 +206,15 @@ def _tip_state(
     body = scene.crack_bodies[crack]
     pressure = load_factor * scene.fluid_pressure(crack)
 
+    compliance = scene.laws[crack].compliance
+    pointwise = compliance > 0.0 and case.numerics.contact.discretization == "gauss"
+
     def traction(s: Floats) -> tuple[Floats, Floats]:
         normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)
-        return normal - pressure, between_contact_points(cover, faces, crack, s, outcome.tangential_traction)
+        tangential = between_contact_points(cover, faces, crack, s, outcome.tangential_traction)
+        if pointwise:
+            normal, tangential = elastic_tractions(cover, crack, s, outcome.u, compliance, (normal, tangential))
+        return normal - pressure, tangential
 
     weight = load_factor * scene.weight(body)
     intensity = interaction_integral(cover, materials, outcome.u, tip, traction, weight)

@@ -19,7 +19,8 @@ HOLDS_NOTHING = 1e-8
 """Singular values below this, of constraints on the three rigid motions scaled by the piece's size, hold nothing."""
 
 SPRING_STIFFNESS = 1e-3
-"""Stiffness of a loose spring, relative to the rock's at its place. The spring ends up without force."""
+"""Stiffness of a loose spring, relative to the geometric mean of its piece's and the softest rock's: loose against what
+holds the piece, not so loose that it is lost in round-off. The spring ends up without force."""
 
 FULL_PATCH = 0.5
 """Springs hang on patches whose stiffness is at least this part of the piece's median: on no sliver."""
@@ -53,7 +54,7 @@ class Springs:
 
 def free_pieces(cover: Cover, constraints: csr_array) -> tuple[FreePiece, ...]:
     """Pieces that take part in a rigid motion which `constraints` (m, n_dofs) do not see."""
-    found = pieces(cover)
+    found = all_pieces(cover)
     motions = np.concatenate([rigid_motions(cover, functions) for functions in found], axis=1)
     held = constraints @ motions
     n = motions.shape[1]
@@ -78,7 +79,8 @@ def check_held(pieces: tuple[FreePiece, ...], touching: Ints) -> None:
 def loose_springs(cover: Cover, stiffness: csc_array, pieces: tuple[FreePiece, ...]) -> Springs:
     """Two springs in x and two in y on each free piece, on patches far apart."""
     diagonal = stiffness.diagonal()
-    dofs, piece = [], []
+    softest = min(float(np.median(diagonal[2 * functions])) for functions in all_pieces(cover))
+    dofs, piece, strength = [], [], []
     for index, free in enumerate(pieces):
         full = diagonal[2 * free.functions]
         solid = free.functions[full >= FULL_PATCH * np.median(full)]
@@ -88,11 +90,11 @@ def loose_springs(cover: Cover, stiffness: csc_array, pieces: tuple[FreePiece, .
         ends = solid[np.unique([first, last])]
         dofs.append((2 * ends[:, None] + np.arange(2)).ravel())
         piece.append(np.full(2 * len(ends), index))
-    chosen = np.concatenate(dofs)
-    return Springs(chosen, SPRING_STIFFNESS * diagonal[chosen], np.concatenate(piece))
+        strength.append(np.full(2 * len(ends), SPRING_STIFFNESS * np.sqrt(softest * np.median(full))))
+    return Springs(np.concatenate(dofs), np.concatenate(strength), np.concatenate(piece))
 
 
-def pieces(cover: Cover) -> list[Ints]:
+def all_pieces(cover: Cover) -> list[Ints]:
     """Physical patches of each piece of rock that no way inside the rock joins to the others."""
     edges, passable = cover.elements.edges, cover.elements.passable
     label = connected(cover.elements.n, edges.left[passable], edges.right[passable])

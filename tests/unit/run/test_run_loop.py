@@ -175,7 +175,8 @@ def test_cracks_without_contact_pass_through_each_other(plate: Plate) -> None:
     assert len(free.contact.s) == 0
     assert free.contact_status == "none"
     (pulled,), _ = run(plate(CENTRE, sigma=1.0))
-    np.testing.assert_allclose(free.faces[0].opening, -pulled.faces[0].opening, atol=1e-15)  # linear
+    there = np.interp(free.faces[0].s, pulled.faces[0].s, pulled.faces[0].opening)  # it has contact points as well
+    np.testing.assert_allclose(free.faces[0].opening, -there, atol=1e-15)  # linear
     assert free.faces[0].opening.min() < -1e-7
     (closed,), _ = run(plate(CENTRE, sigma=-1.0))
     assert closed.faces[0].opening.min() > -1e-3 * np.abs(free.faces[0].opening).max()

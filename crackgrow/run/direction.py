@@ -1,0 +1,167 @@
+"""The advance of the chosen tips: by the criterion's kinks, or by kinks corrected until K_II vanishes at the new tips.
+
+The new tip of an increment along the hoop-stress kink is not free of K_II: the path zigzags about the smooth one by an
+amount that shrinks with the increment. The corrected kinks follow the smooth path at large increments. Every kink is
+corrected by its own tip's K_II alone (diagonal secant).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.errors import GeometryError, SolveError
+from crackgrow.fracture.advance import GrowingCrack, advanced
+from crackgrow.fracture.criteria import hoop_stress_kink
+from crackgrow.run.scene import Scene
+from crackgrow.run.step import StepSolution, solve_step
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_SOLVES = 6
+"""Solves for one advance."""
+
+SMALL_SHEAR = 1e-3
+"""K_II below this fraction of K has vanished: it turns a crack by 0.1 degrees."""
+
+WORST_ERROR = 1e-2
+"""K_II within its own error has vanished too, as long as the error is below this fraction of K."""
+
+USUAL_SLOPE = 1.0
+"""d(K_II / K)/dkink, 1/rad: 0.5 for a small kink of an open crack, measured 2 for the wing of a closed one."""
+
+SLOPES = (0.1, 20.0)
+"""Secants outside of this range say nothing."""
+
+LARGEST_CORRECTION = np.deg2rad(30.0)
+"""rad, of one trial."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Advance:
+    """The cracks after an advance."""
+
+    cracks: tuple[GrowingCrack, ...]
+    left: tuple[str, ...]  # tips that have left the body
+    solution: StepSolution | None = None  # of `cracks`, where the search for the direction has solved them
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Trial:
+    kinks: Floats  # (n,) rad
+    advance: Advance
+    shear: Floats  # (n,) K_II / K at the new tips, zero at those that have left
+    error: Floats  # (n,) below which `shear` counts as zero
+
+    @property
+    def excess(self) -> float:
+        """Largest shear, as a multiple of what counts as zero."""
+        return float((np.abs(self.shear) / self.error).max())
+
+
+def advance_tips(
+    scene: Scene,
+    cracks: tuple[GrowingCrack, ...],
+    solution: StepSolution,
+    chosen: Ints,
+    step: int,
+    load_factor: float,
+) -> Advance:
+    """The cracks after the tips `chosen` have advanced in step number `step`.
+
+    Raises GeometryError where a crack would meet another one along the criterion's kinks.
+    """
+    growth = scene.case.growth
+    assert growth is not None
+    ends = [solution.cover.tip_ends[tip] for tip in chosen.tolist()]
+    verdicts = [solution.tips[tip].verdict for tip in chosen.tolist()]
+    kinks = np.array([verdict.kink for verdict in verdicts if verdict is not None])
+    first = _advanced(scene, cracks, ends, kinks, step)
+    if growth.direction == "explicit" or len(first.left) == len(ends):
+        return first
+    return _without_shear(scene, cracks, ends, kinks, first, step, load_factor)
+
+
+def _advanced(
+    scene: Scene, cracks: tuple[GrowingCrack, ...], ends: Sequence[tuple[int, bool]], kinks: Floats, step: int
+) -> Advance:
+    """All cracks, with the tips `ends` advanced by `kinks`."""
+    growth = scene.case.growth
+    assert growth is not None
+    grown = list(cracks)
+    left = []
+    for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
+        others = [other for number, other in enumerate(grown) if number != index]
+        grown[index], out = advanced(
+            grown[index], at_end, kink, growth.increment, step, scene.regions[scene.crack_bodies[index]], others
+        )
+        if out:
+            left.append(f"crack '{grown[index].crack.name}' ({'end' if at_end else 'start'})")
+    return Advance(tuple(grown), tuple(left))
+
+
+def _without_shear(
+    scene: Scene,
+    cracks: tuple[GrowingCrack, ...],
+    ends: Sequence[tuple[int, bool]],
+    kinks: Floats,
+    first: Advance,
+    step: int,
+    load_factor: float,
+) -> Advance:
+    """The advance whose new tips see least shear, with its solution and the cost of all solves."""
+    trials: list[_Trial] = []
+    seconds: dict[str, float] = {}
+    advance = first
+    while True:
+        try:
+            advance = advance if not trials else _advanced(scene, cracks, ends, kinks, step)
+            solved = solve_step(scene, advance.cracks, load_factor)
+        except (GeometryError, SolveError):
+            if not trials:
+                return first  # solving it again tells the user why
+            break
+        for phase, spent in solved.seconds.items():
+            seconds[phase] = seconds.get(phase, 0.0) + spent
+        trials.append(_judged(kinks, replace(advance, solution=solved), ends))
+        if trials[-1].excess <= 1.0 or len(trials) == MOST_SOLVES:
+            break
+        kinks = _corrected(trials)
+    best = min(trials, key=lambda trial: trial.excess)
+    assert best.advance.solution is not None
+    notes: tuple[str, ...] = ()
+    if best.excess > 1.0:
+        notes = (f"the direction of growth left K_II at {np.abs(best.shear).max():.2g} of K at a new tip",)
+    solution = replace(best.advance.solution, seconds=seconds, factorizations=len(trials), notes=notes)
+    return replace(best.advance, solution=solution)
+
+
+def _judged(kinks: Floats, advance: Advance, ends: Sequence[tuple[int, bool]]) -> _Trial:
+    """The shear that new tips see."""
+    solution = advance.solution
+    assert solution is not None
+    shear, error = np.zeros(len(ends)), np.full(len(ends), SMALL_SHEAR)
+    for number, end in enumerate(ends):
+        if end not in solution.cover.tip_ends:
+            continue  # it has left the body
+        state = solution.tips[solution.cover.tip_ends.index(end)]
+        size = float(np.hypot(*state.K))
+        # the kink of the largest hoop stress is -2 K_II / K_I where that is small, and bounded everywhere
+        shear[number] = -0.5 * hoop_stress_kink(*state.K)
+        error[number] = np.clip(np.nan_to_num(state.intensity.K_II_error) / size, SMALL_SHEAR, WORST_ERROR)
+    return _Trial(kinks, advance, shear, error)
+
+
+def _corrected(trials: list[_Trial]) -> Floats:
+    """The next kinks (n,): by the secant through the last two trials, else by the usual slope."""
+    last = trials[-1]
+    slope = np.full(len(last.kinks), USUAL_SLOPE)
+    if len(trials) > 1:
+        step, change = last.kinks - trials[-2].kinks, last.shear - trials[-2].shear
+        secant = np.divide(change, step, out=np.zeros_like(slope), where=step != 0.0)
+        slope = np.where((secant > SLOPES[0]) & (secant < SLOPES[1]), secant, slope)
+    return np.asarray(last.kinks - np.clip(last.shear / slope, -LARGEST_CORRECTION, LARGEST_CORRECTION))

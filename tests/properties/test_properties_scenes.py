@@ -1,0 +1,365 @@
+"""Scenes of several bodies, foundations and body loads whose answer is known in closed form or by superposition."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.contact.coulomb import SLIP, STICK
+from crackgrow.cover.elements import locate
+from crackgrow.errors import SolveError
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.reactions import reactions, total_load
+from crackgrow.run.scene import Scene, make_scene
+from crackgrow.run.step import StepSolution, solve_step
+from crackgrow.solid.recovery import displacement_at, stress_at
+
+PATCH_TEST = 1e-5
+"""Relative displacement error that 4 x 4 Gauss points leave under uniform stress."""
+
+STACK = """
+title: Two blocks on each other
+plane: strain
+bodies:
+  upper: {shape: {rectangle: {center: [0.5, 0.8], width: 1, height: 0.6}}, material: {young: 1e10, poisson: 0.3}}
+  lower: {shape: {rectangle: {center: [0.5, 0.25], width: 1, height: 0.5}}, material: {young: 1e10, poisson: 0.3}}
+interfaces: [{between: [upper, lower], contact: {friction: 0.5, cohesion: 0}}]
+supports:
+  - {on: {body: lower, edge: bottom}, displacement: {y: 0}}
+  - {at: [0, 0], displacement: {x: 0}}
+loads:
+  - {on: {body: upper, edge: top}, traction: [0, -1e6]}
+numerics: {spacing: 0.13}
+"""
+
+BLOCK = """
+title: A block on a rigid foundation
+plane: strain
+bodies:
+  block: {shape: {rectangle: {center: [0, 1], width: 4, height: 2}}, material: {young: 1000, poisson: 0.25}}
+supports:
+  - {on: {body: block, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}
+loads:
+  - {on: {body: block, edge: top}, traction: [0, -100]}
+numerics: {spacing: 0.3}
+"""
+
+CRACKED = """
+title: A plate with a crack
+plane: strain
+bodies:
+  rock: {shape: {rectangle: {center: [0, 0], width: 31, height: 55}}, material: {young: 1e4, poisson: 0.25}}
+cracks:
+  flaw: {path: {center: [0, 0], length: 10, angle: 0}, contact: {friction: 0.2, cohesion: 0}}
+supports:
+  - {at: [-15.5, -27.5], displacement: {y: 0}}
+  - {at: [15.5, -27.5], displacement: {y: 0}}
+  - {at: [0, -27.5], displacement: {x: 0}}
+loads: []
+numerics: {spacing: 1.5}
+"""
+
+
+def solve(folder: Path, text: str, *settings: str) -> tuple[Scene, StepSolution]:
+    path = folder / "scene.yaml"
+    path.write_text(text, encoding="utf-8")
+    case = load_case(path, settings)
+    scene = make_scene(case)
+    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    return scene, solve_step(scene, cracks, case.load_factors[-1])
+
+
+def displacement(scene: Scene, solution: StepSolution, metres: np.ndarray, body: int = 0) -> np.ndarray:
+    points = scene.lattice.to_lattice(metres)
+    elements = locate(scene.lattice, solution.cover.elements, points, body)
+    assert elements.min() >= 0
+    return displacement_at(solution.cover, solution.outcome.u, points, elements)
+
+
+def stress(scene: Scene, solution: StepSolution, metres: np.ndarray, body: int = 0) -> np.ndarray:
+    points = scene.lattice.to_lattice(metres)
+    elements = locate(scene.lattice, solution.cover.elements, points, body)
+    return stress_at(solution.cover, solution.materials, solution.outcome.u, points, elements)
+
+
+def places(low: tuple[float, float], high: tuple[float, float], n: int = 300) -> np.ndarray:
+    return np.random.default_rng(70).uniform(low, high, (n, 2))
+
+
+@pytest.mark.parametrize("support", [1.5, 2.0])
+def test_patch_test_through_a_stuck_interface(tmp_path: Path, support: float) -> None:
+    scene, solution = solve(tmp_path, STACK, f"numerics.support={support}")
+    e_yy, e_xx = -1e6 * (1 - 0.3**2) / 1e10, 1e6 * 0.3 * 1.3 / 1e10
+    largest = 1.1 * abs(e_yy)
+    for body, (low, high) in enumerate((((0, 0.5), (1, 1.1)), ((0, 0), (1, 0.5)))):
+        metres = places(low, high)
+        exact = metres * (e_xx, e_yy)
+        assert np.abs(displacement(scene, solution, metres, body) - exact).max() < PATCH_TEST * largest
+    assert set(solution.outcome.state.tolist()) == {STICK}
+    np.testing.assert_allclose(solution.outcome.normal_traction, -1e6, rtol=1e-4)
+
+
+@pytest.mark.parametrize("contact", ["{friction: 0.5, cohesion: 0}", "bonded"])
+@pytest.mark.parametrize("ratio", [1e-6, 1.0, 1e3, 1e6])
+def test_two_materials_in_series(tmp_path: Path, contact: str, ratio: float) -> None:
+    """Without lateral strain both blocks carry the same stress: each shortens by its own stiffness."""
+    settings = (
+        f"interfaces.0.contact={contact}",
+        f"bodies.lower.material={{young: {1e10 * ratio}, poisson: 0}}",
+        "bodies.upper.material={young: 1e10, poisson: 0}",
+    )
+    scene, solution = solve(tmp_path, STACK, *settings)
+    below = 0.5e6 / (1e10 * ratio)
+    at_top, at_interface = (displacement(scene, solution, np.array([[0.3, y]]), 0)[0, 1] for y in (1.1, 0.5))
+    assert at_interface == pytest.approx(-below, rel=2e-5)
+    assert at_top - at_interface == pytest.approx(-0.6e6 / 1e10, rel=max(2e-5, 1e-9 / ratio))
+
+
+def test_a_bond_carries_tension_where_contact_lets_go(tmp_path: Path) -> None:
+    pull = "loads.0.traction=[0, 1e6]"
+    scene, solution = solve(tmp_path, STACK, "interfaces.0.contact=bonded", pull)
+    e_yy, e_xx = 1e6 * (1 - 0.3**2) / 1e10, -1e6 * 0.3 * 1.3 / 1e10
+    metres = places((0, 0.5), (1, 1.1))
+    error = np.abs(displacement(scene, solution, metres) - metres * (e_xx, e_yy)).max()
+    assert error < PATCH_TEST * 1.1 * e_yy
+    assert solution.outcome.n_unknowns == 0  # a bond is no contact
+    with pytest.raises(SolveError, match=r"piece of rock round \(0\.5, 0\.8.*contact does not hold it"):
+        solve(tmp_path, STACK, pull)
+
+
+def test_a_block_that_contact_alone_holds(tmp_path: Path) -> None:
+    scene, solution = solve(tmp_path, BLOCK, "bodies.block.material.poisson=0")
+    metres = places((-2, 0), (2, 2))
+    exact = metres * (0.0, -0.1)
+    assert np.abs(displacement(scene, solution, metres) - exact).max() < 1e-4 * 0.2
+    np.testing.assert_allclose(solution.outcome.normal_traction, -100.0, rtol=1e-4)
+
+
+def test_reactions_balance_the_loads(tmp_path: Path) -> None:
+    push = "loads=[{on: {body: block, edge: top}, traction: [20, -100]}]"
+    scene, solution = solve(tmp_path, BLOCK, push)
+    (foundation,) = reactions(scene, solution)
+    assert foundation.where == "block.bottom"
+    np.testing.assert_allclose(foundation.force, [-80.0, 400.0], rtol=1e-8)
+    np.testing.assert_allclose(total_load(solution), [80.0, -400.0], rtol=1e-8)
+    assert solution.residual < 1e-9
+
+
+@pytest.mark.parametrize("push", [45.0, 49.0, 51.0, 60.0])
+def test_a_block_slides_off_beyond_its_friction(tmp_path: Path, push: float) -> None:
+    """Coulomb for the whole: 0.5 times 400 N/m hold 200 N/m, however tractions are spread. Low, so it can't tip."""
+    settings = (
+        "bodies.block.shape.rectangle={center: [0, 0.5], width: 4, height: 1}",
+        f"loads=[{{on: {{body: block, edge: top}}, traction: [{push}, -100]}}]",
+        "numerics.spacing=0.2",
+    )
+    if push > 50.0:
+        with pytest.raises(SolveError, match="contact does not hold it"):
+            solve(tmp_path, BLOCK, *settings)
+        return
+    scene, solution = solve(tmp_path, BLOCK, *settings)
+    np.testing.assert_allclose(reactions(scene, solution)[0].force, [-4 * push, 400.0], rtol=1e-8)
+
+
+def test_a_frictionless_block_slides_at_any_push(tmp_path: Path) -> None:
+    smooth = "supports.0.contact={friction: 0, cohesion: 0}"
+    _, solution = solve(tmp_path, BLOCK, smooth)
+    assert set(solution.outcome.state.tolist()) == {SLIP}
+    assert solution.outcome.n_unknowns == solution.faces.n  # normal only
+    with pytest.raises(SolveError, match="contact does not hold it"):
+        solve(tmp_path, BLOCK, smooth, "loads.0.traction=[1, -100]")
+
+
+@pytest.mark.parametrize("spacing", [0.3, 0.15])
+def test_weight_of_a_column(tmp_path: Path, spacing: float) -> None:
+    """Without lateral strain sigma_yy = -rho g (H - y); the reaction is the weight, holes left out."""
+    settings = (
+        "bodies.block.material={young: 1000, poisson: 0, density: 7}",
+        "loads=[{body: block, gravity: [0, -10]}]",
+        f"numerics.spacing={spacing}",
+    )
+    scene, solution = solve(tmp_path, BLOCK, *settings)
+    metres = places((-1.9, 0.1), (1.9, 1.9))
+    y = metres[:, 1]
+    exact = 70.0 / 1000.0 * (0.5 * y**2 - 2.0 * y)
+    found = displacement(scene, solution, metres)
+    assert np.abs(found[:, 1] - exact).max() < 2e-3 * 0.14
+    assert np.abs(found[:, 0]).max() < 2e-3 * 0.14
+    np.testing.assert_allclose(reactions(scene, solution)[0].force, [0.0, 8 * 70.0], rtol=1e-6, atol=1e-6)
+    holes = "bodies.block.shape.holes=[{rectangle: {center: [0.4, 1.1], width: 0.7, height: 0.5}}]"
+    scene, solution = solve(tmp_path, BLOCK, *settings, holes)
+    np.testing.assert_allclose(reactions(scene, solution)[0].force, [0.0, 7.65 * 70.0], rtol=1e-6, atol=1e-6)
+
+
+def test_in_situ_stress_that_tractions_balance_displaces_nothing(tmp_path: Path) -> None:
+    """The plate as it was found, stressed and uncut, its crack stuck: nothing moves, all stress is what it was."""
+    loads = (
+        "loads=[{body: rock, stress: [-20, -50, 3]},"
+        " {on: {body: rock, edge: top}, traction: [3, -50]}, {on: {body: rock, edge: bottom}, traction: [-3, 50]},"
+        " {on: {body: rock, edge: right}, traction: [-20, 3]}, {on: {body: rock, edge: left}, traction: [20, -3]}]"
+    )
+    units = "units={length: mm, stress: MPa}"
+    scene, solution = solve(tmp_path, CRACKED, units, loads, "cracks.flaw.contact.friction=1")
+    elastic = 50e6 / 1e10 * 55e-3
+    metres = places((-15e-3, -27e-3), (15e-3, 27e-3))
+    assert np.abs(displacement(scene, solution, metres)).max() < 1e-9 * elastic
+    np.testing.assert_allclose(
+        stress(scene, solution, metres), np.broadcast_to([-20e6, -50e6, 3e6], (300, 3)), atol=1e-3
+    )
+    np.testing.assert_allclose(solution.outcome.normal_traction, -50e6, rtol=1e-8)
+    np.testing.assert_allclose(solution.outcome.tangential_traction, 3e6, rtol=1e-8)
+
+
+def test_in_situ_stress_loads_a_crack_as_tractions_do(tmp_path: Path) -> None:
+    """Superposition: the plate under tractions alone differs by a uniform field, which no crack tip feels."""
+    units = "units={length: mm, stress: MPa}"
+    edges = "{on: {body: rock, edge: top}, traction: [0, -100]}, {on: {body: rock, edge: bottom}, traction: [0, 100]}"
+    angle = "cracks.flaw.path.angle=30"
+    _, pushed = solve(tmp_path, CRACKED, units, angle, f"loads=[{edges}]")
+    _, found = solve(tmp_path, CRACKED, units, angle, f"loads=[{{body: rock, stress: [0, -100, 0]}}, {edges}]")
+    for one, two in zip(pushed.tips, found.tips, strict=True):
+        assert two.K[1] == pytest.approx(one.K[1], rel=1e-4)
+    np.testing.assert_allclose(found.outcome.normal_traction, pushed.outcome.normal_traction, rtol=1e-4)
+    np.testing.assert_allclose(found.outcome.slip, pushed.outcome.slip, rtol=1e-4)
+
+
+def test_fluid_pressure_opens_a_crack_as_tension_does(tmp_path: Path) -> None:
+    """Superposition again (Sneddon): pressure on the faces, or as much tension across them."""
+    units = "units={length: mm, stress: MPa}"
+    edges = "{on: {body: rock, edge: top}, traction: [0, 2]}, {on: {body: rock, edge: bottom}, traction: [0, -2]}"
+    _, pulled = solve(tmp_path, CRACKED, units, f"loads=[{edges}]")
+    _, blown = solve(tmp_path, CRACKED, units, "loads=[{crack: flaw, pressure: 2}]")
+    for one, two in zip(pulled.tips, blown.tips, strict=True):
+        assert two.K[0] == pytest.approx(one.K[0], rel=1e-4)
+        assert abs(two.K[1]) < 1e-4 * one.K[0]
+    np.testing.assert_allclose(total_load(blown), 0.0, atol=1e-9)
+    # effective stress: a closed crack under 5 MPa and a fluid of 2 MPa carries 3 MPa in contact
+    pressed = (
+        "loads=[{crack: flaw, pressure: 2}, {on: {body: rock, edge: top}, traction: [0, -5]},"
+        " {on: {body: rock, edge: bottom}, traction: [0, 5]}]"
+    )
+    _, closed = solve(tmp_path, CRACKED, units, pressed)
+    np.testing.assert_allclose(closed.outcome.normal_traction, -3e6, rtol=1e-4)
+    assert max(abs(K) for tip in closed.tips for K in tip.K) < 1e-3 * blown.tips[0].K[0]
+
+
+DISK = """
+title: A disk under pressure
+plane: stress
+bodies:
+  disk: {shape: {disk: {center: [1, 2], radius: 3}}, material: {young: 1000, poisson: 0.25}}
+supports:
+  - {at: [1, 2], displacement: {x: 0, y: 0}}
+  - {at: [2, 2], displacement: {y: 0}}
+loads: []
+numerics: {spacing: 0.5}
+"""
+
+
+def test_a_disk_under_uniform_pressure(tmp_path: Path) -> None:
+    """The polygon of 360 sides with -p n on every side has the stress -p everywhere: patch test on a disk."""
+    degrees = np.deg2rad(np.arange(360) + 0.5)
+    sides = ", ".join(
+        f"{{on: {{body: disk, edge: arc, from: {k}, to: {k + 1}}},"
+        f" traction: [{-float(np.cos(a))!r}, {-float(np.sin(a))!r}]}}"
+        for k, a in enumerate(degrees)
+    )
+    scene, solution = solve(tmp_path, DISK, f"loads=[{sides}]")
+    np.testing.assert_allclose(total_load(solution), 0.0, atol=1e-9)
+    metres = places((-0.9, 0.1), (2.9, 3.9))
+    exact = -(1 - 0.25) / 1000.0 * (metres - (1.0, 2.0))
+    assert np.abs(displacement(scene, solution, metres) - exact).max() < 1e-4 * 2.25e-3
+
+
+def test_traction_on_an_arc_has_its_resultant(tmp_path: Path) -> None:
+    on_arc = "loads=[{on: {body: disk, edge: arc, from: -10.5, to: 20.25}, traction: [2, -1]}]"
+    scene, solution = solve(tmp_path, DISK, on_arc)
+    chord = 2.0 * 3.0 * np.sin(np.deg2rad(0.5))
+    part = np.tan(np.deg2rad(0.5)) - np.tan(np.deg2rad(0.25))  # of a side beyond its middle, seen from the centre
+    cut = 3.0 * np.cos(np.deg2rad(0.5)) * part  # 20.25 lies a quarter degree before its side's middle
+    length = 30 * chord + 0.5 * chord + (0.5 * chord - 3.0 * np.cos(np.deg2rad(0.5)) * np.tan(np.deg2rad(0.25)))
+    assert cut > 0.0
+    np.testing.assert_allclose(total_load(solution), [2.0 * length, -length], rtol=1e-7)
+    forces = {item.where: np.array(item.force) for item in reactions(scene, solution)}
+    np.testing.assert_allclose(sum(forces.values()), [-2.0 * length, length], rtol=1e-8)
+
+
+SLANTED = """
+title: Two blocks with a slanted joint
+plane: strain
+bodies:
+  up: {{shape: {{polygon: [[0, {left}], [1, {right}], [1, 2], [0, 2]]}}, material: {{young: 1e10, poisson: 0.3}}}}
+  lo: {{shape: {{polygon: [[0, 0], [1, 0], [1, {right}], [0, {left}]]}}, material: {{young: 1e10, poisson: 0.3}}}}
+interfaces: [{{between: [up, lo], contact: {contact}}}]
+supports:
+  - {{on: {{body: lo, edge: "0"}}, displacement: {{y: 0}}}}
+  - {{at: [0, 0], displacement: {{x: 0}}}}
+loads:
+  - {{on: {{body: up, edge: "2"}}, traction: [0, -1e6]}}
+numerics: {{spacing: 0.17, support: {support}}}
+"""
+
+INCLUSION = """
+title: A plate with a core of the same rock
+plane: strain
+bodies:
+  rock:
+    shape: {{rectangle: {{center: [0, 0], width: 4, height: 4}}, holes: [{shape}]}}
+    material: {{young: 1e10, poisson: 0.3}}
+  core: {{shape: {shape}, material: {{young: 1e10, poisson: 0.3}}}}
+interfaces: [{{between: [rock, core], contact: {contact}}}]
+supports:
+  - {{on: {{body: rock, edge: bottom}}, displacement: {{y: 0}}}}
+  - {{at: [-2, -2], displacement: {{x: 0}}}}
+loads:
+  - {{on: {{body: rock, edge: top}}, traction: [0, -1e6]}}
+  - {{on: {{body: rock, edge: left}}, traction: [1e6, 0]}}
+  - {{on: {{body: rock, edge: right}}, traction: [-1e6, 0]}}
+numerics: {{spacing: 0.2, support: {support}}}
+"""
+
+CONTACTS = ("bonded", "{friction: 2, cohesion: 0}")
+
+
+@pytest.mark.parametrize(("support", "tolerance"), [(1.5, PATCH_TEST), (2.0, 1e-9)])
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize("seed", range(4))
+def test_patch_test_through_slanted_joints(
+    tmp_path: Path, seed: int, contact: str, support: float, tolerance: float
+) -> None:
+    left, right = np.random.default_rng(seed).uniform(0.6, 1.4, 2).tolist()
+    scene, solution = solve(tmp_path, SLANTED.format(left=left, right=right, contact=contact, support=support))
+    e_yy, e_xx = -1e6 * (1 - 0.3**2) / 1e10, 1e6 * 0.3 * 1.3 / 1e10
+    metres = places((0, 0), (1, 2))
+    above = metres[:, 1] > left + (right - left) * metres[:, 0]
+    for body, mine in enumerate((metres[above], metres[~above])):
+        error = np.abs(displacement(scene, solution, mine, body) - mine * (e_xx, e_yy)).max()
+        assert error < tolerance * 2.0 * abs(e_yy)
+
+
+@pytest.mark.parametrize(("support", "tolerance"), [(1.5, 2.0 * PATCH_TEST), (2.0, 1e-9)])  # measured 1.3e-5, 6e-11
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize(
+    "shape",
+    [
+        "{disk: {center: [0.25, -0.53], radius: 0.83}}",
+        "{polygon: [[-0.9, -0.4], [0.3, -0.6], [1.1, 0.2], [0, 0.7]]}",
+        "{rectangle: {center: [0.1, 0.2], width: 1.1, height: 0.8}}",
+    ],
+    ids=["disk", "polygon", "rectangle"],
+)
+def test_patch_test_through_inclusions(
+    tmp_path: Path, shape: str, contact: str, support: float, tolerance: float
+) -> None:
+    """The core is held by the rock round it alone, on an interface that closes on itself."""
+    scene, solution = solve(tmp_path, INCLUSION.format(shape=shape, contact=contact, support=support))
+    strain = -1e6 * (1 - 0.3**2 - 0.3 * 1.3) / 1e10
+    metres = places((-1.9, -1.9), (1.9, 1.9))
+    points = scene.lattice.to_lattice(metres)
+    elements = locate(scene.lattice, solution.cover.elements, points)
+    found = displacement_at(solution.cover, solution.outcome.u, points, elements)
+    assert np.abs(found - (metres + 2.0) * strain).max() < tolerance * 4.0 * abs(strain)
+    assert (solution.outcome.state == STICK).all()
