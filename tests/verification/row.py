@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -50,12 +51,12 @@ class Outcome:
     @property
     def failed(self) -> bool:
         """Whether the table fails because of this row."""
-        return not self.within and not self.known
+        return not self.within and (not self.known or math.isnan(self.error))
 
     @property
     def verdict(self) -> str:
         """What the table says under `pass`."""
-        return "yes" if self.within else "missed, known" if self.known else "NO"
+        return "NO" if self.failed else "yes" if self.within else "missed, known"
 
 
 def evaluate(row: Row) -> Outcome:

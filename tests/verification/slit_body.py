@@ -98,11 +98,18 @@ def plate(a: float, angle_deg: float, width: float, height: float, stress_yy: fl
     """A rectangular plate with an open crack of half length a at an angle to x, pulled by uniform tractions in y."""
     t = (np.cos(np.pi * (np.arange(200) + 0.5) / 200) + 0.0) * 0.5  # Chebyshev points: dense at the corners
     w, h = 0.5 * width, 0.5 * height
-    sides = [(w + 1j * height * t, 1.0), (-w + 1j * height * t, -1.0), (width * t + 1j * h, 1j), (width * t - 1j * h, -1j)]
+    sides = [
+        (w + 1j * height * t, 1.0),
+        (-w + 1j * height * t, -1.0),
+        (width * t + 1j * h, 1j),
+        (width * t - 1j * h, -1j),
+    ]
     places = np.concatenate([side for side, _ in sides])
     normals = np.concatenate([np.full(len(t), normal, dtype=complex) for _, normal in sides])
     turn = np.exp(-1j * np.deg2rad(angle_deg))
-    return solve_slit(a, places * turn, normals * turn, 1j * stress_yy * normals.imag * turn, np.zeros(1, dtype=complex))
+    return solve_slit(
+        a, places * turn, normals * turn, 1j * stress_yy * normals.imag * turn, np.zeros(1, dtype=complex)
+    )
 
 
 def disk(a: float, angle_deg: float, radius: float, half_arc_deg: float, pressure: float) -> SlitSolution:

@@ -1,6 +1,6 @@
 """The verification table: every row computed, printed, written and judged. Exit code 1 if a row fails.
 
-    python -m tests.verification.verify [--out DIR] [--only SUBJECT ...] [--jobs N] [--no-pictures]
+python -m tests.verification.verify [--out DIR] [--only SUBJECT ...] [--jobs N] [--no-pictures]
 """
 
 from __future__ import annotations
@@ -65,9 +65,8 @@ def report(outcomes: Sequence[Outcome], folder: Path) -> int:
     (folder / "table.csv").write_text(comma_separated(outcomes), encoding="utf-8")
     print(table)
     for outcome in outcomes:
-        if not outcome.within:
-            reason = outcome.failure or outcome.known or f"source: {outcome.source}"
-            print(f"{outcome.verdict}: {outcome.case}, {outcome.quantity}: {reason}")
+        if outcome.failed:
+            print(f"NO: {outcome.case}, {outcome.quantity}: {outcome.failure or f'source: {outcome.source}'}")
     return FAILED if any(outcome.failed for outcome in outcomes) else 0
 
 
@@ -77,7 +76,7 @@ def markdown(outcomes: Iterable[Outcome]) -> str:
     notes: dict[str, int] = {}
     for outcome in outcomes:
         verdict = outcome.verdict
-        if not outcome.within and outcome.known:
+        if not outcome.within and not outcome.failed:
             verdict = f"missed ({notes.setdefault(outcome.known, len(notes) + 1)})"
         lines.append("| " + " | ".join([*_cells(outcome), verdict]) + " |")
     lines += ["", *(f"({number}) {note}." for note, number in notes.items())]

@@ -54,7 +54,9 @@ def foundation_against_rigid(spacing: float, support: float) -> float:
     other, *rigid = pressure_and_shear(at("block_rigid", spacing, support))
     inside = np.abs(x) <= AWAY
     differences = [np.interp(x, other, r) - e for r, e in zip(rigid, elastic, strict=True)]
-    return max(float(np.abs(d[inside]).max() / np.abs(e[inside]).max()) for d, e in zip(differences, elastic, strict=True))
+    return max(
+        float(np.abs(d[inside]).max() / np.abs(e[inside]).max()) for d, e in zip(differences, elastic, strict=True)
+    )
 
 
 def reaction(case: str, axis: int, *settings: str) -> float:
@@ -71,31 +73,54 @@ def state_at_right_corner(spacing: float, support: float) -> float:
 def _curves(spacing: float, support: float, words: str):
     for what, name in enumerate(("pressure", "shear")):
         yield Row(
-            "block_rigid", f"{name}, abs(x) <= 1.6 m, spacing {spacing} m, support {support}: {words}", 0.0,
-            "independent code", CODE, 2e-2, partial(largest_difference, "block_rigid", what, spacing, support), "at most",
-        )  # fmt: skip
+            "block_rigid",
+            f"{name}, abs(x) <= 1.6 m, spacing {spacing} m, support {support}: {words}",
+            0.0,
+            "independent code",
+            CODE,
+            2e-2,
+            partial(largest_difference, "block_rigid", what, spacing, support),
+            "at most",
+        )
 
 
 def _at_the_papers_spacing(support: float):
     for what, name in enumerate(("pressure", "shear")):
         yield Row(
-            "block_rigid", f"{name}, abs(x) <= 1.6 m, at the paper's spacing 0.2 m, support {support}: L2 difference", 0.0,
-            "independent code", CODE, (3e-2, 6e-2)[what],
-            partial(mean_square_difference, "block_rigid", what, 0.2, support), "at most",
-        )  # fmt: skip
+            "block_rigid",
+            f"{name}, abs(x) <= 1.6 m, at the paper's spacing 0.2 m, support {support}: L2 difference",
+            0.0,
+            "independent code",
+            CODE,
+            (3e-2, 6e-2)[what],
+            partial(mean_square_difference, "block_rigid", what, 0.2, support),
+            "at most",
+        )
         yield Row(
-            "block_rigid", f"{name}, abs(x) <= 1.6 m, at the paper's spacing 0.2 m, support {support}: largest difference, "
+            "block_rigid",
+            f"{name}, abs(x) <= 1.6 m, at the paper's spacing 0.2 m, support {support}: largest difference, "
             "at the outermost nodes, two spacings from the singular corners",
-            0.0, "independent code", CODE, 0.15, partial(largest_difference, "block_rigid", what, 0.2, support), "at most",
-        )  # fmt: skip
+            0.0,
+            "independent code",
+            CODE,
+            0.15,
+            partial(largest_difference, "block_rigid", what, 0.2, support),
+            "at most",
+        )
 
 
 ROWS = [
     *(row for support in (1.5, 2.0) for row in _curves(0.05, support, "largest difference")),
     *(row for support in (1.5, 2.0) for row in _at_the_papers_spacing(support)),
     Row(
-        "block_foundation", "largest difference of pressure and shear from block_rigid, abs(x) <= 1.6 m", 0.0, "itself",
-        "the limit of a stiff foundation", 5e-3, partial(foundation_against_rigid, 0.1, 2.0), "at most",
+        "block_foundation",
+        "largest difference of pressure and shear from block_rigid, abs(x) <= 1.6 m",
+        0.0,
+        "itself",
+        "the limit of a stiff foundation",
+        5e-3,
+        partial(foundation_against_rigid, 0.1, 2.0),
+        "at most",
     ),
     *(
         Row(case, f"{name} reaction [N/m]", load, "exact", "equilibrium", 1e-8, partial(reaction, case, axis))
@@ -103,11 +128,22 @@ ROWS = [
         for axis, name, load in ((1, "vertical", -720.0), (0, "horizontal", 120.0))
     ),
     Row(
-        "block_rigid", "horizontal reaction, pushed to the left [N/m]", -120.0, "exact", "equilibrium", 1e-8,
+        "block_rigid",
+        "horizontal reaction, pushed to the left [N/m]",
+        -120.0,
+        "exact",
+        "equilibrium",
+        1e-8,
         partial(reaction, "block_rigid", 0, LEFT),
     ),
     Row(
-        "block_rigid", f"pushed to the left, spacing 0.025 m: state at x = 2 m ({SLIP}: {STATE_NAMES[SLIP]})", SLIP,
-        "itself", "spacing 0.0125 m: the last two nodes slip", 0.0, partial(state_at_right_corner, 0.025, 2.0), "absolute",
+        "block_rigid",
+        f"pushed to the left, spacing 0.025 m: state at x = 2 m ({SLIP}: {STATE_NAMES[SLIP]})",
+        SLIP,
+        "itself",
+        "spacing 0.0125 m: the last two nodes slip",
+        0.0,
+        partial(state_at_right_corner, 0.025, 2.0),
+        "absolute",
     ),
-]  # fmt: skip
+]

@@ -12,7 +12,10 @@ from tests.verification.solutions import Solved, solved, table
 HALF_LENGTH = 5e-3  # m
 YOUNG = 1e10  # Pa
 CODE = "closed_crack_K.csv, good to {} %"
-UNRESOLVED = "K_I lives within E'/(2k) = {} mm of the tip, {} of a spacing: the contact tractions do not resolve it"
+UNRESOLVED = (
+    "K_I lives within E'/(2k) = {} mm of the tip, {} of the spacing, which has to resolve it: with mortar nodes it "
+    "hardly converges and the run warns, with gauss points and 1e14 it is off by 54, 34 and 10 % at 3, 1.5 and 0.75 mm"
+)
 
 
 def closed(friction: float, spacing: float, *settings: str) -> Solved:
@@ -50,7 +53,9 @@ def curve_difference(friction: float, spacing: float, what: str) -> float:
     s = np.linspace(-1.0, 1.0, 201) * (HALF_LENGTH - spacing * 1e-3)
     normal, shear = solution.tractions(s + HALF_LENGTH)
     found = {"pressure": -normal, "shear": np.abs(shear), "slip": np.abs(solution.jump(s + HALF_LENGTH)[1])}[what]
-    column, scale = {"pressure": ("normal_pressure_MPa", 1e6), "shear": ("shear_MPa", 1e6), "slip": ("slip_mm", 1e-3)}[what]
+    column, scale = {"pressure": ("normal_pressure_MPa", 1e6), "shear": ("shear_MPa", 1e6), "slip": ("slip_mm", 1e-3)}[
+        what
+    ]
     wanted = np.abs(np.interp(s, rows["s_mm"] * 1e-3, rows[column])) * scale
     return float(np.abs(found - wanted).max() / wanted.max())
 
@@ -61,51 +66,80 @@ def _rigid():
         for spacing, tolerance in ((1.5, 2e-3), (3.0, 5e-3)):
             words = f"friction {friction}, spacing {spacing} mm"
             yield Row(
-                "compression30", f"abs(K_II), {words} [MPa sqrt(m)]", K, "independent code", CODE.format(0.01), tolerance,
+                "compression30",
+                f"abs(K_II), {words} [MPa sqrt(m)]",
+                K,
+                "independent code",
+                CODE.format(0.01),
+                tolerance,
                 partial(worst_K, friction, spacing, 1),
             )
             yield Row(
-                "compression30", f"abs(K_I)/K_II, {words}", 0.0, "independent code", CODE.format(0.01), 5e-3,
-                partial(relative_K, friction, spacing, 0, K), "at most",
-            )  # fmt: skip
+                "compression30",
+                f"abs(K_I)/K_II, {words}",
+                0.0,
+                "independent code",
+                CODE.format(0.01),
+                5e-3,
+                partial(relative_K, friction, spacing, 0, K),
+                "at most",
+            )
     yield Row(
-        "compression30", "abs(K_II) over that without friction, friction 0.6, spacing 1.5 mm", 0.0, "exact",
-        "sticks: 0.6 > cot 60 degrees", 5e-3,
-        partial(relative_K, 0.6, 1.5, 1, float(reference(0.0, np.inf)["K_II_abs_MPa_sqrtm"])), "at most",
-    )  # fmt: skip
+        "compression30",
+        "abs(K_II) over that without friction, friction 0.6, spacing 1.5 mm",
+        0.0,
+        "exact",
+        "sticks: 0.6 > cot 60 degrees",
+        5e-3,
+        partial(relative_K, 0.6, 1.5, 1, float(reference(0.0, np.inf)["K_II_abs_MPa_sqrtm"])),
+        "at most",
+    )
 
 
 def _elastic():
     lengths = {1e11: (53, "35"), 1e13: (0.53, "a third"), 1e14: (0.053, "a 28th")}
-    # gauss with 1e14 is left out: 1.7 % at 1.5 mm is chance, it is 29 % at 3 mm and 25 % at 0.75 mm
-    for discretization, stiffnesses in (("mortar", (1e11, 1e13, 1e14)), ("gauss", (1e11, 1e13))):
+    for discretization, stiffnesses in (("mortar", (1e11, 1e13, 1e14)), ("gauss", (1e11, 1e13, 1e14))):
         for stiffness in stiffnesses:
             wanted = reference(0.0, stiffness)
             words = f"k = {stiffness:.0e} N/m^3, {discretization}, spacing 1.5 mm".replace("e+", "e")
-            known = UNRESOLVED.format(*lengths[stiffness])
-            missed = stiffness > 1e12
+            missed = stiffness > 1e13 or (stiffness > 1e12 and discretization == "mortar")
             yield Row(
-                "compression30", f"K_I, {words} [MPa sqrt(m)]", float(wanted["K_I_MPa_sqrtm"]), "independent code",
-                CODE.format(0.1), 3e-2, partial(elastic_K, stiffness, 1.5, 0, discretization),
-                known=known if missed else "",
-            )  # fmt: skip
+                "compression30",
+                f"K_I, {words} [MPa sqrt(m)]",
+                float(wanted["K_I_MPa_sqrtm"]),
+                "independent code",
+                CODE.format(0.1),
+                3e-2,
+                partial(elastic_K, stiffness, 1.5, 0, discretization),
+                known=UNRESOLVED.format(*lengths[stiffness]) if missed else "",
+            )
             yield Row(
-                "compression30", f"abs(K_II), {words} [MPa sqrt(m)]", float(wanted["K_II_abs_MPa_sqrtm"]),
-                "independent code", CODE.format(0.1), 2e-3, partial(elastic_K, stiffness, 1.5, 1, discretization),
-            )  # fmt: skip
+                "compression30",
+                f"abs(K_II), {words} [MPa sqrt(m)]",
+                float(wanted["K_II_abs_MPa_sqrtm"]),
+                "independent code",
+                CODE.format(0.1),
+                2e-3,
+                partial(elastic_K, stiffness, 1.5, 1, discretization),
+            )
 
 
 ROWS = [
     *_rigid(),
     *(
         Row(
-            "compression30", f"{what} along the crack, friction {friction}, spacing 0.75 mm: largest difference", 0.0,
-            "independent code", f"closed_crack_theta30_friction{friction:g}.csv, good to 0.1 %", tolerance,
-            partial(curve_difference, friction, 0.75, what), "at most",
+            "compression30",
+            f"{what} along the crack, friction {friction}, spacing 0.75 mm: largest difference",
+            0.0,
+            "independent code",
+            f"closed_crack_theta30_friction{friction:g}.csv, good to 0.1 %",
+            tolerance,
+            partial(curve_difference, friction, 0.75, what),
+            "at most",
         )
         for friction in (0.0, 0.3)
         for what, tolerance in (("pressure", 5e-3), ("shear", 5e-3), ("slip", 5e-3))
         if not (friction == 0.0 and what == "shear")
     ),
     *_elastic(),
-]  # fmt: skip
+]

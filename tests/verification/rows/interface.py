@@ -61,12 +61,35 @@ ROWS = [
     _row("0.1", "part of the contact nodes that slides", 1.0, 0.0, partial(sliding_share, "0.1"), "absolute"),
     _row("0.4", "normal force [MN/m]", 635.76, 5e-4, partial(force, "0.4", 1)),
     _row("0.4", "shear force [MN/m]", 214.29, 2e-3, partial(force, "0.4", 0)),
-    _row("0.4", "last node that sticks, a node's distance allowed [m]", 0.178, NODE, partial(stick_limit, "0.4"), "absolute"),
+    _row(
+        "0.4",
+        "last node that sticks, a node's distance allowed [m]",
+        0.178,
+        NODE,
+        partial(stick_limit, "0.4"),
+        "absolute",
+    ),
     *(
-        _row(mu, f"{what} along the interface, L2 difference", 0.0, tolerance, partial(curve_error, mu, what), "at most")
+        _row(
+            mu, f"{what} along the interface, L2 difference", 0.0, tolerance, partial(curve_error, mu, what), "at most"
+        )
         for mu in ("0.1", "0.4")
         for what, tolerance in (("pressure", 1e-2), ("shear", 2e-2))
     ),
-    _row("0.1", "rate of the pressure's L2 difference, spacing 0.1 to 0.025 m", 1.5, 0.0, partial(curve_rate, "0.1", "pressure"), "at least"),
-    _row("0.4", "rate of the shear's L2 difference, spacing 0.1 to 0.025 m", 1.0, 0.0, partial(curve_rate, "0.4", "shear"), "at least"),
-]  # fmt: skip
+    _row(
+        "0.1",
+        "rate of the pressure's L2 difference, spacing 0.1 to 0.025 m",
+        1.5,
+        0.0,
+        partial(curve_rate, "0.1", "pressure"),
+        "at least",
+    ),
+    _row(
+        "0.4",
+        "rate of the shear's L2 difference, spacing 0.1 to 0.025 m",
+        1.0,
+        0.0,
+        partial(curve_rate, "0.4", "shear"),
+        "at least",
+    ),
+]

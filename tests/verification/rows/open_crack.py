@@ -45,40 +45,115 @@ def disk_reference(angle_deg: float) -> tuple[float, float]:
 
 
 def _slant():
-    for settings, size, words in ((("numerics.spacing=1",), 100.0, "100 x 100 mm"), ((*WIDE_PLATE, "numerics.spacing=1.1"), 200.0, "200 x 200 mm")):
+    for settings, size, words in (
+        (("numerics.spacing=1",), 100.0, "100 x 100 mm"),
+        ((*WIDE_PLATE, "numerics.spacing=1.1"), 200.0, "200 x 200 mm"),
+    ):
         exact = plate(5.0, 45.0, size, size, 1.0)
         for mode, wanted in enumerate((exact.K_I, abs(exact.K_II))):
             name = f"K_{'I' * (mode + 1)}, {words} [MPa sqrt(mm)]"
-            yield Row("slant_tension", name, wanted, "exact", SERIES, 3e-3, partial(K, mode, "slant_tension", *settings))
+            yield Row(
+                "slant_tension", name, wanted, "exact", SERIES, 3e-3, partial(K, mode, "slant_tension", *settings)
+            )
             if size == 200.0:
                 yield Row(
-                    "slant_tension", f"K_{'I' * (mode + 1)}, half width 20 a [MPa sqrt(mm)]", 0.5 * np.sqrt(5.0 * np.pi),
-                    "exact", "infinite plate; by the series solution this size is 0.2 to 0.3 % above it", 5e-3,
+                    "slant_tension",
+                    f"K_{'I' * (mode + 1)}, half width 20 a [MPa sqrt(mm)]",
+                    0.5 * np.sqrt(5.0 * np.pi),
+                    "exact",
+                    "infinite plate; by the series solution this size is 0.2 to 0.3 % above it",
+                    5e-3,
                     partial(K, mode, "slant_tension", *settings),
                 )
 
 
 ROWS = [
-    Row("tension0", "K_I, a/h = 5 [MPa sqrt(mm)]", 4.24032, "independent code", CODE, 3e-3, partial(K, 0, "tension0", "numerics.spacing=1")),
-    Row("tension0", "K_I, a/h = 5 [MPa sqrt(mm)]", plate(5.0, 0.0, 31.0, 55.0, 1.0).K_I, "exact", SERIES, 3e-3, partial(K, 0, "tension0", "numerics.spacing=1")),
-    Row("edge_tension", "K_I, a/h = 5, 30 x 120 mm [MPa sqrt(mm)]", 5.9363, "independent code", CODE, 3e-3, partial(K, 0, "edge_tension")),
-    Row("edge_tension", "K_I, a/h = 5, 30 x 30 mm [MPa sqrt(mm)]", 6.45575, "independent code", CODE, 3e-3, partial(K, 0, "edge_tension", *SHORT_PLATE)),
-    *_slant(),
-    Row("brazilian_disk", "N_I, a/R = 0.5, along the load", disk_reference(90.0)[0], "exact", SERIES, 3e-3, partial(disk_number, 0)),
     Row(
-        "brazilian_disk", "N_I, a/R = 0.5, along the load", 1.387, "published",
-        "Atkinson, Smelser, Sanchez 1982, point loads; arcs of 4 degrees lower it by 0.36 %", 5e-3, partial(disk_number, 0),
+        "tension0",
+        "K_I, a/h = 5 [MPa sqrt(mm)]",
+        4.24032,
+        "independent code",
+        CODE,
+        3e-3,
+        partial(K, 0, "tension0", "numerics.spacing=1"),
+    ),
+    Row(
+        "tension0",
+        "K_I, a/h = 5 [MPa sqrt(mm)]",
+        plate(5.0, 0.0, 31.0, 55.0, 1.0).K_I,
+        "exact",
+        SERIES,
+        3e-3,
+        partial(K, 0, "tension0", "numerics.spacing=1"),
+    ),
+    Row(
+        "edge_tension",
+        "K_I, a/h = 5, 30 x 120 mm [MPa sqrt(mm)]",
+        5.9363,
+        "independent code",
+        CODE,
+        3e-3,
+        partial(K, 0, "edge_tension"),
+    ),
+    Row(
+        "edge_tension",
+        "K_I, a/h = 5, 30 x 30 mm [MPa sqrt(mm)]",
+        6.45575,
+        "independent code",
+        CODE,
+        3e-3,
+        partial(K, 0, "edge_tension", *SHORT_PLATE),
+    ),
+    *_slant(),
+    Row(
+        "brazilian_disk",
+        "N_I, a/R = 0.5, along the load",
+        disk_reference(90.0)[0],
+        "exact",
+        SERIES,
+        3e-3,
+        partial(disk_number, 0),
+    ),
+    Row(
+        "brazilian_disk",
+        "N_I, a/R = 0.5, along the load",
+        1.387,
+        "published",
+        "Atkinson, Smelser, Sanchez 1982, point loads; arcs of 4 degrees lower it by 0.36 %",
+        5e-3,
+        partial(disk_number, 0),
     ),
     *(
         Row(
-            "brazilian_disk", f"N_{'I' * (mode + 1)}, a/R = 0.5, 15 degrees from the load", disk_reference(75.0)[mode],
-            "exact", SERIES, tolerance, partial(disk_number, mode, "cracks.flaw.path.angle=75"),
+            "brazilian_disk",
+            f"N_{'I' * (mode + 1)}, a/R = 0.5, 15 degrees from the load",
+            disk_reference(75.0)[mode],
+            "exact",
+            SERIES,
+            tolerance,
+            partial(disk_number, mode, "cracks.flaw.path.angle=75"),
         )
         for mode, tolerance in enumerate((5e-3, 3e-3))
     ),
-    Row("series solution", "N_I, a/R = 0.5, point loads", 1.387, "published", "Atkinson, Smelser, Sanchez 1982", 5e-4, lambda: point_load_number(0.5)),
-    Row("series solution", "N_I, a/R = 0.01, point loads", 1.0, "exact", "tension P/(pi R) in the middle of an intact disk", 5e-4, lambda: point_load_number(0.01)),
-]  # fmt: skip
+    Row(
+        "series solution",
+        "N_I, a/R = 0.5, point loads",
+        1.387,
+        "published",
+        "Atkinson, Smelser, Sanchez 1982",
+        5e-4,
+        lambda: point_load_number(0.5),
+    ),
+    Row(
+        "series solution",
+        "N_I, a/R = 0.01, point loads",
+        1.0,
+        "exact",
+        "tension P/(pi R) in the middle of an intact disk",
+        5e-4,
+        lambda: point_load_number(0.01),
+    ),
+]
 
 
 def point_load_number(a: float) -> float:

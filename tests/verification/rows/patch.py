@@ -14,18 +14,16 @@ HEAD = "title: patch test\nunits: {length: mm, stress: MPa}\nplane: strain\n"
 ROCK = "material: {young: 10000, poisson: 0.25}"
 COMPLIANCE = np.array([[0.9375, -0.3125], [-0.3125, 0.9375]]) / 1e10  # 1/Pa, plane strain: xx, yy
 
-CUT = HEAD + f"""
+HELD = '  - {{on: {{body: rock, edge: "{}"}}, displacement: {{x: "0.001*x+0.002*y+0.01", y: "-0.003*x+0.004*y"}}}}'
+CUT = f"""{HEAD}
 bodies:
   rock:
     shape: {{polygon: [[0, 0], [17.3, 1.1], [21.7, 13.9], [9.1, 19.3], [-3.7, 11.9]]}}
     {ROCK}
 supports:
-""" + "".join(
-    f'  - {{on: {{body: rock, edge: "{edge}"}}, displacement: {{x: "0.001*x+0.002*y+0.01", y: "-0.003*x+0.004*y"}}}}\n'
-    for edge in range(5)
-)  # fmt: skip
+""" + "\n".join(HELD.format(edge) for edge in range(5))
 
-ALONG = HEAD + f"""
+ALONG = f"""{HEAD}
 bodies:
   rock:
     shape: {{rectangle: {{center: [0, 0], width: 31, height: 19}}}}
@@ -40,7 +38,7 @@ loads:
   - {{on: {{body: rock, edge: left}}, traction: [-100, 0]}}
 """
 
-INTERFACE = HEAD + f"""
+INTERFACE = f"""{HEAD}
 bodies:
   upper:
     shape: {{polygon: [[0, 10], [30, 14], [30, 25], [0, 25]]}}
@@ -102,13 +100,19 @@ ROWS = [
     _row("five-sided body", "linear field through cut tiles, support 2.0", partial(cut, 2.0)),
     _row("five-sided body", "linear field through cut tiles, support 1.5, 6 Gauss points", partial(cut, 1.5, 6)),
     _row(
-        "five-sided body", "linear field through cut tiles, support 1.5", partial(cut, 1.5),
+        "five-sided body",
+        "linear field through cut tiles, support 1.5",
+        partial(cut, 1.5),
         "at support 1.5 the MLS functions are rational: 4 x 4 Gauss points leave a little more than the bar",
     ),
     *(_row("plate with an open crack", f"tension along the crack, support {s}", partial(along, s)) for s in (1.5, 2.0)),
     _row("compression30", "compression through the stuck crack, friction 0.6", stuck_crack),
     *(
-        _row("two bodies", f"compression through a slanting interface that sticks, support {s}", partial(stuck_interface, s))
+        _row(
+            "two bodies",
+            f"compression through a slanting interface that sticks, support {s}",
+            partial(stuck_interface, s),
+        )
         for s in (1.5, 2.0)
     ),
-]  # fmt: skip
+]

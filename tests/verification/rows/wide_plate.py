@@ -51,13 +51,24 @@ def _rows():
         words = f"friction {friction}, cohesion {cohesion} MPa"
         K = driving(friction, cohesion) * np.sqrt(np.pi * HALF_LENGTH) / 1e6
         yield Row(
-            "compression30, half width 20 a", f"abs(K_II), {words} [MPa sqrt(m)]", K, "exact", FORMULA, 3e-3,
+            "compression30, half width 20 a",
+            f"abs(K_II), {words} [MPa sqrt(m)]",
+            K,
+            "exact",
+            FORMULA,
+            3e-3,
             partial(K_II, friction, cohesion),
         )
         yield Row(
-            "compression30, half width 20 a", f"slip, {words}: largest difference", 0.0, "exact", FORMULA, 1e-2,
-            partial(slip_difference, friction, cohesion), "at most",
-        )  # fmt: skip
+            "compression30, half width 20 a",
+            f"slip, {words}: largest difference",
+            0.0,
+            "exact",
+            FORMULA,
+            1e-2,
+            partial(slip_difference, friction, cohesion),
+            "at most",
+        )
 
 
 ROWS = list(_rows())
