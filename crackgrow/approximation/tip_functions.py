@@ -19,9 +19,7 @@ def tip_functions(tip: Tip, r: Floats, t: Floats) -> tuple[Floats, Floats]:
     At r = 0 the gradients are infinite; zero is returned there.
     """
     root = np.sqrt(r)
-    arguments = np.stack([0.5 * t, 1.5 * t], axis=1)
-    cosines, sines = np.cos(arguments), np.sin(arguments)
-    angular = np.stack([cosines[:, 0], sines[:, 0], cosines[:, 1], sines[:, 1]], axis=1)
+    cosines, sines, angular = _angular(t)
     slope = np.stack([-0.5 * sines[:, 0], 0.5 * cosines[:, 0], -1.5 * sines[:, 1], 1.5 * cosines[:, 1]], axis=1)
     value = root[:, None] * angular
     over_root = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)[:, None]
@@ -36,3 +34,16 @@ def tip_functions(tip: Tip, r: Floats, t: Floats) -> tuple[Floats, Floats]:
     c, s = np.cos(t)[:, None], np.sin(t)[:, None]
     local = np.stack([c * by_r - s * by_t, s * by_r + c * by_t], axis=2)
     return value, local @ tip.rotation
+
+
+def tip_values(tip: Tip, r: Floats, t: Floats) -> Floats:
+    """The values (n, 4) of `tip_functions` alone."""
+    fade = np.maximum(1.0 - (r / tip.fade) ** 2, 0.0) ** 2
+    return np.asarray((np.sqrt(r) * fade)[:, None] * _angular(t)[2])
+
+
+def _angular(t: Floats) -> tuple[Floats, Floats, Floats]:
+    """Cosines and sines (n, 2) of t/2 and 3t/2, and both (n, 4) in the order of the functions."""
+    arguments = np.stack([0.5 * t, 1.5 * t], axis=1)
+    cosines, sines = np.cos(arguments), np.sin(arguments)
+    return cosines, sines, np.stack([cosines[:, 0], sines[:, 0], cosines[:, 1], sines[:, 1]], axis=1)

@@ -28,7 +28,7 @@ STRETCH_KINK = np.deg2rad(20.0)
 TIE = 1e-6
 """A stretch that lacks this part of one more pair of pieces gets it all the same: rounding never decides."""
 
-POINTS_PER_EDGE = 5
+POINTS_PER_EDGE = 8
 """Gauss points between two neighbouring mortar nodes, lattice crossings or kinks."""
 
 GAUSS_PARTS, GAUSS_POINTS = 10, 5

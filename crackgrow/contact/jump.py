@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array, hstack
 
-from crackgrow.approximation.basis import basis_at, value_matrix
+from crackgrow.approximation.basis import value_matrix, values_at
 from crackgrow.contact.faces import ContactFaces, FacePoints
 from crackgrow.cover.cover import Cover
 
@@ -15,9 +15,9 @@ Floats = NDArray[np.float64]
 
 def jump_matrix(cover: Cover, points: FacePoints) -> csr_array:
     """Scalar jump (n, n_functions): value on the plus face minus value on the minus face, zero on a foundation."""
-    plus = value_matrix(basis_at(cover, points.points, points.plus), cover.n_functions)
+    plus = value_matrix(values_at(cover, points.points, points.plus), cover.n_functions)
     rock = points.minus >= 0
-    minus = value_matrix(basis_at(cover, points.points[rock], points.minus[rock]), cover.n_functions)
+    minus = value_matrix(values_at(cover, points.points[rock], points.minus[rock]), cover.n_functions)
     number = csr_array((np.ones(rock.sum()), (np.flatnonzero(rock), np.arange(rock.sum()))), (len(rock), rock.sum()))
     return csr_array(plus - number @ minus)
 

@@ -70,6 +70,14 @@ class Cover:
         """Number of displacement unknowns."""
         return 2 * self.n_functions
 
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        """Which edges of the arrangement (e,) lie on a surface."""
+        on_surface = np.zeros(len(self.elements.edges.a), dtype=bool)
+        for surface in self.surfaces:
+            on_surface[surface.edges.edge] = True
+        return on_surface
+
 
 def build_cover(
     lattice: Lattice,

@@ -33,6 +33,7 @@ class FaceEdges:
     segment: Ints  # (n,) segment of the polyline
     plus: Ints  # (n,) element on the left of the direction from start to end
     minus: Ints  # (n,) element on the right, -1 where there is none
+    edge: Ints  # (n,) number of the edge of the arrangement
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +44,7 @@ class OutlineEdges:
     body: Ints  # (n,)
     side: Ints  # (n,) side of the body
     element: Ints  # (n,) element inside
+    edge: Ints  # (n,) number of the edge of the arrangement
 
 
 def edges_on_lines(
@@ -75,6 +77,7 @@ def edges_on_lines(
                 segment=segment,
                 plus=np.where(forward, edges.left[edge], edges.right[edge]),
                 minus=np.where(forward, edges.right[edge], edges.left[edge]),
+                edge=edge,
             )
         )
     return tuple(found), is_crack
@@ -123,7 +126,8 @@ def edges_on_outlines(sides: list[Floats], vertices: Floats, edges: Edges, body:
         side[mine[which]] = hit
         if distance.max(initial=0.0) > ON_LINE:
             raise GeometryError("an element has a side that is neither shared nor on an outline")
-    return OutlineEdges(points, body[element], side, element)
+    number = np.concatenate([np.flatnonzero(between), np.flatnonzero(shared)])
+    return OutlineEdges(points, body[element], side, element, number)
 
 
 def edges_of_region(outlines: OutlineEdges, body: int, ends: Floats, sides: Ints, limits: Floats) -> FaceEdges:
@@ -142,14 +146,14 @@ def edges_of_region(outlines: OutlineEdges, body: int, ends: Floats, sides: Ints
         keep = np.flatnonzero(clipped[:, 1] > clipped[:, 0])
         keep = keep[np.argsort(clipped[keep, 0])]
         cut, length = clipped[keep], float(np.hypot(*step))
-        found.append(
-            (begin + (cut - low) * length, corner + cut[:, :, None] * step, keep, outlines.element[mine[keep]])
-        )
+        found.append((begin + (cut - low) * length, corner + cut[:, :, None] * step, mine[keep]))
         begin += (high - low) * length
+    chosen = np.concatenate([part[2] for part in found])
     return FaceEdges(
         s=np.concatenate([part[0] for part in found]),
         points=np.concatenate([part[1] for part in found]),
         segment=np.concatenate([np.full(len(part[2]), number) for number, part in enumerate(found)]),
-        plus=np.concatenate([part[3] for part in found]),
-        minus=np.concatenate([np.full(len(part[2]), -1) for part in found]),
+        plus=outlines.element[chosen],
+        minus=np.full(len(chosen), -1),
+        edge=outlines.edge[chosen],
     )

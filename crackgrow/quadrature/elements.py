@@ -1,8 +1,8 @@
 """Quadrature points of the manifold elements, in lattice coordinates.
 
-Whole tiles without singular patches share one rule and are not listed here: every one of them has the same element
-matrix. Polygons are cut into triangles; round a tip the triangles have their apex at it, and those near it are halved
-until they are small by their distance from it.
+Plain elements, which are rectangles without singular patches, share one rule and are not listed here: those alike in
+shape, at the same place of their cell, have the same element matrix. Polygons are cut into triangles; round a tip the
+triangles have their apex at it, and those near it are halved until they are small by their distance from it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tiles import tile_lines
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
 
 Floats = NDArray[np.float64]
@@ -27,14 +26,11 @@ LARGEST = 2.0
 NEAREST = 1e-5
 """Triangles smaller than this many spacings are not halved any further: their share is below round-off of the rest."""
 
-MORE_POINTS = 1
-"""Points per direction that elements with tip functions get on top: with `LARGEST`, 2e-5 of K_II."""
+MORE_POINTS_WHERE_FADING = 1
+"""Points per direction on top where tip functions fade out: chi folds inside of elements. Without, 4e-4 of K_II."""
 
-MORE_POINTS_WHERE_FADING = 4
-"""Points on top of those where tip functions fade out: chi folds inside of elements. Patch test 6e-4 to 9e-5."""
-
-MORE_POINTS_AT_TIPS = 2
-"""The same for triangles with their apex at a tip: 3e-5 of K_II; one less costs 2e-4."""
+MORE_POINTS_AT_TIPS = 1
+"""The same for triangles with their apex at a tip."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,21 +52,61 @@ def enriched_elements(cover: Cover) -> Bools:
 
 
 def plain_elements(cover: Cover) -> Bools:
-    """Which elements are whole tiles without tip functions: (elements,)."""
-    plain = np.asarray(~enriched_elements(cover).any(axis=0))
-    plain[cover.elements.n_whole :] = False
-    return plain
+    """Which elements are rectangles with four edges, none on a surface, and without tip functions: (elements,)."""
+    elements = cover.elements
+    step = elements.vertices[elements.ring_end] - elements.vertices[elements.ring_start]
+    slanted = np.all(step != 0.0, axis=1)
+    plain = np.bincount(elements.ring_element, minlength=elements.n) == 4
+    plain[elements.ring_element[slanted]] = False
+    beside = np.concatenate([elements.edges.left[cover.touching], elements.edges.right[cover.touching]])
+    plain[beside[beside >= 0]] = False
+    return np.asarray(plain & ~enriched_elements(cover).any(axis=0))
+
+
+def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:
+    """Lower left corners (n, 2) and sizes (n, 2) of plain elements (n,)."""
+    all_corners = cover.elements.vertices[cover.elements.ring_start]
+    corners = all_corners[np.searchsorted(cover.elements.ring_element, elements)[:, None] + np.arange(4)]
+    low = corners.min(axis=1)
+    return low, corners.max(axis=1) - low
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlainKind:
+    """Plain elements with the same element matrix: alike in shape, in the patches over them and in place in a cell."""
+
+    elements: Ints  # (n,)
+    body: int
+    low: Floats  # (2,) lower left corner in the unit cell
+    size: Floats  # (2,)
+    covers: Bools  # (window,) which nodes of the window have a patch here
+
+
+def plain_kinds(cover: Cover) -> list[PlainKind]:
+    """All kinds of plain elements."""
+    elements = np.flatnonzero(plain_elements(cover))
+    body, covers = cover.elements.body[elements], cover.functions[elements] >= 0
+    low, size = rectangles(cover, elements)
+    low = low - cover.elements.tile[elements] // (len(cover.lattice.breaks) - 1)
+    _, pattern = np.unique(covers, axis=0, return_inverse=True)
+    kinds = np.column_stack([low, size, body, pattern])
+    _, first, kind = np.unique(kinds, axis=0, return_index=True, return_inverse=True)
+    return [
+        PlainKind(elements[kind == number], int(body[example]), low[example], size[example], covers[example])
+        for number, example in enumerate(first)
+    ]
 
 
 def element_points(cover: Cover, n: int) -> ElementPoints:
     """Points of all elements that are not plain; `n` Gauss points per direction, more where tip functions act."""
     carries = enriched_elements(cover)
     enriched = np.asarray(carries.any(axis=0))
-    whole = np.flatnonzero(enriched[: cover.elements.n_whole])
-    corners, owner = triangulate(cover.elements.polygons)
-    owner = owner + cover.elements.n_whole
+    n_whole = cover.elements.n_whole
+    cut = np.flatnonzero(~plain_elements(cover)[n_whole:])
+    corners, owner = triangulate(cover.elements.polygons[cut])
+    owner = cut[owner] + n_whole
     more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
-    parts = [_on_tiles(cover, whole, n + MORE_POINTS + more)]
+    parts = [_on_tiles(cover, np.flatnonzero(enriched[:n_whole]), n + more)]
     smooth = ~enriched[owner]
     parts.append(_on_corners(corners[smooth], owner[smooth], n))
     corners, owner = corners[~smooth], owner[~smooth]
@@ -78,9 +114,10 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
         tips = np.array([tip.point for tip in cover.tips])
         at_tip, corners = _tip_first(corners, tips)
         points, weights = on_tip_triangles(corners[at_tip], n + MORE_POINTS_AT_TIPS + more)
-        parts.append(_flat(points, weights, owner[at_tip]))
+        exact = 0.5 * np.abs(_cross(corners[at_tip]))  # the rule gives areas to 1e-5
+        parts.append(_flat(points, weights * (exact / weights.sum(axis=1))[:, None], owner[at_tip]))
         near = _halved(corners[~at_tip], owner[~at_tip], tips, carries)
-        parts.append(_on_corners(*near, n + MORE_POINTS + more))
+        parts.append(_on_corners(*near, n + more))
     points, weights, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(element, kind="stable")
     return ElementPoints(points[order], weights[order], element[order])
@@ -96,11 +133,8 @@ def triangulate(polygons: NDArray[np.object_]) -> tuple[Floats, Ints]:
 
 def _on_tiles(cover: Cover, elements: Ints, n: int) -> tuple[Floats, Floats, Ints]:
     local, weights = square(n)
-    lines = tile_lines(cover.lattice)
-    tile = cover.elements.tile[elements]
-    low = np.stack([lines[axis][tile[:, axis]] for axis in range(2)], axis=1)
-    size = np.stack([np.diff(lines[axis])[tile[:, axis]] for axis in range(2)], axis=1)
-    points = low[:, None] + size[:, None] * local[None]
+    low, size = rectangles(cover, elements)
+    points = low[:, None] + size[:, None] * local
     return _flat(points, np.prod(size, axis=1)[:, None] * weights, elements)
 
 
@@ -119,6 +153,12 @@ def _tip_first(corners: Floats, tips: Floats) -> tuple[Bools, Floats]:
     turn = np.argmax(is_tip, axis=1)
     turned = np.take_along_axis(corners, ((np.arange(3) + turn[:, None]) % 3)[:, :, None], axis=1)
     return is_tip.any(axis=1), turned
+
+
+def _cross(corners: Floats) -> Floats:
+    """Twice the signed areas (t,) of triangles (t, 3, 2)."""
+    a, b = (corners[:, 1:] - corners[:, :1]).transpose(1, 0, 2)
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
 def _halved(corners: Floats, owner: Ints, tips: Floats, carries: Bools) -> tuple[Floats, Ints]:

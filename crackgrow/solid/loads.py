@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import basis_at, value_matrix
-from crackgrow.approximation.mls import mls
+from crackgrow.approximation.basis import value_matrix, values_at
+from crackgrow.approximation.mls import mls_values
 from crackgrow.case.model import Body, EdgeTraction, Gravity, InSituStress, Load
 from crackgrow.cover.cover import Cover
-from crackgrow.quadrature.elements import element_points, plain_elements
-from crackgrow.quadrature.lines import on_edges
+from crackgrow.quadrature.elements import element_points, plain_kinds
+from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.rules import square
-from crackgrow.solid.supports import POINTS_PER_EDGE, body_index, edge_points
+from crackgrow.solid.supports import body_index, edge_points
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: 
     for load in loads:
         if isinstance(load, EdgeTraction):
             points, length, elements, _ = edge_points(cover, bodies, load.region)
-            values = value_matrix(basis_at(cover, points, elements), cover.n_functions)
+            values = value_matrix(values_at(cover, points, elements), cover.n_functions)
             f += np.outer(values.T @ length, load.traction)
         elif isinstance(load, Gravity):
             body = body_index(bodies, load.body)
@@ -48,34 +48,29 @@ def _rim_tractions(cover: Cover, body: int, stress: Floats) -> Floats:
     """
     outlines = cover.elements.outlines
     mine = np.flatnonzero(outlines.body == body)
-    start, step = outlines.points[mine, 0], np.diff(outlines.points[mine], axis=1)[:, 0]
-    position, weights = on_edges(len(mine), POINTS_PER_EDGE)
-    points = (start[:, None] + position[:, :, None] * step[:, None]).reshape(-1, 2)
-    elements = np.repeat(outlines.element[mine], POINTS_PER_EDGE)
-    values = value_matrix(basis_at(cover, points, elements), cover.n_functions)
-    area = step[:, None] * weights[:, :, None] * cover.lattice.spacing  # tangent times length
-    normal = np.stack([area[..., 1], -area[..., 0]], axis=-1).reshape(-1, 2)  # outward: the body is on the left
+    ends, element = outlines.points[mine], outlines.element[mine]
+    edge, points, length = points_on_outlines(cover, ends, element, outlines.edge[mine])
+    values = value_matrix(values_at(cover, points, element[edge]), cover.n_functions)
+    step = ends[:, 1] - ends[:, 0]
+    outward = np.stack([step[:, 1], -step[:, 0]], axis=1) / np.hypot(step[:, 0], step[:, 1])[:, None]
     xx, yy, xy = stress
-    return np.asarray(values.T @ (normal @ np.array([[xx, xy], [xy, yy]])))
+    traction = outward[edge] @ np.array([[xx, xy], [xy, yy]])
+    return np.asarray(values.T @ (length[:, None] * cover.lattice.spacing * traction))
 
 
 def _volume_of_functions(cover: Cover, body: int, n: int) -> Floats:
     """Integral of every function (n_functions,) m^2 over a body."""
-    lattice, elements = cover.lattice, cover.elements
+    lattice = cover.lattice
     total = np.zeros(cover.n_functions)
     local, weights = square(n)
-    per_cell = len(lattice.breaks) - 1
-    sizes = np.diff(lattice.breaks)
-    plain = np.flatnonzero(plain_elements(cover) & (elements.body == body))
-    part = elements.tile[plain] % per_cell
-    for i, j in np.unique(part, axis=0):
-        phi, _ = mls(lattice.breaks[[i, j]] + local * sizes[[i, j]], lattice.support, lattice.reach)
-        share = weights @ phi * sizes[i] * sizes[j]
-        ids = cover.functions[plain[np.all(part == (i, j), axis=1)]]
-        used = ids >= 0
-        np.add.at(total, ids[used], np.broadcast_to(share, ids.shape)[used])
+    for kind in plain_kinds(cover):
+        if kind.body == body:
+            phi = mls_values(kind.low + local * kind.size, lattice.support, lattice.reach)[:, kind.covers]
+            share = weights @ phi * kind.size.prod()
+            ids = cover.functions[kind.elements][:, kind.covers]
+            np.add.at(total, ids, np.broadcast_to(share, ids.shape))
     points = element_points(cover, n)
-    mine = elements.body[points.element] == body
-    basis = basis_at(cover, points.points[mine], points.element[mine])
-    total += value_matrix(basis, cover.n_functions).T @ points.weights[mine]
+    mine = cover.elements.body[points.element] == body
+    values = values_at(cover, points.points[mine], points.element[mine])
+    total += value_matrix(values, cover.n_functions).T @ points.weights[mine]
     return total * lattice.spacing**2

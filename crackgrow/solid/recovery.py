@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import basis_at
+from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.cover.cover import Cover
 from crackgrow.solid.elasticity import PlaneElasticity
 
@@ -17,7 +17,7 @@ Ints = NDArray[np.int64]
 
 def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
     """Displacement (n, 2) m at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
-    basis = basis_at(cover, points, elements)
+    basis = values_at(cover, points, elements)
     coefficients = np.append(u, (0.0, 0.0)).reshape(-1, 2)  # the last row serves the index -1
     return np.asarray(np.einsum("nk,nkc->nc", basis.values, coefficients[basis.ids]))
 

@@ -1,7 +1,11 @@
 """Assembly of the stiffness matrix.
 
-All whole tiles without tip functions share the gradients at their quadrature points, hence one element matrix per
-material (and per kind of tile). The others are integrated one by one.
+All plain elements of one shape, at the same place of their cell, share the gradients at their quadrature points, hence
+one element matrix per material. The others are integrated one by one.
+
+The gradients are corrected so that those of every element satisfy the divergence theorem at its quadrature points: the
+linear patch test then passes at round-off whatever the rules, and the matrix stays symmetric (after Chen et al. 2001,
+who smooth the gradients over nodal cells; here their deviation from the mean over an element is kept).
 """
 
 from __future__ import annotations
@@ -12,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from crackgrow.approximation.basis import basis_at
-from crackgrow.approximation.mls import mls
+from crackgrow.approximation.basis import basis_at, values_at
+from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.cover.cover import Cover
-from crackgrow.quadrature.elements import ElementPoints, element_points, enriched_elements, plain_elements
+from crackgrow.quadrature.elements import ElementPoints, element_points, enriched_elements, plain_kinds
+from crackgrow.quadrature.rims import rectangle_rim, rim_points
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.elasticity import PlaneElasticity
 
@@ -48,46 +53,58 @@ def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats
     return matrix
 
 
+def consistent(gradients: Floats, weights: Floats, rim_values: Floats, normals: Floats) -> Floats:
+    """Gradients (n, k, 2) of k functions at quadrature points with weights (n,), shifted by a constant per function.
+
+    Their integral then equals that of phi n along the rim, given by values (m, k) and normals times lengths (m, 2).
+    """
+    integral = (weights @ gradients.reshape(len(weights), -1)).reshape(-1, 2)
+    return np.asarray(gradients + (rim_values.T @ normals - integral) / weights.sum())
+
+
 def _plain(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> list[Block]:
-    """The element matrix of every kind of whole tile, once per body and at all of its places."""
+    """The element matrix of every kind of plain element, once and at all of its places."""
     lattice = cover.lattice
-    elements = np.flatnonzero(plain_elements(cover))
     local, weights = square(n)
-    per_cell = len(lattice.breaks) - 1
-    part = cover.elements.tile[elements] % per_cell
-    sizes = np.diff(lattice.breaks)
     blocks = []
-    for i, j in np.unique(part, axis=0):
-        at = lattice.breaks[[i, j]] + local * sizes[[i, j]]
-        _, gradients = mls(at, lattice.support, lattice.reach)
-        same_kind = np.all(part == (i, j), axis=1)
-        for body, material in enumerate(materials):
-            mine = elements[same_kind & (cover.elements.body[elements] == body)]
-            if not len(mine):
-                continue
-            covers = cover.functions[mine[0]] >= 0  # the same for all tiles of a kind
-            ids = cover.functions[mine][:, covers]
-            matrix = element_matrix(material, gradients[:, covers], weights * sizes[i] * sizes[j])
-            blocks.append(_scattered(ids, np.broadcast_to(matrix, (len(mine), *matrix.shape))))
+    for kind in plain_kinds(cover):
+        area = weights * kind.size.prod()
+        _, gradients = mls(kind.low + local * kind.size, lattice.support, lattice.reach)
+        rim, normals = rectangle_rim(kind.low, kind.size)
+        gradients = consistent(gradients, area, mls_values(rim, lattice.support, lattice.reach), normals)
+        matrix = element_matrix(materials[kind.body], gradients[:, kind.covers], area)
+        ids = cover.functions[kind.elements][:, kind.covers]
+        blocks.append(_scattered(ids, np.broadcast_to(matrix, (len(ids), *matrix.shape))))
     return blocks
 
 
 def _cut(cover: Cover, materials: Sequence[PlaneElasticity], points: ElementPoints) -> list[Block]:
     """Element matrices one by one; elements with the same tip functions share the evaluation of the basis."""
     area = points.weights * cover.lattice.spacing**2
-    pattern = (1 << np.arange(len(cover.tips))) @ enriched_elements(cover)[:, points.element]
+    rim = rim_points(cover)
+    kinds = (1 << np.arange(len(cover.tips))) @ enriched_elements(cover)
     blocks = []
-    for kind in np.unique(pattern):
-        chosen = np.flatnonzero(pattern == kind)
-        element, weights = points.element[chosen], area[chosen]
-        basis = basis_at(cover, points.points[chosen], element)
-        starts = np.flatnonzero(np.diff(element, prepend=-1))
-        for start, end in zip(starts, np.append(starts[1:], len(element)), strict=True):
+    for kind in np.unique(kinds[points.element]):
+        inside, outside = (np.flatnonzero(kinds[element] == kind) for element in (points.element, rim.element))
+        element, weights, normals = points.element[inside], area[inside], rim.normals[outside] * cover.lattice.spacing
+        basis = basis_at(cover, points.points[inside], element)
+        values = values_at(cover, rim.points[outside], rim.element[outside]).values
+        for start, end, first, last in zip(*_ranges(element), *_ranges(rim.element[outside]), strict=True):
             used = basis.ids[start] >= 0
-            gradients = basis.gradients[start:end] if used.all() else basis.gradients[start:end, used]
-            matrix = element_matrix(materials[cover.elements.body[element[start]]], gradients, weights[start:end])
+            gradients = consistent(
+                basis.gradients[start:end], weights[start:end], values[first:last], normals[first:last]
+            )
+            matrix = element_matrix(
+                materials[cover.elements.body[element[start]]], gradients[:, used], weights[start:end]
+            )
             blocks.append(_scattered(basis.ids[start, used][None], matrix[None]))
     return blocks
+
+
+def _ranges(sorted_ids: Ints) -> tuple[Ints, Ints]:
+    """First and last + 1 of the runs of equal ids."""
+    starts = np.flatnonzero(np.diff(sorted_ids, prepend=-1))
+    return starts, np.append(starts[1:], len(sorted_ids))
 
 
 def _scattered(ids: Ints, matrices: Floats) -> Block:

@@ -13,19 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array, vstack
 
-from crackgrow.approximation.basis import basis_at, value_matrix
+from crackgrow.approximation.basis import value_matrix, values_at
 from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, PointSupport, Support
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import edges_of_region
 from crackgrow.errors import GeometryError
-from crackgrow.quadrature.lines import on_edges
+from crackgrow.quadrature.rims import points_on_outlines
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-POINTS_PER_EDGE = 6
-"""Gauss points on each edge of the arrangement: round-off for the polynomials, 1e-6 for the rest."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +51,7 @@ def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support
             average, points, elements = _at_point(cover, bodies, support)
         else:
             average, points, elements = _along_edge(cover, bodies, support.region)
-        values = csr_array(average @ value_matrix(basis_at(cover, points, elements), cover.n_functions))
+        values = csr_array(average @ value_matrix(values_at(cover, points, elements), cover.n_functions))
         places = cover.lattice.to_metres(points)
         for component, displacement in enumerate(support.displacement):
             if displacement is not None:
@@ -101,13 +98,9 @@ def edge_points(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> tup
     body = body_index(bodies, region.body)
     sides = cover.bodies[body].sides
     edges = edges_of_region(cover.elements.outlines, body, sides, region.sides, region.limits)
-    position, weights = on_edges(len(edges.s), POINTS_PER_EDGE)
-    step = edges.points[:, 1] - edges.points[:, 0]
-    points = (edges.points[:, None, 0] + position[:, :, None] * step[:, None]).reshape(-1, 2)
-    size = np.diff(edges.s, axis=1)
-    lengths = (weights * size).ravel() * cover.lattice.spacing
-    s = (edges.s[:, :1] + position * size).ravel() * cover.lattice.spacing
-    return points, lengths, np.repeat(edges.plus, POINTS_PER_EDGE), s
+    edge, points, length = points_on_outlines(cover, edges.points, edges.plus, edges.edge)
+    s = edges.s[edge, 0] + np.hypot(*(points - edges.points[edge, 0]).T)
+    return points, length * cover.lattice.spacing, edges.plus[edge], s * cover.lattice.spacing
 
 
 def body_index(bodies: Sequence[Body], name: str) -> int:

@@ -17,8 +17,9 @@ from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution, solve_step
 from crackgrow.solid.recovery import displacement_at, stress_at
 
-PATCH_TEST = 1e-5
-"""Relative displacement error that 4 x 4 Gauss points leave under uniform stress."""
+PATCH_TEST = {1.5: 1e-7, 2.0: 1e-9}
+"""Relative displacement error under uniform stress, by support: vertices are rounded to 1e-9 spacings, and contact acts
+at other points than the divergence theorem holds at, which rougher functions see."""
 
 STACK = """
 title: Two blocks on each other
@@ -97,7 +98,7 @@ def test_patch_test_through_a_stuck_interface(tmp_path: Path, support: float) ->
     for body, (low, high) in enumerate((((0, 0.5), (1, 1.1)), ((0, 0), (1, 0.5)))):
         metres = places(low, high)
         exact = metres * (e_xx, e_yy)
-        assert np.abs(displacement(scene, solution, metres, body) - exact).max() < PATCH_TEST * largest
+        assert np.abs(displacement(scene, solution, metres, body) - exact).max() < PATCH_TEST[support] * largest
     assert set(solution.outcome.state.tolist()) == {STICK}
     np.testing.assert_allclose(solution.outcome.normal_traction, -1e6, rtol=1e-4)
 
@@ -124,7 +125,7 @@ def test_a_bond_carries_tension_where_contact_lets_go(tmp_path: Path) -> None:
     e_yy, e_xx = 1e6 * (1 - 0.3**2) / 1e10, -1e6 * 0.3 * 1.3 / 1e10
     metres = places((0, 0.5), (1, 1.1))
     error = np.abs(displacement(scene, solution, metres) - metres * (e_xx, e_yy)).max()
-    assert error < PATCH_TEST * 1.1 * e_yy
+    assert error < PATCH_TEST[2.0] * 1.1 * e_yy
     assert solution.outcome.n_unknowns == 0  # a bond is no contact
     with pytest.raises(SolveError, match=r"piece of rock round \(0\.5, 0\.8.*contact does not hold it"):
         solve(tmp_path, STACK, pull)
@@ -324,12 +325,10 @@ numerics: {{spacing: 0.2, support: {support}}}
 CONTACTS = ("bonded", "{friction: 2, cohesion: 0}")
 
 
-@pytest.mark.parametrize(("support", "tolerance"), [(1.5, PATCH_TEST), (2.0, 1e-9)])
+@pytest.mark.parametrize("support", [1.5, 2.0])
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("seed", range(4))
-def test_patch_test_through_slanted_joints(
-    tmp_path: Path, seed: int, contact: str, support: float, tolerance: float
-) -> None:
+def test_patch_test_through_slanted_joints(tmp_path: Path, seed: int, contact: str, support: float) -> None:
     left, right = np.random.default_rng(seed).uniform(0.6, 1.4, 2).tolist()
     scene, solution = solve(tmp_path, SLANTED.format(left=left, right=right, contact=contact, support=support))
     e_yy, e_xx = -1e6 * (1 - 0.3**2) / 1e10, 1e6 * 0.3 * 1.3 / 1e10
@@ -337,10 +336,10 @@ def test_patch_test_through_slanted_joints(
     above = metres[:, 1] > left + (right - left) * metres[:, 0]
     for body, mine in enumerate((metres[above], metres[~above])):
         error = np.abs(displacement(scene, solution, mine, body) - mine * (e_xx, e_yy)).max()
-        assert error < tolerance * 2.0 * abs(e_yy)
+        assert error < PATCH_TEST[support] * 2.0 * abs(e_yy)
 
 
-@pytest.mark.parametrize(("support", "tolerance"), [(1.5, 2.0 * PATCH_TEST), (2.0, 1e-9)])  # measured 1.3e-5, 6e-11
+@pytest.mark.parametrize("support", [1.5, 2.0])
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize(
     "shape",
@@ -351,9 +350,7 @@ def test_patch_test_through_slanted_joints(
     ],
     ids=["disk", "polygon", "rectangle"],
 )
-def test_patch_test_through_inclusions(
-    tmp_path: Path, shape: str, contact: str, support: float, tolerance: float
-) -> None:
+def test_patch_test_through_inclusions(tmp_path: Path, shape: str, contact: str, support: float) -> None:
     """The core is held by the rock round it alone, on an interface that closes on itself."""
     scene, solution = solve(tmp_path, INCLUSION.format(shape=shape, contact=contact, support=support))
     strain = -1e6 * (1 - 0.3**2 - 0.3 * 1.3) / 1e10
@@ -361,5 +358,5 @@ def test_patch_test_through_inclusions(
     points = scene.lattice.to_lattice(metres)
     elements = locate(scene.lattice, solution.cover.elements, points)
     found = displacement_at(solution.cover, solution.outcome.u, points, elements)
-    assert np.abs(found - (metres + 2.0) * strain).max() < tolerance * 4.0 * abs(strain)
+    assert np.abs(found - (metres + 2.0) * strain).max() < PATCH_TEST[support] * 4.0 * abs(strain)
     assert (solution.outcome.state == STICK).all()

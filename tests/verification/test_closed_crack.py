@@ -108,13 +108,12 @@ def test_stuck_crack_leaves_the_field_of_the_intact_plate() -> None:
     )
     gap, slip = gap_and_slip(solution.cover, points, solution.outcome.u)
     largest = np.abs(solution.outcome.u[: 2 * len(solution.cover.patch_nodes)]).max()
-    # the error of the 4 x 4 rule in the patch test, relative to the displacement
-    assert max(np.abs(gap).max(), np.abs(slip).max()) < 1e-4 * largest
+    assert max(np.abs(gap).max(), np.abs(slip).max()) < 1e-9 * largest
 
 
 @pytest.mark.parametrize(("spacing", "angle"), [(3.0, 30.0), (1.5, 30.0), (1.5, 10.0)])
 def test_patch_test_through_a_stuck_crack(spacing: float, angle: float) -> None:
-    """Uniform compression passes a stuck crack: measured 1e-5 (3 mm, where tip functions fade), 1e-6, 2e-7."""
+    """Uniform compression passes a stuck crack, to the accuracy of the rules on its faces: at most 3e-10."""
     solution = solved(
         "cracks.flaw.contact.friction=0.6", f"numerics.spacing={spacing}", f"cracks.flaw.path.angle={angle}"
     )
@@ -125,7 +124,7 @@ def test_patch_test_through_a_stuck_crack(spacing: float, angle: float) -> None:
     )
     strain_yy, strain_xx = -100e6 / YOUNG_PRIME, 100e6 * 0.25 * 1.25 / 1e10  # plane strain
     exact = np.stack([strain_xx * metres[:, 0], strain_yy * (metres[:, 1] + 27.5e-3)], axis=1)
-    assert np.abs(found - exact).max() < 1e-4 * np.abs(exact).max()
+    assert np.abs(found - exact).max() < 1e-9 * np.abs(exact).max()
 
 
 def test_elastic_contact_overlaps_by_pressure_over_stiffness() -> None:

@@ -7,38 +7,42 @@ import pytest
 import shapely
 from scipy.integrate import quad
 
-from crackgrow.quadrature.elements import element_points, enriched_elements, plain_elements, triangulate
+from crackgrow.quadrature.elements import (
+    element_points,
+    enriched_elements,
+    plain_elements,
+    rectangles,
+    triangulate,
+)
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 
 
 def plain_area(sample) -> float:
-    sizes = np.diff(sample.lattice.breaks)
-    part = sample.cover.elements.tile[plain_elements(sample.cover)] % len(sizes)
-    return float(np.prod(sizes[part], axis=1).sum())
+    _, size = rectangles(sample.cover, np.flatnonzero(plain_elements(sample.cover)))
+    return float(np.prod(size, axis=1).sum())
 
 
 @pytest.mark.parametrize("n", [2, 4])
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_weights_sum_to_the_area(build, support: float, n: int) -> None:
-    """The rule at the tip gives areas to 1e-5 only with few points; its triangles are small."""
     sample = build.block((6, 5), [build.crack(KINKED)], support)
     points = element_points(sample.cover, n)
     assert points.weights.min() > 0.0
-    assert points.weights.sum() + plain_area(sample) == pytest.approx(30.0, rel=1e-3 if n == 2 else 1e-5)
+    assert points.weights.sum() + plain_area(sample) == pytest.approx(30.0, rel=1e-9)  # the arrangement's grid
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
-def test_weights_sum_to_the_area_element_by_element_away_from_tips(build, support: float) -> None:
+def test_weights_sum_to_the_area_element_by_element(build, support: float) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)], support)
     elements = sample.cover.elements
     points = element_points(sample.cover, 3)
     sums = np.bincount(points.element, points.weights, elements.n)[elements.n_whole :]
-    tips = shapely.points([tip.point for tip in sample.cover.tips])
-    away = shapely.distance(elements.polygons[:, None], tips[None]).min(axis=1) > 1e-6
-    assert away.sum() > 20
-    np.testing.assert_allclose(sums[away], shapely.area(elements.polygons)[away], rtol=1e-9)
+    cut = ~plain_elements(sample.cover)[elements.n_whole :]
+    assert cut.sum() > 20
+    np.testing.assert_allclose(sums[cut], shapely.area(elements.polygons)[cut], rtol=1e-9)
+    np.testing.assert_array_equal(sums[~cut], 0.0)
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
@@ -53,13 +57,22 @@ def test_points_lie_in_their_elements_sorted(build, support: float) -> None:
     np.testing.assert_array_equal(np.unique(points.element), np.flatnonzero(~plain_elements(sample.cover)))
 
 
-def test_uncut_body_has_points_on_its_rim_only(build) -> None:
-    sample = build.block((6, 5))
-    points = element_points(sample.cover, 2)
-    assert points.weights.sum() + plain_area(sample) == pytest.approx(30.0, rel=1e-12)
+@pytest.mark.parametrize("support", SUPPORTS)
+def test_uncut_body_is_plain_also_along_its_rim(build, support: float) -> None:
+    sample = build.block((6, 5), support=support)
+    assert plain_elements(sample.cover).all()
+    assert len(element_points(sample.cover, 2).points) == 0
+    assert plain_area(sample) == pytest.approx(30.0, rel=1e-12)
     assert not enriched_elements(sample.cover).any()
-    depth = shapely.distance(sample.region.boundary, shapely.points(points.points))
-    assert depth.max() < 0.5  # the tiles at the rim are 0.5 wide
+
+
+def test_elements_on_a_crack_along_the_lattice_are_not_plain(build) -> None:
+    """Contact uses other points there; the elements are rectangles all the same."""
+    sample = build.block((8, 5), [build.crack([(1.0, 3.0), (7.0, 3.0)])], 1.5)
+    edges = sample.cover.elements.lines[0]
+    plain = plain_elements(sample.cover)
+    assert not plain[edges.plus].any()
+    assert not plain[edges.minus].any()
 
 
 @pytest.mark.parametrize("support", [1.5, 2.0])

@@ -78,17 +78,17 @@ def test_a_body_cut_right_through_has_six_zero_energy_modes(build, support: floa
 @pytest.mark.parametrize("support", [1.5, 1.75, 2.0, 2.5])
 @pytest.mark.parametrize("name", CRACKS)
 def test_energy_of_a_linear_field_is_exact(build, name: str, support: float) -> None:
-    """Its strain is uniform: any rule that gives the area gives the energy, here to the tip rule's area."""
+    """Its strain is uniform: any rule that gives the area gives the energy."""
     sample = cracked(build, name, support)
     u = field(sample, lambda x, y: np.stack([1e-3 * x + 3e-4 * y, -2e-4 * x + 5e-4 * y], axis=1))
     strain = np.array([1e-3, 5e-4, 1e-4])
     exact = 30.0 * strain @ sample.material.matrix @ strain
-    assert u @ (sample.stiffness() @ u) == pytest.approx(exact, rel=1e-12 if name == "uncut" else 1e-5)
+    assert u @ (sample.stiffness() @ u) == pytest.approx(exact, rel=1e-9)  # the arrangement's grid
 
 
 def test_plane_strain_stiffness_does_not_depend_on_the_spacings_unit(build) -> None:
     one, milli = (cracked(build, "uncut", 2.0, spacing).stiffness() for spacing in (1.0, 1e-3))
-    assert np.abs((one - milli).data).max() < 1e-12
+    assert np.abs((one - milli).data).max(initial=0.0) < 1e-12
 
 
 def test_two_materials_each_stiffen_their_own_body(build) -> None:

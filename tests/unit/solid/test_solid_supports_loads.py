@@ -110,7 +110,7 @@ def test_constraint_rows_average_the_displacement_of_the_edge(build) -> None:
     nodes = sample.lattice.to_metres(sample.cover.patch_nodes)
     np.testing.assert_allclose(held.matrix @ np.tile([1.0, 7.0], len(nodes)), 1.0, rtol=1e-13)
     heights = held.matrix @ np.stack([nodes[:, 1], 0 * nodes[:, 0]], axis=1).ravel()
-    np.testing.assert_allclose(heights[1:-1], [1.5, 2.5, 3.5, 4.5], atol=2e-2)  # 6 Gauss points on a kinked hat
+    np.testing.assert_allclose(heights[1:-1], [1.5, 2.5, 3.5, 4.5], atol=3e-2)  # 4 Gauss points on a kinked hat
     assert 0.5 < heights[0] < heights[1]
     assert heights[-2] < heights[-1] < 5.5
     np.testing.assert_array_equal(held.given, [0.3] * 6)

@@ -1,0 +1,153 @@
+"""Quadrature points on the rims of the manifold elements, in lattice coordinates.
+
+Both elements on an edge, and loads on it, use the same points: what one element gains there the other loses, exactly,
+however accurate the rule. Where tip functions act, edges are halved until they are short by their distance from the
+tip, and points are drawn to a tip at their end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.cover.cover import Cover
+from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.quadrature.elements import enriched_elements, plain_elements
+from crackgrow.quadrature.lines import on_edges, on_edges_with_tips
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+POINTS_PER_EDGE = 4
+"""Gauss points on an edge of the arrangement, exact to degree 7: that of the functions at support 2 is lower."""
+
+POINTS_PER_PIECE = 5
+"""The same on the pieces of edges on which tip functions act."""
+
+POINTS_ON_SURFACES = 8
+"""The same along surfaces, where contact pressures use other points: a stuck crack passes the patch test at 1e-10."""
+
+LARGEST = 2.0
+"""Pieces of edges with tip functions are no longer than this many times their distance from the tip."""
+
+SHORTEST = 1e-5
+"""Pieces shorter than this many spacings are not halved any further."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RimPoints:
+    """Quadrature points on the rims of elements, sorted by element."""
+
+    points: Floats  # (n, 2)
+    normals: Floats  # (n, 2) outward normal times length, spacings
+    element: Ints  # (n,)
+
+
+def rim_points(cover: Cover) -> RimPoints:
+    """Points on the rims of all elements that are not plain."""
+    elements, edges = cover.elements, cover.elements.edges
+    cut = np.append(~plain_elements(cover), [False])  # the last entry serves the index -1
+    carries = np.pad(enriched_elements(cover), ((0, 0), (0, 1)))
+    parts = []
+    for touching, n in ((False, (POINTS_PER_EDGE, POINTS_PER_PIECE)), (True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES))):
+        chosen = np.flatnonzero((cut[edges.left] | cut[edges.right]) & (cover.touching == touching))
+        left, right = edges.left[chosen], edges.right[chosen]
+        ends = np.stack([elements.vertices[edges.a[chosen]], elements.vertices[edges.b[chosen]]], axis=1)
+        # functions of only one of two neighbours vanish on the edge between them
+        both, one = carries[:, left] & carries[:, right], carries[:, left] | carries[:, right]
+        edge, points, lengths = points_on_edges(cover, ends, np.where(elements.passable[chosen], both, one), *n)
+        step = ends[:, 1] - ends[:, 0]
+        unit = step / _norm(step)[:, None]
+        normals = lengths[:, None] * np.stack([unit[:, 1], -unit[:, 0]], axis=1)[edge]
+        parts += [(points, normals, left[edge]), (points, -normals, right[edge])]
+    points, normals, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    order = np.argsort(element, kind="stable")
+    order = order[cut[element[order]]]
+    return RimPoints(points[order], normals[order], element[order])
+
+
+def rectangle_rim(low: Floats, size: Floats) -> tuple[Floats, Floats]:
+    """Points (n, 2) on the rim of a rectangle from corner `low` (2,) of `size` (2,), and their normals (n, 2)."""
+    corners = low + size * np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
+    position, weights = on_edges(4, POINTS_PER_EDGE)
+    step = np.diff(corners, axis=0)
+    points = corners[:-1, None] + position[:, :, None] * step[:, None]
+    normals = weights[:, :, None] * np.stack([step[:, 1], -step[:, 0]], axis=1)[:, None]
+    return points.reshape(-1, 2), normals.reshape(-1, 2)
+
+
+def points_on_outlines(cover: Cover, ends: Floats, element: Ints, edge: Ints) -> tuple[Ints, Floats, Floats]:
+    """The points of `rim_points` on edges of outlines, or on parts of them, with ends (m, 2, 2), elements and numbers.
+
+    Returns which of the edges (n,), position (n, 2) and length (n,), in spacings, of every point.
+    """
+    carries = enriched_elements(cover)[:, element]
+    parts = []
+    for touching, n in ((False, (POINTS_PER_EDGE, POINTS_PER_PIECE)), (True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES))):
+        chosen = np.flatnonzero(cover.touching[edge] == touching)
+        which, points, lengths = points_on_edges(cover, ends[chosen], carries[:, chosen], *n)
+        parts.append((chosen[which], points, lengths))
+    which, points, lengths = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    return which, points, lengths
+
+
+def points_on_edges(
+    cover: Cover, ends: Floats, carries: Bools, n: int = POINTS_PER_EDGE, n_enriched: int = POINTS_PER_PIECE
+) -> tuple[Ints, Floats, Floats]:
+    """Points on edges `ends` (m, 2, 2) on which the functions of tips act where `carries` (tips, m) says so.
+
+    Returns the edge (n,), sorted, position (n, 2) and length (n,), in spacings, of every point.
+    """
+    smooth = np.flatnonzero(~carries.any(axis=0))
+    parts = [_flat(smooth, np.zeros(len(smooth)), np.ones(len(smooth)), *on_edges(len(smooth), n))]
+    if len(smooth) < len(ends):
+        owner, start, size, tip_at_start, tip_at_end = _halved(cover, ends, carries)
+        parts.append(_flat(owner, start, size, *on_edges_with_tips(tip_at_start, tip_at_end, n_enriched)))
+    edge, position, share = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    order = np.argsort(edge, kind="stable")
+    edge, position, share = edge[order], position[order], share[order]
+    step = (ends[:, 1] - ends[:, 0])[edge]
+    return edge, ends[edge, 0] + position[:, None] * step, share * _norm(step)
+
+
+def _flat(owner: Ints, start: Floats, size: Floats, x: Floats, w: Floats) -> tuple[Ints, Floats, Floats]:
+    """Points at x (m, n), weights w (m, n), of the pieces `start` to `start + size` (m,) of their edges."""
+    position = start[:, None] + size[:, None] * x
+    return np.repeat(owner, x.shape[1]), position.ravel(), (size[:, None] * w).ravel()
+
+
+def _halved(cover: Cover, ends: Floats, carries: Bools) -> tuple[Ints, Floats, Floats, Bools, Bools]:
+    """Halve the edges (m, 2, 2) that tip functions act on until all pieces are short by their distance from the tips.
+
+    Returns edge, start and size (as fractions of the edge) and whether a tip is at the start or at the end.
+    """
+    tips = np.array([tip.point for tip in cover.tips])
+    owner = np.flatnonzero(carries.any(axis=0))
+    start, size = np.zeros(len(owner)), np.ones(len(owner))
+    done = []
+    while len(owner):
+        whole = (ends[:, 1] - ends[:, 0])[owner]
+        first, step = ends[owner, 0] + start[:, None] * whole, size[:, None] * whole
+        length = _norm(step)
+        offset = tips[:, None] - first  # (tips, pieces, 2)
+        along = np.clip(np.sum(offset * step, axis=2) / length**2, 0.0, 1.0)
+        distance = _norm(offset - along[:, :, None] * step)
+        mine = carries[:, owner]
+        at_start, at_end = mine & (_norm(offset) < ON_LINE), mine & (_norm(offset - step) < ON_LINE)
+        nearest = np.where(mine & ~at_start & ~at_end, distance, np.inf).min(axis=0)
+        large = (length > LARGEST * nearest) & (length > SHORTEST)
+        tip_at = (np.any(at, axis=0)[~large] for at in (at_start, at_end))
+        done.append((owner[~large], start[~large], size[~large], *tip_at))
+        half = 0.5 * size[large]
+        owner = np.tile(owner[large], 2)
+        start, size = np.concatenate([start[large], start[large] + half]), np.tile(half, 2)
+    owner, start, size, tip_at_start, tip_at_end = (np.concatenate(arrays) for arrays in zip(*done, strict=True))
+    return owner, start, size, tip_at_start, tip_at_end
+
+
+def _norm(vectors: Floats) -> Floats:
+    """Lengths (...) of vectors (..., 2)."""
+    return np.asarray(np.hypot(vectors[..., 0], vectors[..., 1]))
