@@ -58,6 +58,11 @@ def test_a_known_miss_is_shown_with_its_reason_and_does_not_fail(
     assert "NO" not in capsys.readouterr().out
 
 
+def test_a_mark_that_has_outlived_its_miss_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert report([evaluate(row(2.0, known="too coarse"))], tmp_path) == 0
+    assert "scene, K [Pa]: passes by now" in capsys.readouterr().out
+
+
 def test_a_known_miss_that_raises_fails(tmp_path: Path) -> None:
     failing = Row("scene", "K [Pa]", 2.0, "exact", "formula", 0.01, no_value, known="too coarse")
     assert report([evaluate(failing)], tmp_path) == FAILED

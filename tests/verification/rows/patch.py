@@ -72,9 +72,8 @@ def worst(solution: Solved, exact: object) -> float:
     return float(np.abs(frame.displacement - wanted).max() / np.abs(wanted).max())
 
 
-def cut(support: float, quadrature: int = 4) -> float:
-    settings = ("numerics.spacing=2.3", f"numerics.support={support}", f"numerics.quadrature={quadrature}")
-    return worst(solved_text(CUT, *settings), linear)
+def cut(support: float) -> float:
+    return worst(solved_text(CUT, "numerics.spacing=2.3", f"numerics.support={support}"), linear)
 
 
 def along(support: float) -> float:
@@ -92,19 +91,12 @@ def stuck_interface(support: float) -> float:
     return worst(solution, partial(uniform, (0.0, -100e6), (0.0, 0.0)))
 
 
-def _row(case: str, quantity: str, value: object, known: str = "") -> Row:
-    return Row(case, quantity + ": largest error of u", 0.0, "exact", "linear field", BAR, value, "at most", known)
+def _row(case: str, quantity: str, value: object) -> Row:
+    return Row(case, quantity + ": largest error of u", 0.0, "exact", "linear field", BAR, value, "at most")
 
 
 ROWS = [
-    _row("five-sided body", "linear field through cut tiles, support 2.0", partial(cut, 2.0)),
-    _row("five-sided body", "linear field through cut tiles, support 1.5, 6 Gauss points", partial(cut, 1.5, 6)),
-    _row(
-        "five-sided body",
-        "linear field through cut tiles, support 1.5",
-        partial(cut, 1.5),
-        "at support 1.5 the MLS functions are rational: 4 x 4 Gauss points leave a little more than the bar",
-    ),
+    *(_row("five-sided body", f"linear field through cut tiles, support {s}", partial(cut, s)) for s in (1.5, 2.0)),
     *(_row("plate with an open crack", f"tension along the crack, support {s}", partial(along, s)) for s in (1.5, 2.0)),
     _row("compression30", "compression through the stuck crack, friction 0.6", stuck_crack),
     *(
