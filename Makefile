@@ -7,13 +7,14 @@ MAKEFLAGS += --no-print-directory
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-all lint check bench clean distclean
+.PHONY: help run case-exists test test-all verify lint check bench clean distclean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make run CASE=name [ARGS=...]  run cases/name.yaml into outputs/name"
 	@echo "make test                      tests without the slow ones"
 	@echo "make test-all                  all tests"
+	@echo "make verify                    references and exact solutions: a table and pictures in outputs/verification"
 	@echo "make lint                      ruff and mypy"
 	@echo "make check                     lint and test"
 	@echo "make bench                     benchmarks"
@@ -49,6 +50,9 @@ test: $(STAMP)
 
 test-all: $(STAMP)
 	@$(PY) -m pytest -q
+
+verify: $(STAMP)
+	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) -m tests.verification.verify $(ARGS)
 
 lint: $(STAMP)
 	@$(PY) -m ruff check .

@@ -1,0 +1,105 @@
+"""Solved configurations for the verification rows, each solved once in a process."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.contact.faces import points_at
+from crackgrow.contact.jump import gap_and_slip
+from crackgrow.cover.elements import locate
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.report import step_result
+from crackgrow.run.result import CrackPath, StepResult
+from crackgrow.run.scene import Scene, make_scene
+from crackgrow.run.step import StepSolution, solve_step
+from crackgrow.solid.recovery import displacement_at
+
+ROOT = Path(__file__).parents[2]
+CASES = ROOT / "cases"
+REFERENCES = Path(__file__).parent / "references"
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solved:
+    """A case before growth, solved."""
+
+    case: Case
+    scene: Scene
+    solution: StepSolution
+    result: StepResult
+
+    def tip(self, name: str) -> tuple[float, float]:
+        """K_I and K_II (Pa sqrt(m)) at the `start` or the `end` of the only crack, by the interaction integral."""
+        tip = next(tip for tip in self.result.tips if tip.tip == name)
+        return tip.K_I, tip.K_II
+
+    def displacement(self, points: Floats) -> Floats:
+        """Displacement (n, 2) m at points (n, 2) m of a body in one piece."""
+        lattice, cover = self.scene.lattice, self.solution.cover
+        places = lattice.to_lattice(points)
+        return displacement_at(cover, self.solution.outcome.u, places, locate(lattice, cover.elements, places))
+
+    def jump(self, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:
+        """Opening and slip (n,) m at arc lengths s (n,) m of a surface."""
+        points = points_at(self.solution.cover, surface, s / self.scene.lattice.spacing)
+        return gap_and_slip(self.solution.cover, points, self.solution.outcome.u)
+
+    def tractions(self, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:
+        """Normal and shear traction (n,) Pa at arc lengths s (n,) m, linear between the contact points."""
+        name = self.solution.cover.surfaces[surface].name
+        contact = self.result.contact
+        mine = np.array([crack == name for crack in contact.crack])
+        normal, shear = contact.normal_traction[mine], contact.tangential_traction[mine]
+        return np.interp(s, contact.s[mine], normal), np.interp(s, contact.s[mine], shear)
+
+
+@cache
+def solved(name: str, *settings: str) -> Solved:
+    """The case cases/NAME.yaml with `settings` such as "numerics.spacing=1"."""
+    return solve_case(load_case(CASES / f"{name}.yaml", settings))
+
+
+@cache
+def solved_text(text: str, *settings: str) -> Solved:
+    """A case given as text."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "text.yaml"
+        path.write_text(text, encoding="utf-8")
+        return solve_case(load_case(path, settings))
+
+
+def solve_case(case: Case) -> Solved:
+    """Solve a case before growth."""
+    scene = make_scene(case)
+    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    solution = solve_step(scene, growing, case.load_factors[-1])
+    paths = tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in growing)
+    result = step_result(scene, paths, solution, 0, np.empty(0, dtype=np.int64), True, 0.0, frozenset())
+    return Solved(case, scene, solution, result)
+
+
+@cache
+def table(name: str) -> NDArray[np.void]:
+    """A reference table by file name; text columns are text."""
+    return np.genfromtxt(REFERENCES / name, delimiter=",", names=True, encoding="utf-8", dtype=None)
+
+
+def relative_L2(s: Floats, found: Floats, reference: Floats) -> float:
+    """Relative difference in the mean square of two functions sampled at increasing s."""
+    return float(np.sqrt(np.trapezoid((found - reference) ** 2, s) / np.trapezoid(reference**2, s)))
+
+
+def rate(spacings: Sequence[float], errors: Sequence[float]) -> float:
+    """Power of the spacing that the errors fall with, by least squares."""
+    return float(np.polyfit(np.log(spacings), np.log(errors), 1)[0])
