@@ -34,8 +34,8 @@ def draw_all(folder: Path) -> None:
 
 
 def draw_interface(place: Path) -> None:
-    """Example 1: pressure and shear for both coefficients of friction, and the displaced blocks (figures 5 to 8)."""
-    figure, panels = _panels(2, 3)
+    """Example 1: pressure, shear, slip and the displaced blocks for both coefficients of friction (figures 5 to 8)."""
+    figure, panels = _panels(2, 4)
     for friction, row in zip(("0.1", "0.4"), panels, strict=True):
         solution, reference = interface.at(friction), table(f"interface_strain_friction{friction}.csv")
         contact = solution.result.contact
@@ -46,8 +46,11 @@ def draw_interface(place: Path) -> None:
         row[1].plot(x, np.abs(contact.tangential_traction) / 1e6, **FOUND)
         row[0].set(title=f"friction {friction}", xlabel="x [m]", ylabel="pressure [MPa]")
         row[1].set(title=f"friction {friction}", xlabel="x [m]", ylabel="shear [MPa]")
+        row[2].plot(reference["x_m"], 1e3 * np.abs(reference["slip_m"]), **REFERENCE)
+        row[2].plot(x, 1e3 * np.abs(contact.slip), **FOUND)
+        row[2].set(title=f"friction {friction}", xlabel="x [m]", ylabel="slip [mm]")
         row[0].legend(fontsize=7)
-        _draw_displaced(row[2], solution.result.frame, 1.0)
+        _draw_displaced(row[3], solution.result.frame, 1.0)
     _save(place, figure)
 
 

@@ -35,10 +35,12 @@ def stick_limit(friction: str) -> float:
 
 
 def curve_error(friction: str, what: str, spacing: float = 0.05) -> float:
-    """Relative mean-square difference of the pressure or the shear along the whole interface."""
+    """Relative mean-square difference of the slip, the pressure or the shear along the whole interface."""
     reference = table(f"interface_strain_friction{friction}.csv")
     solution = at(friction, spacing)
     x = np.linspace(0.0, 1.0, 2001)
+    if what == "slip":
+        return relative_L2(x, np.abs(solution.jump(x)[1]), np.interp(x, reference["x_m"], np.abs(reference["slip_m"])))
     # the upper block lies on the left of the interface, which therefore runs along +x
     normal, shear = solution.tractions(x)
     if what == "pressure":
@@ -74,7 +76,7 @@ ROWS = [
             mu, f"{what} along the interface, L2 difference", 0.0, tolerance, partial(curve_error, mu, what), "at most"
         )
         for mu in ("0.1", "0.4")
-        for what, tolerance in (("pressure", 1e-2), ("shear", 2e-2))
+        for what, tolerance in (("pressure", 1e-2), ("shear", 2e-2), ("slip", 1e-2))
     ),
     _row(
         "0.1",
