@@ -170,18 +170,15 @@ def _solve(
         rows = np.flatnonzero(taken)
         sliding = rows if frictional[rows].any() else rows[:0]
         response = np.concatenate([columns.of_gap(rows), columns.of_slip(sliding)], axis=1)
-        compliance = np.concatenate([gap_of[rows] @ response, slip_of[sliding] @ response])
-        compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
         free = np.concatenate([free_gap[rows], free_slip[sliding]])
-        friction = law.friction[rows] if len(sliding) else None
-        problem = ContactProblem(compliance, free, friction, cohesion[rows] if len(sliding) else None)
+        problem = _condensed(contact, response, free, cohesion, rows, sliding)
         solution, note = _solved(problem, contact.solver)
         notes.update([note] if note else [])
         iterations += solution.iterations
         complementarity = complementarity_residual(problem, solution.traction)
         p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
         p_n[rows] = solution.traction[: len(rows)]
-        unpressed = p_n[rows] > -UNPRESSED * np.max(np.abs(free) / compliance.diagonal())
+        unpressed = p_n[rows] > -UNPRESSED * np.max(np.abs(free) / problem.compliance.diagonal())
         state[rows] = np.where(unpressed, OPEN, solution.state)
         p_t[sliding] = solution.traction[len(rows) :]
         u = u_free - response @ solution.traction
@@ -210,6 +207,18 @@ def _solve(
         status="solved" if taken.any() else "none",
         notes=tuple(sorted(notes)),
     )
+
+
+def _condensed(
+    contact: ContactSystem, response: Floats, free: Floats, cohesion: Floats, rows: Ints, sliding: Ints
+) -> ContactProblem:
+    """The problem of the contact points `rows` (k,), with tangential rows of the points `sliding` (k,) or (0,)."""
+    law = contact.law
+    compliance = np.concatenate([contact.gap_of[rows] @ response, contact.slip_of[sliding] @ response])
+    compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
+    if not len(sliding):
+        return ContactProblem(compliance, free)
+    return ContactProblem(compliance, free, law.friction[rows], cohesion[rows])
 
 
 class _Columns:
