@@ -73,13 +73,13 @@ def _area_and_perimeter(points: Floats) -> tuple[float, float]:
 
 def _body_line(body: Body, scale: float, unit: str) -> str:
     width, height = np.ptp(body.outline, axis=0) * scale
-    material = f"E = {body.material.young / 1e9:g} GPa, nu = {body.material.poisson:g}"
+    material = f"E = {_stress(body.material.young)}, nu = {body.material.poisson:g}"
     if body.material.density is not None:
         material += f", density {body.material.density:g} kg/m^3"
     n_holes = len(body.rings) - 1
     holes = f" with {_count(n_holes, 'hole')}" if n_holes else ""
     strength = "no strength given" if body.strength is None else (
-        f"tension {body.strength.tension / 1e6:g} MPa, cohesion {body.strength.cohesion / 1e6:g} MPa, "
+        f"tension {_stress(body.strength.tension)}, cohesion {_stress(body.strength.cohesion)}, "
         f"friction angle {body.strength.friction_angle:g} deg"
     )  # fmt: skip
     return f"body {body.name}: {width:g} x {height:g} {unit}{holes}, {material}; {strength}"
@@ -109,14 +109,14 @@ def _loads(case: Case) -> str:
         if isinstance(load, Gravity):
             words.append(f"gravity on {load.body}")
         elif isinstance(load, CrackPressure):
-            words.append(f"pressure {load.pressure / 1e6:g} MPa in {load.crack}")
+            words.append(f"pressure {_stress(load.pressure)} in {load.crack}")
         elif isinstance(load, InSituStress):
             words.append(f"in-situ stress in {load.body}")
     return ", ".join(words)
 
 
 def _law(contact: CoulombContact) -> str:
-    return f"friction {contact.friction:g}, cohesion {contact.cohesion / 1e6:g} MPa"
+    return f"friction {contact.friction:g}, cohesion {_stress(contact.cohesion)}"
 
 
 def _count(number: int, thing: str) -> str:
@@ -144,3 +144,10 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
 def _length_unit(case: Case) -> tuple[float, str]:
     size = float(np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max())
     return (1e3, "mm") if size < 1 else (1.0, "m")
+
+
+def _stress(value: float) -> str:
+    """A stress (Pa) in the unit that suits its size."""
+    if abs(value) >= 1e9:
+        return f"{value / 1e9:g} GPa"
+    return f"{value:g} Pa" if 0.0 < abs(value) < 1e4 else f"{value / 1e6:g} MPa"
