@@ -48,6 +48,7 @@ class ContactProblem:
     free: Floats  # (m,) m: gap and slip without contact traction
     friction: Floats | None = None  # (n,) coefficient, or None where there are no tangential rows
     cohesion: Floats | None = None  # (n,) Pa, None for zero; without meaning where friction is None
+    scale: Floats | None = None  # (m,) m/Pa: compliance that weighs jumps against tractions, None for the diagonal
 
     def __post_init__(self) -> None:
         for name in ("compliance", "free", "friction", "cohesion"):
@@ -67,6 +68,7 @@ class ContactProblem:
                 _check_sign(name, value, value >= 0.0, "zero or positive")
         diagonal = self.compliance.diagonal()
         _check_sign("compliance diagonal", diagonal, diagonal > 0.0, "positive: merge or drop contact points there")
+        object.__setattr__(self, "scale", _read_only("scale", diagonal if self.scale is None else self.scale))
 
     @property
     def n_points(self) -> int:
@@ -107,12 +109,13 @@ def jump(problem: ContactProblem, p: Floats) -> Floats:
 
 
 def project(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
-    """(m,) Pa: tractions of the contact law for p pushed by the jump, r = 1/diag(A); a solution is a fixed point.
+    """(m,) Pa: tractions of the contact law for p pushed by the jump, r = 1/scale; a solution is a fixed point.
 
     p_n = min(0, p_n + r du_n), p_t = clip(p_t + r du_t, -b, b) with b from the projected p_n.
     """
     n = problem.n_points
-    trial = p + du / problem.compliance.diagonal()
+    assert problem.scale is not None
+    trial = p + du / problem.scale
     trial[:n] = np.minimum(trial[:n], 0.0)
     if problem.friction is not None:
         b = shear_bound(problem, trial[:n])
@@ -123,7 +126,8 @@ def project(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
 def active_set(problem: ContactProblem, p: Floats, du: Floats) -> ActiveSet:
     """Return the branch of `project` that each point is on, for tractions p (m,) and jump du (m,)."""
     n = problem.n_points
-    trial = p + du / problem.compliance.diagonal()
+    assert problem.scale is not None
+    trial = p + du / problem.scale
     closed = trial[:n] < 0.0
     slip = np.ones(n, dtype=np.int64)
     if problem.friction is not None:

@@ -87,6 +87,7 @@ class ContactSystem:
     weights: Floats  # (n,) m, length of every contact point
     law: ContactLaw
     solver: Literal["newton", "lemke"]
+    loose: bool = False  # whether `system` holds pieces by springs, in whose compliance that of the rock is lost
 
 
 def solve_contact(contact: ContactSystem, loads: Floats, given: Floats) -> ContactOutcome:
@@ -216,9 +217,13 @@ def _condensed(
     law = contact.law
     compliance = np.concatenate([contact.gap_of[rows] @ response, contact.slip_of[sliding] @ response])
     compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
+    scale = None
+    if contact.loose:  # the few rigid motions are the largest eigenvalues
+        values = np.linalg.eigvalsh(0.5 * (compliance + compliance.T))
+        scale = np.full(len(free), np.median(np.abs(values)))
     if not len(sliding):
-        return ContactProblem(compliance, free)
-    return ContactProblem(compliance, free, law.friction[rows], cohesion[rows])
+        return ContactProblem(compliance, free, scale=scale)
+    return ContactProblem(compliance, free, law.friction[rows], cohesion[rows], scale)
 
 
 class _Columns:

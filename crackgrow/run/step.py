@@ -115,7 +115,7 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
     with _timed(seconds, "contact"):
         weights = faces.weights * scene.lattice.spacing
         law = _law(scene, faces, growing)
-        contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver)
+        contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))
         if springs is None:
             outcome = solve_contact(contact, loads, given)
         else:
