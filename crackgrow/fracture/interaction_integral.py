@@ -46,6 +46,9 @@ RADIUS = 2.5
 """Radius of the disc in spacings: from 1.5 on K is within 0.2 % on straight cracks, and kinks of the last increments,
 which the cover does not resolve, disturb a disc that reaches beyond them least."""
 
+STRAIGHT_RADIUS = 5.0
+"""The same as far as the crack is straight: a larger disc averages the stress, which ripples, over more tiles."""
+
 SMALLEST_RADIUS = 0.5
 """Spacings: K from a smaller disc is worth nothing."""
 
@@ -53,10 +56,13 @@ PARTS = np.array([0.7, 0.85, 1.0])
 """The discs, as fractions of the radius, whose spread is the error estimate."""
 
 N_RADIAL = 6
-"""Points per panel along a ray; panels end at the discs' radii and at kinks."""
+"""Points per panel along a ray; panels end at the discs' radii, at kinks and after every spacing."""
 
 N_ANGULAR = 24
-"""Points on a circle, from face to face."""
+"""Least number of points on a circle, from face to face."""
+
+ANGULAR_DENSITY = 10
+"""Points on a circle per spacing of the largest radius: the stress ripples from tile to tile."""
 
 FACE_PANEL = 0.25
 """Length of a panel on the faces, spacings, at the tip in terms of the square root."""
@@ -95,8 +101,9 @@ def interaction_integral(
     `traction` is all that acts between the faces: contact tractions less fluid pressure.
     """
     geometry, spacing = cover.tips[tip], cover.lattice.spacing
-    wanted = RADIUS if radius is None else radius / spacing
+    straight = min(float(geometry.radii[1]), STRAIGHT_RADIUS)
     room, obstacle = clearance(cover, tip)
+    wanted = max(RADIUS, min(straight, room)) if radius is None else radius / spacing
     if room < min(SMALLEST_RADIUS, wanted):
         nan = float("nan")
         return StressIntensity(
@@ -256,8 +263,8 @@ def _weighted_by_cone(r: Floats, weight: Floats, values: Floats, radii: Floats) 
 
 
 def _with_kinks(tip: Tip, radii: Floats) -> Floats:
-    """Zero, the radii and those of the kinks between them, increasing."""
-    return np.unique(np.concatenate([tip.radii[tip.radii < radii[-1]], radii]))
+    """Zero, the radii, those of the kinks between them, and every spacing, increasing."""
+    return np.unique(np.concatenate([tip.radii[tip.radii < radii[-1]], radii, np.arange(1.0, radii[-1])]))
 
 
 def _panels(stops: Floats, n: int) -> tuple[Floats, Floats]:
@@ -276,7 +283,7 @@ def _panels_from_tip(stops: Floats, n: int) -> tuple[Floats, Floats]:
 
 def _angles(tip: Tip, r: Floats) -> tuple[Floats, Floats]:
     """Angles (r, n) once round the tip from face to face at distances r, and their weights (n,)."""
-    x, w = gauss(N_ANGULAR)
+    x, w = gauss(max(N_ANGULAR, int(np.ceil(ANGULAR_DENSITY * r.max()))))
     return crack_angle(tip, r)[:, None] - 2.0 * np.pi * (1.0 - x), 2.0 * np.pi * w
 
 

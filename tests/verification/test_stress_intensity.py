@@ -132,8 +132,11 @@ WINGS = {
 
 @pytest.mark.parametrize("path", WINGS.values(), ids=WINGS.keys())
 def test_kinked_crack_against_a_fine_solution(path: str) -> None:
-    """Kinks lie inside of the disc of 3.75 mm. They cost 1 % of K: the solution's error, not the integral's."""
-    fine = solved("compression30", path, "numerics.spacing=0.5").tips[1]
+    """Kinks lie inside of the disc of 3.75 mm. They cost 1 % of K: the solution's error, not the integral's.
+
+    A spacing of 0.5 mm is not fine enough: K_II of the shortest wings is still 0.7 % off there.
+    """
+    fine = solved("compression30", path, "numerics.spacing=0.3").tips[1]
     size = np.hypot(*fine.K)
     for tip in solved("compression30", path).tips:
         np.testing.assert_allclose(np.array(tip.K), fine.K, atol=0.012 * size)

@@ -83,6 +83,14 @@ def K_rate(support: float) -> float:
 EXACT = "Kirsch 1898"
 CODE = "open_crack_K.csv, good to 0.01 %"
 
+
+def spurious_K_rate() -> float:
+    """Of K_I at the tips of the closed crack of compression30."""
+    spacings = (3.0, 1.5, 0.75)
+    tips = [solved("compression30", f"numerics.spacing={spacing}").tip("end") for spacing in spacings]
+    return rate(spacings, [abs(tip[0] / tip[1]) for tip in tips])
+
+
 ROWS = [
     *(
         Row(
@@ -109,6 +117,16 @@ ROWS = [
             "at least",
         )
         for support in SUPPORTS
+    ),
+    Row(
+        "compression30",
+        "rate of the spurious abs(K_I)/K_II, friction 0, 3 to 0.75 mm, support 2.0",
+        1.0,
+        "exact",
+        "closed crack: K_I = 0",
+        0.0,
+        spurious_K_rate,
+        "at least",
     ),
     # at supports 2 and 2.5 the error is below 0.05 % from 3 mm on, all that the integral's disc leaves: no rate shows
     Row(
