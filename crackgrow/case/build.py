@@ -13,6 +13,7 @@ from crackgrow.case.model import (
     CoulombContact,
     Crack,
     CrackPressure,
+    CriticalLoad,
     EdgeSupport,
     EdgeTraction,
     Gravity,
@@ -20,6 +21,8 @@ from crackgrow.case.model import (
     InSituStress,
     Interface,
     Load,
+    LoadHistory,
+    Loading,
     Material,
     Numerics,
     Output,
@@ -45,7 +48,7 @@ def build_case(name: str, scene: Scene) -> Case:
         interfaces=tuple(_interface(scene, interface) for interface in resolved["interfaces"]),
         supports=tuple(_support(scene, index, support) for index, support in enumerate(resolved["supports"])),
         loads=tuple(_load(scene, index, load) for index, load in enumerate(resolved["loads"])),
-        load_factors=tuple(resolved["loading"]["history"]),
+        loading=_loading(resolved["loading"]),
         growth=_growth(resolved["growth"]) if "growth" in resolved else None,
         numerics=_numerics(resolved["numerics"]),
         output=_output(resolved["output"]),
@@ -66,7 +69,7 @@ def _crack(scene: Scene, name: str, crack: Resolved) -> Crack:
         points=scene.cracks[name],
         tip_at_start=tips in ("both", "start"),
         tip_at_end=tips in ("both", "end"),
-        contact=None if contact == "none" else CoulombContact(**contact),
+        contact=None if contact == "none" else _contact(contact),
         body=scene.hosts[name],
     )
 
@@ -77,17 +80,27 @@ def _interface(scene: Scene, interface: Resolved) -> Interface:
     return Interface(
         bodies=(first, second),
         lines=shared_lines(scene.bodies[first], scene.bodies[second], scene.tolerance),
-        contact="bonded" if contact == "bonded" else CoulombContact(**contact),
+        contact="bonded" if contact == "bonded" else _contact(contact),
     )
 
 
 def _support(scene: Scene, index: int, support: Resolved) -> Support:
     if "contact" in support:
-        return ContactSupport(scene.regions["supports", index, "on"], CoulombContact(**support["contact"]))
+        return ContactSupport(scene.regions["supports", index, "on"], _contact(support["contact"]))
     x, y = (_component(support["displacement"].get(component)) for component in ("x", "y"))
     if "at" in support:
         return PointSupport(support["body"], frozen(support["at"]), (x, y))
     return EdgeSupport(scene.regions["supports", index, "on"], (x, y))
+
+
+def _contact(contact: Resolved) -> CoulombContact:
+    return CoulombContact(
+        friction=contact["friction"],
+        cohesion=contact["cohesion"],
+        residual_friction=contact["residual_friction" if "residual_friction" in contact else "friction"],
+        cohesion_kept=contact["cohesion_after_slip"] == "kept",
+        dilation_angle=contact["dilation_angle"],
+    )
 
 
 def _component(value: float | str | None) -> Component | None:
@@ -95,13 +108,18 @@ def _component(value: float | str | None) -> Component | None:
 
 
 def _load(scene: Scene, index: int, load: Resolved) -> Load:
+    held = load["held"]
     if "gravity" in load:
-        return Gravity(load["body"], tuple(load["gravity"]))
+        return Gravity(load["body"], tuple(load["gravity"]), held)
     if "pressure" in load:
-        return CrackPressure(load["crack"], load["pressure"])
+        return CrackPressure(load["crack"], load["pressure"], held)
     if "stress" in load:
-        return InSituStress(load["body"], tuple(load["stress"]))
-    return EdgeTraction(scene.regions["loads", index, "on"], tuple(load["traction"]))
+        return InSituStress(load["body"], tuple(load["stress"]), held)
+    return EdgeTraction(scene.regions["loads", index, "on"], tuple(load["traction"]), held)
+
+
+def _loading(loading: Resolved | str) -> Loading:
+    return CriticalLoad() if isinstance(loading, str) else LoadHistory(tuple(loading["history"]))
 
 
 def _growth(growth: Resolved) -> Growth:

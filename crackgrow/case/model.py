@@ -65,10 +65,17 @@ class Body:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoulombContact:
-    """Coulomb friction with cohesion on closed faces."""
+    """Coulomb friction with cohesion on closed faces, |p_t| <= c - mu p_n, and what slip makes of it.
+
+    A point that has slipped or opened is broken: friction falls to its residual value, and cohesion is lost unless it
+    is kept. Slip over asperities opens the faces by tan(dilation angle) |slip|.
+    """
 
     friction: float
     cohesion: float  # Pa
+    residual_friction: float  # of broken points
+    cohesion_kept: bool  # whether broken points cohere where they are closed
+    dilation_angle: float = 0.0  # degrees
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,6 +140,7 @@ class EdgeTraction:
 
     region: EdgeRegion
     traction: tuple[float, float]  # Pa
+    held: bool = False  # acts in full at every load factor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,6 +149,7 @@ class Gravity:
 
     body: str
     acceleration: tuple[float, float]  # m/s^2
+    held: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,6 +158,7 @@ class CrackPressure:
 
     crack: str
     pressure: float  # Pa, positive pushes the faces apart
+    held: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,10 +167,26 @@ class InSituStress:
 
     body: str
     stress: tuple[float, float, float]  # Pa: xx, yy, xy
+    held: bool = False
 
 
 Support = PointSupport | EdgeSupport | ContactSupport
 Load = EdgeTraction | Gravity | CrackPressure | InSituStress
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadHistory:
+    """Factors of the loads that are not held, applied in turn; friction remembers."""
+
+    factors: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CriticalLoad:
+    """Every step takes the factor at which the criterion is just met."""
+
+
+Loading = LoadHistory | CriticalLoad
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -218,8 +244,13 @@ class Case:
     interfaces: tuple[Interface, ...]
     supports: tuple[Support, ...]
     loads: tuple[Load, ...]
-    load_factors: tuple[float, ...]
+    loading: Loading
     growth: Growth | None
     numerics: Numerics
     output: Output
     resolved: dict[str, object]
+
+    @property
+    def last_factor(self) -> float:
+        """The last load factor of the history; nan where factors are found."""
+        return self.loading.factors[-1] if isinstance(self.loading, LoadHistory) else float("nan")

@@ -106,6 +106,9 @@ CONTACT: Final = Mapping(
     {
         "friction": Field(Number(NOT_NEGATIVE), "Coulomb's friction coefficient"),
         "cohesion": Field(Quantity("stress", NOT_NEGATIVE), "cohesion of the closed faces"),
+        "residual_friction": Field(Number(NOT_NEGATIVE), "friction of points that have slipped or opened", OPTIONAL),
+        "cohesion_after_slip": Field(Choice(("lost", "kept")), "cohesion of points that slipped or opened", "lost"),
+        "dilation_angle": Field(Quantity("angle", Bounds(at_least=0, below=90)), "faces part by tan of it x slip", 0.0),
     }
 )
 
@@ -159,22 +162,37 @@ SUPPORT: Final = OneOf(
     )
 )
 
+_HELD: Final = Field(Switch(), "acts in full at every load factor", False)
+
 LOAD: Final = OneOf(
     (
-        Mapping({"on": _ON, "traction": Field(ListOf(Quantity("stress"), 2), "force per area, [x, y]")}),
-        Mapping({"body": _BODY_NAME, "gravity": Field(ListOf(Quantity("acceleration"), 2), "acceleration, [x, y]")}),
+        Mapping({"on": _ON, "traction": Field(ListOf(Quantity("stress"), 2), "force per area, [x, y]"), "held": _HELD}),
+        Mapping(
+            {
+                "body": _BODY_NAME,
+                "gravity": Field(ListOf(Quantity("acceleration"), 2), "acceleration, [x, y]"),
+                "held": _HELD,
+            }
+        ),
         Mapping(
             {
                 "crack": Field(Text(), "name of a crack"),
                 "pressure": Field(Quantity("stress"), "pressure of a fluid on both faces"),
+                "held": _HELD,
             }
         ),
-        Mapping({"body": _BODY_NAME, "stress": Field(ListOf(Quantity("stress"), 3), "in-situ stress, [xx, yy, xy]")}),
+        Mapping(
+            {
+                "body": _BODY_NAME,
+                "stress": Field(ListOf(Quantity("stress"), 3), "in-situ stress, [xx, yy, xy]"),
+                "held": _HELD,
+            }
+        ),
     )
 )
 
-LOADING: Final = Mapping(
-    {"history": Field(ListOf(Number()), "load factors applied in turn; exactly one in this version", [1.0])}
+LOADING: Final = WordOr(
+    ("critical",), Mapping({"history": Field(ListOf(Number()), "load factors applied in turn", [1.0])})
 )
 
 TIP_STRESS: Final = Mapping(
@@ -233,7 +251,7 @@ CASE: Final = Mapping(
         "interfaces": Field(ListOf(INTERFACE), "contact between bodies that share a boundary", []),
         "supports": Field(ListOf(SUPPORT), "prescribed displacements and rigid foundations", []),
         "loads": Field(ListOf(LOAD), "loads", []),
-        "loading": Field(LOADING, "how the loads are applied in time", BY_PARTS),
+        "loading": Field(LOADING, "how the loads are applied in time", {"history": [1.0]}),
         "growth": Field(GROWTH, "how cracks grow; left out: one static solve", OPTIONAL),
         "numerics": Field(NUMERICS, "settings of the discretization"),
         "output": Field(OUTPUT, "what is written", BY_PARTS),

@@ -11,6 +11,7 @@ from crackgrow.case.model import (
     CoulombContact,
     Crack,
     CrackPressure,
+    CriticalLoad,
     EdgeSupport,
     EdgeTraction,
     Floats,
@@ -36,7 +37,7 @@ def overview(case: Case) -> str:
         *(_crack_line(crack, scale, unit) for crack in case.cracks),
         f"cracks: {len(case.cracks)}, tips: {n_tips}",
         *_support_lines(case),
-        f"loads: {_loads(case)}, load factors {', '.join(f'{f:g}' for f in case.load_factors)}",
+        f"loads: {_loads(case)}, {_loading(case)}",
         _growth_line(case, scale, unit),
         f"lattice: spacing {case.numerics.spacing * scale:g} {unit}, support {case.numerics.support:g} spacings, "
         f"about {nodes} nodes, {2 * nodes} dofs before cracks",
@@ -99,6 +100,12 @@ def _support_lines(case: Case) -> list[str]:
         f"supports: {n_points} at points, {n_edges} on edges, {_count(len(foundations), 'rigid foundation')}",
         *(f"foundation on edge {f.region.edge} of {f.region.body}: {_law(f.contact)}" for f in foundations),
     ]
+
+
+def _loading(case: Case) -> str:
+    if isinstance(case.loading, CriticalLoad):
+        return "each step at its critical load factor"
+    return f"load factors {', '.join(f'{f:g}' for f in case.loading.factors)}"
 
 
 def _loads(case: Case) -> str:

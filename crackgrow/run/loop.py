@@ -34,7 +34,7 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
     known: StepSolution | None = None
     for step in range(n_steps + 1):
         try:
-            solution = known or solve_step(scene, cracks, case.load_factors[-1])
+            solution = known or solve_step(scene, cracks, case.last_factor)
         except (SolveError, GeometryError):
             if ended is None:
                 raise
@@ -48,7 +48,7 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
         if len(chosen) == 0 and step < n_steps:
             return RunEnd("arrested", _why_arrested(cracks, solution, step), _paths(cracks))
         if case.growth and step < n_steps:
-            advance = advance_tips(scene, cracks, solution, chosen, step + 1, case.load_factors[-1])
+            advance = advance_tips(scene, cracks, solution, chosen, step + 1, case.last_factor)
             cracks, known = advance.cracks, advance.solution
             if advance.left:
                 reached = f"step {step + 1}: {' and '.join(advance.left)}"

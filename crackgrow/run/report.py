@@ -47,7 +47,7 @@ def step_result(
     frame = make_frame(solution.cover, solution.materials, outcome.u) if with_frame else None
     return StepResult(
         step=step,
-        load_factor=scene.case.load_factors[-1],
+        load_factor=scene.case.last_factor,
         cracks=paths,
         tips=tips,
         contact=_contact(solution, scene),

@@ -43,7 +43,7 @@ def solved(seed: int) -> tuple[StepSolution, Frame, float]:
     path, friction, load = random_crack(seed)
     traction = [f"loads.0.traction=[0, {load}]", f"loads.1.traction=[0, {-load}]"]
     case = load_case(CASE, [f"numerics.spacing={SPACING}", "growth.steps=1", *traction])
-    crack = replace(case.cracks[0], points=path, contact=CoulombContact(friction, 0.0))
+    crack = replace(case.cracks[0], points=path, contact=CoulombContact(friction, 0.0, friction, False))
     scene = make_scene(replace(case, cracks=(crack,)))
     solution = solve_step(scene, (GrowingCrack(crack, np.zeros(2, dtype=np.int64)),), 1.0)
     return solution, make_frame(solution.cover, scene.materials, solution.outcome.u), friction

@@ -70,7 +70,7 @@ def solve(folder: Path, text: str, *settings: str) -> tuple[Scene, StepSolution]
     case = load_case(path, settings)
     scene = make_scene(case)
     cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
-    return scene, solve_step(scene, cracks, case.load_factors[-1])
+    return scene, solve_step(scene, cracks, case.last_factor)
 
 
 def displacement(scene: Scene, solution: StepSolution, metres: np.ndarray, body: int = 0) -> np.ndarray:

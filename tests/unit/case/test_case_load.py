@@ -60,7 +60,7 @@ def test_compression30_in_si():
     case = load_case(CASES / "compression30.yaml")
     (body,) = case.bodies
     (crack,) = case.cracks
-    assert (case.name, case.plane, case.load_factors) == ("compression30", "strain", (1.0,))
+    assert (case.name, case.plane, case.loading.factors) == ("compression30", "strain", (1.0,))
     assert body.outline.tolist() == [[-0.0155, -0.0275], [0.0155, -0.0275], [0.0155, 0.0275], [-0.0155, 0.0275]]
     assert body.rings[0].edge_names == ("bottom", "right", "top", "left")
     assert (body.material.young, body.material.poisson, body.material.density) == (1e10, 0.25, None)
