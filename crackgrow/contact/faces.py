@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import block_diag, csr_array
 
-from crackgrow.cover.cover import Cover
+from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
 from crackgrow.quadrature.lines import on_edges_with_tips
 from crackgrow.quadrature.rules import gauss
@@ -81,18 +81,18 @@ class ContactFaces:
         return np.asarray(self.functions @ self.lengths)
 
 
-def stretch_ends(points: Floats) -> Floats:
-    """Arc lengths (m + 1,) at which the m stretches of a polyline (n, 2) begin and end: its ends and sharp kinks."""
-    s = arc_lengths(points)
-    sharp = np.abs(kink_angles(points)) > STRETCH_KINK
-    return np.concatenate([s[:1], s[1:-1][sharp], s[-1:]])
+def stretch_ends(surface: Surface) -> Floats:
+    """Arc lengths (m + 1,) at which the m stretches of a surface begin and end: its ends, sharp kinks and junctions."""
+    s = arc_lengths(surface.points)
+    breaks = (np.abs(kink_angles(surface.points)) > STRETCH_KINK) | surface.junctions[1:-1]
+    return np.concatenate([s[:1], s[1:-1][breaks], s[-1:]])
 
 
 def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
     """Mortar nodes at least `spacing` (lattice spacings) apart along each stretch of the surfaces `touching` (indices).
 
-    One node lies in the middle of each stretch and one on every end of the surface that is no tip. The end pieces at
-    tips and sharp kinks are constant: no node lies there.
+    One node lies in the middle of each stretch and one on every end of the surface that lies on a rim. The end pieces
+    at tips, sharp kinks and junctions are constant: no node lies there.
     """
     parts = [_mortar_on_surface(cover, surface, spacing) for surface in touching]
     return _joined(cover, touching, parts)
@@ -111,7 +111,7 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
         s = (start[:, None] + size[:, None] * x).ravel()
         n = len(s)
         functions = csr_array((np.ones(n), np.arange(n), np.arange(n + 1)), shape=(n, n))
-        stretch = np.searchsorted(stretch_ends(cover.surfaces[surface].points)[1:-1], s, side="right")
+        stretch = np.searchsorted(stretch_ends(cover.surfaces[surface])[1:-1], s, side="right")
         parts.append((points_at(cover, surface, s), (size[:, None] * w).ravel(), functions, s, stretch))
     return _joined(cover, touching, parts)
 
@@ -128,13 +128,17 @@ _Part = tuple[FacePoints, Floats, csr_array, Floats, Ints]  # integration points
 
 def _mortar_on_surface(cover: Cover, index: int, spacing: float) -> _Part:
     surface = cover.surfaces[index]
-    ends = stretch_ends(surface.points)
+    ends = stretch_ends(surface)
+    on_rim = (
+        not (surface.tip_at_start or surface.junctions[0]),
+        not (surface.tip_at_end or surface.junctions[-1]),
+    )
     nodes, stretch = [], []
     for number, (start, end) in enumerate(pairwise(ends.tolist())):
         n_pairs = int((end - start) / (2.0 * spacing) + TIE)  # never closer than `spacing`: see `numerics.contact`
         n_pieces = 2 * max(n_pairs, 1)  # even: one node in the middle
-        first = 0 if number == 0 and not surface.tip_at_start else 1
-        last = n_pieces if number == len(ends) - 2 and not surface.tip_at_end else n_pieces - 1
+        first = 0 if number == 0 and on_rim[0] else 1
+        last = n_pieces if number == len(ends) - 2 and on_rim[1] else n_pieces - 1
         nodes.append(start + (end - start) * np.arange(first, last + 1) / n_pieces)
         stretch.append(np.full(last + 1 - first, number))
     all_nodes, all_stretch = np.concatenate(nodes), np.concatenate(stretch)

@@ -39,7 +39,7 @@ def _stretches(cover: Cover, faces: ContactFaces, surface: int, s: Floats) -> It
     mine = np.flatnonzero(faces.surface == surface)
     if len(mine) == 0:
         return
-    stretch = np.searchsorted(stretch_ends(cover.surfaces[surface].points)[1:-1], s, side="right")
+    stretch = np.searchsorted(stretch_ends(cover.surfaces[surface])[1:-1], s, side="right")
     for number in np.unique(stretch):
         yield np.flatnonzero(stretch == number), mine[faces.stretch[mine] == number]
 

@@ -6,19 +6,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from crackgrow.cover.elements import Elements, cut_elements
 from crackgrow.cover.face_edges import FaceEdges, edges_of_region
+from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import physical_patches
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, make_tip
+from crackgrow.cover.tiles import crossings_and_middles, tile_lines, tiles_at
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, make_tip
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.geometry.tolerance import TOUCH
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 SPECK = 1e-15
 """A patch whose weight is nowhere larger than this contributes less than round-off."""
@@ -43,6 +47,7 @@ class Surface:
     edges: FaceEdges
     tip_at_start: bool
     tip_at_end: bool
+    junctions: Bools  # (n,) which corners are junctions with other surfaces
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +76,7 @@ class Cover:
         return 2 * self.n_functions
 
     @property
-    def touching(self) -> NDArray[np.bool_]:
+    def touching(self) -> Bools:
         """Which edges of the arrangement (e,) lie on a surface."""
         on_surface = np.zeros(len(self.elements.edges.a), dtype=bool)
         for surface in self.surfaces:
@@ -91,12 +96,11 @@ def build_cover(
     Raises GeometryError where the cover cannot represent a crack.
     """
     bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings)) for body in bodies]
-    cracks = [replace(crack, points=on_grid(crack.points)) for crack in cracks]
-    interfaces = [replace(interface, points=on_grid(interface.points)) for interface in interfaces]
-    lines = [*cracks, *interfaces]
+    lines = with_junctions([replace(line, points=on_grid(line.points)) for line in (*cracks, *interfaces)])
+    cracks = lines[: len(cracks)]
     elements = cut_elements(lattice, bodies, lines)
     surfaces = [
-        Surface(line.name, line.points, edges, line.tip_at_start, line.tip_at_end)
+        Surface(line.name, line.points, edges, line.tip_at_start, line.tip_at_end, line.junctions)
         for line, edges in zip(lines, elements.lines, strict=True)
     ]
     surfaces.extend(_on_foundation(elements, bodies, foundation) for foundation in foundations)
@@ -107,10 +111,13 @@ def build_cover(
     n_functions = len(patch_nodes)
     for index, crack in enumerate(cracks):
         for at_end in crack.tips():
-            from_tip = crack.points[::-1] if at_end else crack.points
-            tips.append(make_tip(from_tip, reach, crack.tip_at_start if at_end else crack.tip_at_end))
-            tip_ends.append((index, at_end))
             singular = _singular_patches(lattice, elements, functions, patch_nodes, index, crack, at_end)
+            from_tip = crack.points[::-1] if at_end else crack.points
+            far_end_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
+            seen = np.asarray(np.isin(functions, singular).any(axis=1))
+            ends_inside = far_end_is_tip or _leads_through(lattice, elements, seen, beyond_far_end(from_tip, reach))
+            tips.append(make_tip(from_tip, reach, ends_inside))
+            tip_ends.append((index, at_end))
             first = np.full(len(patch_nodes), -1, dtype=np.int64)
             first[singular] = n_functions + N_TIP_FUNCTIONS * np.arange(len(singular))
             n_functions += N_TIP_FUNCTIONS * len(singular)
@@ -137,7 +144,8 @@ def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundatio
     start, step = sides[foundation.sides, 0], np.diff(sides[foundation.sides], axis=1)[:, 0]
     begin = start + foundation.limits[:, :1] * step
     end = start[-1:] + foundation.limits[-1:, 1:] * step[-1:]
-    return Surface(foundation.name, np.concatenate([begin, end]), edges, False, False)
+    points = np.concatenate([begin, end])
+    return Surface(foundation.name, points, edges, False, False, np.zeros(len(points), dtype=bool))
 
 
 def _without_specks(lattice: Lattice, elements: Elements, functions: Ints, nodes: Ints) -> tuple[Ints, Ints]:
@@ -175,3 +183,12 @@ def _singular_patches(
     candidates = np.intersect1d(plus[plus >= 0], minus[minus >= 0])
     inside = np.abs(nodes[candidates] - crack.tip_point(at_end)).max(axis=1) < lattice.support - TOUCH
     return np.asarray(candidates[inside])
+
+
+def _leads_through(lattice: Lattice, elements: Elements, seen: Bools, segment: Floats) -> bool:
+    """Whether a segment (2, 2) leads through one of the elements that `seen` (elements,) marks."""
+    cut = elements.tree.query(shapely.linestrings(segment), predicate="intersects") + elements.n_whole
+    tiles = tiles_at(lattice, crossings_and_middles(segment, *tile_lines(lattice)))
+    tiles = tiles[np.all((tiles >= 0) & (tiles < elements.whole_of_tile.shape), axis=1)]
+    whole = elements.whole_of_tile[tuple(tiles.T)]
+    return bool(seen[cut].any() or seen[whole[whole >= 0]].any())

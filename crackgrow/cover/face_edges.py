@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import KDTree
 
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import GeometryError
@@ -55,13 +56,14 @@ def edges_on_lines(
     candidates = np.flatnonzero((edges.right >= n_whole) & (edges.left >= n_whole))
     middles = shapely.points(0.5 * (vertices[edges.a[candidates]] + vertices[edges.b[candidates]]))
     tree = shapely.STRtree(middles)
+    places = KDTree(vertices)
     found = []
     for crack in cracks:
         lines = shapely.linestrings(np.stack([crack.points[:-1], crack.points[1:]], axis=1))
         segment, hit = tree.query(lines, predicate="dwithin", distance=ON_LINE)
-        hit, first = np.unique(hit, return_index=True)
-        chain = _chain(vertices, edges.a[candidates[hit]], edges.b[candidates[hit]], crack)
-        edge, segment = candidates[hit[chain]], segment[first[chain]]
+        corners = places.query(crack.points)[1]
+        chain = _chain(vertices, corners, edges.a[candidates[hit]], edges.b[candidates[hit]], segment, crack)
+        edge, segment = candidates[hit[chain]], segment[chain]
         along = segment_directions(crack.points)[segment]
         forward = np.sum((vertices[edges.b[edge]] - vertices[edges.a[edge]]) * along, axis=1) > 0
         start = np.where(forward, edges.a[edge], edges.b[edge])
@@ -83,18 +85,25 @@ def edges_on_lines(
     return tuple(found), is_crack
 
 
-def _chain(vertices: Floats, a: Ints, b: Ints, crack: CrackGeometry) -> Ints:
-    """The edges (a, b), of those that lie on a crack within rounding, that lead from its start to its end, in order.
+def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, crack: CrackGeometry) -> Ints:
+    """The edges (a, b), of those that lie on a `segment` of a crack within rounding, that lead along it, in order.
 
-    A lattice line closer to the crack than rounding gives more than one way; the shortest is taken.
+    A lattice line closer to the crack than rounding gives more than one way; the shortest is taken. From one segment to
+    the next it leads through their common vertex only, that of their corner: a crack may come back to itself.
     """
-    used, ends = np.unique(np.concatenate([a, b]), return_inverse=True)
+    keys = np.stack([np.concatenate([a, b]), 2 * np.tile(segment, 2) + 1])  # (vertex, 2 segment + 1), even at corners
+    for shift in (0, 1):
+        keys[1, keys[0] == corners[np.tile(segment, 2) + shift]] += 2 * shift - 1
+    used, ends = np.unique(keys, axis=1, return_inverse=True)
     ends = ends.reshape(2, -1)
-    n = len(used)
+    n = used.shape[1]
     lengths = np.hypot(*(vertices[b] - vertices[a]).T)
     graph = coo_array((lengths, tuple(ends)), shape=(n, n)).tocsr()
     number = coo_array((np.arange(1, len(a) + 1), tuple(ends)), shape=(n, n)).tocsr()
-    first, last = (int(np.argmin(np.hypot(*(vertices[used] - p).T))) for p in crack.points[[0, -1]])
+    is_end = [(used[0] == corners[corner]) & (used[1] == 2 * corner) for corner in (0, len(corners) - 1)]
+    if not all(found.any() for found in is_end):
+        raise GeometryError(f"'{crack.name}' could not be cut along all of its length: its ends are not on its edges")
+    first, last = (int(np.argmax(found)) for found in is_end)
     length, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
     total = arc_lengths(crack.points)[-1]
     if abs(length[last] - total) > 1e-6 * max(total, 1.0):

@@ -19,6 +19,12 @@ class CrackGeometry:
     points: Floats  # (n, 2)
     tip_at_start: bool
     tip_at_end: bool
+    joined: NDArray[np.bool_] | None = None  # (n,) which vertices are junctions with other lines; None: not known yet
+
+    @property
+    def junctions(self) -> NDArray[np.bool_]:
+        """Which vertices (n,) are junctions with other lines."""
+        return np.zeros(len(self.points), dtype=bool) if self.joined is None else self.joined
 
     def tips(self) -> list[bool]:
         """The ends that are tips: False for the start, True for the end."""

@@ -33,7 +33,7 @@ def touched_tiles(lattice: Lattice, segments: Floats, tips: Floats) -> Bools:
     x, y = tile_lines(lattice)
     touched = np.zeros((len(x) - 1, len(y) - 1), dtype=bool)
     if len(segments):
-        samples = np.concatenate([_crossings_and_middles(segment, x, y) for segment in segments])
+        samples = np.concatenate([crossings_and_middles(segment, x, y) for segment in segments])
         for dx in (-TOUCH, TOUCH):
             for dy in (-TOUCH, TOUCH):
                 touched[tuple(tiles_at(lattice, samples + np.array([dx, dy])).T)] = True
@@ -42,7 +42,7 @@ def touched_tiles(lattice: Lattice, segments: Floats, tips: Floats) -> Bools:
     return touched
 
 
-def _crossings_and_middles(segment: Floats, x: Floats, y: Floats) -> Floats:
+def crossings_and_middles(segment: Floats, x: Floats, y: Floats) -> Floats:
     """Ends of a segment (2, 2), its crossings with the tile lines, and the middles between those."""
     start, step = segment[0], segment[1] - segment[0]
     parameters = [0.0, 1.0]

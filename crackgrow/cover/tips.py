@@ -2,7 +2,8 @@
 
 With alpha(r) the polar angle of the crack at distance r from its tip (near +pi), the angle t of a point lies in
 (alpha(r) - 2 pi, alpha(r)]. That needs every circle round the tip to cross the crack once; where that ends (a sharp
-bend back, or the crack's other tip inside of the same patches) the tip functions fade out.
+bend back, or the crack's other tip inside of the same patches, or another crack on which it ends while rock behind that
+one sees the tip) the tip functions fade out.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from crackgrow.geometry.tolerance import TOUCH
 
 Floats = NDArray[np.float64]
 
@@ -29,8 +32,18 @@ class Tip:
     fade: float  # L; inf where nothing fades
 
 
-def make_tip(points_from_tip: Floats, reach: float, far_end_is_tip: bool) -> Tip:
-    """Tip of a crack given by its vertices (n, 2) from the tip on; `reach` is how far tip functions can be seen."""
+def beyond_far_end(points_from_tip: Floats, reach: float) -> Floats:
+    """The straight extension (2, 2) of a crack (n, 2) past its far end, where the angle round the tip jumps on."""
+    start, step = points_from_tip[-1], points_from_tip[-1] - points_from_tip[-2]
+    step = step / np.hypot(*step)
+    return np.stack([start + TOUCH * step, start + reach * step])
+
+
+def make_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> Tip:
+    """Tip of a crack given by its vertices (n, 2) from the tip on; `reach` is how far tip functions can be seen.
+
+    ends_inside: whether the jump of the angle would go on beyond the crack's far end, through rock that sees the tip
+    """
     direction = points_from_tip[0] - points_from_tip[1]
     direction = direction / np.hypot(*direction)
     rotation = np.array([direction, [-direction[1], direction[0]]])
@@ -39,7 +52,7 @@ def make_tip(points_from_tip: Floats, reach: float, far_end_is_tip: bool) -> Tip
     steps = np.diff(path, axis=0)
     outward = np.sum(path[:-1] * steps, axis=1) >= 0.0  # the distance grows all along the segment
     n_good = len(steps) if outward.all() else int(np.argmin(outward))
-    ends = np.inf if n_good == len(steps) and not far_end_is_tip else radii[n_good]
+    ends = np.inf if n_good == len(steps) and not ends_inside else radii[n_good]
     return Tip(
         point=points_from_tip[0],
         rotation=rotation,

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from crackgrow.contact.faces import points_at, stretch_ends
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.cover import Cover
-from crackgrow.geometry.polyline import arc_lengths
 
 Floats = NDArray[np.float64]
 
@@ -33,9 +32,8 @@ def from_face_displacement(cover: Cover, young_prime: float, u: Floats, tip: int
     ends of a crack. A negative K_II turns the crack counter-clockwise.
     """
     crack, at_end = cover.tip_ends[tip]
-    path = cover.surfaces[crack].points
-    ends = stretch_ends(path)
-    total = arc_lengths(path)[-1]
+    ends = stretch_ends(cover.surfaces[crack])
+    total = ends[-1]
     length = float(min(ends[-1] - ends[-2] if at_end else ends[1] - ends[0], FIT_SPACINGS, 0.5 * total))
     x = (np.arange(FIT_POINTS) + 0.5) / FIT_POINTS
     r = length * x

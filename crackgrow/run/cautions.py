@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
 from crackgrow.run.step import StepSolution
@@ -147,7 +148,10 @@ def _close(solution: StepSolution) -> list[tuple[str, str]]:
     lines = [shapely.LineString(crack.points) for crack in cover.cracks]
     names = [f"crack '{crack.name}'" for crack in cover.cracks]
     pairs = [
-        (names[i], names[j]) for i in range(len(lines)) for j in range(i) if shapely.dwithin(lines[i], lines[j], CLOSE)
+        (names[i], names[j])
+        for i in range(len(lines))
+        for j in range(i)
+        if shapely.dwithin(lines[i], lines[j], CLOSE) and not shapely.dwithin(lines[i], lines[j], ON_LINE)
     ]
     outline = shapely.multilinestrings(shapely.linestrings(cover.elements.outlines.points))
     for tip, (index, at_end) in zip(cover.tips, cover.tip_ends, strict=True):

@@ -149,7 +149,7 @@ def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
         if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
             points[end] = shapely.shortest_line(boundary, place).coords[0]
             inside[index] = False
-    return CrackGeometry(growing.crack.name, scene.lattice.to_lattice(points), *inside)
+    return CrackGeometry(growing.crack.name, scene.lattice.to_lattice(points), inside[0], inside[1])
 
 
 def _faces(scene: Scene, cover: Cover) -> ContactFaces:

@@ -95,8 +95,9 @@ def test_weights_of_hats_with_constant_end_pieces(build) -> None:
 
 @pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
 def test_functions_interpolate_linearly_between_nodes_and_stay_constant_beyond(build, path) -> None:
-    faces = mortar_faces(plate(build, path).cover, [0], 1.0)
-    ends = stretch_ends(np.array(path))
+    cover = plate(build, path).cover
+    faces = mortar_faces(cover, [0], 1.0)
+    ends = stretch_ends(cover.surfaces[0])
     stretch = np.searchsorted(ends[1:-1], faces.points.s, side="right")
     first = np.array([faces.s[faces.stretch == k].min() for k in range(len(ends) - 1)])
     last = np.array([faces.s[faces.stretch == k].max() for k in range(len(ends) - 1)])
@@ -117,8 +118,9 @@ def test_weighted_points_integrate_along_the_crack(build) -> None:
 @pytest.mark.parametrize(("kink", "n_stretches"), [(15.0, 1), (-19.0, 1), (21.0, 2), (-25.0, 2), (70.0, 2)])
 def test_sharp_kinks_split_stretches_and_gentle_ones_do_not(build, kink: float, n_stretches: int) -> None:
     path = bent(4.0, 3.0, kink)
-    faces = mortar_faces(plate(build, path).cover, [0], 1.0)
-    assert len(stretch_ends(path)) == n_stretches + 1
+    cover = plate(build, path).cover
+    faces = mortar_faces(cover, [0], 1.0)
+    assert len(stretch_ends(cover.surfaces[0])) == n_stretches + 1
     assert set(faces.stretch.tolist()) == set(range(n_stretches))
     assert faces.n == {1: 5, 2: 3 + 1}[n_stretches]
     before, after = faces.points.s < 4.0, faces.points.s > 4.0

@@ -1,0 +1,87 @@
+"""Junctions: places where cracks and interfaces cross, touch or end on each other.
+
+Lines that meet get a common vertex there, the same point to the last bit, so that three lines through one place enclose
+no speck of rock and a line that ends on another one leaves no gap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.geometry.arrangement import connected, on_grid
+from crackgrow.geometry.tolerance import TOUCH
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+
+def with_junctions(lines: Sequence[CrackGeometry]) -> list[CrackGeometry]:
+    """The lines, in lattice coordinates, with a vertex at every junction; an end at a junction is no tip."""
+    places = _meeting_places(lines)
+    if len(places) == 0:
+        return list(lines)
+    tree = shapely.STRtree(shapely.points(places))
+    return [_joined(line, places, tree) for line in lines]
+
+
+def _meeting_places(lines: Sequence[CrackGeometry]) -> Floats:
+    """One point (n, 2) for every place where segments of different lines, or distant ones of one line, meet."""
+    if not lines:
+        return np.empty((0, 2))
+    ends = np.concatenate([np.stack([line.points[:-1], line.points[1:]], axis=1) for line in lines])
+    owner = np.repeat(np.arange(len(lines)), [len(line.points) - 1 for line in lines])
+    segments = shapely.linestrings(ends)
+    first, second = shapely.STRtree(segments).query(segments, predicate="dwithin", distance=TOUCH)
+    neighbours = (owner[first] == owner[second]) & (second - first == 1)
+    pairs = np.flatnonzero((first < second) & ~neighbours)
+    found: list[Floats] = []  # vertices first: of the points of one place the first one stands for all
+    crossings: list[Floats] = []
+    for a, b in zip(first[pairs].tolist(), second[pairs].tolist(), strict=True):
+        near = [_vertices_on(ends[a], segments[b]), _vertices_on(ends[b], segments[a])]
+        found.extend(near)
+        if not any(len(points) for points in near):
+            crossings.append(shapely.get_coordinates(shapely.shortest_line(segments[a], segments[b]))[:1])
+    points = on_grid(np.concatenate([np.empty((0, 2)), *found, *crossings]))
+    one, other = shapely.STRtree(shapely.points(points)).query(
+        shapely.points(points), predicate="dwithin", distance=2.0 * TOUCH
+    )
+    _, representative = np.unique(connected(len(points), one, other), return_index=True)
+    return np.asarray(points[representative])
+
+
+def _vertices_on(ends: Floats, segment: shapely.LineString) -> Floats:
+    """Those of two points (2, 2) that lie on a segment."""
+    return np.asarray(ends[shapely.dwithin(shapely.points(ends), segment, TOUCH)])
+
+
+def _joined(line: CrackGeometry, places: Floats, tree: shapely.STRtree) -> CrackGeometry:
+    """A line with the `places` (n, 2) on it as vertices; `tree` holds them."""
+    reach = 3.0 * TOUCH  # a place stands for points up to this far from it
+    points, joined = line.points[:1], np.zeros(1, dtype=bool)
+    for start, end in zip(line.points[:-1], line.points[1:], strict=True):
+        on_it = places[tree.query(shapely.linestrings([start, end]), predicate="dwithin", distance=reach)]
+        along = (on_it - start) @ (end - start)
+        for place in on_it[np.argsort(along)]:
+            points, joined = _with_vertex(points, joined, place, reach)
+        if np.hypot(*(points[-1] - end)) > reach or not joined[-1]:
+            points, joined = np.vstack([points, end]), np.append(joined, False)
+    return replace(
+        line,
+        points=points,
+        joined=joined,
+        tip_at_start=line.tip_at_start and not joined[0],
+        tip_at_end=line.tip_at_end and not joined[-1],
+    )
+
+
+def _with_vertex(points: Floats, joined: Bools, place: Floats, reach: float) -> tuple[Floats, Bools]:
+    """Vertices (n, 2) with a junction after the last one, or in its stead where that lies at the same place."""
+    if np.hypot(*(points[-1] - place)) <= reach:
+        return np.vstack([points[:-1], place]), np.append(joined[:-1], True)
+    return np.vstack([points, place]), np.append(joined, True)
