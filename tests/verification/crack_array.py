@@ -6,8 +6,8 @@ Each crack is a distribution of dislocations along |x| < a in its own axes. With
 
 (no n = 0: the displacement is single-valued) Muskhelishvili's potentials are Cauchy integrals with closed forms,
 
-    Phi(z) = 1/(2 pi) int density/(x - z) dx = -1/2 sum c_n rho^n / sqrt(w^2 - 1),    rho = w - sqrt(w^2 - 1),    w = z/a,
-    Omega(z) = conj Phi(conj z),    sigma_xx + sigma_yy = 4 Re Phi,
+    Phi(z) = 1/(2 pi) int density/(x - z) dx = -1/2 sum c_n rho^n / sqrt(w^2 - 1),
+    rho = w - sqrt(w^2 - 1),    w = z/a,    sigma_xx + sigma_yy = 4 Re Phi,
     sigma_yy + i sigma_xy = conj(Phi(z) + Phi(conj z)) + (conj z - z) Phi'(z),
     2 G (u + i v) = kappa phi(z) - phi(conj z) - (z - conj z) conj Phi(z),    phi = a/2 sum c_n rho^n / n,
 
@@ -32,6 +32,7 @@ from crackgrow.case.model import Formula
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
+Tip = Literal["start", "end"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +73,8 @@ class CrackArray:
     coefficients: tuple[Complexes, ...]  # (N,) Pa each, c_1 ... c_N
     residual: float  # Pa, largest traction on a face beyond what is given, between the points of collocation
 
-    def K(self, crack: int, tip: Literal["start", "end"]) -> tuple[float, float]:
-        """K_I and K_II (Pa sqrt(m)); K_II positive where the face on the left of the outward direction moves outward."""
+    def K(self, crack: int, tip: Tip) -> tuple[float, float]:
+        """K_I and K_II (Pa sqrt(m)); K_II positive where the face on the left of the tip's direction moves outward."""
         c = self.coefficients[crack]
         signs = np.ones(len(c)) if tip == "end" else (-1.0) ** np.arange(len(c))
         K = -np.sqrt(np.pi * self.cracks[crack].half_length) * (signs @ c)
@@ -81,7 +82,8 @@ class CrackArray:
 
     def largest_K(self) -> float:
         """The largest |K_I - i K_II| (Pa sqrt(m)) of all tips."""
-        return max(float(np.hypot(*self.K(n, tip))) for n in range(len(self.cracks)) for tip in ("start", "end"))
+        tips: tuple[Tip, Tip] = ("start", "end")
+        return max(float(np.hypot(*self.K(n, tip))) for n in range(len(self.cracks)) for tip in tips)
 
     def stress_at(self, points: Floats) -> Floats:
         """Stress (n, 3) Pa, xx, yy, xy, at points (n, 2) m off the cracks."""
@@ -140,7 +142,9 @@ def solve_crack_array(
     found = np.linalg.solve(matrix, np.stack([wanted.real, wanted.imag], axis=1).ravel()).reshape(-1, n_terms, 2)
     between = np.cos(np.pi * (np.arange(n_terms + 1) + 0.5) / (n_terms + 1))
     left = _traction_matrix(cracks, between, n_terms).reshape(-1, size) @ found.ravel()
-    missed = left.reshape(len(cracks), -1, 2) - np.array([[[g.real, g.imag]] for g in (_given(c, stress) for c in cracks)])
+    missed = left.reshape(len(cracks), -1, 2) - np.array(
+        [[[g.real, g.imag]] for g in (_given(c, stress) for c in cracks)]
+    )
     coefficients = tuple(c[:, 0] + 1j * c[:, 1] for c in found)
     return CrackArray(tuple(cracks), stress, coefficients, float(np.abs(missed).max()))
 
