@@ -162,7 +162,7 @@ def _traction_matrix(cracks: Sequence[StraightCrack], s: Floats, n_terms: int) -
     theta = np.arccos(s)[:, None]
     own = np.sin(np.arange(1, n_terms + 1) * theta) / np.sin(theta)  # U_{n-1}
     for row, on in enumerate(cracks):
-        z = on.middle + on.half_length * on.direction * s
+        z = np.asarray(on.middle + on.half_length * on.direction * s, dtype=np.complex128)
         for column, of in enumerate(cracks):
             if row == column:
                 by_c, by_conj = np.zeros_like(own, dtype=complex), own.astype(complex)

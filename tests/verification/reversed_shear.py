@@ -59,7 +59,7 @@ class ShearedCrack:
     def slip(self, shear: ArrayLike, x: Floats) -> Floats:
         """Slip (n, k) m at places x (k,) m from the middle."""
         shape = np.sqrt(self.half_length**2 - np.asarray(x) ** 2)
-        return 4.0 / self.young_prime * np.multiply.outer(self.driving(shear), shape)
+        return np.asarray(4.0 / self.young_prime * np.multiply.outer(self.driving(shear), shape))
 
     def mean_slip(self, shear: ArrayLike) -> Floats:
         """Slip (n,) m averaged over the crack."""
@@ -67,7 +67,7 @@ class ShearedCrack:
 
     def K_II(self, shear: ArrayLike) -> Floats:
         """K_II (n,) Pa sqrt(m)."""
-        return np.sqrt(np.pi * self.half_length) * self.driving(shear)
+        return np.asarray(np.sqrt(np.pi * self.half_length) * self.driving(shear))
 
     def dissipated(self, shear: ArrayLike) -> Floats:
         """Energy (n,) J/m that friction has taken since the start."""

@@ -10,8 +10,8 @@ force 2 a tau_eff, taken across the wings, as point loads at its middle, and the
 l* = 0.27 c). theta is the angle between flaw and wings. l* makes the formula right for l -> 0 as well: a vanishing wing
 in the direction of the largest hoop stress, 70.5 degrees, has K_I = 2/sqrt(3) tau_eff sqrt(pi a), which
 2 sin(theta)/(pi sqrt(l*/a)) meets with l*/a = 0.2702. In between it is an estimate, no exact solution: Lehner and
-Kachanov (1996, International Journal of Fracture 77, R69-R75) look at what such formulas are worth. The wings' own curve
-and their K_II are left out.
+Kachanov (1996, International Journal of Fracture 77, R69-R75) look at what such formulas are worth. The wings' own
+curve and their K_II are left out.
 
 Compression is positive here.
 """

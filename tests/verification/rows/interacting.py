@@ -124,7 +124,7 @@ def K_of(name: str, spacing: float) -> Iterator[tuple[int, Tip, tuple[float, flo
 def worst(name: str, spacing: float, mode: int, tips: tuple[tuple[int, Tip], ...], wanted: float) -> float:
     """K_I or abs(K_II) (MPa sqrt(mm)) of the tips that is furthest from the reference."""
     found = [abs(K[mode]) / PER_MM for crack, tip, K in K_of(name, spacing) if (crack, tip) in tips]
-    return max(found, key=lambda K: abs(K - wanted))
+    return float(max(found, key=lambda K: abs(K - wanted)))
 
 
 def largest_difference(name: str, spacing: float) -> float:
