@@ -19,7 +19,17 @@ from pathlib import Path
 
 from tests.verification.row import Outcome, Row, evaluate
 
-SUBJECTS = ("interface", "block", "closed_crack", "wide_plate", "open_crack", "convergence", "patch", "path")
+SUBJECTS = (
+    "interface",
+    "block",
+    "closed_crack",
+    "wide_plate",
+    "open_crack",
+    "interacting",
+    "convergence",
+    "patch",
+    "path",
+)
 """Modules of tests.verification.rows, in the table's order; a solved case is kept within its subject."""
 
 LONGEST_FIRST = ("wide_plate", "convergence", "open_crack", "path", "block")
