@@ -2,20 +2,28 @@
 
 u = u_free - K0^-1 G' W p, so that gap and slip of the contact points are free - S W p with S = G K0^-1 G'
 (traction form of paper eqs. (15), (16): no penalty enters K, and k = infinity is allowed). Points that are open
-without contact tractions are left out; those that then overlap are taken in, until none does. A point that opens
-loses its cohesion, so that open faces carry no shear.
+without contact tractions are left out; those that then overlap are taken in, until none does.
+
+Loads come in increments, and points remember (`ContactMemory`): a point sticks where it stuck before,
+
+    du_t = du_t' where |p_t| < b, else du_t - du_t' has the sign of p_t,    gap >= tan(dilation) |du_t|,
+
+with du_t' the slip after the increment before. A point that slips or opens is broken: its friction is the residual one
+from then on, and its cohesion lost unless it is kept. What breaks in an increment is broken in all of it: the increment
+is solved again until no more points break. The slip's part in the gap is solved for by the same kind of repetition;
+without dilation it is absent.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from crackgrow.contact.coulomb import OPEN, ContactProblem, ContactSolution, complementarity_residual
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactProblem, ContactSolution, complementarity_residual
 from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.errors import SolveError
@@ -45,6 +53,9 @@ NEARLY_SLACK = 1e-5
 NO_CHANGE = 1e-9
 """A change of the springs' drift by less than this fraction is round-off."""
 
+SETTLED = 1e-12
+"""A change of the opening by dilation below this fraction of it is none."""
+
 SLACK = 1e-10
 """Springs with a force below this part of the loads are slack."""
 
@@ -56,6 +67,35 @@ class ContactLaw:
     friction: Floats  # (n,)
     cohesion: Floats  # (n,) Pa
     compliance: Floats  # (n,) m/Pa: 1/k, zero for rigid contact
+    residual_friction: Floats | None = None  # (n,) of broken points; None: as before
+    kept: Bools | None = None  # (n,) whether broken points that are closed cohere; None: they don't
+    dilation: Floats | None = None  # (n,) tan(dilation angle); None: zero
+
+    def bound_of(self, broken: Bools) -> tuple[Floats, Floats]:
+        """Friction (n,) and cohesion (n,) where some points are `broken` (n,)."""
+        friction = self.friction if self.residual_friction is None else self.residual_friction
+        cohesion = np.zeros(len(broken)) if self.kept is None else np.where(self.kept, self.cohesion, 0.0)
+        return np.where(broken, friction, self.friction), np.where(broken, cohesion, self.cohesion)
+
+    @property
+    def breakable(self) -> Bools:
+        """Which points (n,) have something to lose."""
+        n = len(self.friction)
+        friction, cohesion = self.bound_of(np.ones(n, dtype=bool))
+        return np.asarray((friction < self.friction) | (cohesion < self.cohesion))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactMemory:
+    """What contact points keep from one increment to the next."""
+
+    slip: Floats  # (n,) m, less its elastic part
+    broken: Bools  # (n,) has slipped or opened
+
+    @classmethod
+    def fresh(cls, n: int) -> ContactMemory:
+        """Memory of n points that nothing has happened to."""
+        return cls(np.zeros(n), np.zeros(n, dtype=bool))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,6 +109,8 @@ class ContactOutcome:
     gap: Floats  # (n,) m
     slip: Floats  # (n,) m
     state: Ints  # (n,)
+    memory: ContactMemory
+    dilation: Floats  # (n,) m: the part of the gap that slip has opened
     n_unknowns: int
     iterations: int
     penetration: float  # m: overlap beyond |p| / k
@@ -88,25 +130,37 @@ class ContactSystem:
     law: ContactLaw
     solver: Literal["newton", "lemke"]
     loose: bool = False  # whether `system` holds pieces by springs, in whose compliance that of the rock is lost
+    columns: _Columns = field(init=False, repr=False)  # displacements per unit traction, found when needed
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "columns", _Columns(self.system, self.gap_of, self.slip_of, self.weights))
 
 
-def solve_contact(contact: ContactSystem, loads: Floats, given: Floats) -> ContactOutcome:
+def solve_contact(
+    contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory | None = None
+) -> ContactOutcome:
     """Displacements and contact tractions under `loads` (n_dofs,), with support displacements `given` (m,).
 
-    Raises SolveError where the contact solver finds no solution.
+    `memory` is that of the increment before, None for the first. Raises SolveError where the contact solver finds no
+    solution.
     """
-    return _solve(contact, _Columns(contact), loads, given, None)
+    return _solve(contact, loads, given, memory or ContactMemory.fresh(len(contact.weights)), None)
 
 
 def solve_contact_held_loosely(
-    contact: ContactSystem, springs: Springs, pieces: tuple[FreePiece, ...], loads: Floats, given: Floats
+    contact: ContactSystem,
+    springs: Springs,
+    pieces: tuple[FreePiece, ...],
+    loads: Floats,
+    given: Floats,
+    memory: ContactMemory | None = None,
 ) -> ContactOutcome:
     """As `solve_contact` where the system's stiffness contains `springs` on pieces that contact alone holds.
 
     The springs' far ends follow the rock until they carry no force (the proximal point method, Rockafellar 1976): the
     solution is that of the rock without springs. Raises SolveError where contact does not hold a piece.
     """
-    columns = _Columns(contact)
+    memory = memory or ContactMemory.fresh(len(contact.weights))
     outcome: ContactOutcome | None = None
     ends, drifts = [np.zeros(len(springs.dofs))], []
     forces: list[float] = []
@@ -114,7 +168,7 @@ def solve_contact_held_loosely(
     for _ in range(MOST_PULLS):
         pulled = loads.copy()
         np.add.at(pulled, springs.dofs, springs.stiffness * ends[-1])
-        outcome = _solve(contact, columns, pulled, given, outcome)
+        outcome = _solve(contact, pulled, given, memory, outcome)
         if slack:  # this was once more: the error left has fallen again
             return outcome
         drifts.append(outcome.u[springs.dofs] - ends[-1])
@@ -152,66 +206,105 @@ def accelerated(ends: list[Floats], drifts: list[Floats]) -> Floats:
 
 
 def _solve(
-    contact: ContactSystem, columns: _Columns, loads: Floats, given: Floats, last: ContactOutcome | None
+    contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory, last: ContactOutcome | None
 ) -> ContactOutcome:
-    """One solve; `last` is the outcome under nearly the same loads, if there is one."""
-    gap_of, slip_of, law = contact.gap_of, contact.slip_of, contact.law
+    """One increment; `last` is the outcome under nearly the same loads, if there is one."""
     u_free, multipliers = contact.system.solve(loads, given)
-    free_gap, free_slip = gap_of @ u_free, slip_of @ u_free
-    n = len(contact.weights)
-    tolerance = OVERLAP * displacement_size(loads, u_free if last is None else last.u, given)
-    taken = free_gap < -tolerance
-    frictional = (law.friction > 0.0) | (law.cohesion > 0.0)
-    p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
-    cohesion = law.cohesion.copy()
-    notes: set[str] = set()
-    iterations, complementarity = 0, 0.0
-    u, gap = u_free, free_gap
-    while taken.any():
-        rows = np.flatnonzero(taken)
-        sliding = rows if frictional[rows].any() else rows[:0]
-        response = np.concatenate([columns.of_gap(rows), columns.of_slip(sliding)], axis=1)
-        free = np.concatenate([free_gap[rows], free_slip[sliding]])
-        problem = _condensed(contact, response, free, cohesion, rows, sliding)
-        solution, note = _solved(problem, contact.solver)
-        notes.update([note] if note else [])
-        iterations += solution.iterations
-        complementarity = complementarity_residual(problem, solution.traction)
+    size = displacement_size(loads, u_free if last is None else last.u, given)
+    trial = _Increment(contact, u_free, multipliers, memory, OVERLAP * size)
+    dilation = contact.law.dilation
+    if dilation is None or not dilation.any():
+        return trial.outcome(np.zeros(len(contact.weights)))
+    opened, changes = [dilation * np.abs(memory.slip if last is None else last.memory.slip)], []
+    for _ in range(MOST_PULLS):
+        outcome = trial.outcome(opened[-1])
+        changes.append(dilation * np.abs(outcome.memory.slip) - opened[-1])
+        if np.abs(changes[-1]).max() <= SETTLED * max(np.abs(opened[-1]).max(), OVERLAP * size):
+            return outcome
+        opened.append(np.maximum(accelerated(opened, changes), 0.0))
+    left = float(np.abs(changes[-1]).max() / np.abs(opened[-1]).max())
+    raise SolveError(f"the opening by dilation did not settle: it changes by {left:.2g}; use a smaller dilation angle")
+
+
+class _Increment:
+    """An increment: contact points are taken in and break until the law holds; they stay so for further solves."""
+
+    def __init__(
+        self, contact: ContactSystem, u_free: Floats, multipliers: Floats, memory: ContactMemory, tolerance: float
+    ) -> None:
+        self._contact, self._memory, self._tolerance = contact, memory, tolerance
+        self._u_free, self._multipliers = u_free, multipliers
+        self._gap, self._slip = contact.gap_of @ u_free, contact.slip_of @ u_free
+        self._taken = np.zeros(len(contact.weights), dtype=bool)
+        self._broken = memory.broken.copy()
+
+    def outcome(self, dilation: Floats) -> ContactOutcome:
+        """The solution where slip has opened the faces by `dilation` (n,) m."""
+        contact, law, memory = self._contact, self._contact.law, self._memory
+        n, taken, breakable = len(contact.weights), self._taken, law.breakable
+        free_gap, free_slip = self._gap - dilation, self._slip - memory.slip
         p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
-        p_n[rows] = solution.traction[: len(rows)]
-        unpressed = p_n[rows] > -UNPRESSED * np.max(np.abs(free) / problem.compliance.diagonal())
-        state[rows] = np.where(unpressed, OPEN, solution.state)
-        p_t[sliding] = solution.traction[len(rows) :]
-        u = u_free - response @ solution.traction
-        gap = gap_of @ u
-        missed = ~taken & (gap < -tolerance)
-        broken = taken & (state == OPEN) & (cohesion > 0.0)
-        if missed.any():
-            taken |= missed
-        elif broken.any():
-            cohesion[broken] = 0.0
-        else:
-            multipliers = multipliers - columns.multipliers(rows, sliding) @ solution.traction
-            break
-    return ContactOutcome(
-        u=u,
-        multipliers=multipliers,
-        normal_traction=p_n,
-        tangential_traction=p_t,
-        gap=gap,
-        slip=slip_of @ u,
-        state=state,
-        n_unknowns=int(taken.sum()) * (2 if frictional[taken].any() else 1),
-        iterations=iterations,
-        penetration=float(np.max(-(gap - law.compliance * p_n), initial=0.0)),
-        complementarity=complementarity,
-        status="solved" if taken.any() else "none",
-        notes=tuple(sorted(notes)),
-    )
+        notes: set[str] = set()
+        iterations, complementarity = 0, 0.0
+        u, multipliers = self._u_free, self._multipliers
+        gap = free_gap
+        taken |= gap < -self._tolerance
+        while taken.any():
+            friction, cohesion = law.bound_of(self._broken)
+            frictional = (friction > 0.0) | (cohesion > 0.0)
+            rows = np.flatnonzero(taken)
+            sliding = rows if frictional[rows].any() else rows[:0]
+            response = np.concatenate([contact.columns.of_gap(rows), contact.columns.of_slip(sliding)], axis=1)
+            free = np.concatenate([free_gap[rows], free_slip[sliding]])
+            problem = _condensed(contact, response, free, friction, cohesion, rows, sliding)
+            solution, note = _solved(problem, contact.solver)
+            notes.update([note] if note else [])
+            iterations += solution.iterations
+            complementarity = complementarity_residual(problem, solution.traction)
+            p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
+            p_n[rows] = solution.traction[: len(rows)]
+            unpressed = p_n[rows] > -UNPRESSED * np.max(np.abs(free) / problem.compliance.diagonal())
+            state[rows] = np.where(unpressed, OPEN, solution.state)
+            p_t[sliding] = solution.traction[len(rows) :]
+            u = self._u_free - response @ solution.traction
+            gap = contact.gap_of @ u - dilation
+            missed = ~taken & (gap < -self._tolerance)
+            breaking = taken & (state != STICK) & ~self._broken & breakable
+            if missed.any():
+                taken |= missed
+            elif breaking.any():
+                self._broken |= breaking
+            else:
+                multipliers = multipliers - contact.columns.multipliers(rows, sliding) @ solution.traction
+                break
+        slip = contact.slip_of @ u
+        return ContactOutcome(
+            u=u,
+            multipliers=multipliers,
+            normal_traction=p_n,
+            tangential_traction=p_t,
+            gap=gap + dilation,
+            slip=slip,
+            state=state,
+            memory=ContactMemory(slip - law.compliance * p_t, self._broken | (state == SLIP) | (gap > self._tolerance)),
+            dilation=dilation,
+            n_unknowns=int(taken.sum()) * (2 if taken.any() and len(sliding) else 1),
+            iterations=iterations,
+            penetration=float(np.max(-(gap - law.compliance * p_n), initial=0.0)),
+            complementarity=complementarity,
+            status="solved" if taken.any() else "none",
+            notes=tuple(sorted(notes)),
+        )
 
 
 def _condensed(
-    contact: ContactSystem, response: Floats, free: Floats, cohesion: Floats, rows: Ints, sliding: Ints
+    contact: ContactSystem,
+    response: Floats,
+    free: Floats,
+    friction: Floats,
+    cohesion: Floats,
+    rows: Ints,
+    sliding: Ints,
 ) -> ContactProblem:
     """The problem of the contact points `rows` (k,), with tangential rows of the points `sliding` (k,) or (0,)."""
     law = contact.law
@@ -223,15 +316,15 @@ def _condensed(
         scale = np.full(len(free), np.median(np.abs(values)))
     if not len(sliding):
         return ContactProblem(compliance, free, scale=scale)
-    return ContactProblem(compliance, free, law.friction[rows], cohesion[rows], scale)
+    return ContactProblem(compliance, free, friction[rows], cohesion[rows], scale)
 
 
 class _Columns:
     """Displacements per unit traction of contact points, K0^-1 G' W, each solved for once and only when needed."""
 
-    def __init__(self, contact: ContactSystem) -> None:
-        self._system, self._weights = contact.system, contact.weights
-        self._operators = (contact.gap_of, contact.slip_of)
+    def __init__(self, system: ConstrainedSystem, gap_of: csr_array, slip_of: csr_array, weights: Floats) -> None:
+        self._system, self._weights = system, weights
+        self._operators = (gap_of, slip_of)
         self._known: tuple[dict[int, tuple[Floats, Floats]], ...] = ({}, {})
 
     def of_gap(self, rows: Ints) -> Floats:

@@ -54,6 +54,18 @@ class TipLoading:
     K_II: float  # Pa sqrt(m)
     radius: float  # m, material length of the criterion
 
+    @classmethod
+    def between(cls, first: TipLoading, last: TipLoading, share: float) -> TipLoading:
+        """The loading at a share of the way from one load to another where everything is linear in the load."""
+        field = TipField(
+            first.field.direction,
+            first.field.angles,
+            first.field.rays + share * (last.field.rays - first.field.rays),
+            first.field.mean + share * (last.field.mean - first.field.mean),
+        )
+        K_I, K_II = (a + share * (b - a) for a, b in ((first.K_I, last.K_I), (first.K_II, last.K_II)))
+        return cls(field, K_I, K_II, first.radius)
+
 
 Criterion = Callable[[TipLoading, Strength], Verdict]
 

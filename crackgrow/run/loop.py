@@ -15,7 +15,8 @@ from crackgrow.run.direction import advance_tips
 from crackgrow.run.report import step_result
 from crackgrow.run.result import CrackPath, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.step import StepSolution, solve_step
+from crackgrow.run.loading import load, load_history
+from crackgrow.run.step import StepSolution
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

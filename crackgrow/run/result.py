@@ -97,6 +97,17 @@ class Frame:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Energy:
+    """Energies since the unloaded state, J per metre of thickness."""
+
+    work: float  # of loads and prescribed displacements
+    strain: float  # of the rock and of elastic contact
+    dissipated: float  # by friction and dilation
+    released: float  # by growth that went on under load; zero where every step starts unloaded
+    error: float  # relative: what the balance misses, by its largest term
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StepResult:
     """One solved step."""
 

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.case.model import Case, ContactSupport, CoulombContact, CrackPressure, Gravity, InSituStress
+from crackgrow.case.model import Case, ContactSupport, CoulombContact, CrackPressure, Gravity, InSituStress, Load
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
@@ -41,20 +41,20 @@ class Scene:
     crack_bodies: tuple[int, ...]  # crack by crack, the body it lies in
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
 
-    def fluid_pressure(self, crack: int) -> float:
-        """Pressure (Pa) on the faces of a crack at load factor 1."""
+    def fluid_pressure(self, crack: int, load_factor: float) -> float:
+        """Pressure (Pa) on the faces of a crack at a load factor."""
         name = self.case.cracks[crack].name
-        pressures = (load for load in self.case.loads if isinstance(load, CrackPressure))
-        return sum(load.pressure for load in pressures if load.crack == name)
+        pressures = (load for load in self.case.loads if isinstance(load, CrackPressure) and load.crack == name)
+        return sum(load.pressure * _share(load, load_factor) for load in pressures)
 
-    def weight(self, body: int) -> Floats:
-        """Body force (2,) N/m^3 at load factor 1."""
+    def weight(self, body: int, load_factor: float) -> Floats:
+        """Body force (2,) N/m^3 at a load factor."""
         force = np.zeros(2)
         for load in self.case.loads:
             if isinstance(load, Gravity) and load.body == self.case.bodies[body].name:
                 density = self.case.bodies[body].material.density
                 assert density is not None  # the case was checked
-                force += density * np.asarray(load.acceleration)
+                force += density * np.asarray(load.acceleration) * _share(load, load_factor)
         return force
 
     def materials_at(self, load_factor: float) -> tuple[PlaneElasticity, ...]:
@@ -62,11 +62,17 @@ class Scene:
         stresses = np.zeros((len(self.materials), 3))
         for load in self.case.loads:
             if isinstance(load, InSituStress):
-                stresses[body_index(self.case.bodies, load.body)] += load_factor * np.asarray(load.stress)
+                share = _share(load, load_factor)
+                stresses[body_index(self.case.bodies, load.body)] += share * np.asarray(load.stress)
         return tuple(
             replace(material, initial=(float(xx), float(yy), float(xy)))
             for material, (xx, yy, xy) in zip(self.materials, stresses, strict=True)
         )
+
+
+def _share(load: Load, load_factor: float) -> float:
+    """How much of a load acts at a load factor."""
+    return 1.0 if load.held else load_factor
 
 
 def make_scene(case: Case) -> Scene:

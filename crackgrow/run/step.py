@@ -1,60 +1,29 @@
-"""One step: cover, assembly, factorization, contact and criterion for one configuration of the cracks.
-
-A pure function of the scene and the cracks: every step starts from the unloaded state.
-"""
+"""One step: a configuration of the cracks under its loads, and what its tips make of it."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array, vstack
 
-from crackgrow.contact.coulomb import OPEN, STICK
-from crackgrow.contact.face_loads import face_load_vector
-from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
-from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.solve import (
-    ContactLaw,
-    ContactOutcome,
-    ContactSystem,
-    solve_contact,
-    solve_contact_held_loosely,
-)
+from crackgrow.contact.faces import ContactFaces
+from crackgrow.contact.solve import ContactOutcome, ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
-from crackgrow.cover.cover import Cover, build_cover
-from crackgrow.cover.shapes import CrackGeometry
-from crackgrow.errors import SolveError
+from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA, TipLoading, Verdict
 from crackgrow.fracture.interaction_integral import StressIntensity, interaction_integral
 from crackgrow.fracture.stress_intensity import from_face_displacement
 from crackgrow.fracture.tip_stress import tip_field
-from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.run.configuration import Configuration, assemble, timed
+from crackgrow.run.increments import LoadState, increment, unloaded
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.linear_solver import ConstrainedSystem, displacement_size
-from crackgrow.solid.loads import load_vector
-from crackgrow.solid.rigid_modes import check_held, free_pieces, loose_springs, named
-from crackgrow.solid.stiffness import stiffness
-from crackgrow.solid.supports import Constraints, constraints, tied
+from crackgrow.solid.linear_solver import displacement_size
+from crackgrow.solid.supports import Constraints
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
-ON_OUTLINE = 1e-9
-"""A crack end closer to an outline than this fraction of its length lies on it."""
-
-UNSTRESSED = 1e-6
-"""Forces below this fraction of the terms that they are the sum of are no forces."""
-
-WORST_RESIDUAL = 1e-5
-"""Relative equilibrium residual beyond which a solution is refused."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +32,8 @@ class TipState:
 
     intensity: StressIntensity
     K_faces: tuple[float, float]  # Pa sqrt(m): K_I and K_II from the displacement of the faces, as a check
-    verdict: Verdict | None  # None without growth
+    loading: TipLoading | None  # None without growth
+    verdict: Verdict | None
 
     @property
     def K(self) -> tuple[float, float]:
@@ -74,159 +44,88 @@ class TipState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepSolution:
-    """Everything that is known of a solved configuration."""
+    """Everything that is known of a configuration under its loads."""
 
-    cover: Cover
+    configuration: Configuration
+    state: LoadState
     materials: tuple[PlaneElasticity, ...]  # body by body, in-situ stress included
-    held: Constraints
-    contact: ContactSystem
-    loads: Floats  # (n_dofs,) N/m
-    faces: ContactFaces
-    outcome: ContactOutcome
     tips: tuple[TipState, ...]
-    displacement_size: float  # m
-    residual: float  # relative equilibrium residual
     seconds: dict[str, float]
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
 
+    @property
+    def cover(self) -> Cover:
+        """The cover of the configuration."""
+        return self.configuration.cover
+
+    @property
+    def held(self) -> Constraints:
+        """Supports and bonds."""
+        return self.configuration.held
+
+    @property
+    def contact(self) -> ContactSystem:
+        """What the contact points need of the rock."""
+        return self.configuration.contact
+
+    @property
+    def faces(self) -> ContactFaces:
+        """The contact points."""
+        return self.configuration.faces
+
+    @property
+    def outcome(self) -> ContactOutcome:
+        """Displacements and contact tractions."""
+        return self.state.outcome
+
+    @property
+    def residual(self) -> float:
+        """Relative equilibrium residual."""
+        return self.state.residual
+
+    @property
+    def loads(self) -> Floats:
+        """Loads (n_dofs,) N/m."""
+        return self.configuration.loads(self.state.factor)
+
+    @property
+    def displacement_size(self) -> float:
+        """Size of the displacement field, m."""
+        return displacement_size(self.loads, self.outcome.u, self.state.factor * self.held.given)
+
 
 def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: float) -> StepSolution:
-    """Solve one configuration. Raises GeometryError or SolveError where that can't be done to a small residual."""
-    case = scene.case
-    seconds: dict[str, float] = {}
-    materials = scene.materials_at(load_factor)
-    with _timed(seconds, "cover"):
-        cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
-        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
-    with _timed(seconds, "assembly"):
-        matrix = stiffness(cover, materials, case.numerics.quadrature)
-        faces = _faces(scene, cover)
-        operators = contact_operators(cover, faces)
-        held = tied(constraints(cover, case.bodies, case.supports), *_bonds(scene, cover))
-        given = load_factor * held.given
-        loads = load_vector(cover, case.bodies, case.loads, case.numerics.quadrature)
-        loads = load_factor * (loads + face_load_vector(cover, [g.crack.body for g in growing], case.loads))
-        free = free_pieces(cover, held.matrix)
-        check_held(free, _patches_at(cover, faces))
-    with _timed(seconds, "factorize"):
-        springs = loose_springs(cover, matrix, free) if free else None
-        system = ConstrainedSystem(matrix if springs is None else springs.added_to(matrix), held.matrix)
-    with _timed(seconds, "contact"):
-        weights = faces.weights * scene.lattice.spacing
-        law = _law(scene, faces, growing)
-        contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))
-        if springs is None:
-            outcome = solve_contact(contact, loads, given)
-        else:
-            outcome = solve_contact_held_loosely(contact, springs, free, loads, given)
-            notes = (*outcome.notes, *_unheld(cover, contact, outcome))
-            outcome = replace(outcome, notes=notes)
-        residual = _residual(matrix, contact, loads, outcome)
-        if not residual <= WORST_RESIDUAL:
-            raise SolveError(
-                f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}: the system is too ill "
-                "conditioned" + ("; a tip may lie too close to another one or to an outline" if cover.tips else "")
-            )
-    with _timed(seconds, "criterion"):
-        tips = tuple(
-            _tip_state(scene, cover, materials, faces, outcome, load_factor, tip) for tip in range(len(cover.tips))
-        )
-    size = displacement_size(loads, outcome.u, given)
-    return StepSolution(cover, materials, held, contact, loads, faces, outcome, tips, size, residual, seconds)
+    """Solve one configuration, loaded in one increment.
 
-
-def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
-    """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not.
-
-    `body` is the one that it lies in.
+    Raises GeometryError or SolveError where that can't be done to a small residual.
     """
-    points = growing.crack.points.copy()
-    inside = [True, True]
-    boundary = scene.regions[body].boundary
-    for index, end in enumerate((0, -1)):
-        place = shapely.Point(points[end])
-        if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
-            points[end] = shapely.shortest_line(boundary, place).coords[0]
-            inside[index] = False
-    return CrackGeometry(growing.crack.name, scene.lattice.to_lattice(points), inside[0], inside[1])
+    configuration = assemble(scene, growing)
+    return judged(increment(configuration, unloaded(configuration), load_factor))
 
 
-def _faces(scene: Scene, cover: Cover) -> ContactFaces:
-    touching = [index for index, law in enumerate(scene.laws) if law.contact is not None]
-    settings = scene.case.numerics.contact
-    if settings.discretization == "gauss":
-        return gauss_faces(cover, touching)
-    return mortar_faces(cover, touching, settings.spacing)
+def judged(state: LoadState) -> StepSolution:
+    """A loaded configuration with the fracture quantities of its tips."""
+    configuration = state.configuration
+    materials = configuration.scene.materials_at(state.factor)
+    seconds = dict(configuration.seconds)
+    seconds["contact"] = state.seconds
+    with timed(seconds, "criterion"):
+        tips = tip_states(state, materials)
+    return StepSolution(configuration, state, materials, tips, seconds)
 
 
-def _bonds(scene: Scene, cover: Cover) -> tuple[csr_array, Ints]:
-    """Gap and slip (k, n_dofs) of bonded interfaces, averaged at mortar nodes, and the surface (k,) of each."""
-    bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
-    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing)
-    return csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2)
+def tip_states(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> tuple[TipState, ...]:
+    """Fracture quantities of all tips; `materials` body by body, in-situ stress included."""
+    return tuple(_tip_state(state, materials, tip) for tip in range(len(state.configuration.cover.tips)))
 
 
-def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> list[str]:
-    """What to say of pieces that have rigid motions which neither supports nor pressed contact points see."""
-    pressed, stuck = outcome.state != OPEN, outcome.state == STICK
-    rows = [contact.system.constraints, contact.gap_of[pressed], contact.slip_of[stuck]]
-    pieces = free_pieces(cover, csr_array(vstack(rows, format="csr")))
-    return [
-        f"{piece} may move without any resistance ({named(piece.motion)}): where it lies is arbitrary"
-        for piece in pieces
-    ]
-
-
-def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
-    """Physical patches next to the contact points."""
-    elements = np.concatenate([faces.nodes.plus, faces.nodes.minus])
-    return np.unique(cover.functions[elements[elements >= 0]])
-
-
-def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -> ContactLaw:
-    """Friction, cohesion and compliance point by point. Faces that growth has made are broken: they do not cohere."""
-    friction, cohesion, compliance = np.zeros((3, faces.n))
-    for index, law in enumerate(scene.laws):
-        if law.contact is None:
-            continue
-        mine = faces.surface == index
-        friction[mine], cohesion[mine], compliance[mine] = law.contact.friction, law.contact.cohesion, law.compliance
-        if index < len(growing):
-            crack = growing[index]
-            given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.steps == 0]
-            cohesion[mine & ((faces.s < given[0]) | (faces.s > given[-1]))] = 0.0
-    return ContactLaw(friction, cohesion, compliance)
-
-
-def _residual(matrix: csc_array, contact: ContactSystem, loads: Floats, outcome: ContactOutcome) -> float:
-    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts.
-
-    Where nothing is stressed all parts are round-off of K u, whose terms then give the size.
-    """
-    internal = matrix @ outcome.u
-    reactions = contact.system.constraints.T @ outcome.multipliers
-    tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
-    tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)
-    parts = (internal, reactions, tractions, loads)
-    size = max(np.abs(part).max(initial=0.0) for part in parts)
-    size = max(size, UNSTRESSED * (abs(matrix) @ np.abs(outcome.u)).max(initial=0.0))
-    residual = np.abs(internal + reactions + tractions - loads).max(initial=0.0)
-    return float(residual / size) if size > 0.0 else 0.0
-
-
-def _tip_state(
-    scene: Scene,
-    cover: Cover,
-    materials: tuple[PlaneElasticity, ...],
-    faces: ContactFaces,
-    outcome: ContactOutcome,
-    load_factor: float,
-    tip: int,
-) -> TipState:
+def _tip_state(state: LoadState, materials: tuple[PlaneElasticity, ...], tip: int) -> TipState:
+    configuration, outcome = state.configuration, state.outcome
+    scene, cover, faces = configuration.scene, configuration.cover, configuration.faces
     case, crack = scene.case, cover.tip_ends[tip][0]
     body = scene.crack_bodies[crack]
-    pressure = load_factor * scene.fluid_pressure(crack)
+    pressure = scene.fluid_pressure(crack, state.factor)
 
     compliance = scene.laws[crack].compliance
     pointwise = compliance > 0.0 and case.numerics.contact.discretization == "gauss"
@@ -238,21 +137,13 @@ def _tip_state(
             normal, tangential = elastic_tractions(cover, crack, s, outcome.u, compliance, (normal, tangential))
         return normal - pressure, tangential
 
-    weight = load_factor * scene.weight(body)
+    weight = scene.weight(body, state.factor)
     intensity = interaction_integral(cover, materials, outcome.u, tip, traction, weight)
     K_faces = from_face_displacement(cover, materials[body].young_prime, outcome.u, tip)
-    state = TipState(intensity, K_faces, None)
+    found = TipState(intensity, K_faces, None, None)
     strength = case.bodies[body].strength
     if case.growth is None or strength is None:
-        return state
+        return found
     radius = case.growth.tip_radius
-    field = tip_field(cover, materials, outcome.u, tip, radius)
-    verdict = CRITERIA[case.growth.criterion](TipLoading(field, *state.K, radius), strength)
-    return replace(state, verdict=verdict)
-
-
-@contextmanager
-def _timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
-    start = time.perf_counter()
-    yield
-    seconds[phase] = time.perf_counter() - start
+    loading = TipLoading(tip_field(cover, materials, outcome.u, tip, radius), *found.K, radius)
+    return replace(found, loading=loading, verdict=CRITERIA[case.growth.criterion](loading, strength))

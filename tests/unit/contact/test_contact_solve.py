@@ -50,7 +50,8 @@ class Block:
         solver: str = "newton",
     ) -> ContactOutcome:
         n = self.faces.n
-        law = ContactLaw(np.full(n, friction), np.full(n, cohesion), np.full(n, 1.0 / stiffness))
+        kept = np.ones(n, dtype=bool)
+        law = ContactLaw(np.full(n, friction), np.full(n, cohesion), np.full(n, 1.0 / stiffness), kept=kept)
         operators = contact_operators(self.sample.cover, self.faces)
         contact = ContactSystem(self.system, *operators, self.faces.weights, law, solver)
         return solve_contact(contact, factor * self.loads, factor * self.given)

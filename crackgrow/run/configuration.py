@@ -1,0 +1,208 @@
+"""A configuration of the cracks made ready for its loads: cover, assembly and factorization, each done once."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array, vstack
+
+from crackgrow.contact.coulomb import OPEN, STICK
+from crackgrow.contact.face_loads import face_load_vector
+from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
+from crackgrow.contact.jump import contact_operators
+from crackgrow.contact.solve import (
+    ContactLaw,
+    ContactMemory,
+    ContactOutcome,
+    ContactSystem,
+    solve_contact,
+    solve_contact_held_loosely,
+)
+from crackgrow.cover.cover import Cover, build_cover
+from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.errors import SolveError
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.run.scene import Scene
+from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.solid.loads import load_vector
+from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs, named
+from crackgrow.solid.stiffness import stiffness
+from crackgrow.solid.supports import Constraints, constraints, tied
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+ON_OUTLINE = 1e-9
+"""A crack end closer to an outline than this fraction of its length lies on it."""
+
+UNSTRESSED = 1e-6
+"""Forces below this fraction of the terms that they are the sum of are no forces."""
+
+WORST_RESIDUAL = 1e-5
+"""Relative equilibrium residual beyond which a solution is refused."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Configuration:
+    """Everything that depends on where the cracks lie, and not on how much they are loaded."""
+
+    scene: Scene
+    cover: Cover
+    matrix: csc_array  # (n_dofs, n_dofs) Pa, stiffness
+    held: Constraints  # with given displacements at load factor 1
+    contact: ContactSystem
+    faces: ContactFaces
+    free: tuple[FreePiece, ...]  # pieces that contact alone holds
+    springs: Springs | None
+    scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
+    constant: Floats  # (n_dofs,) N/m, loads that are held
+    seconds: dict[str, float]
+
+    def loads(self, factor: float) -> Floats:
+        """Loads (n_dofs,) N/m at a load factor."""
+        return self.constant + factor * self.scaled
+
+    def equilibrium(self, factor: float, memory: ContactMemory | None) -> tuple[ContactOutcome, float]:
+        """Displacements and tractions at a load factor after an increment that left `memory`, and the residual.
+
+        Raises SolveError where they can't be found to a small residual.
+        """
+        loads, given = self.loads(factor), factor * self.held.given
+        if self.springs is None:
+            outcome = solve_contact(self.contact, loads, given, memory)
+        else:
+            outcome = solve_contact_held_loosely(self.contact, self.springs, self.free, loads, given, memory)
+            outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
+        residual = _residual(self.matrix, self.contact, loads, outcome)
+        if not residual <= WORST_RESIDUAL:
+            raise SolveError(
+                f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}: the system is too ill "
+                "conditioned" + ("; a tip may lie too close to another one or to an outline" if self.cover.tips else "")
+            )
+        return outcome, residual
+
+
+def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
+    """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made."""
+    case = scene.case
+    seconds: dict[str, float] = {}
+    with timed(seconds, "cover"):
+        cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
+        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
+    with timed(seconds, "assembly"):
+        matrix = stiffness(cover, scene.materials, case.numerics.quadrature)
+        faces = _faces(scene, cover)
+        operators = contact_operators(cover, faces)
+        held = tied(constraints(cover, case.bodies, case.supports), *_bonds(scene, cover))
+        bodies = [g.crack.body for g in growing]
+        scaled, constant = (
+            load_vector(cover, case.bodies, loads, case.numerics.quadrature) + face_load_vector(cover, bodies, loads)
+            for loads in ([x for x in case.loads if not x.held], [x for x in case.loads if x.held])
+        )
+        free = free_pieces(cover, held.matrix)
+        check_held(free, _patches_at(cover, faces))
+    with timed(seconds, "factorize"):
+        springs = loose_springs(cover, matrix, free) if free else None
+        system = ConstrainedSystem(matrix if springs is None else springs.added_to(matrix), held.matrix)
+    weights = faces.weights * scene.lattice.spacing
+    law = _law(scene, faces, growing)
+    contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))
+    return Configuration(scene, cover, matrix, held, contact, faces, free, springs, scaled, constant, seconds)
+
+
+@contextmanager
+def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
+    """Add the wall time of a block to a phase."""
+    start = time.perf_counter()
+    yield
+    seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
+
+
+def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
+    """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not.
+
+    `body` is the one that it lies in.
+    """
+    points = growing.crack.points.copy()
+    inside = [True, True]
+    boundary = scene.regions[body].boundary
+    for index, end in enumerate((0, -1)):
+        place = shapely.Point(points[end])
+        if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
+            points[end] = shapely.shortest_line(boundary, place).coords[0]
+            inside[index] = False
+    return CrackGeometry(growing.crack.name, scene.lattice.to_lattice(points), inside[0], inside[1])
+
+
+def _faces(scene: Scene, cover: Cover) -> ContactFaces:
+    touching = [index for index, law in enumerate(scene.laws) if law.contact is not None]
+    settings = scene.case.numerics.contact
+    if settings.discretization == "gauss":
+        return gauss_faces(cover, touching)
+    return mortar_faces(cover, touching, settings.spacing)
+
+
+def _bonds(scene: Scene, cover: Cover) -> tuple[csr_array, Ints]:
+    """Gap and slip (k, n_dofs) of bonded interfaces, averaged at mortar nodes, and the surface (k,) of each."""
+    bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
+    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing)
+    return csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2)
+
+
+def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> list[str]:
+    """What to say of pieces that have rigid motions which neither supports nor pressed contact points see."""
+    pressed, stuck = outcome.state != OPEN, outcome.state == STICK
+    rows = [contact.system.constraints, contact.gap_of[pressed], contact.slip_of[stuck]]
+    pieces = free_pieces(cover, csr_array(vstack(rows, format="csr")))
+    return [
+        f"{piece} may move without any resistance ({named(piece.motion)}): where it lies is arbitrary"
+        for piece in pieces
+    ]
+
+
+def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
+    """Physical patches next to the contact points."""
+    elements = np.concatenate([faces.nodes.plus, faces.nodes.minus])
+    return np.unique(cover.functions[elements[elements >= 0]])
+
+
+def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -> ContactLaw:
+    """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
+    friction, cohesion, compliance, residual, dilation = np.zeros((5, faces.n))
+    kept = np.zeros(faces.n, dtype=bool)
+    for index, law in enumerate(scene.laws):
+        if law.contact is None:
+            continue
+        mine = faces.surface == index
+        friction[mine], cohesion[mine], compliance[mine] = law.contact.friction, law.contact.cohesion, law.compliance
+        residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
+        dilation[mine] = np.tan(np.deg2rad(law.contact.dilation_angle))
+        if index < len(growing):
+            crack = growing[index]
+            given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.steps == 0]
+            new = mine & ((faces.s < given[0]) | (faces.s > given[-1]))
+            cohesion[new], friction[new] = 0.0, law.contact.residual_friction
+    return ContactLaw(friction, cohesion, compliance, residual, kept, dilation if dilation.any() else None)
+
+
+def _residual(matrix: csc_array, contact: ContactSystem, loads: Floats, outcome: ContactOutcome) -> float:
+    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts.
+
+    Where nothing is stressed all parts are round-off of K u, whose terms then give the size.
+    """
+    internal = matrix @ outcome.u
+    reactions = contact.system.constraints.T @ outcome.multipliers
+    tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
+    tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)
+    parts = (internal, reactions, tractions, loads)
+    size = max(np.abs(part).max(initial=0.0) for part in parts)
+    size = max(size, UNSTRESSED * (abs(matrix) @ np.abs(outcome.u)).max(initial=0.0))
+    residual = np.abs(internal + reactions + tractions - loads).max(initial=0.0)
+    return float(residual / size) if size > 0.0 else 0.0
