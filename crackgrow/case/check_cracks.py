@@ -31,7 +31,8 @@ def check_cracks(scene: Scene) -> None:
     """Report cracks that are too short, leave their body or run along its boundary, or meet others not as allowed."""
     spacing = scene.get("numerics", "spacing")
     surroundings = {name: _surroundings(body, scene.tolerance) for name, body in scene.bodies.items()}
-    inside = []
+    inside: list[str] = []
+    refused: set[tuple[str, str]] = set()
     for name, points in scene.cracks.items():
         if len(points) < 2:
             _refuse(scene, name, "has no length: at least two different points are wanted")
@@ -47,8 +48,8 @@ def check_cracks(scene: Scene) -> None:
                 _refuse(scene, name, problem)
             else:
                 inside.append(name)
-                _check_ends(scene, name, around)
-    check_meetings(scene, inside)
+                refused |= _check_ends(scene, name, around)
+    check_meetings(scene, inside, refused)
 
 
 def _surroundings(body: BodyShape, tolerance: float) -> _Surroundings:
@@ -98,14 +99,17 @@ def _along(scene: Scene, points: Floats, around: _Surroundings) -> Floats | None
     return parts[found[np.argmin(own[found])]] if len(found) else None
 
 
-def _check_ends(scene: Scene, name: str, around: _Surroundings) -> None:
-    """Report tips on the boundary of the body."""
+def _check_ends(scene: Scene, name: str, around: _Surroundings) -> set[tuple[str, str]]:
+    """Report tips on the boundary of the body; return them: the crack, and `start` or `end`."""
+    refused = set()
     tips = ENDS_WITH_TIP.get(scene.get("cracks", name, "tips"), ())
     for end, point in zip(("start", "end"), scene.cracks[name][[0, -1]], strict=True):
         if end in tips and Point(point).dwithin(around.boundary, scene.tolerance):
             edge = _edge_at(scene, around.body, Point(point))
             remedy = "put it inside, or leave this end out of `tips`"
             _refuse(scene, name, f"the tip at the {end} {scene.point(point)} lies on {edge}; {remedy}")
+            refused.add((name, end))
+    return refused
 
 
 def _outside(scene: Scene, body: BodyShape, point: Point) -> str:

@@ -11,8 +11,11 @@ from crackgrow.case.segments import Ids, Segments, close_segments, common_parts,
 ENDS_WITH_TIP = {"both": ("start", "end"), "start": ("start",), "end": ("end",)}
 
 
-def check_meetings(scene: Scene, names: list[str]) -> None:
-    """Report cracks of these names that meet themselves, run along each other, or meet another one with a tip."""
+def check_meetings(scene: Scene, names: list[str], refused_tips: set[tuple[str, str]]) -> None:
+    """Report cracks of these names that meet themselves, run along each other, or meet another one with a tip.
+
+    refused_tips: crack and end of tips that have a fault already
+    """
     if not names:
         return
     segments = segments_of([scene.cracks[name] for name in names])
@@ -34,7 +37,7 @@ def check_meetings(scene: Scene, names: list[str]) -> None:
             shown = " to ".join(scene.point(end) for end in parts[index])
             message = f"runs along crack '{one}' from {shown}; cracks may meet at points only: shorten one of them"
             scene.report.fault(("cracks", other, "path"), message)
-    _check_tips(scene, names, segments, along)
+    _check_tips(scene, names, segments, along, refused_tips)
 
 
 def _check_vertices(scene: Scene, names: list[str], segments: Segments) -> set[str]:
@@ -69,8 +72,10 @@ def _vertex(segments: Segments, index: int) -> int:
     return index - int(np.searchsorted(segments.lines, segments.lines[index]))
 
 
-def _check_tips(scene: Scene, names: list[str], segments: Segments, along: set[tuple[str, str]]) -> None:
-    """Report tips that lie on another crack, unless the two run along each other."""
+def _check_tips(
+    scene: Scene, names: list[str], segments: Segments, along: set[tuple[str, str]], refused: set[tuple[str, str]]
+) -> None:
+    """Report tips that lie on another crack, unless they are refused already or the two run along each other."""
     points = np.concatenate([scene.cracks[name][[0, -1]] for name in names])
     ends, others = segments.tree.query(shapely.points(points), predicate="dwithin", distance=scene.tolerance)
     hosts: dict[str, dict[str, str]] = {}
@@ -78,7 +83,7 @@ def _check_tips(scene: Scene, names: list[str], segments: Segments, along: set[t
         if end // 2 != host:
             hosts.setdefault(names[end // 2], {}).setdefault(("start", "end")[end % 2], names[host])
     for name, found in hosts.items():
-        tips = ENDS_WITH_TIP.get(scene.get("cracks", name, "tips"), ())
+        tips = [end for end in ENDS_WITH_TIP.get(scene.get("cracks", name, "tips"), ()) if (name, end) not in refused]
         left = " ".join(end for end in tips if end not in found) or "none"
         for end, host in found.items():
             if end in tips and not {(name, host), (host, name)} & along:

@@ -21,6 +21,7 @@ from crackgrow.case.model import (
     Gravity,
     InSituStress,
     Interface,
+    LoadHistory,
     PointSupport,
 )
 
@@ -183,15 +184,15 @@ def _meetings(case: Case) -> str:
 def _growth_line(case: Case, scale: float, unit: str) -> str:
     growth = case.growth
     if growth is None:
-        return "growth: none, one static solve"
+        n_factors = len(case.loading.factors) if isinstance(case.loading, LoadHistory) else 1
+        return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"
+    radius = f"tip radius {growth.tip_radius * scale:g} {unit}"
     if growth.steps == 0:
-        return f"growth: none, {growth.criterion} is judged, tip radius {growth.tip_radius * scale:g} {unit}"
-    return (
-        f"growth: {_count(growth.steps, 'step')} of {growth.increment * scale:g} {unit}, {growth.criterion}{direction}, "
-        f"{growth.advance.replace('_', ' ')}, tip radius {growth.tip_radius * scale:g} {unit}{memory}"
-    )
+        return f"growth: none, {growth.criterion} is judged, {radius}"
+    steps = f"{_count(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
+    return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}, {radius}{memory}"
 
 
 def _length_unit(case: Case) -> tuple[float, str]:
