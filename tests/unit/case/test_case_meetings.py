@@ -17,6 +17,7 @@ from tests.unit.case.scenes import changed, fault, faults, held, load, rectangle
 
 SIZE = 10.0 * np.sqrt(2.0)  # m, diagonal of the plate
 TOLERANCE = 1e-9 * SIZE  # m
+HALF = np.sqrt(0.5)
 
 
 def plate(**cracks: tuple[list[list[float]], str]) -> dict[str, Any]:
@@ -148,6 +149,18 @@ def test_an_end_within_the_tolerance_of_a_crack_lies_on_it(angle: float, off: fl
     case = load(tmp_path, scene)
     assert case.cracks[1].points.tolist() == points
     assert len(meeting_places(case)) == 1
+
+
+def test_many_cracks_through_one_place_meet_once(tmp_path: Path):
+    """Each ends or passes within half a tolerance of the place."""
+    rng = np.random.default_rng(6)
+    cracks = {}
+    for k, angle in enumerate(np.arange(12) * np.pi / 6.5):
+        way = np.array([np.cos(angle), np.sin(angle)])
+        near = np.array([0.3, 0.7]) + 0.5 * TOLERANCE * rng.uniform(-HALF, HALF, 2)
+        cracks[f"c{k}"] = ([(near - k % 2 * way).tolist(), (near + 2 * way).tolist()], "both" if k % 2 else "end")
+    (place,) = meeting_places(load(tmp_path, plate(**cracks)))
+    np.testing.assert_allclose(place, [0.3, 0.7], atol=10 * TOLERANCE)
 
 
 def test_an_end_beyond_the_tolerance_of_a_crack_is_a_tip(tmp_path: Path):
