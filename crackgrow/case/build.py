@@ -97,7 +97,7 @@ def _contact(contact: Resolved) -> CoulombContact:
     return CoulombContact(
         friction=contact["friction"],
         cohesion=contact["cohesion"],
-        residual_friction=contact["residual_friction" if "residual_friction" in contact else "friction"],
+        residual_friction=contact["residual_friction"],
         cohesion_kept=contact["cohesion_after_slip"] == "kept",
         dilation_angle=contact["dilation_angle"],
     )

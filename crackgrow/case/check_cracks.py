@@ -1,95 +1,134 @@
-"""Whether cracks lie inside their body and stay clear of themselves and each other."""
+"""Whether every crack lies inside one body, whose boundary only its ends may touch."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from shapely import LineString, Point, Polygon
 
+from crackgrow.case.check_meetings import ENDS_WITH_TIP, check_meetings
 from crackgrow.case.checks import SHORTEST
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import Floats
+from crackgrow.case.segments import common_parts
 from crackgrow.case.shapes import BodyShape
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Surroundings:
+    """A body with what the cracks in it are held against."""
+
+    body: BodyShape
+    boundary: shapely.Geometry
+    grown: Polygon  # larger by the tolerance
+    sides: shapely.STRtree
+    corners: shapely.STRtree
+
+
 def check_cracks(scene: Scene) -> None:
-    """Report cracks that are too short, leave the body, or meet another crack or themselves."""
-    lines: dict[str, LineString] = {}
+    """Report cracks that are too short, leave their body or run along its boundary, or meet others not as allowed."""
+    spacing = scene.get("numerics", "spacing")
+    surroundings = {name: _surroundings(body, scene.tolerance) for name, body in scene.bodies.items()}
+    inside: list[str] = []
+    refused: set[tuple[str, str]] = set()
     for name, points in scene.cracks.items():
-        key = ("cracks", name, "path")
         if len(points) < 2:
-            scene.report.fault(key, "has no length: at least two different points are wanted")
+            _refuse(scene, name, "has no length: at least two different points are wanted")
             continue
-        lines[name] = LineString(points)
-        spacing = scene.get("numerics", "spacing")
-        if spacing is not None and lines[name].length < SHORTEST * spacing:
+        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+        if spacing is not None and length < SHORTEST * spacing:
             limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
-            scene.report.fault(key, f"length {scene.length(lines[name].length)} is less than {limit}")
-    grown = {name: body.polygon.buffer(scene.tolerance) for name, body in scene.bodies.items()}
-    interfaces = [(pair, LineString(line)) for pair, lines in scene.shared.items() for line in lines]
-    inside: dict[str, LineString] = {}
-    for name, line in lines.items():
-        reached = next((pair for pair, shared in interfaces if line.dwithin(shared, scene.tolerance)), None)
-        if reached is not None:
-            between = f"the one between '{reached[0]}' and '{reached[1]}'"
-            message = f"cracks that reach an interface are not supported in this version; this one reaches {between}"
-            scene.report.fault(("cracks", name, "path"), message)
-        elif name in scene.hosts and _is_inside(scene, name, scene.bodies[scene.hosts[name]], grown[scene.hosts[name]]):
-            inside[name] = line
-            if _meets_itself(scene.cracks[name], line, scene.tolerance):
-                message = "the crack crosses or touches itself, which is not supported in this version"
-                scene.report.fault(("cracks", name, "path"), message)
-    if inside:
-        _check_clear(scene, inside, scene.tolerance)
+            _refuse(scene, name, f"length {scene.length(length)} is less than {limit}")
+        if name in scene.hosts:
+            around = surroundings[scene.hosts[name]]
+            problem = _problem(scene, points, around)
+            if problem:
+                _refuse(scene, name, problem)
+            else:
+                inside.append(name)
+                refused |= _check_ends(scene, name, around)
+    check_meetings(scene, inside, refused)
 
 
-def _check_clear(scene: Scene, lines: dict[str, LineString], tolerance: float) -> None:
-    """Report every pair of cracks that meet, at the later one."""
-    names, geometries = list(lines), np.array(list(lines.values()), dtype=object)
-    pairs = shapely.STRtree(geometries).query(geometries, predicate="dwithin", distance=tolerance)
-    for first, second in sorted(zip(*pairs.tolist(), strict=True)):
-        if first < second:
-            message = f"crosses or touches crack '{names[first]}', which is not supported in this version"
-            scene.report.fault(("cracks", names[second], "path"), message)
+def _surroundings(body: BodyShape, tolerance: float) -> _Surroundings:
+    boundary, grown = body.polygon.boundary, body.polygon.buffer(tolerance)
+    shapely.prepare([boundary, grown, body.polygon])
+    sides = shapely.STRtree(shapely.linestrings(body.sides))
+    return _Surroundings(body, boundary, grown, sides, shapely.STRtree(shapely.points(body.corners)))
 
 
-def _is_inside(scene: Scene, name: str, body: BodyShape, grown: Polygon) -> bool:
-    """Report the first place where a crack leaves its body; an end without a tip may lie on an edge of it.
-
-    grown: the body, larger by the tolerance
-    """
-    points = scene.cracks[name]
-    tips = scene.get("cracks", name, "tips")
+def _problem(scene: Scene, points: Floats, around: _Surroundings) -> str | None:
+    """Say where a crack leaves its body, or touches the boundary not with an end, if it does."""
+    body, vertices, line = around.body, shapely.points(points), LineString(points)
+    on_edge = shapely.dwithin(vertices, around.boundary, scene.tolerance)
+    outside = ~on_edge & ~shapely.contains(body.polygon, vertices)
     last = len(points) - 1
-    has_tip = {0: tips in ("both", "start"), last: tips in ("both", "end")}
-    named = {0: "start", last: "end"}
-    boundary = body.polygon.boundary
-    for index, point in enumerate(points):
-        where = f"{named.get(index, f'vertex {index}')} {scene.point(point)}"
-        on_edge = Point(point).dwithin(boundary, scene.tolerance)
-        if not on_edge and not body.polygon.contains(Point(point)):
-            return _refuse(scene, name, f"{where} lies {_outside(body, Point(point))}")
-        if not on_edge:
-            continue
-        edge = f"{_ring_at(body, Point(point))} of body '{body.name}'"
-        if has_tip.get(index, False):
+    for index in np.flatnonzero(on_edge | outside).tolist():
+        where = f"{ {0: 'start', last: 'end'}.get(index, f'vertex {index}') } {scene.point(points[index])}"
+        if outside[index]:
+            return f"{where} {_outside(scene, body, vertices[index])}"
+        if 0 < index < last:
+            return f"{where} lies on {_edge_at(scene, body, vertices[index])}; only an end may: give it as two cracks"
+    found = _along(scene, points, around)
+    if found is not None:
+        middle = shapely.Point(found.mean(axis=0))
+        shown = " to ".join(scene.point(end) for end in found)
+        return f"runs along {_edge_at(scene, body, middle)} from {shown}; only an end may lie there"
+    if not around.grown.covers(line):
+        left = shapely.points(shapely.get_coordinates(line.difference(around.grown)))
+        first = left[np.argmin(shapely.line_locate_point(line, left))]
+        edge = _edge_at(scene, body, first)
+        return f"leaves body '{body.name}' at {scene.point([first.x, first.y])}, through {edge}; end it there"
+    for corner in around.corners.query(line, predicate="dwithin", distance=scene.tolerance).tolist():
+        at = body.corners[corner]
+        if np.hypot(*(points[[0, -1]] - at).T).min() > scene.tolerance:
+            edge = _edge_at(scene, body, Point(at))
+            return f"touches {edge} at {scene.point(at)}; only an end may: give it as two cracks"
+    return None
+
+
+def _along(scene: Scene, points: Floats, around: _Surroundings) -> Floats | None:
+    """Return ends `(2, 2) float` of the first part of a crack that runs along the boundary of its body."""
+    segments = np.stack([points[:-1], points[1:]], axis=1)
+    shapes = shapely.linestrings(segments)
+    own, sides = around.sides.query(shapes, predicate="dwithin", distance=scene.tolerance)
+    parts = common_parts(segments[own], around.body.sides[sides], scene.tolerance)
+    found = np.flatnonzero(~np.isnan(parts[:, 0, 0]))
+    return parts[found[np.argmin(own[found])]] if len(found) else None
+
+
+def _check_ends(scene: Scene, name: str, around: _Surroundings) -> set[tuple[str, str]]:
+    """Report tips on the boundary of the body; return them: the crack, and `start` or `end`."""
+    refused = set()
+    tips = ENDS_WITH_TIP.get(scene.get("cracks", name, "tips"), ())
+    for end, point in zip(("start", "end"), scene.cracks[name][[0, -1]], strict=True):
+        if end in tips and Point(point).dwithin(around.boundary, scene.tolerance):
+            edge = _edge_at(scene, around.body, Point(point))
             remedy = "put it inside, or leave this end out of `tips`"
-            return _refuse(scene, name, f"the tip at the {where} lies on {edge}; {remedy}")
-        if index not in has_tip:
-            return _refuse(scene, name, f"{where} lies on {edge}; only an end without a tip may")
-    middles = (points[1:] + points[:-1]) / 2
-    along = shapely.dwithin(shapely.points(middles), boundary, scene.tolerance)
-    if along.any() or not grown.covers(LineString(points)):
-        edges = "outline" if len(body.rings) == 1 else "outline or a hole"
-        return _refuse(scene, name, f"a segment leaves body '{body.name}' or runs along its {edges}")
-    return True
+            _refuse(scene, name, f"the tip at the {end} {scene.point(point)} lies on {edge}; {remedy}")
+            refused.add((name, end))
+    return refused
 
 
-def _outside(body: BodyShape, point: Point) -> str:
+def _outside(scene: Scene, body: BodyShape, point: Point) -> str:
     """Say where a point lies that is not in the body."""
+    other = next((other for other in scene.bodies.values() if other.polygon.dwithin(point, scene.tolerance)), None)
+    if other is not None:
+        split = "a crack lies in one body: give it as two that end on the interface"
+        return f"lies in body '{other.name}' and most of the crack in body '{body.name}'; {split}"
     if Polygon(body.polygon.exterior).contains(point):
-        return f"in {_ring_at(body, point)} of body '{body.name}'"
-    return f"outside the outline of body '{body.name}'"
+        return f"lies in {_ring_at(body, point)} of body '{body.name}'"
+    return f"lies outside the outline of body '{body.name}'"
+
+
+def _edge_at(scene: Scene, body: BodyShape, point: Point) -> str:
+    """Name what a point of the boundary lies on: an interface, the outline, or a hole."""
+    for pair, lines in scene.shared.items():
+        if body.name in pair and any(LineString(line).dwithin(point, scene.tolerance) for line in lines):
+            return f"the interface between bodies '{pair[0]}' and '{pair[1]}'"
+    return f"{_ring_at(body, point)} of body '{body.name}'"
 
 
 def _ring_at(body: BodyShape, point: Point) -> str:
@@ -99,15 +138,5 @@ def _ring_at(body: BodyShape, point: Point) -> str:
     return "the outline" if nearest == 0 else body.rings[nearest].edge_names[0]
 
 
-def _refuse(scene: Scene, name: str, message: str) -> bool:
+def _refuse(scene: Scene, name: str, message: str) -> None:
     scene.report.fault(("cracks", name, "path"), message)
-    return False
-
-
-def _meets_itself(points: Floats, line: LineString, tolerance: float) -> bool:
-    """Whether two segments that are no neighbours come within the tolerance, or neighbours overlap."""
-    if not line.is_simple:
-        return True
-    segments = shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1))
-    first, second = shapely.STRtree(segments).query(segments, predicate="dwithin", distance=tolerance)
-    return bool(np.any(second - first > 1))

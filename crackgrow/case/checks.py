@@ -13,15 +13,10 @@ SHORTEST = 1e-3  # least crack length and increment, in lattice spacings
 
 
 def check_counts(scene: Scene) -> None:
-    """At least one body; one load factor and unloading between steps, all that this version can do."""
+    """At least one body; a corrected direction is for the criterion that knows K."""
     report = scene.report
     if not named(scene.resolved, "bodies") and report.sound("bodies"):
         report.fault(("bodies",), "no body given; a case needs one")
-    history = scene.get("loading", "history")
-    if history is not None and len(history) != 1:
-        report.fault(("loading", "history"), f"{len(history)} factors given; exactly one in this version")
-    if scene.get("growth", "unload_between_steps") is False:
-        report.fault(("growth", "unload_between_steps"), "only true is supported in this version")
     criterion = scene.get("growth", "criterion")
     if scene.get("growth", "direction") == "implicit" and criterion not in (None, "max_hoop_stress"):
         message = f"implicit is for criterion max_hoop_stress, {criterion} given; use explicit"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import shapely
 from shapely import LineString
 
 from crackgrow.case.model import EdgeRegion, Floats
@@ -140,10 +141,7 @@ def _place(scene: Scene) -> None:
             lines = shared_lines(bodies[first], bodies[second], scene.tolerance)
             if lines:
                 scene.shared[bodies[first].name, bodies[second].name] = lines
-    for name, points in scene.cracks.items():
-        host = _host(points, bodies)
-        if host is not None:
-            scene.hosts[name] = host
+    scene.hosts.update(_hosts(scene.cracks, bodies))
 
 
 def _is_too_fine(body: BodyShape, tolerance: float) -> bool:
@@ -163,12 +161,20 @@ def _check_overlaps(scene: Scene, bodies: list[BodyShape]) -> set[tuple[int, int
     return found
 
 
-def _host(points: Floats, bodies: list[BodyShape]) -> str | None:
-    """Return the body in which most of a crack lies, or else the one nearest to it."""
-    if len(points) < 2 or not bodies:
-        return None
-    line = LineString(points)
-    inside = [body.polygon.intersection(line).length for body in bodies]
-    if max(inside) > 0:
-        return bodies[int(np.argmax(inside))].name
-    return bodies[int(np.argmin([body.polygon.distance(line) for body in bodies]))].name
+def _hosts(cracks: dict[str, Floats], bodies: list[BodyShape]) -> dict[str, str]:
+    """Return for every crack the body in which most of it lies, or else the one nearest to it.
+
+    A crack that begins or ends on a boundary of two bodies lies in the one that its inside lies in.
+    """
+    names = [name for name, points in cracks.items() if len(points) > 1]
+    if not names or not bodies:
+        return {}
+    lines = np.array([LineString(cracks[name]) for name in names], dtype=object)
+    polygons = np.array([body.polygon for body in bodies], dtype=object)
+    tree = shapely.STRtree(polygons)
+    hosts = tree.nearest(lines)
+    line_ids, body_ids = tree.query(lines, predicate="intersects")
+    inside = shapely.length(shapely.intersection(lines[line_ids], polygons[body_ids]))
+    longest_last = np.lexsort((-body_ids, inside))
+    hosts[line_ids[longest_last]] = body_ids[longest_last]  # of several values for one crack the last one stays
+    return {name: bodies[host].name for name, host in zip(names, hosts.tolist(), strict=True)}

@@ -8,8 +8,10 @@ from typing import Any, Final
 
 from crackgrow.case.build import build_case
 from crackgrow.case.check_bodies import check_interfaces, check_loads
+from crackgrow.case.check_contacts import check_contacts
 from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_foundations import check_foundations
+from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_regions import check_regions
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
@@ -27,11 +29,13 @@ CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
     check_material,
     check_numerics,
     check_cracks,
+    check_contacts,
     check_interfaces,
     check_regions,
     check_foundations,
     check_supports,
     check_loads,
+    check_loading,
 )
 
 

@@ -84,7 +84,7 @@ class Crack:
 
     name: str
     points: Floats  # (n, 2) m, from start to end
-    tip_at_start: bool  # whether the start can grow; an end inside of the body is a singular tip all the same
+    tip_at_start: bool  # whether the start can grow; an end in rock, on no other crack, is a singular tip all the same
     tip_at_end: bool
     contact: CoulombContact | None  # None: the faces never touch each other
     body: str  # the body that it lies in

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
+from typing import Final
 
 from crackgrow.case.reader import MAX_DEPTH, Broken, Entry, Listing, Node, Scalar, Table, parse
 from crackgrow.case.report import Place, Report, clean, quoted
+
+WORD_OR_MAPPING: Final = (("loading",),)  # keys whose word gives way to an override of a key inside
 
 
 def apply_override(root: Table, override: str, report: Report) -> None:
@@ -30,6 +33,9 @@ def _set(root: Table, parts: tuple[str, ...], value: Node, place: Place, report:
     node: Node = root
     for depth, part in enumerate(parts):
         last = depth == len(parts) - 1
+        if isinstance(node, Scalar) and parts[:depth] in WORD_OR_MAPPING:
+            node = Table({}, place)
+            root.entries[parts[0]] = Entry(place, node)
         if isinstance(node, Table):
             if last:
                 node.entries[part] = Entry(place, value)

@@ -7,11 +7,13 @@ from typing import Final
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import LengthOrFormula
 from crackgrow.case.outline_file import OutlineFile, with_file_holes, without_file
+from crackgrow.case.report import Path
 from crackgrow.case.scalars import (
     NOT_NEGATIVE,
     POSITIVE,
     Bounds,
     Choice,
+    Context,
     Integer,
     Number,
     Quantity,
@@ -102,7 +104,7 @@ PATH: Final = OneOf(
     )
 )
 
-CONTACT: Final = Mapping(
+_CONTACT_KEYS: Final = Mapping(
     {
         "friction": Field(Number(NOT_NEGATIVE), "Coulomb's friction coefficient"),
         "cohesion": Field(Quantity("stress", NOT_NEGATIVE), "cohesion of the closed faces"),
@@ -111,6 +113,17 @@ CONTACT: Final = Mapping(
         "dilation_angle": Field(Quantity("angle", Bounds(at_least=0, below=90)), "faces part by tan of it x slip", 0.0),
     }
 )
+
+
+def _with_residual(value: object, path: Path, context: Context) -> object:
+    """Return a law of contact with its residual friction, which is the friction if it is left out."""
+    if not isinstance(value, dict):
+        return value
+    residual = value.get("residual_friction", value.get("friction"))
+    return {key: residual if key == "residual_friction" else value[key] for key in _CONTACT_KEYS.fields}
+
+
+CONTACT: Final = Converted(_CONTACT_KEYS, _with_residual)
 
 CRACK: Final = Mapping(
     {
@@ -203,13 +216,15 @@ CRITERION: Final = Choice(("strength", "directional_strength", "max_hoop_stress"
 
 GROWTH: Final = Mapping(
     {
-        "steps": Field(Integer(Bounds(at_least=1, at_most=10000)), "growth steps"),
+        "steps": Field(Integer(Bounds(at_least=0, at_most=10000)), "growth steps; 0: the criterion is only judged"),
         "increment": Field(Quantity("length", POSITIVE), "length added to a tip in one step"),
         "advance": Field(Choice(("most_critical", "in_turn", "all")), "tips that advance in a step"),
         "criterion": Field(CRITERION, "when and where a tip grows"),
         "direction": Field(Choice(("explicit", "implicit")), "implicit: corrected at the new tip", "explicit"),
         "tip_stress": Field(TIP_STRESS, "how the stress at a tip is taken"),
-        "unload_between_steps": Field(Switch(), "start every step from the unloaded state", True),
+        "unload_between_steps": Field(
+            Switch(), "start every step from the unloaded state; false: friction remembers", True
+        ),
     }
 )
 

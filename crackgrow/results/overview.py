@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
+from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import (
     Body,
     Case,
@@ -18,8 +21,12 @@ from crackgrow.case.model import (
     Gravity,
     InSituStress,
     Interface,
+    LoadHistory,
     PointSupport,
 )
+
+SHOWN_CRACKS: Final = 20  # more cracks are summed up
+SHOWN_FACTORS: Final = 12  # of longer load histories the first ones are named, and the last
 
 
 def overview(case: Case) -> str:
@@ -34,8 +41,8 @@ def overview(case: Case) -> str:
         f"plane {case.plane}",
         *(_body_line(body, scale, unit) for body in case.bodies),
         *(_interface_line(interface, scale, unit) for interface in case.interfaces),
-        *(_crack_line(crack, scale, unit) for crack in case.cracks),
-        f"cracks: {len(case.cracks)}, tips: {n_tips}",
+        *_crack_lines(case.cracks, scale, unit),
+        f"cracks: {len(case.cracks)}, tips: {n_tips}{_meetings(case)}",
         *_support_lines(case),
         f"loads: {_loads(case)}, {_loading(case)}",
         _growth_line(case, scale, unit),
@@ -105,47 +112,87 @@ def _support_lines(case: Case) -> list[str]:
 def _loading(case: Case) -> str:
     if isinstance(case.loading, CriticalLoad):
         return "each step at its critical load factor"
-    return f"load factors {', '.join(f'{f:g}' for f in case.loading.factors)}"
+    factors = [f"{factor:g}" for factor in case.loading.factors]
+    if len(factors) > SHOWN_FACTORS:
+        return f"{len(factors)} load factors {', '.join(factors[:SHOWN_FACTORS])}, ..., {factors[-1]}"
+    return f"load factors {', '.join(factors)}"
 
 
 def _loads(case: Case) -> str:
-    """Say which loads there are."""
-    n_tractions = sum(isinstance(load, EdgeTraction) for load in case.loads)
-    words = [_count(n_tractions, "traction") + " on edges"] if n_tractions or not case.loads else []
+    """Say which loads there are, and which of them every load factor leaves as they are."""
+    tractions = [load.held for load in case.loads if isinstance(load, EdgeTraction)]
+    words = [_count(len(tractions), "traction") + " on edges"] if tractions or not case.loads else []
+    if any(tractions):
+        words[0] += " (held)" if all(tractions) else f" ({sum(tractions)} held)"
     for load in case.loads:
+        held = " (held)" if load.held else ""
         if isinstance(load, Gravity):
-            words.append(f"gravity on {load.body}")
+            words.append(f"gravity on {load.body}{held}")
         elif isinstance(load, CrackPressure):
-            words.append(f"pressure {_stress(load.pressure)} in {load.crack}")
+            words.append(f"pressure {_stress(load.pressure)} in {load.crack}{held}")
         elif isinstance(load, InSituStress):
-            words.append(f"in-situ stress in {load.body}")
+            words.append(f"in-situ stress in {load.body}{held}")
     return ", ".join(words)
 
 
 def _law(contact: CoulombContact) -> str:
-    return f"friction {contact.friction:g}, cohesion {_stress(contact.cohesion)}"
+    """Say the law of closed faces: friction and cohesion, and the rest where it is not the default."""
+    words = [f"friction {contact.friction:g}", f"cohesion {_stress(contact.cohesion)}"]
+    if contact.residual_friction != contact.friction:
+        words.append(f"residual friction {contact.residual_friction:g}")
+    if contact.cohesion_kept:
+        words.append("cohesion kept after slip")
+    if contact.dilation_angle:
+        words.append(f"dilation angle {contact.dilation_angle:g} deg")
+    return ", ".join(words)
 
 
 def _count(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
+def _crack_lines(cracks: tuple[Crack, ...], scale: float, unit: str) -> list[str]:
+    """One line for each of a few cracks; of many, a line for the rest under each law."""
+    laws: dict[str, list[float]] = {}
+    for crack in cracks[SHOWN_CRACKS:]:
+        laws.setdefault(_crack_law(crack), []).append(_length(crack) * scale)
+    return [_crack_line(crack, scale, unit) for crack in cracks[:SHOWN_CRACKS]] + [
+        f"{_count(len(lengths), 'more crack')}: length {min(lengths):g} to {max(lengths):g} {unit}; {law}"
+        for law, lengths in laws.items()
+    ]
+
+
 def _crack_line(crack: Crack, scale: float, unit: str) -> str:
-    length = np.linalg.norm(np.diff(crack.points, axis=0), axis=1).sum() * scale
     tips = [name for name, there in (("start", crack.tip_at_start), ("end", crack.tip_at_end)) if there]
-    contact = "faces never touch" if crack.contact is None else _law(crack.contact)
-    return f"crack {crack.name}: length {length:g} {unit}, tips: {' and '.join(tips) or 'none'}; {contact}"
+    length = f"length {_length(crack) * scale:g} {unit}"
+    return f"crack {crack.name}: {length}, tips: {' and '.join(tips) or 'none'}; {_crack_law(crack)}"
+
+
+def _crack_law(crack: Crack) -> str:
+    return "faces never touch" if crack.contact is None else _law(crack.contact)
+
+
+def _length(crack: Crack) -> float:
+    return float(np.linalg.norm(np.diff(crack.points, axis=0), axis=1).sum())
+
+
+def _meetings(case: Case) -> str:
+    n_places = len(meeting_places(case))
+    return f", meeting at {_count(n_places, 'place')}" if n_places else ""
 
 
 def _growth_line(case: Case, scale: float, unit: str) -> str:
     growth = case.growth
     if growth is None:
-        return "growth: none, one static solve"
+        n_factors = len(case.loading.factors) if isinstance(case.loading, LoadHistory) else 1
+        return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
-    return (
-        f"growth: {growth.steps} steps of {growth.increment * scale:g} {unit}, {growth.criterion}{direction}, "
-        f"{growth.advance.replace('_', ' ')}, tip radius {growth.tip_radius * scale:g} {unit}"
-    )
+    memory = "" if growth.unload_between_steps else ", without unloading between steps"
+    radius = f"tip radius {growth.tip_radius * scale:g} {unit}"
+    if growth.steps == 0:
+        return f"growth: none, {growth.criterion} is judged, {radius}"
+    steps = f"{_count(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
+    return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}, {radius}{memory}"
 
 
 def _length_unit(case: Case) -> tuple[float, str]:

@@ -56,6 +56,60 @@ def test_overview_of_everything(tmp_path: Path) -> None:
         assert line in lines
 
 
+def test_overview_names_held_loads_and_load_factors(tmp_path: Path) -> None:
+    held = [f"loads.{index}.held=true" for index in (0, 2, 4)]
+    assert (
+        "loads: 2 tractions on edges (1 held), gravity on block (held), pressure 2 MPa in flaw, in-situ stress in "
+        "block (held), load factors 1, -0.5"
+    ) in overview(load(tmp_path, EVERYTHING, *held, "loading.history=[1, -0.5]")).splitlines()
+    text = overview(load_case(CASE, ["loads.0.held=true", "loads.1.held=true", "loads=[]", "loading.history=[1]"]))
+    assert "loads: 0 tractions on edges, load factors 1" in text
+    text = overview(load_case(CASE.with_stem("cyclic_friction"), ["loads.2.held=true"]))
+    assert "loads: 6 tractions on edges (3 held), 25 load factors 0.2, 0.4, 0.6, 0.8, 1, 0.8" in text
+    assert "0, -0.2, -0.4, ..., 1\ngrowth: none, 25 static solves" in text
+    text = overview(load_case(CASE.with_stem("confined30"), ["loads.0.held=true", "loads.1.held=true"]))
+    assert "loads: 4 tractions on edges (held), load factors 1" in text
+
+
+def test_overview_of_critical_loads_and_growth() -> None:
+    text = overview(load_case(CASE, ["loading=critical", "growth.steps=0"]))
+    assert (
+        "each step at its critical load factor\ngrowth: none, directional_strength is judged, tip radius 1 mm" in text
+    )
+    text = overview(load_case(CASE, ["growth.unload_between_steps=false", "growth.steps=1"]))
+    assert "growth: 1 step of 2 mm, directional_strength, most critical, tip radius 1 mm, without unloading" in text
+
+
+def test_overview_names_the_whole_law_where_it_is_not_the_default() -> None:
+    law = "{friction: 0.5, cohesion: 1, residual_friction: 0.3, cohesion_after_slip: kept, dilation_angle: 5}"
+    text = overview(load_case(CASE, [f"cracks.flaw.contact={law}"]))
+    assert (
+        "tips: start and end; friction 0.5, cohesion 1 MPa, residual friction 0.3, cohesion kept after slip, "
+        "dilation angle 5 deg\n"
+    ) in text
+    text = overview(load_case(CASE, ["cracks.flaw.contact={friction: 0.5, cohesion: 1, residual_friction: 0.5}"]))
+    assert "tips: start and end; friction 0.5, cohesion 1 MPa\n" in text
+
+
+def test_overview_counts_where_cracks_meet() -> None:
+    assert "cracks: 3, tips: 3, meeting at 1 place\n" in overview(load_case(CASE.with_stem("junction_static")))
+    assert "meeting" not in overview(load_case(CASE))
+    other = "cracks.other={path: {points: [[-3, 9], [0, -3], [3, 9]]}, contact: none}"
+    assert "cracks: 2, tips: 4, meeting at 2 places\n" in overview(load_case(CASE, [other]))
+
+
+def test_overview_sums_up_many_cracks() -> None:
+    contact = ["none", "{friction: 0.3, cohesion: 0}"]
+    more = [
+        f"cracks.c{k}={{path: {{points: [[-9, {y}], [{k / 10 - 8}, {y}]]}}, contact: {contact[k % 2]}}}"
+        for k, y in enumerate(np.arange(-15.0, -2.5, 0.5))
+    ]
+    lines = overview(load_case(CASE, more)).splitlines()
+    assert sum(line.startswith("crack ") for line in lines) == 20
+    assert "3 more cracks: length 2.9 to 3.3 mm; friction 0.3, cohesion 0 MPa" in lines
+    assert "3 more cracks: length 3 to 3.4 mm; faces never touch" in lines
+
+
 @pytest.mark.parametrize("spacing", [0.005, 0.001, 0.0004])
 def test_estimated_nodes_is_close_to_the_count_on_a_rectangle(spacing: float) -> None:
     case = load_case(CASE, [f"numerics.spacing={spacing} m"])

@@ -1,0 +1,54 @@
+"""Whether the load history fits loads, supports and growth."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crackgrow.case.layout import Scene, named
+from crackgrow.case.shapes import Resolved
+
+LOADS = ("traction", "gravity", "pressure", "stress")  # the key that holds the size of a load
+
+
+def check_loading(scene: Scene) -> None:
+    """Report a history without factors, and a critical load where nothing tells it or nothing can be scaled."""
+    loading = scene.get("loading")
+    if loading == "critical":
+        _check_critical(scene)
+    elif loading is not None and not loading["history"]:
+        message = "no factor given; wanted: at least one, such as [1.0], or loading: critical"
+        scene.report.fault(("loading", "history"), message)
+
+
+def _check_critical(scene: Scene) -> None:
+    """A critical load needs a criterion, a tip that it is judged at, and something that it scales."""
+    report = scene.report
+    if "growth" not in scene.resolved:
+        message = "critical needs `growth`, whose criterion says which load is critical (steps: 0 finds it and stops)"
+        report.fault(("loading",), message)
+    elif scene.get("growth", "unload_between_steps") is False:
+        message = (
+            "false given; wanted with loading: critical: true. Every step finds its load factor from the unloaded "
+            "state; with friction that remembers there is no such state, give loading: {history: [...]} instead"
+        )
+        report.fault(("growth", "unload_between_steps"), message)
+    cracks = named(scene.resolved, "cracks")
+    if report.sound("cracks") and all(crack["tips"] == "none" for crack in cracks.values()):
+        report.fault(("loading",), "critical needs a tip that can grow, where the criterion is judged; `tips` has none")
+    if report.sound("loads") and report.sound("supports") and not _has_scaled(scene):
+        message = "critical scales the loads that are not held and the prescribed displacements, and all of them are"
+        report.fault(("loading",), f"{message} held or zero: no load factor changes anything; leave out `held`")
+
+
+def _has_scaled(scene: Scene) -> bool:
+    """Whether there is a load that is neither held nor zero, or a prescribed displacement that is not zero."""
+    return any(not load["held"] and _size(load) > 0 for load in scene.resolved["loads"]) or any(
+        isinstance(value, str) or value != 0
+        for support in scene.resolved["supports"]
+        for value in support.get("displacement", {}).values()
+    )
+
+
+def _size(load: Resolved) -> float:
+    """Return the largest component of a load, without its sign."""
+    return float(np.abs([load[key] for key in LOADS if key in load]).max())

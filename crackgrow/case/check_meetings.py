@@ -1,0 +1,93 @@
+"""Whether cracks meet at points only: themselves not at all, and others never with a tip."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from crackgrow.case.layout import Scene
+from crackgrow.case.segments import Ids, Segments, close_segments, common_parts, places_between, segments_of
+
+ENDS_WITH_TIP = {"both": ("start", "end"), "start": ("start",), "end": ("end",)}
+
+
+def check_meetings(scene: Scene, names: list[str], refused_tips: set[tuple[str, str]]) -> None:
+    """Report cracks of these names that meet themselves, run along each other, or meet another one with a tip.
+
+    refused_tips: crack and end of tips that have a fault already
+    """
+    if not names:
+        return
+    segments = segments_of([scene.cracks[name] for name in names])
+    fine = _check_vertices(scene, names, segments)
+    pairs = close_segments(segments, scene.tolerance)
+    lines = segments.lines[pairs]
+    parts = common_parts(segments.ends[pairs[:, 0]], segments.ends[pairs[:, 1]], scene.tolerance)
+    runs = ~np.isnan(parts[:, 0, 0])
+    own = lines[:, 0] == lines[:, 1]
+    refused = set(names) - fine
+    along: set[tuple[str, str]] = set()
+    for index in np.flatnonzero(runs | (own & (pairs[:, 1] - pairs[:, 0] > 1))).tolist():
+        one, other = (names[line] for line in lines[index])
+        if one == other and one not in refused:
+            refused.add(one)
+            _refuse_itself(scene, segments, one, pairs[index])
+        elif one != other and (one, other) not in along:
+            along.add((one, other))
+            shown = " to ".join(scene.point(end) for end in parts[index])
+            message = f"runs along crack '{one}' from {shown}; cracks may meet at points only: shorten one of them"
+            scene.report.fault(("cracks", other, "path"), message)
+    _check_tips(scene, names, segments, along, refused_tips)
+
+
+def _check_vertices(scene: Scene, names: list[str], segments: Segments) -> set[str]:
+    """Report the first segment of a crack that is too short to be one; return the cracks that have none."""
+    lengths = np.hypot(*(segments.ends[:, 1] - segments.ends[:, 0]).T)
+    fine = set(names)
+    for index in np.flatnonzero(lengths <= scene.tolerance).tolist():
+        name = names[segments.lines[index]]
+        if name in fine:
+            fine.remove(name)
+            vertex, where = _vertex(segments, index), scene.point(segments.ends[index, 0])
+            limit = f"the smallest length of this scene, {scene.length(scene.tolerance)}"
+            message = f"vertices {vertex} and {vertex + 1} at {where} are closer than {limit}; leave one of them out"
+            scene.report.fault(("cracks", name, "path"), message)
+    return fine
+
+
+def _refuse_itself(scene: Scene, segments: Segments, name: str, pair: Ids) -> None:
+    """Report that two segments of a crack cross, touch or lie on each other."""
+    first, second = pair.tolist()
+    if second - first == 1:
+        vertex, where = _vertex(segments, second), scene.point(segments.ends[second, 0])
+        message = f"folds back on itself at vertex {vertex} {where}; end it there"
+    else:
+        where = scene.point(places_between(segments, pair[None])[0])
+        message = f"crosses or touches itself at {where}; give it as two cracks, which may meet there"
+    scene.report.fault(("cracks", name, "path"), message)
+
+
+def _vertex(segments: Segments, index: int) -> int:
+    """Return the number of the vertex of its crack at which a segment begins."""
+    return index - int(np.searchsorted(segments.lines, segments.lines[index]))
+
+
+def _check_tips(
+    scene: Scene, names: list[str], segments: Segments, along: set[tuple[str, str]], refused: set[tuple[str, str]]
+) -> None:
+    """Report tips that lie on another crack, unless they are refused already or the two run along each other."""
+    points = np.concatenate([scene.cracks[name][[0, -1]] for name in names])
+    ends, others = segments.tree.query(shapely.points(points), predicate="dwithin", distance=scene.tolerance)
+    hosts: dict[str, dict[str, str]] = {}
+    for end, host in sorted(zip(ends.tolist(), segments.lines[others].tolist(), strict=True)):
+        if end // 2 != host:
+            hosts.setdefault(names[end // 2], {}).setdefault(("start", "end")[end % 2], names[host])
+    for name, found in hosts.items():
+        tips = [end for end in ENDS_WITH_TIP.get(scene.get("cracks", name, "tips"), ()) if (name, end) not in refused]
+        left = " ".join(end for end in tips if end not in found) or "none"
+        for end, host in found.items():
+            if end in tips and not {(name, host), (host, name)} & along:
+                where = scene.point(scene.cracks[name][0 if end == "start" else -1])
+                message = f"the tip at the {end} {where} lies on crack '{host}', where it cannot grow"
+                remedy = f"leave this end out of `tips`: `tips: {left}`"
+                scene.report.fault(("cracks", name, "path"), f"{message}; {remedy}")

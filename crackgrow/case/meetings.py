@@ -1,0 +1,35 @@
+"""Where the cracks of a case cross, touch and branch."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from crackgrow.case.layout import ON_OUTLINE
+from crackgrow.case.model import Case, Floats
+from crackgrow.case.segments import close_segments, places_between, segments_of
+
+SAME_MEETING = 10.0  # places nearer than so many tolerances are one: each lies within the tolerance of its cracks
+
+
+def meeting_places(case: Case) -> Floats:
+    """Return the places `(k, 2) float` in m where two or more cracks meet."""
+    tolerance = ON_OUTLINE * scene_size(case)
+    segments = segments_of([crack.points for crack in case.cracks])
+    pairs = close_segments(segments, tolerance)
+    pairs = pairs[segments.lines[pairs[:, 0]] != segments.lines[pairs[:, 1]]]
+    places = places_between(segments, pairs)
+    if not len(places):
+        return places
+    same = KDTree(places).query_pairs(SAME_MEETING * tolerance, output_type="ndarray")
+    links = coo_array((np.ones(len(same)), same.T), shape=(len(places), len(places)))
+    _, groups = connected_components(links, directed=False)
+    return places[np.unique(groups, return_index=True)[1]]
+
+
+def scene_size(case: Case) -> float:
+    """Return the diagonal of the bounding box of all bodies in m."""
+    outlines = np.concatenate([body.outline for body in case.bodies])
+    return float(np.hypot(*np.ptp(outlines, axis=0)))

@@ -1,0 +1,71 @@
+"""Straight segments of many lines: which come close, which run along each other, where they meet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from crackgrow.case.model import Floats
+
+Ids = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Segments:
+    """The segments of several polylines, one after another."""
+
+    ends: Floats  # (n, 2, 2) m
+    lines: Ids  # (n,) number of the polyline that each belongs to
+    shapes: NDArray[np.object_]  # (n,) the same as shapes
+    tree: shapely.STRtree
+
+
+def segments_of(lines: Sequence[Floats]) -> Segments:
+    """Return the segments of polylines, each `(k, 2) float` with k > 1."""
+    ends = np.concatenate([np.zeros((0, 2, 2)), *(np.stack([line[:-1], line[1:]], axis=1) for line in lines)])
+    numbers = np.repeat(np.arange(len(lines)), [len(line) - 1 for line in lines])
+    shapes = np.asarray(shapely.linestrings(ends), dtype=object)
+    return Segments(ends, numbers, shapes, shapely.STRtree(shapes))
+
+
+def close_segments(segments: Segments, tolerance: float) -> Ids:
+    """Return the pairs `(m, 2) int`, i < j in order, of segments that come within the tolerance."""
+    pairs = segments.tree.query(segments.shapes, predicate="dwithin", distance=tolerance).T
+    pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+    return np.asarray(pairs[np.lexsort(pairs.T[::-1])], dtype=np.int64)
+
+
+def common_parts(first: Floats, second: Floats, tolerance: float) -> Floats:
+    """Return where segments run along others, `(m, 2, 2) float`; nan where they do not.
+
+    first, second: ends (m, 2, 2) of segments, pair by pair
+
+    Two segments run along each other where one lies within the tolerance of the other over more than the tolerance.
+    """
+    start, along = first[:, 0], first[:, 1] - first[:, 0]
+    length = np.hypot(*along.T)
+    unit = along / length[:, None]
+    places = np.einsum("mkx,mx->mk", second - start[:, None], unit)
+    low, high = np.clip(places.min(axis=1), 0.0, length), np.clip(places.max(axis=1), 0.0, length)
+    parts = start[:, None] + np.stack([low, high], axis=1)[:, :, None] * unit[:, None]
+    apart = np.stack([_distance(parts[:, end], second) for end in (0, 1)], axis=1).max(axis=1, initial=0.0)
+    parts[(high - low <= tolerance) | (apart > tolerance)] = np.nan
+    return np.asarray(parts, dtype=float)
+
+
+def places_between(segments: Segments, pairs: Ids) -> Floats:
+    """Return for pairs `(m, 2) int` of segments the place `(m, 2) float` where they meet or are nearest."""
+    first, second = segments.shapes[pairs[:, 0]], segments.shapes[pairs[:, 1]]
+    links = shapely.get_coordinates(shapely.shortest_line(first, second)).reshape(-1, 2, 2)
+    return np.asarray(links[:, 0], dtype=float)
+
+
+def _distance(points: Floats, segments: Floats) -> Floats:
+    """Return the distances (m,) of points (m, 2) from segments (m, 2, 2)."""
+    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    t = np.clip(np.sum((points - start) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
+    return np.asarray(np.hypot(*(points - start - t[:, None] * along).T), dtype=float)

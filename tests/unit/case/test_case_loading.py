@@ -1,0 +1,171 @@
+"""Held loads, load histories and critical loads; growth of no steps, and with memory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from crackgrow.case import CriticalLoad, LoadHistory, dump_case, load_case
+from crackgrow.errors import CaseError
+from tests.unit.case.scenes import EVERYTHING, fault, load
+from tests.unit.case.test_case_load import reread, same
+
+CASES = Path(__file__).parents[3] / "cases"
+FILE = CASES / "compression30.yaml"
+
+
+def faults(*overrides: str) -> list[tuple[str, str]]:
+    """Return key and message of the faults of compression30 with these overrides."""
+    with pytest.raises(CaseError) as caught:
+        load_case(FILE, overrides)
+    return [(found.key, found.message) for found in caught.value.faults]
+
+
+@pytest.mark.parametrize("path", sorted(CASES.glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_shipped_case_loads_and_reads_back(path: Path, tmp_path: Path):
+    case = load_case(path)
+    again = reread(case, tmp_path)
+    assert same(case, again)
+    assert dump_case(again) == dump_case(case)
+
+
+@pytest.mark.parametrize(
+    ("setting", "factors"),
+    [
+        ("loading.history=[1, 0, -1]", (1.0, 0.0, -1.0)),
+        ("loading={history: [0.5, 0.5, 1e-1]}", (0.5, 0.5, 0.1)),
+        ("loading.history=[0]", (0.0,)),
+        ("loading={}", (1.0,)),
+    ],
+)
+def test_history(setting: str, factors: tuple[float, ...]):
+    case = load_case(FILE, [setting])
+    assert isinstance(case.loading, LoadHistory)
+    assert case.loading.factors == factors
+    assert case.last_factor == factors[-1]
+
+
+def test_critical_load(tmp_path: Path):
+    case = load_case(FILE, ["loading=critical", "growth.steps=0"])
+    assert isinstance(case.loading, CriticalLoad)
+    assert case.growth is not None
+    assert case.growth.steps == 0
+    assert case.resolved["loading"] == "critical"
+    assert same(case, reread(case, tmp_path))
+
+
+def test_an_override_puts_a_history_in_the_place_of_a_word_and_back(tmp_path: Path):
+    path = tmp_path / "critical.yaml"
+    path.write_text(FILE.read_text(encoding="utf-8") + "\nloading: critical\n", encoding="utf-8")
+    assert isinstance(load_case(path).loading, CriticalLoad)
+    history = load_case(path, ["loading.history=[1, 0, -1]"]).loading
+    assert isinstance(history, LoadHistory)
+    assert history.factors == (1.0, 0.0, -1.0)
+    assert isinstance(load_case(path, ["loading.history=[1]", "loading=critical"]).loading, CriticalLoad)
+    last = load_case(path, ["loading=critical", "loading.history=[2, 3]", "loading.history.1=4"]).loading
+    assert isinstance(last, LoadHistory)
+    assert last.factors == (2.0, 4.0)
+
+
+def test_a_word_gives_way_at_loading_only():
+    ((key, message),) = faults("cracks.flaw.contact=none", "cracks.flaw.contact.friction=1")
+    assert (key, message) == (
+        "cracks.flaw.contact.friction",
+        "cracks.flaw.contact is the single value 'none': no key inside it",
+    )
+
+
+@pytest.mark.parametrize(
+    ("setting", "key", "words"),
+    [
+        ("loading=", "loading", "no value given; wanted: critical | a mapping of history"),
+        ("loading=crit", "loading", "'crit' given; wanted: critical | a mapping of history; did you mean 'critical'?"),
+        ("loading=1", "loading", "'1' given; wanted: critical"),
+        ("loading=[1]", "loading", "a list given; wanted: a mapping of history"),
+        (
+            "loading.history=[]",
+            "loading.history",
+            "no factor given; wanted: at least one, such as [1.0], or loading: c",
+        ),
+        ("loading.history=[1, no]", "loading.history.1", "'no' is not a number; wanted: a number"),
+        ("loading.history=[nan]", "loading.history.0", "'nan' is not finite"),
+        ("loading.factors=[1]", "loading.factors", "unknown key; allowed: history"),
+        ("loads.0.held=maybe", "loads.0.held", "'maybe' given; wanted: true | false"),
+    ],
+)
+def test_fault_of_the_loading(setting: str, key: str, words: str):
+    ((where, message),) = faults(setting)
+    assert where == key
+    assert words in message
+
+
+def test_held_loads(tmp_path: Path):
+    overrides = [f"loads.{index}.held=true" for index in (0, 2, 3, 4)]
+    case = load(tmp_path, EVERYTHING, *overrides)
+    assert [item.held for item in case.loads] == [True, False, True, True, True]
+    assert [item["held"] for item in case.resolved["loads"]] == [True, False, True, True, True]  # type: ignore[attr-defined]
+    assert not any(item.held for item in load(tmp_path, EVERYTHING).loads)
+
+
+def test_friction_may_remember_between_steps():
+    case = load_case(FILE, ["growth.unload_between_steps=false", "loading.history=[0.5, 1]"])
+    assert case.growth is not None
+    assert case.growth.unload_between_steps is False
+
+
+HELD = ("loads.0.held=true", "loads.1.held=true")
+
+
+@pytest.mark.parametrize(
+    ("overrides", "key", "words"),
+    [
+        (HELD, "loading", "all of them are held or zero: no load factor changes anything; leave out `held`"),
+        (("loads.0.traction=[0, 0]", "loads.1.held=true"), "loading", "all of them are held or zero"),
+        (("loads=[]",), "loading", "critical scales the loads that are not held and the prescribed displacements"),
+        (("loads=[{crack: flaw, pressure: 0}]",), "loading", "all of them are held or zero"),
+        (("cracks.flaw.tips=none",), "loading", "critical needs a tip that can grow, where the criterion is judged"),
+        (("cracks={}",), "loading", "critical needs a tip that can grow"),
+        (
+            ("growth.unload_between_steps=false",),
+            "growth.unload_between_steps",
+            "false given; wanted with loading: critical: true. Every step finds its load factor from the unloaded",
+        ),
+    ],
+)
+def test_fault_of_a_critical_load(overrides: tuple[str, ...], key: str, words: str):
+    ((where, message),) = faults("loading=critical", *overrides)
+    assert where == key
+    assert words in message
+
+
+def test_a_critical_load_needs_growth(tmp_path: Path):
+    text = FILE.read_text(encoding="utf-8")
+    before, _, after = text.partition("growth:  ")
+    path = tmp_path / "static.yaml"
+    path.write_text(f"{before}numerics:{after.partition('numerics:')[2]}", encoding="utf-8")
+    with pytest.raises(CaseError) as caught:
+        load_case(path, ["loading=critical"])
+    (found,) = caught.value.faults
+    assert found.key == "loading"
+    assert "critical needs `growth`, whose criterion says which load is critical (steps: 0" in found.message
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ("loads.0.held=true",),
+        (*HELD, "supports.0.displacement.y=0.1"),
+        (*HELD, 'supports.0={on: {body: rock, edge: bottom}, displacement: {y: "0.1 + 0.01*x"}}'),
+        (*HELD, "loads=[{crack: flaw, pressure: -1}]"),
+        ("loads=[{body: rock, stress: [0, 0, 1]}]",),
+    ],
+)
+def test_what_a_critical_load_can_scale(overrides: tuple[str, ...]):
+    assert isinstance(load_case(FILE, ["loading=critical", *overrides]).loading, CriticalLoad)
+
+
+def test_other_faults_hide_what_a_critical_load_lacks(tmp_path: Path):
+    scene: dict[str, Any] = {**EVERYTHING, "loads": [], "loading": "critical"}
+    assert fault(tmp_path, scene, "supports.2.at=[99, 99]")[0] == "supports.2.at"
