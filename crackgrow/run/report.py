@@ -12,10 +12,11 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.fracture.criteria import effective_toughness
+from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap
 from crackgrow.run.frame import make_frame
 from crackgrow.run.reactions import reactions
-from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, StepResult, TipResult
+from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, Energy, Event, StepResult, TipResult
 from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution
 
@@ -29,6 +30,7 @@ SAME_PLACE = 1e-6
 def step_result(
     scene: Scene,
     paths: tuple[CrackPath, ...],
+    events: tuple[Event, ...],
     solution: StepSolution,
     step: int,
     chosen: Ints,
@@ -38,9 +40,9 @@ def step_result(
 ) -> StepResult:
     """Result of step number `step`; tips `chosen` advance, `started` is when the reporting began (perf_counter).
 
-    `told` are the warnings of the steps before.
+    `events` are those of the advance that made the `paths`, `told` are the warnings of the steps before.
     """
-    outcome = solution.outcome
+    outcome, nan = solution.outcome, float("nan")
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
     faces = tuple(_faces(solution, scene, index) for index in range(len(solution.cover.surfaces)))
     overlap = largest_overlap(scene, faces)
@@ -49,6 +51,7 @@ def step_result(
         step=step,
         load_factor=scene.case.last_factor,
         cracks=paths,
+        events=events,
         tips=tips,
         contact=_contact(solution, scene),
         faces=faces,
@@ -63,6 +66,9 @@ def step_result(
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         overlap=overlap,
+        energy=Energy(work=nan, strain=nan, dissipated=nan, released=nan, error=nan),
+        load_displacement=nan,
+        crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
         warnings=cautions(scene, solution, faces, step, told),
