@@ -2,7 +2,7 @@
 
 The new tip of an increment along the hoop-stress kink is not free of K_II: the path zigzags about the smooth one by an
 amount that shrinks with the increment. The corrected kinks follow the smooth path at large increments. Every kink is
-corrected by its own tip's K_II alone (diagonal secant).
+corrected by its own tip's K_II alone (diagonal secant); one whose tip has met something is not corrected any more.
 """
 
 from __future__ import annotations
