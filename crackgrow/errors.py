@@ -45,3 +45,11 @@ class SolveError(CrackgrowError):
     """A system that has no acceptable solution; the message names the quantity, its value and the remedy."""
 
     exit_code = 3
+
+
+class FreePieceError(SolveError):
+    """A piece of rock that nothing holds; `what` says which piece and how it can move, the message adds the remedy."""
+
+    def __init__(self, what: str, remedy: str) -> None:
+        self.what = what
+        super().__init__(f"{what}; {remedy}")

@@ -26,7 +26,7 @@ from scipy.sparse import csr_array
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactProblem, ContactSolution, complementarity_residual
 from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.errors import SolveError
+from crackgrow.errors import FreePieceError, SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem, displacement_size
 from crackgrow.solid.rigid_modes import FreePiece, Springs
 
@@ -158,7 +158,7 @@ def solve_contact_held_loosely(
     """As `solve_contact` where the system's stiffness contains `springs` on pieces that contact alone holds.
 
     The springs' far ends follow the rock until they carry no force (the proximal point method, Rockafellar 1976): the
-    solution is that of the rock without springs. Raises SolveError where contact does not hold a piece.
+    solution is that of the rock without springs. Raises FreePieceError where contact does not hold a piece.
     """
     memory = memory or ContactMemory.fresh(len(contact.weights))
     outcome: ContactOutcome | None = None
@@ -186,7 +186,8 @@ def solve_contact_held_loosely(
         return replace(outcome, notes=(*outcome.notes, note))
     drift = drifts[-1]
     piece = pieces[int(springs.piece[int(np.argmax(np.abs(drift)))])]
-    raise SolveError(f"{piece} is free to move: contact does not hold it; it needs supports, friction or another load")
+    what = f"{piece} is free to move: contact does not hold it"
+    raise FreePieceError(what, "it needs supports, friction or another load")
 
 
 def accelerated(ends: list[Floats], drifts: list[Floats]) -> Floats:

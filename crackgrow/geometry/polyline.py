@@ -1,4 +1,4 @@
-"""Open polylines: arc length, kinks, the way out of a body."""
+"""Open polylines: arc length, kinks, where they are hit."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ import shapely
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+BEGIN = 1e-9
+"""Lengths of a segment: closer than this to its start is at its start."""
 
 
 def arc_lengths(points: Floats) -> Floats:
@@ -34,10 +37,13 @@ def tip_direction(points: Floats, at_end: bool) -> Floats:
     return np.asarray(step / np.hypot(*step))
 
 
-def exit_point(region: shapely.Polygon, start: Floats, end: Floats) -> Floats | None:
-    """Where the segment from `start` (2,), inside `region`, first meets its boundary; None if it stays inside."""
-    hits = shapely.get_coordinates(shapely.intersection(shapely.linestrings([start, end]), region.boundary))
-    if len(hits) == 0:
-        return None
+def first_hit(line: shapely.Geometry, start: Floats, end: Floats) -> Floats | None:
+    """Where the segment from `start` to `end` (2,) first meets `line`, (2,); None if it does not.
+
+    Where it begins on the line, that is no place where it meets it.
+    """
+    segment = shapely.linestrings([start, end])
+    hits = shapely.get_coordinates(shapely.intersection(segment, line))
     distances = np.hypot(*(hits - start).T)
-    return np.asarray(hits[int(np.argmin(distances))])
+    hits, distances = hits[distances > BEGIN * segment.length], distances[distances > BEGIN * segment.length]
+    return np.asarray(hits[int(np.argmin(distances))]) if len(hits) else None

@@ -1,4 +1,4 @@
-"""Pictures of a run: the crack paths, and the major principal stress on the displaced specimen."""
+"""Pictures of a run: the crack paths, the stress on the displaced specimen, the contacts, the load over the steps."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doe
 LONG_SIDE = 7.0  # inches
 DPI = 150
 MOST_CONTACT_ROWS = 6  # surfaces in one figure
-MOST_STEP_TICKS = 11  # on the colour bar of steps
+MOST_STEP_TICKS = 11  # on the colour bar of steps, and of points named by their step
 
 
 def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
@@ -127,6 +127,33 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
         row[0].legend(fontsize=7)
     rest = f" (the first {len(faces)} of {len(touching)} surfaces)" if len(touching) > len(faces) else ""
     figure.suptitle(f"{case.title}, step {result.step}{rest}", fontsize=10, wrap=True)
+    _save(path, figure)
+
+
+def draw_load_curve(path: Path, case: Case, curve: Sequence[tuple[float, float, float]]) -> None:
+    """Plot the load factor against the displacement of the loads, and against what the cracks have grown if they have.
+
+    `curve` holds, step by step from step 0, the load factor, the displacement of the loads and the length of all
+    cracks (m). Points are named by their steps. Raises OutputError.
+    """
+    scale, unit = _length_unit(case)
+    factor, displacement, length = np.array(curve).T
+    growth = length - length[0]
+    panels = [(displacement, f"displacement of the loads [{unit}]")]
+    if growth.any():
+        panels.append((growth, f"crack growth [{unit}]"))
+    figure = Figure(figsize=(4.6 * len(panels), 4.0), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    named = range(0, len(curve), -(-len(curve) // MOST_STEP_TICKS))
+    for axes, (values, label) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
+        axes.plot(values * scale, factor, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
+        for step in named:
+            if np.isfinite(values[step]) and np.isfinite(factor[step]):
+                place = (values[step] * scale, factor[step])
+                axes.annotate(str(step), place, xytext=(3, 3), textcoords="offset points", fontsize=7)
+        axes.set(xlabel=label, ylabel="load factor")
+        axes.grid(linewidth=0.3)
+    figure.suptitle(f"{case.title} (points: steps)", fontsize=10, wrap=True)
     _save(path, figure)
 
 

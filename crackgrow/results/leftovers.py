@@ -8,8 +8,9 @@ from pathlib import Path
 from crackgrow.results.atomic import OutputError, temporary_path
 
 FILES = ("case.yaml", "summary.json", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
-         "run.log")  # fmt: skip
-FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png")
+         "events.csv", "run.log")  # fmt: skip
+FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
+           "figures/load_curve.png")  # fmt: skip
 SERIES = {"frames": re.compile(r"\.?step_\d{4,}(\.tmp)?\.vtu"), "cracks": re.compile(r"\.?step_\d{4,}(\.tmp)?\.vtp")}
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from crackgrow.results.atomic import write_text
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
-    from crackgrow.run.result import StepResult
+    from crackgrow.run.result import Event, StepResult
 
 
 class RunLog:
@@ -53,3 +53,10 @@ def step_line(result: StepResult, n_steps: int | None) -> str:
             f"{sum(result.seconds.values()):.2f} s",
         ]
     )
+
+
+def event_line(event: Event) -> str:
+    """One line on what a tip has met, and where (m)."""
+    x, y = event.point
+    tip = f"crack '{event.crack}' ({event.tip})"
+    return f"step {event.step}, {event.kind}: {tip} reached {event.met} at ({x:.6g}, {y:.6g}) m"

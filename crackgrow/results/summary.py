@@ -11,9 +11,9 @@ from pathlib import Path
 
 from crackgrow import __version__
 from crackgrow.case.model import Case
-from crackgrow.run.result import RunEnd, StepResult
+from crackgrow.run.result import Event, RunEnd, StepResult
 
-CHECKS = ("residual", "penetration", "complementarity", "overlap")
+CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
 
 
 class Tally:
@@ -25,6 +25,7 @@ class Tally:
         self.seconds: dict[str, float] = {}
         self.worst: dict[str, tuple[float, int]] = {}
         self.warnings: list[str] = []
+        self.events: list[Event] = []
         self.effective_toughness = math.nan
 
     def add(self, result: StepResult) -> None:
@@ -35,9 +36,10 @@ class Tally:
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
         for check in CHECKS:
-            value = float(getattr(result, check))
+            value = float(result.energy.error if check == "energy_error" else getattr(result, check))
             if check not in self.worst or _badness(value) > _badness(self.worst[check][0]):
                 self.worst[check] = (value, int(result.step))
+        self.events.extend(result.events)
         self.warnings.extend(f"step {result.step}: {text}" for text in result.warnings)
 
     def add_seconds(self, phase: str, seconds: float) -> None:
@@ -67,6 +69,7 @@ def summarize(case: Case, tally: Tally, end: RunEnd, wall_seconds: float) -> dic
             check: {"value": value if math.isfinite(value) else None, "step": step}
             for check, (value, step) in tally.worst.items()
         },
+        "events": [_event(event) for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
     }
 
@@ -95,6 +98,19 @@ def git_state(root: Path) -> tuple[str | None, bool | None]:
     except (OSError, subprocess.SubprocessError):
         return None, None
     return answer.removesuffix("-dirty"), answer.endswith("-dirty")
+
+
+def _event(event: Event) -> dict[str, object]:
+    x, y = (float(coordinate) for coordinate in event.point)
+    return {
+        "step": int(event.step),
+        "kind": event.kind,
+        "crack": event.crack,
+        "tip": event.tip,
+        "x": x,
+        "y": y,
+        "met": event.met,
+    }
 
 
 def _badness(value: float) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from crackgrow.results.atomic import write_text
-from crackgrow.run.result import STATE_NAMES, CrackPath, StepResult
+from crackgrow.run.result import STATE_NAMES, CrackPath, Event, StepResult
 
 Value = str | bool | int | float
 
@@ -14,11 +14,13 @@ TIPS = ("step", "crack", "tip", "x", "y", "K_I", "K_II", "sigma_1", "sigma_3", "
         "load_factor", "K_I_error", "K_II_error", "K_radius", "K_note", "K_I_faces", "K_II_faces")  # fmt: skip
 PATHS = ("crack", "vertex", "x", "y", "step")
 CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state")
+EVENTS = ("step", "kind", "crack", "tip", "x", "y", "met")
 REACTIONS = ("step", "where", "force_x", "force_y", "load_factor")
 PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
 STEPS = ("step", "n_dofs", "n_contact", "contact_iterations", "factorizations", "residual", "penetration",
          *(f"seconds_{phase}" for phase in PHASES),
-         "load_factor", "contact_status", "complementarity", "overlap")  # fmt: skip
+         "load_factor", "contact_status", "complementarity", "overlap", "work", "strain_energy", "dissipation",
+         "released_energy", "energy_error", "load_displacement", "crack_length")  # fmt: skip
 
 
 class Table:
@@ -109,10 +111,19 @@ def reaction_rows(result: StepResult) -> list[tuple[Value, ...]]:
     return [(int(result.step), item.where, *item.force, float(result.load_factor)) for item in result.reactions]
 
 
+def event_rows(events: Iterable[Event]) -> list[tuple[Value, ...]]:
+    """Rows of events.csv: the step whose advance made the event, the place in m."""
+    return [
+        (int(event.step), event.kind, event.crack, event.tip, *(float(x) for x in event.point), event.met)
+        for event in events
+    ]
+
+
 def step_row(result: StepResult, seconds_frames: float) -> tuple[Value, ...]:
     """The row of steps.csv; `seconds_frames` is what writing the step's frames took, added to the output phase."""
     seconds = {phase: float(result.seconds.get(phase, 0.0)) for phase in PHASES}
     seconds["output"] += seconds_frames
+    energy = result.energy
     return (
         int(result.step),
         int(result.n_dofs),
@@ -126,4 +137,11 @@ def step_row(result: StepResult, seconds_frames: float) -> tuple[Value, ...]:
         result.contact_status,
         float(result.complementarity),
         float(result.overlap),
+        float(energy.work),
+        float(energy.strain),
+        float(energy.dissipated),
+        float(energy.released),
+        float(energy.error),
+        float(result.load_displacement),
+        float(result.crack_length),
     )

@@ -12,9 +12,9 @@ from crackgrow.case.model import Case
 from crackgrow.results import tables
 from crackgrow.results.atomic import write_text
 from crackgrow.results.leftovers import cracks_name, frame_name, remove_leftovers, series_names
-from crackgrow.results.log import RunLog, step_line
+from crackgrow.results.log import RunLog, event_line, step_line
 from crackgrow.results.summary import Tally, summarize, summary_text
-from crackgrow.run.result import CrackPath, RunEnd, StepResult
+from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
 
 class RunWriter:
@@ -32,6 +32,8 @@ class RunWriter:
         self._contact = tables.Table(folder / "contact.csv", tables.CONTACT)
         self._reactions = tables.Table(folder / "reactions.csv", tables.REACTIONS)
         self._steps = tables.Table(folder / "steps.csv", tables.STEPS)
+        self._events = tables.Table(folder / "events.csv", tables.EVENTS)
+        self._curve: list[tuple[float, float, float]] = []  # load factor, load displacement (m), crack length (m)
         self._first: StepResult | None = None
         self._last: StepResult | None = None
         self._frames: list[tuple[int, str]] = []
@@ -42,7 +44,7 @@ class RunWriter:
         remove_leftovers(self.folder, self.case.name)
         write_text(self.folder / "case.yaml", dump_case(self.case))
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
-        self._write_tables(self._tips, self._contact, self._reactions, self._steps)
+        self._write_tables(self._tips, self._contact, self._reactions, self._steps, self._events)
         self._write_paths(())
 
     def add(self, result: StepResult) -> None:
@@ -60,6 +62,8 @@ class RunWriter:
         self._steps.extend([tables.step_row(result, seconds)])
         self._write_tables(self._tips, self._contact, self._reactions, self._steps)
         self._write_paths(result.cracks)
+        self._curve.append((result.load_factor, result.load_displacement, result.crack_length))
+        self._write_events(result.events)
         self._log.write(step_line(result, self.case.growth.steps if self.case.growth else None))
         for text in result.warnings:
             self._log.write(f"step {result.step}, warning: {text}")
@@ -68,6 +72,7 @@ class RunWriter:
         """Write the final paths, what is left of frames, the figures, and last the summary."""
         try:
             self._write_paths(end.cracks)
+            self._write_events(end.events)
             self._write_last_frame()
             if self.case.output.figures and self._last is not None:
                 began = time.perf_counter()
@@ -91,6 +96,13 @@ class RunWriter:
         table = tables.Table(self.folder / "paths.csv", tables.PATHS)
         table.extend(tables.path_rows(cracks))
         table.write()
+
+    def _write_events(self, events: Sequence[Event]) -> None:
+        if events:
+            self._events.extend(tables.event_rows(events))
+            self._events.write()
+        for event in events:
+            self._log.write(event_line(event))
 
     def _write_last_frame(self) -> None:
         """The second of first_and_last: only now is it known which step was the last."""
@@ -129,3 +141,5 @@ class RunWriter:
                 figures.draw_sigma_1(folder / name, self.case, result.frame, result.step)
         if any(face.crack in last.contact.crack for face in last.faces):
             figures.draw_contact(folder / "contact.png", self.case, last)
+        if len({factor for factor, _, _ in self._curve}) > 1:
+            figures.draw_load_curve(folder / "load_curve.png", self.case, self._curve)

@@ -2,26 +2,30 @@
 
 The new tip of an increment along the hoop-stress kink is not free of K_II: the path zigzags about the smooth one by an
 amount that shrinks with the increment. The corrected kinks follow the smooth path at large increments. Every kink is
-corrected by its own tip's K_II alone (diagonal secant).
+corrected by its own tip's K_II alone (diagonal secant); one whose tip has met something is not corrected any more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from crackgrow.errors import GeometryError, SolveError
-from crackgrow.fracture.advance import GrowingCrack, advanced
+from crackgrow.fracture.advance import GrowingCrack, advanced, closed
 from crackgrow.fracture.criteria import hoop_stress_kink
+from crackgrow.fracture.meeting import Meeting
+from crackgrow.run.result import Event
 from crackgrow.run.scene import Scene
-from crackgrow.run.step import StepSolution, solve_step
+from crackgrow.run.step import StepSolution
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Solve = Callable[[tuple[GrowingCrack, ...]], StepSolution]
 
 MOST_SOLVES = 6
 """Solves for one advance."""
@@ -41,13 +45,16 @@ SLOPES = (0.1, 20.0)
 LARGEST_CORRECTION = np.deg2rad(30.0)
 """rad, of one trial."""
 
+ON_INTERFACE = 1e-6
+"""Spacings: a point of a body's rim closer than this to an interface lies on it."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Advance:
     """The cracks after an advance."""
 
     cracks: tuple[GrowingCrack, ...]
-    left: tuple[str, ...]  # tips that have left the body
+    events: tuple[Event, ...]  # tips that have met something
     solution: StepSolution | None = None  # of `cracks`, where the search for the direction has solved them
 
 
@@ -55,7 +62,7 @@ class Advance:
 class _Trial:
     kinks: Floats  # (n,) rad
     advance: Advance
-    shear: Floats  # (n,) K_II / K at the new tips, zero at those that have left
+    shear: Floats  # (n,) K_II / K at the new tips, zero where a tip has met something
     error: Floats  # (n,) below which `shear` counts as zero
 
     @property
@@ -70,54 +77,64 @@ def advance_tips(
     solution: StepSolution,
     chosen: Ints,
     step: int,
-    load_factor: float,
+    solve: Solve,
 ) -> Advance:
-    """The cracks after the tips `chosen` have advanced in step number `step`.
-
-    Raises GeometryError where a crack would meet another one along the criterion's kinks.
-    """
+    """The cracks after the tips `chosen` have advanced in step number `step`; `solve` gives the step that follows."""
     growth = scene.case.growth
     assert growth is not None
     ends = [solution.cover.tip_ends[tip] for tip in chosen.tolist()]
     verdicts = [solution.tips[tip].verdict for tip in chosen.tolist()]
     kinks = np.array([verdict.kink for verdict in verdicts if verdict is not None])
     first = _advanced(scene, cracks, ends, kinks, step)
-    if growth.direction == "explicit" or len(first.left) == len(ends):
+    if growth.direction == "explicit" or not any(_can_grow(first, end) for end in ends):
         return first
-    return _without_shear(scene, cracks, ends, kinks, first, step, load_factor)
+    return _without_shear(scene, cracks, ends, kinks, first, step, solve)
 
 
 def _advanced(
     scene: Scene, cracks: tuple[GrowingCrack, ...], ends: Sequence[tuple[int, bool]], kinks: Floats, step: int
 ) -> Advance:
-    """All cracks, with the tips `ends` advanced by `kinks`."""
+    """All cracks, with the tips `ends` advanced by `kinks` one after the other: each sees what those before have made.
+
+    A tip that one before it has met is no tip any more and stays.
+    """
     growth = scene.case.growth
     assert growth is not None
     grown = list(cracks)
-    left = []
+    events = []
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
-        others = [other for number, other in enumerate(grown) if number != index]
-        grown[index], out = advanced(
-            grown[index], at_end, kink, growth.increment, step, scene.regions[scene.crack_bodies[index]], others
-        )
-        if out:
-            end = "end" if at_end else "start"
-            place = grown[index].crack.points[-1 if at_end else 0]
-            left.append(f"crack '{grown[index].crack.name}' ({end}) reached {_rim_at(scene, index, place)}")
-    return Advance(tuple(grown), tuple(left))
+        if not grown[index].can_grow(at_end):
+            continue
+        numbers = [number for number in range(len(grown)) if number != index]
+        others = [grown[number] for number in numbers]
+        region = scene.regions[scene.crack_bodies[index]]
+        grown[index], met = advanced(grown[index], at_end, kink, growth.increment, step, region, others)
+        if met is None:
+            continue
+        if met.kind == "crack" and met.end is not None:
+            grown[numbers[met.number]] = closed(others[met.number], met.end)
+        kind, name = _named(scene, index, met, others)
+        crack = grown[index].crack.name
+        events.append(Event(step, kind, crack, "end" if at_end else "start", met.point, name))
+    return Advance(tuple(grown), tuple(events))
 
 
-def _rim_at(scene: Scene, crack: int, place: Floats) -> str:
-    """What lies at a place on the rim of the body that a crack is in."""
-    point = shapely.Point(place)
-    near = 1e-6 * scene.lattice.spacing
+def _named(
+    scene: Scene, crack: int, met: Meeting, others: Sequence[GrowingCrack]
+) -> tuple[Literal["coalescence", "hole", "break_through", "interface"], str]:
+    """The kind of event that it is that a crack has met something, and what that is called."""
+    if met.kind == "crack":
+        return "coalescence", f"crack '{others[met.number].crack.name}'"
+    if met.kind == "own_path":
+        return "coalescence", "its own path"
+    near = ON_INTERFACE * scene.lattice.spacing
     for line in scene.interfaces:
-        if shapely.dwithin(shapely.LineString(scene.lattice.to_metres(line.points)), point, near):
-            return f"interface '{line.name}'"
-    for number, hole in enumerate(scene.regions[scene.crack_bodies[crack]].interiors):
-        if shapely.dwithin(hole, point, near):
-            return f"hole{number}"
-    return "the outline"
+        if shapely.dwithin(shapely.LineString(scene.lattice.to_metres(line.points)), shapely.Point(met.point), near):
+            return "interface", f"interface '{line.name}'"
+    body = scene.case.bodies[scene.crack_bodies[crack]].name
+    if met.kind == "hole":
+        return "hole", f"hole{met.number} of body '{body}'"
+    return "break_through", f"the outline of body '{body}'"
 
 
 def _without_shear(
@@ -127,7 +144,7 @@ def _without_shear(
     kinks: Floats,
     first: Advance,
     step: int,
-    load_factor: float,
+    solve: Solve,
 ) -> Advance:
     """The advance whose new tips see least shear, with its solution and the cost of all solves."""
     trials: list[_Trial] = []
@@ -136,7 +153,7 @@ def _without_shear(
     while True:
         try:
             advance = advance if not trials else _advanced(scene, cracks, ends, kinks, step)
-            solved = solve_step(scene, advance.cracks, load_factor)
+            solved = solve(advance.cracks)
         except (GeometryError, SolveError):
             if not trials:
                 return first  # solving it again tells the user why
@@ -162,8 +179,8 @@ def _judged(kinks: Floats, advance: Advance, ends: Sequence[tuple[int, bool]]) -
     assert solution is not None
     shear, error = np.zeros(len(ends)), np.full(len(ends), SMALL_SHEAR)
     for number, end in enumerate(ends):
-        if end not in solution.cover.tip_ends:
-            continue  # it has left the body
+        if not _can_grow(advance, end):
+            continue  # it has met something
         state = solution.tips[solution.cover.tip_ends.index(end)]
         size = float(np.hypot(*state.K))
         if size == 0.0:
@@ -172,6 +189,11 @@ def _judged(kinks: Floats, advance: Advance, ends: Sequence[tuple[int, bool]]) -
         shear[number] = -0.5 * hoop_stress_kink(*state.K)
         error[number] = np.clip(np.nan_to_num(state.intensity.K_II_error) / size, SMALL_SHEAR, WORST_ERROR)
     return _Trial(kinks, advance, shear, error)
+
+
+def _can_grow(advance: Advance, end: tuple[int, bool]) -> bool:
+    index, at_end = end
+    return advance.cracks[index].can_grow(at_end)
 
 
 def _corrected(trials: list[_Trial]) -> Floats:

@@ -1,69 +1,95 @@
-"""The growth loop: solve, judge, advance; one result a step."""
+"""The growth loop: load, judge, advance; one result a step."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Generator
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.case.model import Case, Growth
-from crackgrow.errors import GeometryError, SolveError
-from crackgrow.fracture.advance import GrowingCrack, growing_tips
+from crackgrow.case.model import Case, CriticalLoad, Growth, LoadHistory
+from crackgrow.errors import FreePieceError
+from crackgrow.fracture.advance import TIE, GrowingCrack, growing_tips
 from crackgrow.run.direction import advance_tips
-from crackgrow.run.report import step_result
-from crackgrow.run.result import CrackPath, RunEnd, StepResult
-from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.loading import load, load_history
+from crackgrow.run.report import step_result
+from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
+from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution
+from crackgrow.solid.rigid_modes import all_pieces
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
 def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
-    """Run a case: yields the result of every solved step, step 0 first, and returns why it ended.
+    """Run a case: yields the result of every step, step 0 first, and returns why it ended.
 
-    Raises GeometryError or SolveError where a step can't be solved; the steps before it have been yielded.
+    With growth a step is a configuration of the cracks under the last of its loads; without, it is a load factor of the
+    history. Raises GeometryError or SolveError where a step can't be solved; the steps before it have been yielded.
+    That a piece of rock comes loose, which nothing holds, is no error after step 0: the cracks have broken through.
     """
     scene = make_scene(case)
     cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
-    n_steps = case.growth.steps if case.growth else 0
-    ended: RunEnd | None = None
+    if case.growth is None:
+        return (yield from _static(scene, cracks))
+    n_steps = case.growth.steps
     told: frozenset[str] = frozenset()
     known: StepSolution | None = None
+    before: StepSolution | None = None
+    events: tuple[Event, ...] = ()
+    n_pieces = 0  # of rock, at the start
     for step in range(n_steps + 1):
         try:
-            solution = known or solve_step(scene, cracks, case.last_factor)
-        except (SolveError, GeometryError):
-            if ended is None:
+            solution = known or load(scene, cracks, before)
+        except FreePieceError as error:
+            if step == 0:
                 raise
-            return ended  # the body that a crack broke through can't be held any more
-        chosen = _choose(case.growth, cracks, solution, last=step == n_steps or ended is not None)
-        result = _reported(scene, cracks, solution, step, chosen, told)
+            return RunEnd("broke_through", f"step {step}: {error.what}", _paths(cracks), events)
+        n_pieces = n_pieces or len(all_pieces(solution.cover))
+        chosen = _choose(case.growth, cracks, solution, last=step == n_steps)
+        result = _reported(scene, cracks, events, solution, step, chosen, told)
         told |= frozenset(result.warnings)
         yield result
-        if ended is not None:
-            return ended
         if len(chosen) == 0 and step < n_steps:
-            return RunEnd("arrested", _why_arrested(cracks, solution, step), _paths(cracks))
-        if case.growth and step < n_steps:
-            advance = advance_tips(scene, cracks, solution, chosen, step + 1, case.last_factor)
-            cracks, known = advance.cracks, advance.solution
-            if advance.left:
-                reached = f"step {step + 1}: {' and '.join(advance.left)}"
-                ended = RunEnd("broke_through", reached, _paths(cracks))
+            return _stopped(cracks, solution, step, n_pieces)
+        if step < n_steps:
+            following = partial(load, scene, before=solution)
+            advance = advance_tips(scene, cracks, solution, chosen, step + 1, following)
+            cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
     return RunEnd("completed", done, _paths(cracks))
 
 
-def _choose(growth: Growth | None, cracks: tuple[GrowingCrack, ...], solution: StepSolution, last: bool) -> Ints:
+def _static(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Generator[StepResult, None, RunEnd]:
+    """The load factors of the history in turn, without growth."""
+    assert isinstance(scene.case.loading, LoadHistory)  # critical loads need a criterion: the case was checked
+    told: frozenset[str] = frozenset()
+    chosen = np.empty(0, dtype=np.int64)
+    for step, solution in enumerate(load_history(scene, cracks)):
+        result = _reported(scene, cracks, (), solution, step, chosen, told)
+        told |= frozenset(result.warnings)
+        yield result
+    n = len(scene.case.loading.factors)
+    return RunEnd(
+        "completed", "the static solve is done" if n == 1 else f"all {n} load factors are done", _paths(cracks)
+    )
+
+
+def _choose(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolution, last: bool) -> Ints:
     """Numbers of the tips that advance after this solve; none after the last."""
-    if growth is None or last:
+    if last:
         return np.empty(0, dtype=np.int64)
     n_advances = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
-    return growing_tips(_criticality(cracks, solution), np.array(n_advances, dtype=np.int64), growth.advance)
+    criticality = _criticality(cracks, solution)
+    largest = criticality.max(initial=-np.inf)
+    if isinstance(solution.configuration.scene.case.loading, CriticalLoad) and abs(largest - 1.0) < TIE:
+        criticality = criticality * (
+            1.0 + TIE
+        )  # the largest is 1 but for round-off; tips as critical as that one grow too
+    return growing_tips(criticality, np.array(n_advances, dtype=np.int64), growth.advance)
 
 
 def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:
@@ -79,6 +105,7 @@ def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Fl
 def _reported(
     scene: Scene,
     cracks: tuple[GrowingCrack, ...],
+    events: tuple[Event, ...],
     solution: StepSolution,
     step: int,
     chosen: Ints,
@@ -88,15 +115,22 @@ def _reported(
     start = time.perf_counter()
     output = scene.case.output
     wanted = output.frames != "none" or output.figures
-    return step_result(scene, _paths(cracks), solution, step, chosen, wanted, start, told)
+    return step_result(scene, _paths(cracks), events, solution, step, chosen, wanted, start, told)
 
 
 def _paths(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:
     return tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in cracks)
 
 
-def _why_arrested(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int) -> str:
+def _stopped(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, n_pieces: int) -> RunEnd:
+    """The end of a run whose cracks don't grow any more; `n_pieces` of rock there were at the start."""
     largest = _criticality(cracks, solution).max(initial=-np.inf)
-    if largest == -np.inf:
-        return f"step {step}: no tip is left that could grow"
-    return f"step {step}: no tip meets the criterion; the most critical is at {largest:.3g} of its strength"
+    if largest > -np.inf:
+        most = f"the most critical is at {largest:.3g} of its strength"
+        return RunEnd("arrested", f"step {step}: no tip meets the criterion; {most}", _paths(cracks))
+    stopped = f"step {step}: no tip is left that could grow"
+    n_left = len(all_pieces(solution.cover))
+    if n_left > n_pieces:
+        cut = f"the cracks have cut the rock into {n_left} pieces, {n_pieces} at the start"
+        return RunEnd("broke_through", f"{stopped}; {cut}", _paths(cracks))
+    return RunEnd("arrested", stopped, _paths(cracks))

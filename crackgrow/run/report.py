@@ -12,10 +12,11 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.fracture.criteria import effective_toughness
+from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap
 from crackgrow.run.frame import make_frame
 from crackgrow.run.reactions import reactions
-from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, StepResult, TipResult
+from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, Event, StepResult, TipResult
 from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution
 
@@ -29,6 +30,7 @@ SAME_PLACE = 1e-6
 def step_result(
     scene: Scene,
     paths: tuple[CrackPath, ...],
+    events: tuple[Event, ...],
     solution: StepSolution,
     step: int,
     chosen: Ints,
@@ -38,7 +40,7 @@ def step_result(
 ) -> StepResult:
     """Result of step number `step`; tips `chosen` advance, `started` is when the reporting began (perf_counter).
 
-    `told` are the warnings of the steps before.
+    `events` are those of the advance that made the `paths`, `told` are the warnings of the steps before.
     """
     outcome = solution.outcome
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
@@ -47,8 +49,9 @@ def step_result(
     frame = make_frame(solution.cover, solution.materials, outcome.u) if with_frame else None
     return StepResult(
         step=step,
-        load_factor=scene.case.last_factor,
+        load_factor=solution.state.factor,
         cracks=paths,
+        events=events,
         tips=tips,
         contact=_contact(solution, scene),
         faces=faces,
@@ -63,10 +66,21 @@ def step_result(
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         overlap=overlap,
+        energy=solution.state.energy,
+        load_displacement=_load_displacement(solution),
+        crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
         warnings=cautions(scene, solution, faces, step, told),
     )
+
+
+def _load_displacement(solution: StepSolution) -> float:
+    """Mean displacement (m) along the loads that are scaled, or the prescribed ones where there are no such loads."""
+    total = float(np.abs(solution.configuration.scaled).sum())
+    if total > 0.0:
+        return float(solution.state.conjugates[0]) / total
+    return solution.state.factor * float(np.abs(solution.held.given).max(initial=0.0))
 
 
 def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene) -> TipResult:

@@ -97,6 +97,18 @@ class Frame:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Event:
+    """A tip has met something in its advance: it ends there."""
+
+    step: int  # whose advance made it
+    kind: Literal["coalescence", "hole", "break_through", "interface"]
+    crack: str
+    tip: Literal["start", "end"]
+    point: Floats  # (2,) m
+    met: str  # "crack 'b'", "its own path", "hole0 of body 'rock'", "the outline of body 'rock'", "interface 'a/b'"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Energy:
     """Energies since the unloaded state, J per metre of thickness."""
 
@@ -114,6 +126,7 @@ class StepResult:
     step: int
     load_factor: float
     cracks: tuple[CrackPath, ...]
+    events: tuple[Event, ...]  # of the advance that led to this configuration
     tips: tuple[TipResult, ...]
     contact: ContactPoints
     faces: tuple[CrackFaces, ...]  # cracks, then interfaces, then foundations
@@ -128,6 +141,9 @@ class StepResult:
     penetration: float  # m, largest overlap at a contact point beyond what the contact stiffness explains
     complementarity: float  # relative complementarity residual of the contact conditions
     overlap: float  # m, largest overlap of closed faces at any place, beyond what the contact stiffness explains
+    energy: Energy
+    load_displacement: float  # m, of the loads
+    crack_length: float  # m, of all cracks
     effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     warnings: tuple[str, ...]
@@ -140,3 +156,4 @@ class RunEnd:
     status: Literal["completed", "arrested", "broke_through", "failed"]
     reason: str
     cracks: tuple[CrackPath, ...]  # the final paths, the last advance included
+    events: tuple[Event, ...] = ()  # of an advance that was not solved any more

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.cover.cover import Cover
-from crackgrow.errors import SolveError
+from crackgrow.errors import FreePieceError
 from crackgrow.geometry.arrangement import connected
 
 Floats = NDArray[np.float64]
@@ -70,10 +70,10 @@ def free_pieces(cover: Cover, constraints: csr_array) -> tuple[FreePiece, ...]:
 
 
 def check_held(pieces: tuple[FreePiece, ...], touching: Ints) -> None:
-    """Raise SolveError, naming the motion, for free pieces none of whose patches is among `touching` (k,)."""
+    """Raise FreePieceError, naming the motion, for free pieces none of whose patches is among `touching` (k,)."""
     for piece in pieces:
         if not np.isin(piece.functions, touching).any():
-            raise SolveError(f"{piece} is free to move: {named(piece.motion)}; it needs supports of its own")
+            raise FreePieceError(f"{piece} is free to move: {named(piece.motion)}", "it needs supports of its own")
 
 
 def loose_springs(cover: Cover, stiffness: csc_array, pieces: tuple[FreePiece, ...]) -> Springs:

@@ -15,7 +15,7 @@ FADES = (np.inf, 2.0, 0.9)
 
 
 def tip_with(fade: float) -> Tip:
-    return replace(make_tip(POINTS, 1.0, far_end_is_tip=False), fade=fade)
+    return replace(make_tip(POINTS, 1.0, ends_inside=False), fade=fade)
 
 
 def scattered(seed: int, n: int = 300) -> np.ndarray:

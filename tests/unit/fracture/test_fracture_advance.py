@@ -7,8 +7,8 @@ import pytest
 import shapely
 
 from crackgrow.case.model import Crack
-from crackgrow.errors import GeometryError
-from crackgrow.fracture.advance import TIE, GrowingCrack, advanced, growing_tips
+from crackgrow.fracture.advance import CLEARANCE, TIE, GrowingCrack, advanced, closed, growing_tips
+from crackgrow.fracture.meeting import CORNER, Meeting
 
 PLATE = shapely.box(-10.0, -10.0, 10.0, 10.0)
 NONE_YET = np.zeros(4, dtype=np.int64)
@@ -55,8 +55,8 @@ def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: 
     direction = np.array([np.cos(a), np.sin(a)])
     before = growing([tuple(-2.0 * direction), tuple(direction)])
     for at_end, tip, outward in ((True, direction, a), (False, -2.0 * direction, a + np.pi)):
-        after, left = advanced(before, at_end, kink, 0.5, 3, PLATE)
-        assert not left
+        after, met = advanced(before, at_end, kink, 0.5, 3, PLATE)
+        assert met is None
         added = after.crack.points[-1 if at_end else 0]
         expected = tip + 0.5 * np.array([np.cos(outward + kink), np.sin(outward + kink)])
         np.testing.assert_allclose(added, expected, atol=1e-14)
@@ -91,37 +91,253 @@ def test_advances_are_counted_end_by_end() -> None:
 
 
 @pytest.mark.parametrize("at_end", [False, True])
-def test_a_segment_that_would_leave_ends_on_the_boundary_without_a_tip(at_end: bool) -> None:
+def test_a_segment_that_would_leave_ends_on_the_outline_without_a_tip(at_end: bool) -> None:
     points = [(0.0, 1.0), (9.5, 1.0)]
     before = growing(points if at_end else points[::-1])
-    after, left = advanced(before, at_end, np.deg2rad(30.0), 2.0, 1, PLATE)
-    assert left
+    after, met = advanced(before, at_end, np.deg2rad(30.0), 2.0, 1, PLATE)
+    assert met is not None
+    assert met.kind == "outline"
     end = after.crack.points[-1 if at_end else 0]
+    np.testing.assert_array_equal(end, met.point)
     np.testing.assert_allclose(end, [10.0, 1.0 + 0.5 * np.tan(np.deg2rad(30.0))], atol=1e-12)
-    assert (after.crack.tip_at_start, after.crack.tip_at_end) == (at_end, not at_end)
+    assert [after.can_grow(False), after.can_grow(True)] == [at_end, not at_end]
 
 
-def test_a_crack_is_refused_that_would_cross_itself() -> None:
+def test_a_hole_is_met_by_its_number() -> None:
+    holed = PLATE.difference(shapely.box(-9, -9, -8, -8)).difference(shapely.box(1.0, -1.0, 3.0, 1.0))
+    number = next(k for k, hole in enumerate(holed.interiors) if hole.bounds[0] == 1.0)
+    after, met = advanced(growing([(-2.0, 0.0), (0.0, 0.0)]), True, 0.0, 5.0, 1, holed)  # 5 would reach beyond the hole
+    assert met is not None
+    assert (met.kind, met.number) == ("hole", number)
+    np.testing.assert_array_equal(after.crack.points[-1], [1.0, 0.0])
+
+
+FLAW = [(0.0, 0.0), (4.0, 0.0)]
+"""Its end advances by 1 to (5, 0) unless it meets something."""
+
+
+def advance_flaw(*others: list[tuple[float, float]], kink_deg: float = 0.0) -> tuple[np.ndarray, Meeting | None]:
+    cracks = [growing(points) for points in others]
+    after, met = advanced(growing(FLAW), True, np.deg2rad(kink_deg), 1.0, 7, PLATE, cracks)
+    assert after.can_grow(True) == (met is None)
+    assert after.can_grow(False)
+    assert [crack.can_grow(end) for crack in cracks for end in (False, True)] == [True] * 2 * len(cracks)
+    return after.crack.points[-1], met
+
+
+def test_a_segment_ends_on_the_first_crack_that_it_would_cross() -> None:
+    end, met = advance_flaw([(4.8, -3.0), (4.8, 3.0)], [(4.5, -2.0), (4.5, 3.0)], [(4.9, -3.0), (4.9, 3.0)])
+    assert met is not None
+    assert (met.kind, met.number, met.end) == ("crack", 1, None)
+    np.testing.assert_array_equal(end, [4.5, 0.0])
+
+
+def test_a_segment_that_would_end_in_the_clearance_is_extended() -> None:
+    for gap, reaches in ((0.99 * CLEARANCE, True), (1.01 * CLEARANCE, False)):
+        end, met = advance_flaw([(5.0 + gap, -3.0), (5.0 + gap, 3.0)])
+        assert (met is not None) == reaches
+        np.testing.assert_allclose(end, [5.0 + gap * reaches, 0.0], atol=1e-15)
+
+
+def test_a_segment_is_turned_to_the_nearest_point_of_what_it_comes_close_to() -> None:
+    slant = [(3.0, 2.07), (7.0, -1.93)]  # x + y = 5.07, past (5, 0) at 0.07 / sqrt(2)
+    end, met = advance_flaw(slant)
+    assert met is not None
+    np.testing.assert_allclose(end, [5.035, 0.035], atol=1e-15)
+
+
+@pytest.mark.parametrize("tip", [(4.6, 0.08), (5.06, 0.05), (4.3, -0.09), (4.7, 0.0)])
+@pytest.mark.parametrize("end_is_met", [False, True])
+def test_a_tip_that_is_passed_in_the_clearance_is_met_itself(tip: tuple[float, float], end_is_met: bool) -> None:
+    away = [tip, (tip[0] + 1.0, tip[1] * 20.0)]
+    end, met = advance_flaw(away[::-1] if end_is_met else away)
+    assert met is not None
+    assert met.end is end_is_met
+    np.testing.assert_array_equal(end, tip)
+
+
+def test_no_stub_is_left_between_a_meeting_and_the_tip_of_the_crack_that_is_met() -> None:
+    end, met = advance_flaw([(4.6, -0.08), (4.6, 2.0)])  # crossed 0.08 from its tip
+    assert met is not None
+    assert met.end is False
+    np.testing.assert_array_equal(end, [4.6, -0.08])
+    end, met = advance_flaw([(4.6, -0.12), (4.6, 2.0)])
+    assert met is not None
+    assert met.end is None
+    np.testing.assert_array_equal(end, [4.6, 0.0])
+
+
+def test_no_stub_is_left_beside_a_junction_of_other_cracks() -> None:
+    """The second crack ends on the first one, at 0.06 from where the segment would cross that."""
+    end, met = advance_flaw([(4.6, -3.0), (4.6, 2.0)], [(6.0, 1.0), (4.6, 0.06)])
+    assert met is not None
+    assert (met.number, met.end) == (1, True)
+    np.testing.assert_array_equal(end, [4.6, 0.06])
+
+
+@pytest.mark.parametrize(("corner", "is_met"), [(0.9, True), (1.1, False)])
+def test_a_corner_is_met_where_it_is_much_closer_than_the_clearance(corner: float, is_met: bool) -> None:
+    y = corner * CORNER * CLEARANCE
+    end, met = advance_flaw([(4.7, -2.0), (4.6, y), (4.7, 2.0)])
+    assert met is not None
+    assert met.end is None
+    assert (tuple(end) == (4.6, y)) == is_met
+    np.testing.assert_allclose(end, [4.6, y if is_met else 0.0], atol=0.06 * y)
+
+
+def test_a_tip_just_in_front_of_a_crack_runs_into_it() -> None:
+    end, met = advance_flaw([(4.03, -3.0), (4.03, 3.0)])
+    assert met is not None
+    np.testing.assert_allclose(end, [4.03, 0.0], atol=1e-15)
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 1.0, 60.0])
+def test_a_tip_that_runs_along_a_near_crack_or_away_from_it_keeps_growing(angle_deg: float) -> None:
+    end, met = advance_flaw([(0.0, -0.05), (9.0, -0.05)], kink_deg=angle_deg)
+    assert met is None
+    assert np.hypot(*(end - [4.0, 0.0])) == pytest.approx(1.0)
+    end, met = advance_flaw([(4.0, -0.05), (2.0, -3.0)], kink_deg=angle_deg)  # a tip beside the tip
+    assert met is None
+
+
+def test_a_tip_that_turns_slowly_to_a_near_crack_reaches_it_when_it_runs_into_it() -> None:
+    near = [(0.0, -0.05), (9.0, -0.05)]
+    for drop, reaches in ((0.01, False), (0.02, False), (0.03, True), (0.049, True), (0.2, True)):
+        end, met = advance_flaw(near, kink_deg=-float(np.rad2deg(np.arcsin(drop))))
+        assert (met is not None) == reaches
+        assert end[1] == pytest.approx(-0.05 if reaches else -drop, abs=1e-15)
+
+
+def test_a_branch_leaves_the_crack_that_it_starts_on() -> None:
+    """Its start is a junction; its tip is 0.04 from the other crack."""
+    trunk, branch = growing([(-3.0, 0.0), (3.0, 0.0)]), growing([(0.0, 0.0), (0.04, 0.04)])
+    after, met = advanced(branch, True, 0.0, 1.0, 1, PLATE, [trunk])
+    assert met is None
+    after, met = advanced(after, True, np.deg2rad(-130.0), 1.0, 2, PLATE, [trunk])  # turns back
+    assert met is not None
+    assert after.crack.points[-1][1] == 0.0
+
+
+def test_a_crack_ends_on_its_own_older_path() -> None:
     hook = growing([(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0)])
-    with pytest.raises(GeometryError, match="crack 'flaw' would meet itself"):
-        advanced(hook, True, np.deg2rad(90.0), 3.0, 1, PLATE)
-    short, left = advanced(hook, True, np.deg2rad(90.0), 1.5, 1, PLATE)  # stops short of the first segment
-    assert not left
+    closed_up, met = advanced(hook, True, np.deg2rad(90.0), 3.0, 1, PLATE)
+    assert met is not None
+    assert (met.kind, met.end) == ("own_path", None)
+    np.testing.assert_allclose(closed_up.crack.points[-1], [2.0, 0.0], atol=1e-15)
+    assert [closed_up.can_grow(end) for end in (False, True)] == [True, False]
+    short, met = advanced(hook, True, np.deg2rad(90.0), 1.5, 1, PLATE)  # stops short of the first segment
+    assert met is None
     np.testing.assert_allclose(short.crack.points[-1], [2.0, 0.5], atol=1e-14)
+
+
+def test_a_crack_that_reaches_its_own_other_tip_has_no_tip_left() -> None:
+    ring = growing([(2.0, 0.05), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0)])
+    closed_up, met = advanced(ring, True, np.deg2rad(90.0), 2.0, 1, PLATE)
+    assert met is not None
+    assert (met.kind, met.end) == ("own_path", False)
+    np.testing.assert_array_equal(closed_up.crack.points[-1], closed_up.crack.points[0])
+    assert [closed_up.can_grow(end) for end in (False, True)] == [False, False]
+
+
+@pytest.mark.parametrize("kink_deg", [-120.0, -90.0, 70.5, 120.0])
+@pytest.mark.parametrize("flaw_length", [0.1, 5.0])
+def test_a_wing_leaves_its_own_flaw(kink_deg: float, flaw_length: float) -> None:
+    crack = growing([(-flaw_length, 0.0), (0.0, 0.0)])
+    for step, (at_end, turn) in enumerate([(True, kink_deg), (False, kink_deg), (True, 0.0), (False, 0.0)], start=1):
+        crack, met = advanced(crack, at_end, np.deg2rad(turn), 1.0, step, PLATE)
+        assert met is None
+    assert np.hypot(*np.diff(crack.crack.points, axis=0).T) == pytest.approx([1.0, 1.0, flaw_length, 1.0, 1.0])
 
 
 @pytest.mark.parametrize("last", [0.5, 0.02, 1e-6])
 def test_a_short_last_segment_is_not_met_by_straight_growth(last: float) -> None:
     """A digitised trace has segments far shorter than an increment."""
     trace = growing([(0.0, 0.0), (4.0, 0.0), (4.0 + last, 0.0)])
-    longer, left = advanced(trace, True, np.deg2rad(30.0), 2.0, 1, PLATE)
-    assert not left
+    longer, met = advanced(trace, True, np.deg2rad(30.0), 2.0, 1, PLATE)
+    assert met is None
     np.testing.assert_allclose(np.hypot(*(longer.crack.points[-1] - longer.crack.points[-2])), 2.0, rtol=1e-12)
 
 
-def test_a_crack_is_refused_that_would_come_too_close_to_another() -> None:
-    wall = growing([(5.1, -3.0), (5.1, 3.0)])
-    flaw = growing([(0.0, 0.0), (4.0, 0.0)])
-    with pytest.raises(GeometryError, match=r"step 7: crack 'flaw' would meet crack 'flaw' near \(5\.1, 0\)"):
-        advanced(flaw, True, 0.0, 1.0, 7, PLATE, [wall])
-    assert not advanced(flaw, True, 0.0, 0.9, 7, PLATE, [wall])[1]
+@pytest.mark.parametrize("at_end", [False, True])
+def test_a_closed_end_is_no_tip(at_end: bool) -> None:
+    crack = closed(growing(FLAW), at_end)
+    assert [crack.can_grow(at_end), crack.can_grow(not at_end)] == [False, True]
+
+
+HOLED = PLATE.difference(shapely.Point(3.0, 3.0).buffer(1.5, quad_segs=3))
+
+
+def wandering(rng: np.random.Generator) -> GrowingCrack:
+    """A crack of one to three segments inside of the holed plate, that doesn't touch itself."""
+    while True:
+        turns = np.cumsum(rng.uniform(-1.2, 1.2, rng.integers(1, 4))) + rng.uniform(0.0, 2.0 * np.pi)
+        steps = rng.choice([0.05, 0.6, 3.0], len(turns))[:, None] * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+        points = np.vstack([[0.0, 0.0], np.cumsum(steps, axis=0)]) + rng.uniform(-9.0, 9.0, 2)
+        line = shapely.LineString(points)
+        if line.is_simple and HOLED.contains(line) and not shapely.dwithin(line, HOLED.boundary, 1e-3):
+            return growing([tuple(point) for point in points])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_whatever_lies_around_a_segment_meets_at_most_what_it_ends_on(seed: int) -> None:
+    """Cracks that don't touch grow at random: no segment ever crosses anything, and one that met nothing is whole."""
+    rng = np.random.default_rng(seed)
+    cracks: list[GrowingCrack] = []
+    while len(cracks) < 12:
+        crack = wandering(rng)
+        if not any(shapely.dwithin(line_of(crack), line_of(other), 1e-3) for other in cracks):
+            cracks.append(crack)
+    kinds = []
+    for step in range(1, 80):
+        index, at_end = int(rng.integers(len(cracks))), bool(rng.integers(2))
+        if not cracks[index].can_grow(at_end):
+            continue
+        others = [other for number, other in enumerate(cracks) if number != index]
+        before, increment = cracks[index], float(rng.uniform(0.2, 2.0))
+        after, met = advanced(before, at_end, rng.uniform(-1.3, 1.3), increment, step, HOLED, others)
+        points = after.crack.points[::-1] if at_end else after.crack.points
+        tip, inner = points[1], shapely.LineString(before.crack.points)
+        length = np.hypot(*(points[0] - tip))
+        if met is None:
+            assert length == pytest.approx(increment, rel=1e-12)
+            way, own = shapely.LineString(points[:2]), shapely.LineString([0.999 * tip + 0.001 * points[0], points[0]])
+        else:
+            kinds.append(met.kind)
+            assert length <= (1.0 + CLEARANCE) * increment
+            way = shapely.LineString([tip, 1e-5 * tip + (1.0 - 1e-5) * points[0]])
+            own = shapely.LineString([0.999 * tip + 0.001 * points[0], way.coords[1]])
+            is_rim = met.kind in ("outline", "hole")
+            there = HOLED.boundary if is_rim else line_of(others[met.number]) if met.kind == "crack" else inner
+            assert shapely.distance(shapely.Point(points[0]), there) < 1e-13
+        assert not any(shapely.intersects(way, line_of(other)) for other in others)
+        assert not shapely.intersects(own, inner)
+        assert HOLED.covers(way)
+        cracks[index] = after
+        if met is not None and met.kind == "crack" and met.end is not None:
+            other = next(number for number, other in enumerate(cracks) if other is others[met.number])
+            cracks[other] = closed(others[met.number], met.end)
+    assert len(kinds) > 5
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_nothing_is_jumped_over_in_a_crowd(seed: int) -> None:
+    """A hundred times a segment among cracks of a few clearances: the way to what it meets crosses nothing."""
+    rng = np.random.default_rng(seed)
+    kinds = []
+    for _ in range(100):
+        centres = np.stack([rng.uniform(4.02, 5.1, 8), rng.uniform(-0.15, 0.15, 8)], axis=1)
+        half = rng.uniform(-0.25, 0.25, (8, 2))
+        others = [growing([tuple(c - h), tuple(c + h)]) for c, h in zip(centres, half, strict=True)]
+        others = [other for other in others if shapely.distance(line_of(other), shapely.Point(4.0, 0.0)) > 0.01]
+        end, met = advance_flaw(*([tuple(point) for point in other.crack.points] for other in others))
+        way = shapely.LineString([(4.0, 0.0), 1e-5 * np.array([4.0, 0.0]) + (1.0 - 1e-5) * end])
+        assert not any(shapely.intersects(way, line_of(other)) for other in others)
+        if met is not None:
+            kinds.append(met.end)
+            there = line_of(others[met.number])
+            assert shapely.distance(shapely.Point(end), there) < 1e-13
+    assert {None, False, True} == set(kinds)
+
+
+def line_of(growing: GrowingCrack) -> shapely.LineString:
+    return shapely.LineString(growing.crack.points)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from crackgrow.geometry.polyline import arc_lengths, exit_point, kink_angles, segment_directions, tip_direction
+from crackgrow.geometry.polyline import arc_lengths, first_hit, kink_angles, segment_directions, tip_direction
 
 BENT = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 8.0]])
 
@@ -58,22 +58,28 @@ def test_tips_point_away_from_the_polyline() -> None:
 
 def test_way_out_ends_on_the_first_boundary_it_meets() -> None:
     u_shape = shapely.Polygon([[0, 0], [6, 0], [6, 4], [4, 4], [4, 2], [2, 2], [2, 4], [0, 4]])
-    out = exit_point(u_shape, np.array([1.0, 3.0]), np.array([7.0, 3.0]))
+    out = first_hit(u_shape.boundary, np.array([1.0, 3.0]), np.array([7.0, 3.0]))
     np.testing.assert_allclose(out, [2.0, 3.0], rtol=1e-15)
-    back = exit_point(u_shape, np.array([5.0, 3.0]), np.array([-1.0, 3.0]))
+    back = first_hit(u_shape.boundary, np.array([5.0, 3.0]), np.array([-1.0, 3.0]))
     np.testing.assert_allclose(back, [4.0, 3.0], rtol=1e-15)
 
 
 def test_way_that_stays_inside_has_no_exit() -> None:
-    assert exit_point(shapely.box(0, 0, 2, 2), np.array([0.5, 0.5]), np.array([1.5, 1.9])) is None
+    assert first_hit(shapely.box(0, 0, 2, 2).boundary, np.array([0.5, 0.5]), np.array([1.5, 1.9])) is None
 
 
 def test_way_that_ends_on_the_boundary_exits_there() -> None:
-    out = exit_point(shapely.box(0, 0, 2, 2), np.array([0.5, 0.5]), np.array([1.0, 2.0]))
+    out = first_hit(shapely.box(0, 0, 2, 2).boundary, np.array([0.5, 0.5]), np.array([1.0, 2.0]))
     np.testing.assert_allclose(out, [1.0, 2.0], rtol=1e-15)
 
 
 def test_way_along_the_boundary_exits_where_it_first_meets_it() -> None:
     stepped = shapely.Polygon([[0, 0], [4, 0], [4, 2], [2, 2], [2, 1], [0, 1]])
-    out = exit_point(stepped, np.array([1.0, 0.5]), np.array([3.0, 2.5]))
+    out = first_hit(stepped.boundary, np.array([1.0, 0.5]), np.array([3.0, 2.5]))
     np.testing.assert_allclose(out, [1.5, 1.0], rtol=1e-15)
+
+
+def test_way_that_begins_on_the_line_meets_it_further_on_or_not_at_all() -> None:
+    box = shapely.box(0, 0, 2, 2).boundary
+    np.testing.assert_array_equal(first_hit(box, np.array([0.0, 1.0]), np.array([5.0, 1.0])), [2.0, 1.0])
+    assert first_hit(box, np.array([0.0, 1.0]), np.array([1.0, 1.5])) is None

@@ -27,6 +27,8 @@ from crackgrow.run.result import (
     ContactPoints,
     CrackFaces,
     CrackPath,
+    Energy,
+    Event,
     Frame,
     RunEnd,
     StepResult,
@@ -154,6 +156,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         step=step,
         load_factor=1.0,
         cracks=paths,
+        events=(),
         tips=tips,
         contact=ContactPoints(("flaw",) * n, s, points, normal, tangential, opening, slip, state),
         faces=(CrackFaces("flaw", s, points, opening, slip, normal, tangential, state),),
@@ -168,11 +171,20 @@ def make_result(step: int, **changes: Any) -> StepResult:
         penetration=1e-15 * (2 if step == 1 else 1),
         complementarity=1e-10,
         overlap=2e-9,
+        energy=Energy(work=4.0 + step, strain=3.0, dissipated=0.5, released=0.25 * step, error=1e-6 / (1 + step)),
+        load_displacement=1e-5 * (1 + step),
+        crack_length=float(s[-1]),
         effective_toughness=2e4,
         seconds={"cover": 0.1, "assembly": 0.2, "factorize": 0.3, "contact": 0.4, "criterion": 0.5, "output": 0.0625},
         warnings=(),
     )
     return replace(result, **changes)
+
+
+def make_event(step: int, **changes: Any) -> Event:
+    """The crack's end runs into another crack in the advance of a step."""
+    point = make_paths(step)[0].points[-1]
+    return replace(Event(step, "coalescence", "flaw", "end", point, "crack 'b, the second'"), **changes)
 
 
 def make_end(n_advances: int) -> RunEnd:

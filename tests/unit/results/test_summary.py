@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 from crackgrow import __version__
 from crackgrow.results.summary import Tally, git_state, peak_memory_mb, summarize, summary_text
 from crackgrow.run.result import RunEnd
-from tests.unit.results.synthetic import make_case, make_end, make_result
+from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
 
 
 def test_summary_of_a_run() -> None:
@@ -27,7 +28,9 @@ def test_summary_of_a_run() -> None:
     assert summary["wall_seconds"]["by_phase"]["output"] == 1.188  # 3 x 0.0625 + 1, in ms
     assert summary["worst_checks"]["penetration"] == {"value": 2e-15, "step": 1}
     assert summary["worst_checks"]["residual"] == {"value": 1e-12, "step": 0}
+    assert summary["worst_checks"]["energy_error"] == {"value": 1e-6, "step": 0}
     assert summary["warnings"] == ["step 2: thin cell"]
+    assert summary["events"] == []
     assert summary["peak_memory_mb"] > 10
     assert "git_commit" in summary
 
@@ -38,6 +41,26 @@ def test_nan_check_is_the_worst_and_null_in_json() -> None:
         tally.add(make_result(step, residual=residual))
     summary = json.loads(summary_text(summarize(make_case(), tally, make_end(2), 1.0)))
     assert summary["worst_checks"]["residual"] == {"value": None, "step": 1}
+
+
+def test_events_of_the_steps_and_of_an_unsolved_advance_are_listed() -> None:
+    tally = Tally()
+    tally.add(make_result(0))
+    tally.add(make_result(1, events=(make_event(1),)))
+    last = make_event(2, kind="break_through", tip="start", met="the outline of body 'rock'")
+    end = replace(make_end(2), status="broke_through", events=(last,))
+    first, second = json.loads(summary_text(summarize(make_case(), tally, end, 1.0)))["events"]
+    x, y = make_event(1).point
+    assert first == {
+        "step": 1,
+        "kind": "coalescence",
+        "crack": "flaw",
+        "tip": "end",
+        "x": x,
+        "y": y,
+        "met": "crack 'b, the second'",
+    }
+    assert (second["step"], second["kind"], second["tip"]) == (2, "break_through", "start")
 
 
 def test_summary_of_a_run_without_a_step() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from crackgrow.results import tables
-from tests.unit.results.synthetic import make_paths, make_result
+from tests.unit.results.synthetic import make_event, make_paths, make_result
 
 
 def read(path: Path) -> list[dict[str, str]]:
@@ -22,6 +22,7 @@ def test_columns_are_those_of_the_contract() -> None:
         "step,crack,tip,x,y,K_I,K_II,sigma_1,sigma_3,criterion,kink_deg,advanced,load_factor,K_I_error,K_II_error,"
         "K_radius,K_note,K_I_faces,K_II_faces"
     )
+    assert ",".join(tables.EVENTS) == "step,kind,crack,tip,x,y,met"
     assert ",".join(tables.PATHS) == "crack,vertex,x,y,step"
     assert (
         ",".join(tables.CONTACT) == "step,crack,s,x,y,normal_traction,tangential_traction,opening,slip,state"
@@ -29,7 +30,7 @@ def test_columns_are_those_of_the_contract() -> None:
     assert ",".join(tables.STEPS) == (
         "step,n_dofs,n_contact,contact_iterations,factorizations,residual,penetration,seconds_cover,seconds_assembly,"
         "seconds_factorize,seconds_contact,seconds_criterion,seconds_output,load_factor,contact_status,complementarity,"
-        "overlap"
+        "overlap,work,strain_energy,dissipation,released_energy,energy_error,load_displacement,crack_length"
     )
 
 
@@ -91,6 +92,22 @@ def test_step_row_adds_the_frames_to_the_output_phase(tmp_path: Path) -> None:
     assert float(second["seconds_output"]) == 0.5625
     assert (second["contact_status"], second["n_dofs"]) == ("solved", "408")
     assert float(second["complementarity"]) == 1e-10
+    energies = ("work", "strain_energy", "dissipation", "released_energy", "energy_error")
+    assert [float(second[name]) for name in energies] == [5.0, 3.0, 0.5, 0.25, 5e-7]
+    assert float(second["load_displacement"]) == 2e-5
+    assert float(second["crack_length"]) == pytest.approx(0.02 + np.hypot(0.002, 0.002))
+
+
+def test_events_round_trip(tmp_path: Path) -> None:
+    table = tables.Table(tmp_path / "events.csv", tables.EVENTS)
+    events = [make_event(2), make_event(2, kind="hole", tip="start", met="hole0 of body 'rock'")]
+    table.extend(tables.event_rows(events))
+    table.write()
+    first, second = read(table.path)
+    assert (first["step"], first["kind"], first["crack"], first["tip"]) == ("2", "coalescence", "flaw", "end")
+    assert (first["met"], second["met"]) == ("crack 'b, the second'", "hole0 of body 'rock'")
+    assert (float(first["x"]), float(first["y"])) == tuple(events[0].point)
+    assert (second["kind"], second["tip"]) == ("hole", "start")
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ import pyvista
 
 from crackgrow.results import writer as writer_module
 from crackgrow.results.writer import RunWriter
-from tests.unit.results.synthetic import make_case, make_end, make_result
+from crackgrow.run.result import RunEnd
+from tests.unit.results.synthetic import make_case, make_end, make_event, make_paths, make_result
 
 
 @pytest.fixture(autouse=True)
@@ -28,7 +29,7 @@ def files(folder: Path) -> set[str]:
     return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
 
 
-TABLES = {"case.yaml", "run.log", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv"}
+TABLES = {"case.yaml", "run.log", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv", "events.csv"}
 
 
 def test_everything_is_on_disk_after_every_step(tmp_path: Path) -> None:
@@ -52,6 +53,34 @@ def test_everything_is_on_disk_after_every_step(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["status"] == "completed"
     frames = {f"{kind}/step_000{k}.{end}" for k in range(3) for kind, end in (("frames", "vtu"), ("cracks", "vtp"))}
     assert files(tmp_path / "out") == TABLES | frames | {"block.pvd", "block_cracks.pvd", "summary.json"}
+
+
+def test_events_are_on_disk_and_in_the_log_as_they_come(tmp_path: Path) -> None:
+    writer = RunWriter(make_case(frames="none"), tmp_path)
+    writer.begin()
+    assert column(tmp_path / "events.csv", "kind") == []
+    writer.add(make_result(0))
+    writer.add(make_result(1, events=(make_event(1), make_event(1, tip="start", met="its own path"))))
+    assert column(tmp_path / "events.csv", "met") == ["crack 'b, the second'", "its own path"]
+    line = "step 1, coalescence: crack 'flaw' (end) reached crack 'b, the second' at (0.012, 0.002) m"
+    assert (tmp_path / "run.log").read_text().count(line) == 1
+    last = make_event(2, kind="break_through", met="the outline of body 'rock'")
+    writer.finish(RunEnd("broke_through", "a piece came loose", make_paths(2), (last,)))
+    assert column(tmp_path / "events.csv", "step") == ["1", "1", "2"]
+    assert "step 2, break_through: crack 'flaw' (end) reached the outline" in (tmp_path / "run.log").read_text()
+    assert [event["step"] for event in json.loads((tmp_path / "summary.json").read_text())["events"]] == [1, 1, 2]
+
+
+@pytest.mark.parametrize(("factors", "is_drawn"), [([1.0, 1.0, 1.0], False), ([1.0, 0.8, 0.9], True)])
+def test_load_curve_is_drawn_where_the_load_factor_changes(
+    tmp_path: Path, factors: list[float], is_drawn: bool
+) -> None:
+    writer = RunWriter(make_case(frames="none", figures=True), tmp_path)
+    writer.begin()
+    for step, factor in enumerate(factors):
+        writer.add(make_result(step, load_factor=factor, frame=None))
+    writer.finish(make_end(2))
+    assert ("figures/load_curve.png" in files(tmp_path)) == is_drawn
 
 
 def test_frame_time_is_added_to_the_output_phase(tmp_path: Path) -> None:
@@ -131,7 +160,7 @@ def test_figure_that_fails_does_not_take_the_summary_with_it(tmp_path: Path, mon
 
 def test_earlier_results_go_and_other_files_stay(tmp_path: Path) -> None:
     mine = ["summary.json", "block.pvd", "frames/step_0007.vtu", "frames/step_12345.vtu", "frames/.step_0008.tmp.vtu",
-            "cracks/step_0007.vtp", "figures/path.png", ".summary.tmp.json"]  # fmt: skip
+            "cracks/step_0007.vtp", "figures/path.png", ".summary.tmp.json", "figures/load_curve.png"]  # fmt: skip
     others = ["notes.txt", "other.pvd", "frames/step_1.vtu", "frames/mine.vtu", "figures/own.png",
               "cracks/step_0007.csv", "checkpoint/state"]  # fmt: skip
     for name in mine + others:

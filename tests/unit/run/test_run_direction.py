@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 from crackgrow.case import load_case
+from crackgrow.case.model import Crack
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.interaction_integral import StressIntensity
@@ -39,9 +41,11 @@ def advance(
     K_II: Callable[[float], float],
     chosen: np.ndarray = BOTH,
     fails_at: int = -1,
+    walls: Sequence[GrowingCrack] = (),
 ) -> tuple[Advance, int]:
     """The advance where the new tips have K_I = 1 and K_II as a function of the kink (degrees); number of solves."""
     scene, cracks, solution = start
+    scene, cracks = replace(scene, crack_bodies=(0,) * (1 + len(walls))), (*cracks, *walls)
     solves = []
 
     def made_up(_: Scene, grown: Cracks, __: float) -> StepSolution:
@@ -107,3 +111,87 @@ def test_explicit_directions_are_the_criterions(start: tuple[Scene, Cracks, Step
     found = advance_tips(explicit, cracks, solution, BOTH, 1, 1.0)
     assert found.solution is None
     assert kinks_of(found) == pytest.approx([70.5, 70.5], abs=0.3)
+
+
+def wall(*ends_mm: tuple[float, float]) -> GrowingCrack:
+    """A crack through two points beside the flaw's end, in mm along and across the flaw from there."""
+    along = np.array([np.cos(np.deg2rad(30.0)), np.sin(np.deg2rad(30.0))])
+    across = np.array([-along[1], along[0]])
+    points = 1e-3 * np.array([(5.0 + a) * along + b * across for a, b in ends_mm])
+    return GrowingCrack(Crack("wall", points, True, True, None, "rock"), np.zeros(2, dtype=np.int64))
+
+
+def test_a_corrected_kink_that_leads_to_a_crack_ends_there(
+    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first trial, at 70 degrees, passes the wall; the next, at 41, meets it."""
+    beside = wall((1.0, -1.0), (1.0, 1.5))
+    found, n_solves = advance(start, monkeypatch, lambda kink: 0.01 * (kink - 20.0), np.array([1]), walls=[beside])
+    assert n_solves == 2
+    (event,) = found.events
+    assert (event.kind, event.crack, event.tip, event.met) == ("coalescence", "flaw", "end", "crack 'wall'")
+    np.testing.assert_array_equal(event.point, found.cracks[0].crack.points[-1])
+    assert shapely.distance(shapely.LineString(beside.crack.points), shapely.Point(event.point)) < 1e-15
+    assert not found.cracks[0].can_grow(True)
+    assert found.solution is not None
+    assert found.solution.notes == ()
+
+
+def test_where_every_tip_has_met_something_no_direction_is_sought(
+    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    across = wall((-1.0, 1.0), (3.0, 1.0))
+    found, n_solves = advance(start, monkeypatch, lambda kink: 0.01 * (kink - 20.0), np.array([1]), walls=[across])
+    assert n_solves == 0
+    assert found.solution is None
+    assert [event.met for event in found.events] == ["crack 'wall'"]
+
+
+def test_the_direction_of_the_other_tip_is_found_where_one_has_met_something(
+    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    across = wall((-1.0, 1.0), (3.0, 1.0))
+    found, _ = advance(start, monkeypatch, lambda kink: 0.01 * (kink - 40.0), walls=[across])
+    assert kinks_of(found) == pytest.approx([40.0, 70.5], abs=0.3)
+    assert [(event.tip, event.met) for event in found.events] == [("end", "crack 'wall'")]
+    assert found.solution is not None
+    assert found.solution.notes == ()
+
+
+def test_events_are_those_of_the_advance_that_is_taken(
+    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second trial meets the wall but can't be solved: the first one is taken."""
+    beside = wall((1.0, -1.0), (1.0, 1.5))
+    found, n_solves = advance(
+        start, monkeypatch, lambda kink: 0.01 * (kink - 20.0), np.array([1]), fails_at=1, walls=[beside]
+    )
+    assert n_solves == 2
+    assert found.events == ()
+    assert found.cracks[0].can_grow(True)
+
+
+def facing(gap: float) -> tuple[Scene, Cracks, StepSolution]:
+    """Two flaws in line, `gap` mm apart, pulled open; all four tips of the explicit advance."""
+    flaw = "{{path: {{points: [[{}, 0], [{}, 0]]}}, contact: none}}"
+    cracks = f"cracks={{a: {flaw.format(-8 - gap, -gap)}, b: {flaw.format(0, 8)}}}"
+    case = load_case(CASE.with_stem("tension0"), [cracks, "growth.advance=all", "numerics.spacing=3"])
+    scene = make_scene(case)
+    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    return scene, growing, solve_step(scene, growing, 1.0)
+
+
+@pytest.mark.parametrize(("gap", "who"), [(3.0, "b"), (1.9, "a"), (2.1, "a")])
+def test_two_tips_that_meet_in_the_same_step_join(gap: float, who: str) -> None:
+    """Increments of 2 mm: b meets what a has just made, or a meets b's tip, which then stays."""
+    scene, cracks, solution = facing(gap)
+    found = advance_tips(scene, cracks, solution, np.arange(4), 1, 1.0)
+    (event,) = found.events
+    other = {"a": "b", "b": "a"}[who]
+    assert (event.crack, event.met) == (who, f"crack '{other}'")
+    a, b = (growing.crack for growing in found.cracks)
+    np.testing.assert_array_equal(a.points[-1], b.points[0])
+    assert (a.tip_at_start, a.tip_at_end, b.tip_at_start, b.tip_at_end) == (True, False, False, True)
+    assert found.cracks[0].steps.tolist() == [1, 0, 0, 1]
+    assert found.cracks[1].steps.tolist() == ([1, 0, 0, 1] if who == "b" else [0, 0, 1])
+    assert shapely.LineString(a.points).crosses(shapely.LineString(b.points)) is False

@@ -13,7 +13,7 @@ import yaml
 import crackgrow.run.loop as loop
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.errors import CrackgrowError, SolveError
+from crackgrow.errors import CrackgrowError, FreePieceError, SolveError
 from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
 
@@ -215,14 +215,141 @@ def test_an_edge_crack_in_tension_has_the_K_of_the_reference(plate: Plate) -> No
     assert abs(opening[-1]) < 1e-9 * opening[0]
 
 
-def test_a_crack_that_reaches_the_outline_breaks_through(plate: Plate) -> None:
+def test_a_crack_that_reaches_the_outline_goes_on_at_its_other_tip(plate: Plate) -> None:
     near = {"flaw": straight((9.0, 0.0), 10.0, 0.0)}  # its end is 1.5 mm from the right side
-    results, end = run(plate(near, growth={"steps": 5}))
+    results, end = run(plate(near, growth={"steps": 3}))
+    assert end.status == "completed"
+    (event,) = results[1].events
+    assert [len(result.events) for result in results] == [0, 1, 0, 0]
+    assert (event.step, event.kind, event.crack, event.tip) == (1, "break_through", "flaw", "end")
+    assert event.met == "the outline of body 'rock'"
+    np.testing.assert_array_equal(event.point, results[1].cracks[0].points[-1])
+    assert event.point[0] == pytest.approx(15.5 * MM)
+    assert [[tip.tip for tip in result.tips] for result in results] == [["start", "end"]] + 3 * [["start"]]
+    assert end.cracks[0].steps.tolist() == [3, 2, 0, 0, 1]
+    lengths = [result.crack_length for result in results]
+    np.testing.assert_allclose(np.diff(lengths), [1.5 * MM, 2 * MM, 2 * MM], rtol=1e-2)
+
+
+def test_a_hole_and_an_interface_are_met_by_their_names(plate: Plate) -> None:
+    holes = "bodies.rock.shape.holes=[{rectangle: {center: [9, 0], width: 6, height: 6}}]"  # from x = 6
+    results, end = run(plate(CENTRE, holes, growth={"steps": 1, "advance": "all"}))
+    assert end.status == "completed"
+    (event,) = results[1].events
+    assert (event.kind, event.tip, event.met) == ("hole", "end", "hole0 of body 'rock'")
+    assert event.point[0] == pytest.approx(6 * MM)
+    shape = "{rectangle: {center: [9, 0], width: 6, height: 6}}"
+    inset = f"bodies.plug={{shape: {shape}, material: {{young: 10000, poisson: 0.25}}}}"
+    between = "interfaces=[{between: [plug, rock], contact: bonded}]"
+    results, _ = run(plate(CENTRE, holes, inset, between, growth={"steps": 1, "advance": "all"}))
+    (event,) = results[1].events
+    assert (event.kind, event.tip) == ("interface", "end")
+    assert event.met in [f"interface '{face.crack}'" for face in results[1].faces]  # one of the lines of plug/rock
+
+
+ACROSS = {"flaw": straight((0.0, 0.0), 27.0, 0.0)}
+"""2 mm short of either side."""
+
+
+def test_a_piece_that_comes_loose_ends_the_run(plate: Plate) -> None:
+    results, end = run(plate(ACROSS, growth={"steps": 5, "increment": 3, "advance": "all"}))
+    assert [result.step for result in results] == [0]
     assert end.status == "broke_through"
-    assert "'flaw' (end)" in end.reason
-    assert end.cracks[0].points[-1, 0] == pytest.approx(15.5 * MM)
-    assert [tip.tip for tip in results[-1].tips] == ["start"]  # solved once more, with one tip left
-    assert [result.step for result in results] == list(range(len(results)))
+    assert end.reason.startswith("step 1: the piece of rock round (")
+    assert "is free to move" in end.reason
+    assert [(event.step, event.tip) for event in end.events] == [(1, "start"), (1, "end")]
+    np.testing.assert_allclose(np.abs(end.cracks[0].points[[0, -1], 0]), 15.5 * MM, rtol=1e-12)
+
+
+def test_rock_in_pieces_that_supports_hold_has_broken_through_when_no_tip_is_left(plate: Plate) -> None:
+    held = (
+        "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}, "
+        "{on: {body: rock, edge: top}, displacement: {x: 0, y: 0.01}}]"
+    )
+    results, end = run(plate(ACROSS, held, growth={"steps": 5, "increment": 3, "advance": "all"}))
+    assert [len(result.events) for result in results] == [0, 2]
+    assert results[-1].tips == ()
+    assert (end.status, end.events) == ("broke_through", ())
+    assert "no tip is left" in end.reason
+    assert "2 pieces, 1 at the start" in end.reason
+
+
+def failing(monkeypatch: pytest.MonkeyPatch, error: SolveError, at: int) -> None:
+    """Solve number `at` of the loop fails."""
+    true, solves = loop.solve_step, []
+
+    def solve(*arguments: Any) -> Any:
+        solves.append(arguments)
+        if len(solves) - 1 == at:
+            raise error
+        return true(*arguments)
+
+    monkeypatch.setattr(loop, "solve_step", solve)
+
+
+def test_a_free_piece_is_an_end_after_the_first_solve_and_an_error_before(
+    plate: Plate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = plate({"flaw": straight((9.0, 0.0), 10.0, 0.0)}, growth={"steps": 5})
+    failing(monkeypatch, FreePieceError("a wedge is free to move", "hold it"), at=1)
+    results, end = run(case)
+    assert len(results) == 1
+    assert (end.status, end.reason) == ("broke_through", "step 1: a wedge is free to move")
+    assert [event.kind for event in end.events] == ["break_through"]
+    assert len(end.cracks[0].points) == 3
+    monkeypatch.undo()
+    failing(monkeypatch, FreePieceError("a wedge is free to move", "hold it"), at=0)
+    with pytest.raises(FreePieceError, match="a wedge is free to move; hold it"):
+        next(grow(case))
+
+
+def test_another_failure_after_a_break_through_is_an_error(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
+    case = plate({"flaw": straight((9.0, 0.0), 10.0, 0.0)}, growth={"steps": 5})
+    failing(monkeypatch, SolveError("ill conditioned"), at=1)
+    steps = grow(case)
+    next(steps)
+    with pytest.raises(SolveError, match="ill conditioned"):
+        next(steps)
+
+
+def solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every step is given the answer of the first: which tips advance depends on the tips that are left alone."""
+    true, known = loop.solve_step, []
+
+    def solve(*arguments: Any) -> Any:
+        if not known:
+            known.append(true(*arguments))
+        return known[0]
+
+    monkeypatch.setattr(loop, "solve_step", solve)
+
+
+def test_a_tip_that_has_met_a_crack_stays_and_the_others_go_on(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
+    cracks = {
+        "a": straight((-4.0, 0.0), 8.0, 0.0),
+        "b": straight((1.5, 0.0), 8.0, 90.0, tips="none"),
+    }
+    solved_once(monkeypatch)
+    results, end = run(plate(cracks, growth={"steps": 2, "advance": "all"}))
+    assert end.status == "completed"
+    assert [len(result.events) for result in results] == [0, 1, 0]
+    (event,) = results[1].events
+    assert (event.kind, event.crack, event.tip, event.met) == ("coalescence", "a", "end", "crack 'b'")
+    assert event.point[0] == pytest.approx(1.5 * MM)
+    assert end.cracks[0].steps.tolist() == [2, 1, 0, 0, 1]
+    assert [(tip.crack, tip.tip) for tip in results[1].tips if tip.advanced] == [("a", "start")]
+
+
+def test_where_every_tip_has_met_something_the_run_is_arrested(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rock is still in one piece."""
+    cracks = {
+        "a": straight((-4.0, 0.0), 8.0, 0.0, tips="end"),
+        "b": straight((1.5, 0.0), 8.0, 90.0, tips="none"),
+    }
+    solved_once(monkeypatch)
+    results, end = run(plate(cracks, growth={"steps": 5}))
+    assert len(results) == 2
+    assert (end.status, end.reason) == ("arrested", "step 1: no tip is left that could grow")
 
 
 def test_a_plate_that_is_strong_enough_arrests(plate: Plate) -> None:

@@ -30,7 +30,9 @@ def solve(*settings: str, wings: float | None = None) -> StepSolution:
 
 @pytest.mark.parametrize(("share", "expected"), [(1.02, {STICK}), (0.5, {SLIP})])
 def test_cohesion_holds_the_flaw_up_to_the_shear_on_its_plane(share: float, expected: set[int]) -> None:
-    solution = solve(f"cracks.flaw.contact.cohesion={share * SHEAR / 1e6}", "cracks.flaw.contact.cohesion_after_slip=kept")
+    solution = solve(
+        f"cracks.flaw.contact.cohesion={share * SHEAR / 1e6}", "cracks.flaw.contact.cohesion_after_slip=kept"
+    )
     assert set(solution.outcome.state.tolist()) == expected
     limit = min(share, 1.0) * SHEAR
     np.testing.assert_allclose(np.abs(solution.outcome.tangential_traction), limit, rtol=1e-3)  # patch test: 1e-4
