@@ -26,6 +26,7 @@ from crackgrow.errors import SolveError
 
 ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p|, that a dense solve can leave
 REPEATED_ROUND_OFF: Final = 1e-10  # the same where the active set repeats: another step cannot lower it
+UNIT: Final = 1e-15  # round-off of a term of A p; its sum, weighed by r, is as far as a repeated set can come down
 FIRST_SWEEPS: Final = 3  # Gauss-Seidel sweeps before the first step
 MAX_SWEEPS: Final = 200  # most sweeps after one cycle
 
@@ -44,6 +45,8 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
     active = active_set(problem, p, jump(problem, p))
     seen: set[bytes] = set()
     n_sweeps = 5
+    assert problem.scale is not None
+    as_far = max(REPEATED_ROUND_OFF, UNIT * float((np.abs(problem.compliance).sum(axis=1) / problem.scale).max(initial=0.0)))
     for iteration in range(1, max_iterations + 1):
         seen.add(active.key())
         p = solve_active(problem, active)
@@ -53,7 +56,7 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
         repeated = following.key() == active.key()
         if residual < least:
             best, least = p, residual
-        if residual <= (REPEATED_ROUND_OFF if repeated else ROUND_OFF):
+        if residual <= (as_far if repeated else ROUND_OFF):
             p[: problem.n_points] = np.minimum(p[: problem.n_points], 0.0)
             return ContactSolution(p, "solved", iteration, active.states())
         if following.key() in seen:
