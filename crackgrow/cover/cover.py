@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.cover.crumbs import Crumbs, find_crumbs, with_crumbs
 from crackgrow.cover.elements import Elements, cut_elements
 from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.cover.junctions import with_junctions
@@ -64,7 +65,8 @@ class Cover:
     surfaces: tuple[Surface, ...]  # the cracks, then the interfaces, then the foundations
     elements: Elements
     functions: Ints  # (elements, window) physical patch of each node of the window, -1 for none
-    patch_nodes: Ints  # (n_patches, 2) node of each physical patch
+    patch_nodes: Floats  # (n_patches, 2) node of each physical patch; corners of crumbs
+    crumbs: Crumbs
     tips: tuple[Tip, ...]
     tip_ends: tuple[tuple[int, bool], ...]  # crack index and whether the tip is at its end, tip by tip
     tip_function_ids: tuple[Ints, ...]  # tip by tip (n_patches,): first of a patch's four functions, or -1
@@ -106,6 +108,9 @@ def build_cover(
     surfaces.extend(_on_foundation(elements, bodies, foundation) for foundation in foundations)
     functions, patch_nodes = physical_patches(lattice, elements)
     functions, patch_nodes = _without_specks(lattice, elements, functions, patch_nodes)
+    crumbs = find_crumbs(elements, _elements_at_tips(elements, cracks))
+    if crumbs.n:
+        functions, patch_nodes = with_crumbs(crumbs, functions, patch_nodes)
     reach = 2.0 * np.sqrt(2.0) * lattice.support  # the farthest point of a patch that holds the tip
     tips, tip_ends, tip_function_ids = [], [], []
     n_functions = len(patch_nodes)
@@ -130,11 +135,18 @@ def build_cover(
         elements,
         functions,
         patch_nodes,
+        crumbs,
         tuple(tips),
         tuple(tip_ends),
         tuple(tip_function_ids),
         n_functions,
     )
+
+
+def _elements_at_tips(elements: Elements, cracks: Sequence[CrackGeometry]) -> Ints:
+    """An element (tips,) at every tip."""
+    ends = zip(cracks, elements.lines, strict=False)  # interfaces follow the cracks
+    return np.array([edges.plus[-1 if end else 0] for crack, edges in ends for end in crack.tips()], dtype=np.int64)
 
 
 def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation) -> Surface:

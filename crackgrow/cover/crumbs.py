@@ -1,0 +1,87 @@
+"""Crumbs: pieces of rock, cut out by cracks, that are no larger than a spacing.
+
+All functions of the lattice look alike on such a piece, up to what is linear: the stiffness would be singular to working
+precision. A crumb has three functions instead, the barycentric coordinates of a triangle round it. They add up to one
+and reproduce linear fields, as the others do; the crumb strains uniformly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.cover.elements import Elements
+from crackgrow.geometry.arrangement import connected
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+LARGEST_CRUMB = 1.0
+"""Spacings: side of the box round a crumb."""
+
+AROUND = np.array([(-1.0, -0.6), (1.0, -0.6), (0.0, 1.2)])
+"""Corners of a triangle round a box of side 1 about the origin."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Crumbs:
+    """The crumbs of a cover."""
+
+    of_element: Ints  # (elements,) number of the crumb that an element belongs to, -1 for none
+    corners: Floats  # (n, 3, 2) the triangle of each crumb
+
+    @property
+    def n(self) -> int:
+        """Number of crumbs."""
+        return len(self.corners)
+
+    def functions(self, points: Floats, crumb: Ints) -> tuple[Floats, Floats]:
+        """Barycentric coordinates (n, 3) and their gradients (n, 3, 2) per spacing at points (n, 2) of crumbs (n,)."""
+        a, b, c = self.corners[crumb].transpose(1, 0, 2)
+        twice_area = _cross(b - a, c - a)
+        gradients = np.stack([_turned(b - c), _turned(c - a), _turned(a - b)], axis=1) / twice_area[:, None, None]
+        centre = (a + b + c) / 3.0
+        return 1.0 / 3.0 + np.einsum("nkd,nd->nk", gradients, points - centre), gradients
+
+
+def find_crumbs(elements: Elements, at_tips: Ints) -> Crumbs:
+    """The pieces of rock that are small enough.
+
+    One that holds a tip is none, linear functions don't see it: `at_tips` (k,) are elements at the tips.
+    """
+    edges, passable = elements.edges, elements.passable
+    label = connected(elements.n, edges.left[passable], edges.right[passable])
+    n = int(label.max(initial=-1)) + 1
+    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
+    points, piece = elements.vertices[elements.ring_start], label[elements.ring_element]
+    np.minimum.at(low, piece, points)
+    np.maximum.at(high, piece, points)
+    small = (high - low).max(axis=1) <= LARGEST_CRUMB
+    small[label[at_tips]] = False
+    number = np.where(small, np.cumsum(small) - 1, -1)
+    size = (high - low)[small].max(axis=1, initial=0.0)
+    corners = 0.5 * (low + high)[small][:, None] + AROUND * size[:, None, None]
+    return Crumbs(number[label], corners.reshape(-1, 3, 2))
+
+
+def with_crumbs(crumbs: Crumbs, functions: Ints, nodes: Ints | Floats) -> tuple[Ints, Floats]:
+    """Physical patches (n, window) of the elements and their nodes (p, 2), those of crumbs replaced by three each."""
+    inside = crumbs.of_element >= 0
+    kept = np.ones(len(nodes), dtype=bool)
+    dropped = functions[inside]
+    kept[dropped[dropped >= 0]] = False
+    number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)  # the last entry serves the index -1
+    functions = number[functions]
+    functions[inside, :3] = kept.sum() + 3 * crumbs.of_element[inside, None] + np.arange(3)
+    return functions, np.concatenate([nodes[kept], crumbs.corners.reshape(-1, 2)])
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def _turned(v: Floats) -> Floats:
+    """Vectors (n, 2) turned clockwise by a right angle."""
+    return np.stack([v[:, 1], -v[:, 0]], axis=1)
