@@ -19,7 +19,9 @@ from scipy.sparse import csc_array
 from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.cover.cover import Cover
-from crackgrow.quadrature.elements import ElementPoints, element_points, enriched_elements, plain_kinds
+from crackgrow.cover.enrichment import entries, list_starts
+from crackgrow.cover.tips import N_TIP_FUNCTIONS
+from crackgrow.quadrature.elements import ElementPoints, element_points, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim, rim_points
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -27,6 +29,9 @@ from crackgrow.solid.elasticity import PlaneElasticity
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Block = tuple[Ints, Ints, Floats]  # rows, columns, entries
+
+BATCH = 500_000
+"""Values of functions at points that are held at once."""
 
 
 def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc_array:
@@ -79,32 +84,35 @@ def _plain(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> list[B
 
 
 def _cut(cover: Cover, materials: Sequence[PlaneElasticity], points: ElementPoints) -> list[Block]:
-    """Element matrices one by one; elements with the same tip functions share the evaluation of the basis."""
+    """Element matrices one by one; elements with about as many functions share the evaluation of the basis."""
     area = points.weights * cover.lattice.spacing**2
     rim = rim_points(cover)
-    kinds = (1 << np.arange(len(cover.tips))) @ enriched_elements(cover)
+    normals = rim.normals * cover.lattice.spacing
+    inside, outside = (list_starts(element, cover.elements.n) for element in (points.element, rim.element))
     blocks = []
-    for kind in np.unique(kinds[points.element]):
-        inside, outside = (np.flatnonzero(kinds[element] == kind) for element in (points.element, rim.element))
-        element, weights, normals = points.element[inside], area[inside], rim.normals[outside] * cover.lattice.spacing
-        basis = basis_at(cover, points.points[inside], element)
-        values = values_at(cover, rim.points[outside], rim.element[outside]).values
-        for start, end, first, last in zip(*_ranges(element), *_ranges(rim.element[outside]), strict=True):
-            used = basis.ids[start] >= 0
-            gradients = consistent(
-                basis.gradients[start:end], weights[start:end], values[first:last], normals[first:last]
-            )
-            matrix = element_matrix(
-                materials[cover.elements.body[element[start]]], gradients[:, used], weights[start:end]
-            )
-            blocks.append(_scattered(basis.ids[start, used][None], matrix[None]))
+    for batch in _batches(cover, np.diff(inside)):
+        (_, at), (_, on) = entries(inside, batch), entries(outside, batch)
+        basis = basis_at(cover, points.points[at], points.element[at])
+        values = values_at(cover, rim.points[on], rim.element[on]).values
+        ends, rim_ends = (np.append(0, np.cumsum(np.diff(start)[batch])) for start in (inside, outside))
+        for k, element in enumerate(batch.tolist()):
+            mine, there = slice(ends[k], ends[k + 1]), slice(rim_ends[k], rim_ends[k + 1])
+            used = np.flatnonzero(basis.ids[ends[k]] >= 0)
+            weights = area[inside[element] : inside[element + 1]]
+            gradients = basis.gradients[mine, used]
+            gradients = consistent(gradients, weights, values[there, used], normals[on[there]])
+            matrix = element_matrix(materials[cover.elements.body[element]], gradients, weights)
+            blocks.append(_scattered(basis.ids[ends[k], used][None], matrix[None]))
     return blocks
 
 
-def _ranges(sorted_ids: Ints) -> tuple[Ints, Ints]:
-    """First and last + 1 of the runs of equal ids."""
-    starts = np.flatnonzero(np.diff(sorted_ids, prepend=-1))
-    return starts, np.append(starts[1:], len(sorted_ids))
+def _batches(cover: Cover, n_points: Ints) -> list[Ints]:
+    """The elements with points, `n_points` (elements,), in batches of similar numbers of functions."""
+    elements = np.flatnonzero(n_points)
+    elements = elements[np.argsort(cover.enrichment.n_patches[elements], kind="stable")]
+    n_columns = cover.lattice.window + N_TIP_FUNCTIONS * cover.enrichment.n_patches[elements]
+    batch = np.cumsum(n_points[elements] * n_columns) // BATCH
+    return np.split(elements, np.flatnonzero(np.diff(batch)) + 1) if len(elements) else []
 
 
 def _scattered(ids: Ints, matrices: Floats) -> Block:
