@@ -7,21 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 from scipy.sparse import csr_array
 
 from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.approximation.tip_functions import tip_functions, tip_values
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.enrichment import entries
+from crackgrow.cover.enrichment import entries, list_starts
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, tip_angle
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-_Number = TypeVar("_Number", np.int64, np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,39 +47,54 @@ def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
     for all points of an element, and as many as the element that carries most needs.
     """
     lattice = cover.lattice
-    phi, dphi = mls(points - _cells(cover, elements), lattice.support, lattice.reach)
-    ids = cover.functions[elements]
-    phi = np.where(ids >= 0, phi, 0.0)
-    dphi = np.where(ids[:, :, None] >= 0, dphi, 0.0)
     on = _on_points(cover, elements)
+    ids, values, gradients = on.empty(-1, np.int64), on.empty(0.0), on.empty(0.0, np.float64, 2)
+    phi, dphi = mls(points - _cells(cover, elements), lattice.support, lattice.reach)
+    plain = ids[:, : lattice.window] = cover.functions[elements]
+    phi = values[:, : lattice.window] = np.where(plain >= 0, phi, 0.0)
+    dphi = gradients[:, : lattice.window] = np.where(plain[:, :, None] >= 0, dphi / lattice.spacing, 0.0)
     if len(on.pair):
         f, df = np.empty((len(on.pair), N_TIP_FUNCTIONS)), np.empty((len(on.pair), N_TIP_FUNCTIONS, 2))
         for tip, rows, r, t in _polar(cover, points, elements, on):
             f[rows], df[rows] = tip_functions(tip, r, t)
+        df /= lattice.spacing
         w, dw = phi[on.patch_point, on.slot, None], dphi[on.patch_point, on.slot, None]
-        gradients = dw * f[on.pair_of_patch, :, None] + w[:, :, None] * df[on.pair_of_patch]
-        ids, phi, dphi = (
-            np.concatenate([ids, on.columns(on.numbers, -1)], axis=1),
-            np.concatenate([phi, on.columns(w * f[on.pair_of_patch], 0.0)], axis=1),
-            np.concatenate([dphi, on.columns(gradients, 0.0)], axis=1),
-        )
-    return Basis(ids, phi, dphi / lattice.spacing)
+        on.put(ids, on.numbers)
+        on.put(values, w * f[on.pair_of_patch])
+        on.put(gradients, dw * f[on.pair_of_patch, :, None] + w[:, :, None] * df[on.pair_of_patch])
+    return Basis(ids, values, gradients)
 
 
 def values_at(cover: Cover, points: Floats, elements: Ints) -> Values:
     """The values of `basis_at` alone, at a third of the cost."""
     lattice = cover.lattice
-    ids = cover.functions[elements]
-    phi = np.where(ids >= 0, mls_values(points - _cells(cover, elements), lattice.support, lattice.reach), 0.0)
     on = _on_points(cover, elements)
+    ids, values = on.empty(-1, np.int64), on.empty(0.0)
+    phi = mls_values(points - _cells(cover, elements), lattice.support, lattice.reach)
+    plain = ids[:, : lattice.window] = cover.functions[elements]
+    phi = values[:, : lattice.window] = np.where(plain >= 0, phi, 0.0)
     if len(on.pair):
         f = np.empty((len(on.pair), N_TIP_FUNCTIONS))
         for tip, rows, r, t in _polar(cover, points, elements, on):
             f[rows] = tip_values(tip, r, t)
-        products = phi[on.patch_point, on.slot, None] * f[on.pair_of_patch]
-        ids = np.concatenate([ids, on.columns(on.numbers, -1)], axis=1)
-        phi = np.concatenate([phi, on.columns(products, 0.0)], axis=1)
-    return Values(ids, phi)
+        on.put(ids, on.numbers)
+        on.put(values, phi[on.patch_point, on.slot, None] * f[on.pair_of_patch])
+    return Values(ids, values)
+
+
+def functions_on(cover: Cover, elements: Ints) -> tuple[Ints, Ints]:
+    """All functions of elements (n,), each once: those of element i are ids[start[i] : start[i + 1]].
+
+    Returns start (n + 1,) and ids.
+    """
+    enrichment = cover.enrichment
+    plain = cover.functions[elements]
+    which, pair = enrichment.tips.of(elements)
+    pair_of_patch, entry = entries(enrichment.start, pair)
+    numbers = enrichment.number[entry, None] + np.arange(N_TIP_FUNCTIONS)
+    owner = np.concatenate([np.nonzero(plain >= 0)[0], np.repeat(which[pair_of_patch], N_TIP_FUNCTIONS)])
+    ids = np.concatenate([plain[plain >= 0], numbers.ravel()])
+    return list_starts(np.sort(owner), len(elements)), ids[np.argsort(owner, kind="stable")]
 
 
 def _cells(cover: Cover, elements: Ints) -> Ints:
@@ -93,6 +107,7 @@ class _OnPoints:
     """The enrichment of the elements of n points: pairs of a point and a tip, and each pair's singular patches."""
 
     n: int
+    window: int
     point: Ints  # (q,) of each pair
     pair: Ints  # (q,) number in the cover's enrichment
     pair_of_patch: Ints  # (s,) to which of the q pairs a singular patch belongs
@@ -101,12 +116,15 @@ class _OnPoints:
     slot: Ints  # (s,) place in the window
     numbers: Ints  # (s, 4) of the functions
 
-    def columns(self, values: NDArray[_Number], missing: float) -> NDArray[_Number]:
-        """Values (s, 4, ...) as columns (n, 4 k, ...) of the points, k the most singular patches that a point has."""
-        longest = int(self.place.max(initial=-1)) + 1
-        table = np.full((self.n, longest, *values.shape[1:]), missing, dtype=values.dtype)
-        table[self.patch_point, self.place] = values
-        return table.reshape(self.n, longest * N_TIP_FUNCTIONS, *values.shape[2:])
+    def empty(self, missing: float, dtype: DTypeLike = np.float64, *more: int) -> Any:
+        """All columns (n, window + 4 k, ...) of the points, k the most singular patches that a point has."""
+        n_singular = int(self.place.max(initial=-1)) + 1
+        return np.full((self.n, self.window + N_TIP_FUNCTIONS * n_singular, *more), missing, dtype=dtype)
+
+    def put(self, columns: NDArray[Any], values: NDArray[Any]) -> None:
+        """Put `values` (s, 4, ...) into the columns of the tip functions."""
+        fours = columns[:, self.window :].reshape(self.n, -1, *values.shape[1:], copy=False)
+        fours[self.patch_point, self.place] = values
 
 
 def _on_points(cover: Cover, elements: Ints) -> _OnPoints:
@@ -117,7 +135,7 @@ def _on_points(cover: Cover, elements: Ints) -> _OnPoints:
     first = enrichment.start[enrichment.tips.start[elements[patch_point]]]
     numbers = enrichment.number[entry, None] + np.arange(N_TIP_FUNCTIONS)
     return _OnPoints(
-        len(elements), point, pair, pair_of_patch, patch_point, entry - first, enrichment.slot[entry], numbers
+        len(elements), cover.lattice.window, point, pair, pair_of_patch, patch_point, entry - first, enrichment.slot[entry], numbers
     )
 
 
