@@ -135,7 +135,15 @@ def _on_points(cover: Cover, elements: Ints) -> _OnPoints:
     first = enrichment.start[enrichment.tips.start[elements[patch_point]]]
     numbers = enrichment.number[entry, None] + np.arange(N_TIP_FUNCTIONS)
     return _OnPoints(
-        len(elements), cover.lattice.window, point, pair, pair_of_patch, patch_point, entry - first, enrichment.slot[entry], numbers
+        len(elements),
+        cover.lattice.window,
+        point,
+        pair,
+        pair_of_patch,
+        patch_point,
+        entry - first,
+        enrichment.slot[entry],
+        numbers,
     )
 
 

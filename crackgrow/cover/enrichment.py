@@ -74,7 +74,9 @@ def enrichment_of(functions: Ints, tip_function_ids: Sequence[Ints]) -> Enrichme
     tip = np.repeat(np.arange(n_tips), [len(patches) for patches in singular])
     order = np.argsort(patch, kind="stable")
     patch, tip = patch[order], tip[order]
-    number = np.array([tip_function_ids[t][p] for t, p in zip(tip.tolist(), patch.tolist(), strict=True)], dtype=np.int64)
+    number = np.array(
+        [tip_function_ids[t][p] for t, p in zip(tip.tolist(), patch.tolist(), strict=True)], dtype=np.int64
+    )
 
     element, slot = np.nonzero(functions >= 0)
     seen = functions[element, slot]

@@ -146,7 +146,7 @@ def _tip_first(corners: Floats, tips: Floats) -> tuple[Bools, Floats]:
     is_tip = np.isin(corners @ _COMPLEX, tips @ _COMPLEX)
     turn = np.argmax(is_tip, axis=1)
     turned = np.take_along_axis(corners, ((np.arange(3) + turn[:, None]) % 3)[:, :, None], axis=1)
-    return is_tip.any(axis=1), turned
+    return np.asarray(is_tip.any(axis=1)), turned
 
 
 def _cross(corners: Floats) -> Floats:
