@@ -125,7 +125,7 @@ def test_more_than_64_tips_assemble(build) -> None:
     """The matrix is symmetric, rigid motions cost nothing, a linear field costs what it must."""
     sample = build.field_of_cracks(6, 1.5)
     assert len(sample.cover.tips) == 72
-    matrix = sample.stiffness()
+    matrix = sample.stiffness(2)
     size = np.abs(matrix.data).max()
     assert np.abs((matrix - matrix.T).data).max(initial=0.0) <= 1e-14 * size
     assert matrix.diagonal().min() > 0.0
