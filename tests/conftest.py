@@ -109,6 +109,17 @@ class Build:
         """
         return cls.sample((0.5, 0.5), (size[0] + 0.5, size[1] + 0.5), cracks, support=support)
 
+    @classmethod
+    def field_of_cracks(cls, n: int, support: float = 2.0) -> Sample:
+        """n x n cracks in a square, of random directions: 2 n^2 tips, few of which act on any one place."""
+        rng = np.random.default_rng(n)
+        cracks = []
+        for k, angle in enumerate(rng.uniform(0.0, np.pi, n * n)):
+            middle = 4.0 * np.array(divmod(k, n)) + 3.0 + rng.uniform(-0.2, 0.2, 2)
+            half = rng.uniform(1.0, 1.3) * np.array([np.cos(angle), np.sin(angle)])
+            cracks.append(cls.crack([middle - half, middle + half], name=f"crack {k}"))
+        return cls.block((4 * n + 1, 4 * n + 1), cracks, support)
+
 
 @pytest.fixture(scope="session")
 def build() -> type[Build]:

@@ -5,20 +5,22 @@ u(x) = sum over physical patches of phi_i (u_i + E_i A_i), paper eqs. (2), (3).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 from scipy.sparse import csr_array
 
 from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.approximation.tip_functions import tip_functions, tip_values
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.enrichment import entries, list_starts
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, tip_angle
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-_Columns = tuple[Ints, Floats, Floats]  # ids (n, k), values (n, k), gradients (n, k, 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,45 +41,60 @@ class Values:
 
 
 def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
-    """Functions at points (n, 2), in lattice coordinates, each inside or on the rim of its element (n,)."""
+    """Functions at points (n, 2), in lattice coordinates, each inside or on the rim of its element (n,).
+
+    The columns are the window's nodes, then the tip functions that the element carries, four by four. They are the same
+    for all points of an element, and as many as the element that carries most needs.
+    """
     lattice = cover.lattice
+    on = _on_points(cover, elements)
+    ids, values, gradients = on.empty(-1, np.int64), on.empty(0.0), on.empty(0.0, np.float64, 2)
     phi, dphi = mls(points - _cells(cover, elements), lattice.support, lattice.reach)
-    ids = cover.functions[elements]
-    phi = np.where(ids >= 0, phi, 0.0)
-    dphi = np.where(ids[:, :, None] >= 0, dphi, 0.0)
-    blocks = [(ids, phi, dphi)]
-    for tip, first in zip(cover.tips, cover.tip_function_ids, strict=True):
-        enriched = np.where(ids >= 0, first[ids], -1)
-        rows = np.flatnonzero((enriched >= 0).any(axis=1))
-        if len(rows):
-            reference = cover.elements.reference[elements[rows]]
-            products = _products(tip, points[rows], reference, enriched[rows], phi[rows], dphi[rows])
-            blocks.append(_spread(products, rows, len(points)))
-    return Basis(
-        np.concatenate([block[0] for block in blocks], axis=1),
-        np.concatenate([block[1] for block in blocks], axis=1),
-        np.concatenate([block[2] for block in blocks], axis=1) / lattice.spacing,
-    )
+    plain = ids[:, : lattice.window] = cover.functions[elements]
+    phi = values[:, : lattice.window] = np.where(plain >= 0, phi, 0.0)
+    dphi = gradients[:, : lattice.window] = np.where(plain[:, :, None] >= 0, dphi / lattice.spacing, 0.0)
+    if len(on.pair):
+        f, df = np.empty((len(on.pair), N_TIP_FUNCTIONS)), np.empty((len(on.pair), N_TIP_FUNCTIONS, 2))
+        for tip, rows, r, t in _polar(cover, points, elements, on):
+            f[rows], df[rows] = tip_functions(tip, r, t)
+        df /= lattice.spacing
+        w, dw = phi[on.patch_point, on.slot, None], dphi[on.patch_point, on.slot, None]
+        on.put(ids, on.numbers)
+        on.put(values, w * f[on.pair_of_patch])
+        on.put(gradients, dw * f[on.pair_of_patch, :, None] + w[:, :, None] * df[on.pair_of_patch])
+    return Basis(ids, values, gradients)
 
 
 def values_at(cover: Cover, points: Floats, elements: Ints) -> Values:
     """The values of `basis_at` alone, at a third of the cost."""
     lattice = cover.lattice
-    ids = cover.functions[elements]
-    phi = np.where(ids >= 0, mls_values(points - _cells(cover, elements), lattice.support, lattice.reach), 0.0)
-    blocks = [(ids, phi)]
-    for tip, first in zip(cover.tips, cover.tip_function_ids, strict=True):
-        enriched = np.where(ids >= 0, first[ids], -1)
-        rows = np.flatnonzero((enriched >= 0).any(axis=1))
-        if len(rows):
-            slots, numbers = _singular_slots(enriched[rows])
-            w = np.where(numbers[:, ::N_TIP_FUNCTIONS] >= 0, np.take_along_axis(phi[rows], slots, axis=1), 0.0)
-            reference = cover.elements.reference[elements[rows]]
-            f = tip_values(tip, *tip_angle(tip, points[rows], reference))
-            found = np.full((len(points), numbers.shape[1]), -1), np.zeros((len(points), numbers.shape[1]))
-            found[0][rows], found[1][rows] = numbers, (w[:, :, None] * f[:, None, :]).reshape(len(rows), -1)
-            blocks.append(found)
-    return Values(*(np.concatenate(columns, axis=1) for columns in zip(*blocks, strict=True)))
+    on = _on_points(cover, elements)
+    ids, values = on.empty(-1, np.int64), on.empty(0.0)
+    phi = mls_values(points - _cells(cover, elements), lattice.support, lattice.reach)
+    plain = ids[:, : lattice.window] = cover.functions[elements]
+    phi = values[:, : lattice.window] = np.where(plain >= 0, phi, 0.0)
+    if len(on.pair):
+        f = np.empty((len(on.pair), N_TIP_FUNCTIONS))
+        for tip, rows, r, t in _polar(cover, points, elements, on):
+            f[rows] = tip_values(tip, r, t)
+        on.put(ids, on.numbers)
+        on.put(values, phi[on.patch_point, on.slot, None] * f[on.pair_of_patch])
+    return Values(ids, values)
+
+
+def functions_on(cover: Cover, elements: Ints) -> tuple[Ints, Ints]:
+    """All functions of elements (n,), each once: those of element i are ids[start[i] : start[i + 1]].
+
+    Returns start (n + 1,) and ids.
+    """
+    enrichment = cover.enrichment
+    plain = cover.functions[elements]
+    which, pair = enrichment.tips.of(elements)
+    pair_of_patch, entry = entries(enrichment.start, pair)
+    numbers = enrichment.number[entry, None] + np.arange(N_TIP_FUNCTIONS)
+    owner = np.concatenate([np.nonzero(plain >= 0)[0], np.repeat(which[pair_of_patch], N_TIP_FUNCTIONS)])
+    ids = np.concatenate([plain[plain >= 0], numbers.ravel()])
+    return list_starts(np.sort(owner), len(elements)), ids[np.argsort(owner, kind="stable")]
 
 
 def _cells(cover: Cover, elements: Ints) -> Ints:
@@ -85,39 +102,58 @@ def _cells(cover: Cover, elements: Ints) -> Ints:
     return np.asarray(cover.elements.tile[elements] // (len(cover.lattice.breaks) - 1))
 
 
-def _singular_slots(first: Ints) -> tuple[Ints, Ints]:
-    """The columns (n, m) of `first` (n, w) that number fours of tip functions, and all their numbers (n, 4 m).
+@dataclass(frozen=True, slots=True, eq=False)
+class _OnPoints:
+    """The enrichment of the elements of n points: pairs of a point and a tip, and each pair's singular patches."""
 
-    -1 in the numbers stands for none.
-    """
-    longest = int((first >= 0).sum(axis=1).max())
-    slots = np.argsort(first < 0, axis=1, kind="stable")[:, :longest]
-    first = np.take_along_axis(first, slots, axis=1)[:, :, None]
-    numbers = np.where(first >= 0, first + np.arange(N_TIP_FUNCTIONS), -1)
-    return slots, numbers.reshape(len(numbers), -1)
+    n: int
+    window: int
+    point: Ints  # (q,) of each pair
+    pair: Ints  # (q,) number in the cover's enrichment
+    pair_of_patch: Ints  # (s,) to which of the q pairs a singular patch belongs
+    patch_point: Ints  # (s,)
+    place: Ints  # (s,) place among the singular patches of its point
+    slot: Ints  # (s,) place in the window
+    numbers: Ints  # (s, 4) of the functions
+
+    def empty(self, missing: float, dtype: DTypeLike = np.float64, *more: int) -> Any:
+        """All columns (n, window + 4 k, ...) of the points, k the most singular patches that a point has."""
+        n_singular = int(self.place.max(initial=-1)) + 1
+        return np.full((self.n, self.window + N_TIP_FUNCTIONS * n_singular, *more), missing, dtype=dtype)
+
+    def put(self, columns: NDArray[Any], values: NDArray[Any]) -> None:
+        """Put `values` (s, 4, ...) into the columns of the tip functions."""
+        fours = columns[:, self.window :].reshape(self.n, -1, *values.shape[1:], copy=False)
+        fours[self.patch_point, self.place] = values
 
 
-def _products(tip: Tip, points: Floats, reference: Floats, first: Ints, phi: Floats, dphi: Floats) -> _Columns:
-    """Products of MLS functions phi (n, w) and tip functions; `first` (n, w) numbers their fours, -1 for none."""
-    n = len(points)
-    slots, ids = _singular_slots(first)
-    first = ids[:, ::N_TIP_FUNCTIONS]
-    w = np.where(first >= 0, np.take_along_axis(phi, slots, axis=1), 0.0)
-    dw = np.where(first[:, :, None] >= 0, np.take_along_axis(dphi, slots[:, :, None], axis=1), 0.0)
-    f, df = tip_functions(tip, *tip_angle(tip, points, reference))
-    values = w[:, :, None] * f[:, None, :]
-    gradients = dw[:, :, None, :] * f[:, None, :, None] + w[:, :, None, None] * df[:, None, :, :]
-    return ids, values.reshape(n, -1), gradients.reshape(n, -1, 2)
+def _on_points(cover: Cover, elements: Ints) -> _OnPoints:
+    enrichment = cover.enrichment
+    point, pair = enrichment.tips.of(elements)
+    pair_of_patch, entry = entries(enrichment.start, pair)
+    patch_point = point[pair_of_patch]
+    first = enrichment.start[enrichment.tips.start[elements[patch_point]]]
+    numbers = enrichment.number[entry, None] + np.arange(N_TIP_FUNCTIONS)
+    return _OnPoints(
+        len(elements),
+        cover.lattice.window,
+        point,
+        pair,
+        pair_of_patch,
+        patch_point,
+        entry - first,
+        enrichment.slot[entry],
+        numbers,
+    )
 
 
-def _spread(columns: _Columns, rows: Ints, n: int) -> _Columns:
-    """Columns for the points `rows` only as columns for all n points."""
-    if len(rows) == n:
-        return columns
-    k = columns[0].shape[1]
-    ids, values, gradients = np.full((n, k), -1, dtype=np.int64), np.zeros((n, k)), np.zeros((n, k, 2))
-    ids[rows], values[rows], gradients[rows] = columns
-    return ids, values, gradients
+def _polar(cover: Cover, points: Floats, elements: Ints, on: _OnPoints) -> Iterator[tuple[Tip, Ints, Floats, Floats]]:
+    """Tip by tip: which pairs are its own, and the polar coordinates round it of their points."""
+    tips = cover.enrichment.tips.tip[on.pair]
+    order = np.argsort(tips, kind="stable")
+    for rows in np.split(order, np.flatnonzero(np.diff(tips[order])) + 1):
+        tip, at = cover.tips[tips[rows[0]]], on.point[rows]
+        yield tip, rows, *tip_angle(tip, points[at], cover.elements.reference[elements[at]])
 
 
 def value_matrix(basis: Basis | Values, n_functions: int) -> csr_array:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from crackgrow.cover.crumbs import Crumbs, find_crumbs, with_crumbs
 from crackgrow.cover.elements import Elements, cut_elements
+from crackgrow.cover.enrichment import Enrichment, enrichment_of
 from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import Lattice
@@ -71,6 +72,9 @@ class Cover:
     tip_ends: tuple[tuple[int, bool], ...]  # crack index and whether the tip is at its end, tip by tip
     tip_function_ids: tuple[Ints, ...]  # tip by tip (n_patches,): first of a patch's four functions, or -1
     n_functions: int
+    enrichment: Enrichment  # which tips act on which elements
+    crack_tree: shapely.STRtree  # over the cracks
+    outline_tree: shapely.STRtree  # over the edges of `elements.outlines`
 
     @property
     def n_dofs(self) -> int:
@@ -140,6 +144,9 @@ def build_cover(
         tuple(tip_ends),
         tuple(tip_function_ids),
         n_functions,
+        enrichment_of(functions, tip_function_ids),
+        shapely.STRtree([shapely.LineString(crack.points) for crack in cracks]),
+        shapely.STRtree(shapely.linestrings(elements.outlines.points)),
     )
 
 

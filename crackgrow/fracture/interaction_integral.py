@@ -150,15 +150,20 @@ def clearance(cover: Cover, tip: int) -> tuple[float, str]:
     geometry, (index, at_end) = cover.tips[tip], cover.tip_ends[tip]
     own = cover.cracks[index]
     from_tip = own.points[::-1] if at_end else own.points
-    obstacles = {"the outline": shapely.multilinestrings(shapely.linestrings(cover.elements.outlines.points))}
-    for number, crack in enumerate(cover.cracks):
-        if number != index:
-            obstacles[f"crack '{crack.name}'"] = shapely.LineString(crack.points)
-    if len(geometry.path) < len(from_tip):  # the crack turns back towards its tip
-        obstacles["the crack's own bend"] = shapely.LineString(from_tip[len(geometry.path) - 1 :])
-    obstacles["the crack's other end"] = shapely.Point(from_tip[-1])
     place = shapely.Point(geometry.point)
-    return min((float(shapely.distance(place, obstacle)), name) for name, obstacle in obstacles.items())
+    obstacles = {"the crack's other end": shapely.distance(place, shapely.Point(from_tip[-1]))}
+    if len(geometry.path) < len(from_tip):  # the crack turns back towards its tip
+        bend = shapely.LineString(from_tip[len(geometry.path) - 1 :])
+        obstacles["the crack's own bend"] = shapely.distance(place, bend)
+    reach = min(obstacles.values())  # what lies farther away does not count
+    for number in cover.crack_tree.query(place, predicate="dwithin", distance=reach):
+        if number != index:
+            line = cover.crack_tree.geometries[number]
+            obstacles[f"crack '{cover.cracks[number].name}'"] = shapely.distance(place, line)
+    sides = cover.outline_tree.geometries[cover.outline_tree.query(place, predicate="dwithin", distance=reach)]
+    if len(sides):
+        obstacles["the outline"] = shapely.distance(place, sides).min()
+    return min((float(distance), name) for name, distance in obstacles.items())
 
 
 def _element_at(cover: Cover, tip: int) -> int:

@@ -79,6 +79,7 @@ def _in_sight(cover: Cover, tip: int, points: Floats) -> Floats:
     """1 for points (n, 2) that a straight line from tip number `tip` reaches without crossing a crack, else 0 (n,)."""
     start = cover.tips[tip].point
     lines = shapely.linestrings(np.stack([start + NEXT_TO_TIP * (points - start), points], axis=1))
-    cracks = shapely.MultiLineString([crack.points for crack in cover.cracks])
+    near = np.sort(cover.crack_tree.query(shapely.box(*points.min(axis=0), *points.max(axis=0))))
+    cracks = shapely.MultiLineString(cover.crack_tree.geometries[near].tolist())
     shapely.prepare(cracks)
     return np.where(shapely.intersects(cracks, lines), 0.0, 1.0)

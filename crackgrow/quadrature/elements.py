@@ -14,6 +14,7 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.enrichment import TipsOf
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
 
 Floats = NDArray[np.float64]
@@ -32,6 +33,9 @@ MORE_POINTS_WHERE_FADING = 1
 MORE_POINTS_AT_TIPS = 1
 """The same for triangles with their apex at a tip."""
 
+_COMPLEX = np.array([1.0, 1.0j])
+"""Makes one number of a point, exactly."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ElementPoints:
@@ -40,15 +44,6 @@ class ElementPoints:
     points: Floats  # (n, 2)
     weights: Floats  # (n,) in squared spacings
     element: Ints  # (n,)
-
-
-def enriched_elements(cover: Cover) -> Bools:
-    """Which elements carry tip functions, tip by tip: (tips, elements)."""
-    carries = np.zeros((len(cover.tips), cover.elements.n), dtype=bool)
-    for tip, first in enumerate(cover.tip_function_ids):
-        singular = np.append(first >= 0, [False])  # the last entry serves the index -1
-        carries[tip] = singular[cover.functions].any(axis=1)
-    return carries
 
 
 def plain_elements(cover: Cover) -> Bools:
@@ -60,7 +55,7 @@ def plain_elements(cover: Cover) -> Bools:
     plain[elements.ring_element[slanted]] = False
     beside = np.concatenate([elements.edges.left[cover.touching], elements.edges.right[cover.touching]])
     plain[beside[beside >= 0]] = False
-    return np.asarray(plain & ~enriched_elements(cover).any(axis=0))
+    return np.asarray(plain & ~cover.enrichment.tips.any)
 
 
 def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:
@@ -99,8 +94,7 @@ def plain_kinds(cover: Cover) -> list[PlainKind]:
 
 def element_points(cover: Cover, n: int) -> ElementPoints:
     """Points of all elements that are not plain; `n` Gauss points per direction, more where tip functions act."""
-    carries = enriched_elements(cover)
-    enriched = np.asarray(carries.any(axis=0))
+    enriched = cover.enrichment.tips.any
     n_whole = cover.elements.n_whole
     cut = np.flatnonzero(~plain_elements(cover)[n_whole:])
     corners, owner = triangulate(cover.elements.polygons[cut])
@@ -116,7 +110,7 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
         points, weights = on_tip_triangles(corners[at_tip], n + MORE_POINTS_AT_TIPS + more)
         exact = 0.5 * np.abs(_cross(corners[at_tip]))  # the rule gives areas to 1e-5
         parts.append(_flat(points, weights * (exact / weights.sum(axis=1))[:, None], owner[at_tip]))
-        near = _halved(corners[~at_tip], owner[~at_tip], tips, carries)
+        near = _halved(corners[~at_tip], owner[~at_tip], tips, cover.enrichment.tips)
         parts.append(_on_corners(*near, n + more))
     points, weights, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(element, kind="stable")
@@ -149,10 +143,10 @@ def _flat(points: Floats, weights: Floats, owner: Ints) -> tuple[Floats, Floats,
 
 def _tip_first(corners: Floats, tips: Floats) -> tuple[Bools, Floats]:
     """Which triangles (t, 3, 2) have a tip as a corner, and all triangles with that corner turned to the front."""
-    is_tip = (corners[:, :, None, :] == tips[None, None]).all(axis=3).any(axis=2)
+    is_tip = np.isin(corners @ _COMPLEX, tips @ _COMPLEX)
     turn = np.argmax(is_tip, axis=1)
     turned = np.take_along_axis(corners, ((np.arange(3) + turn[:, None]) % 3)[:, :, None], axis=1)
-    return is_tip.any(axis=1), turned
+    return np.asarray(is_tip.any(axis=1)), turned
 
 
 def _cross(corners: Floats) -> Floats:
@@ -161,7 +155,7 @@ def _cross(corners: Floats) -> Floats:
     return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
-def _halved(corners: Floats, owner: Ints, tips: Floats, carries: Bools) -> tuple[Floats, Ints]:
+def _halved(corners: Floats, owner: Ints, tips: Floats, acting: TipsOf) -> tuple[Floats, Ints]:
     """Halve triangles across their longest side until all are small by their distance from their tips.
 
     Halving the longest side keeps needles, which a crack close to a lattice line leaves, from being cut lengthwise.
@@ -172,9 +166,8 @@ def _halved(corners: Floats, owner: Ints, tips: Floats, carries: Bools) -> tuple
         longest = np.argmax(sides, axis=1)
         size = sides.max(axis=1)
         distance = np.full(len(corners), np.inf)
-        for tip, carried in zip(tips, carries, strict=True):
-            mine = carried[owner]
-            distance[mine] = np.minimum(distance[mine], _distance(corners[mine], tip))
+        which, pair = acting.of(owner)
+        np.minimum.at(distance, which, _distance(corners[which], tips[acting.tip[pair]]))
         large = (size > LARGEST * distance) & (size > NEAREST)
         done_corners.append(corners[~large])
         done_owner.append(owner[~large])
@@ -187,8 +180,8 @@ def _halved(corners: Floats, owner: Ints, tips: Floats, carries: Bools) -> tuple
 
 
 def _distance(corners: Floats, point: Floats) -> Floats:
-    """Distance of a point (2,) outside from triangles (t, 3, 2)."""
-    start = corners
+    """Distances (t,) of points (t, 2) outside from triangles (t, 3, 2)."""
+    start, point = corners, point[:, None]
     step = np.roll(corners, -1, axis=1) - start
     tau = np.sum((point - start) * step, axis=2) / np.maximum(np.sum(step * step, axis=2), 1e-300)
     nearest = start + np.clip(tau, 0.0, 1.0)[:, :, None] * step

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.enrichment import TipsOf, list_starts
 from crackgrow.geometry.tolerance import ON_LINE
-from crackgrow.quadrature.elements import enriched_elements, plain_elements
+from crackgrow.quadrature.elements import plain_elements
 from crackgrow.quadrature.lines import on_edges, on_edges_with_tips
 
 Floats = NDArray[np.float64]
@@ -50,15 +51,13 @@ def rim_points(cover: Cover) -> RimPoints:
     """Points on the rims of all elements that are not plain."""
     elements, edges = cover.elements, cover.elements.edges
     cut = np.append(~plain_elements(cover), [False])  # the last entry serves the index -1
-    carries = np.pad(enriched_elements(cover), ((0, 0), (0, 1)))
     parts = []
     for touching, n in ((False, (POINTS_PER_EDGE, POINTS_PER_PIECE)), (True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES))):
         chosen = np.flatnonzero((cut[edges.left] | cut[edges.right]) & (cover.touching == touching))
         left, right = edges.left[chosen], edges.right[chosen]
         ends = np.stack([elements.vertices[edges.a[chosen]], elements.vertices[edges.b[chosen]]], axis=1)
-        # functions of only one of two neighbours vanish on the edge between them
-        both, one = carries[:, left] & carries[:, right], carries[:, left] | carries[:, right]
-        edge, points, lengths = points_on_edges(cover, ends, np.where(elements.passable[chosen], both, one), *n)
+        acting = _tips_on_edges(cover, left, right, elements.passable[chosen])
+        edge, points, lengths = points_on_edges(cover, ends, acting, *n)
         step = ends[:, 1] - ends[:, 0]
         unit = step / _norm(step)[:, None]
         normals = lengths[:, None] * np.stack([unit[:, 1], -unit[:, 0]], axis=1)[edge]
@@ -84,27 +83,28 @@ def points_on_outlines(cover: Cover, ends: Floats, element: Ints, edge: Ints) ->
 
     Returns which of the edges (n,), position (n, 2) and length (n,), in spacings, of every point.
     """
-    carries = enriched_elements(cover)[:, element]
     parts = []
     for touching, n in ((False, (POINTS_PER_EDGE, POINTS_PER_PIECE)), (True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES))):
         chosen = np.flatnonzero(cover.touching[edge] == touching)
-        which, points, lengths = points_on_edges(cover, ends[chosen], carries[:, chosen], *n)
+        nothing = np.full(len(chosen), -1)
+        acting = _tips_on_edges(cover, element[chosen], nothing, np.zeros(len(chosen), dtype=bool))
+        which, points, lengths = points_on_edges(cover, ends[chosen], acting, *n)
         parts.append((chosen[which], points, lengths))
     which, points, lengths = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     return which, points, lengths
 
 
 def points_on_edges(
-    cover: Cover, ends: Floats, carries: Bools, n: int = POINTS_PER_EDGE, n_enriched: int = POINTS_PER_PIECE
+    cover: Cover, ends: Floats, acting: TipsOf, n: int = POINTS_PER_EDGE, n_enriched: int = POINTS_PER_PIECE
 ) -> tuple[Ints, Floats, Floats]:
-    """Points on edges `ends` (m, 2, 2) on which the functions of tips act where `carries` (tips, m) says so.
+    """Points on edges `ends` (m, 2, 2) on which the functions of the tips `acting` on them act.
 
     Returns the edge (n,), sorted, position (n, 2) and length (n,), in spacings, of every point.
     """
-    smooth = np.flatnonzero(~carries.any(axis=0))
+    smooth = np.flatnonzero(~acting.any)
     parts = [_flat(smooth, np.zeros(len(smooth)), np.ones(len(smooth)), *on_edges(len(smooth), n))]
     if len(smooth) < len(ends):
-        owner, start, size, tip_at_start, tip_at_end = _halved(cover, ends, carries)
+        owner, start, size, tip_at_start, tip_at_end = _halved(cover, ends, acting)
         parts.append(_flat(owner, start, size, *on_edges_with_tips(tip_at_start, tip_at_end, n_enriched)))
     edge, position, share = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(edge, kind="stable")
@@ -113,34 +113,53 @@ def points_on_edges(
     return edge, ends[edge, 0] + position[:, None] * step, share * _norm(step)
 
 
+def _tips_on_edges(cover: Cover, left: Ints, right: Ints, passable: Bools) -> TipsOf:
+    """The tips that act on edges (m,) between elements `left` and `right` (m,), -1 for none.
+
+    Functions of only one of two neighbours vanish on the edge between them if it is `passable` (m,).
+    """
+    acting, n_tips = cover.enrichment.tips, max(len(cover.tips), 1)
+    found = []
+    for element in (left, right):
+        there = np.flatnonzero(element >= 0)
+        which, pair = acting.of(element[there])
+        found.append(there[which] * n_tips + acting.tip[pair])
+    pairs, sides = np.unique(np.concatenate(found), return_counts=True)
+    edge, tip = np.divmod(pairs, n_tips)
+    seen = (sides == 2) | ~passable[edge]
+    return TipsOf(list_starts(edge[seen], len(left)), tip[seen])
+
+
 def _flat(owner: Ints, start: Floats, size: Floats, x: Floats, w: Floats) -> tuple[Ints, Floats, Floats]:
     """Points at x (m, n), weights w (m, n), of the pieces `start` to `start + size` (m,) of their edges."""
     position = start[:, None] + size[:, None] * x
     return np.repeat(owner, x.shape[1]), position.ravel(), (size[:, None] * w).ravel()
 
 
-def _halved(cover: Cover, ends: Floats, carries: Bools) -> tuple[Ints, Floats, Floats, Bools, Bools]:
+def _halved(cover: Cover, ends: Floats, acting: TipsOf) -> tuple[Ints, Floats, Floats, Bools, Bools]:
     """Halve the edges (m, 2, 2) that tip functions act on until all pieces are short by their distance from the tips.
 
     Returns edge, start and size (as fractions of the edge) and whether a tip is at the start or at the end.
     """
     tips = np.array([tip.point for tip in cover.tips])
-    owner = np.flatnonzero(carries.any(axis=0))
+    owner = np.flatnonzero(acting.any)
     start, size = np.zeros(len(owner)), np.ones(len(owner))
     done = []
     while len(owner):
         whole = (ends[:, 1] - ends[:, 0])[owner]
         first, step = ends[owner, 0] + start[:, None] * whole, size[:, None] * whole
         length = _norm(step)
-        offset = tips[:, None] - first  # (tips, pieces, 2)
-        along = np.clip(np.sum(offset * step, axis=2) / length**2, 0.0, 1.0)
-        distance = _norm(offset - along[:, :, None] * step)
-        mine = carries[:, owner]
-        at_start, at_end = mine & (_norm(offset) < ON_LINE), mine & (_norm(offset - step) < ON_LINE)
-        nearest = np.where(mine & ~at_start & ~at_end, distance, np.inf).min(axis=0)
+        piece, pair = acting.of(owner)
+        offset, along = tips[acting.tip[pair]] - first[piece], step[piece]
+        share = np.clip(np.sum(offset * along, axis=1) / length[piece] ** 2, 0.0, 1.0)
+        distance = _norm(offset - share[:, None] * along)
+        at_start, at_end = _norm(offset) < ON_LINE, _norm(offset - along) < ON_LINE
+        nearest = np.full(len(owner), np.inf)
+        np.minimum.at(nearest, piece, np.where(at_start | at_end, np.inf, distance))
         large = (length > LARGEST * nearest) & (length > SHORTEST)
-        tip_at = (np.any(at, axis=0)[~large] for at in (at_start, at_end))
-        done.append((owner[~large], start[~large], size[~large], *tip_at))
+        tip_at = np.zeros((2, len(owner)), dtype=bool)
+        tip_at[0, piece[at_start]], tip_at[1, piece[at_end]] = True, True
+        done.append((owner[~large], start[~large], size[~large], *tip_at[:, ~large]))
         half = 0.5 * size[large]
         owner = np.tile(owner[large], 2)
         start, size = np.concatenate([start[large], start[large] + half]), np.tile(half, 2)

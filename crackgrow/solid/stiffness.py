@@ -16,17 +16,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from crackgrow.approximation.basis import basis_at, values_at
+from crackgrow.approximation.basis import basis_at, functions_on, values_at
 from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.cover.cover import Cover
-from crackgrow.quadrature.elements import ElementPoints, element_points, enriched_elements, plain_kinds
+from crackgrow.cover.enrichment import entries, list_starts
+from crackgrow.cover.tips import N_TIP_FUNCTIONS
+from crackgrow.quadrature.elements import ElementPoints, element_points, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim, rim_points
 from crackgrow.quadrature.rules import square
+from crackgrow.solid.assembly import MatrixSum
 from crackgrow.solid.elasticity import PlaneElasticity
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Block = tuple[Ints, Ints, Floats]  # rows, columns, entries
+
+BATCH = 500000
+"""Values of functions at points that are held at once."""
 
 
 def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc_array:
@@ -34,9 +40,7 @@ def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc
 
     `materials` are one per body.
     """
-    blocks = _plain(cover, materials, n) + _cut(cover, materials, element_points(cover, n))
-    row, column, entry = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
-    return csc_array((entry, (row, column)), shape=(cover.n_dofs, cover.n_dofs))
+    return csc_array(_plain(cover, materials, n) + _cut(cover, materials, element_points(cover, n)))
 
 
 def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:
@@ -62,11 +66,11 @@ def consistent(gradients: Floats, weights: Floats, rim_values: Floats, normals: 
     return np.asarray(gradients + (rim_values.T @ normals - integral) / weights.sum())
 
 
-def _plain(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> list[Block]:
+def _plain(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc_array:
     """The element matrix of every kind of plain element, once and at all of its places."""
     lattice = cover.lattice
     local, weights = square(n)
-    blocks = []
+    blocks: list[Block] = [_scattered(np.empty((0, 1), dtype=np.int64), np.empty((0, 1, 2, 1, 2)))]
     for kind in plain_kinds(cover):
         area = weights * kind.size.prod()
         _, gradients = mls(kind.low + local * kind.size, lattice.support, lattice.reach)
@@ -75,36 +79,41 @@ def _plain(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> list[B
         matrix = element_matrix(materials[kind.body], gradients[:, kind.covers], area)
         ids = cover.functions[kind.elements][:, kind.covers]
         blocks.append(_scattered(ids, np.broadcast_to(matrix, (len(ids), *matrix.shape))))
-    return blocks
+    row, column, entry = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+    return csc_array((entry, (row, column)), shape=(cover.n_dofs, cover.n_dofs))
 
 
-def _cut(cover: Cover, materials: Sequence[PlaneElasticity], points: ElementPoints) -> list[Block]:
-    """Element matrices one by one; elements with the same tip functions share the evaluation of the basis."""
+def _cut(cover: Cover, materials: Sequence[PlaneElasticity], points: ElementPoints) -> csc_array:
+    """Element matrices one by one; elements with about as many functions share the evaluation of the basis."""
     area = points.weights * cover.lattice.spacing**2
     rim = rim_points(cover)
-    kinds = (1 << np.arange(len(cover.tips))) @ enriched_elements(cover)
-    blocks = []
-    for kind in np.unique(kinds[points.element]):
-        inside, outside = (np.flatnonzero(kinds[element] == kind) for element in (points.element, rim.element))
-        element, weights, normals = points.element[inside], area[inside], rim.normals[outside] * cover.lattice.spacing
-        basis = basis_at(cover, points.points[inside], element)
-        values = values_at(cover, rim.points[outside], rim.element[outside]).values
-        for start, end, first, last in zip(*_ranges(element), *_ranges(rim.element[outside]), strict=True):
+    normals = rim.normals * cover.lattice.spacing
+    inside, outside = (list_starts(element, cover.elements.n) for element in (points.element, rim.element))
+    total = MatrixSum(*functions_on(cover, np.flatnonzero(np.diff(inside))), cover.n_functions)
+    for batch in _batches(cover, np.diff(inside)):
+        (_, at), (_, on) = entries(inside, batch), entries(outside, batch)
+        basis = basis_at(cover, points.points[at], points.element[at])
+        values = values_at(cover, rim.points[on], rim.element[on]).values
+        weights, outward = area[at], normals[on]
+        ends, rim_ends = (np.append(0, np.cumsum(np.diff(start)[batch])) for start in (inside, outside))
+        for element, start, end, first, last in zip(
+            batch, ends[:-1], ends[1:], rim_ends[:-1], rim_ends[1:], strict=True
+        ):
             used = basis.ids[start] >= 0
-            gradients = consistent(
-                basis.gradients[start:end], weights[start:end], values[first:last], normals[first:last]
-            )
-            matrix = element_matrix(
-                materials[cover.elements.body[element[start]]], gradients[:, used], weights[start:end]
-            )
-            blocks.append(_scattered(basis.ids[start, used][None], matrix[None]))
-    return blocks
+            gradients = basis.gradients[start:end, used]
+            gradients = consistent(gradients, weights[start:end], values[first:last, used], outward[first:last])
+            material = materials[cover.elements.body[element]]
+            total.add(basis.ids[start, used], element_matrix(material, gradients, weights[start:end]))
+    return total.matrix()
 
 
-def _ranges(sorted_ids: Ints) -> tuple[Ints, Ints]:
-    """First and last + 1 of the runs of equal ids."""
-    starts = np.flatnonzero(np.diff(sorted_ids, prepend=-1))
-    return starts, np.append(starts[1:], len(sorted_ids))
+def _batches(cover: Cover, n_points: Ints) -> list[Ints]:
+    """The elements with points, `n_points` (elements,), in batches of similar numbers of functions."""
+    elements = np.flatnonzero(n_points)
+    elements = elements[np.argsort(cover.enrichment.n_patches[elements], kind="stable")]
+    n_columns = cover.lattice.window + N_TIP_FUNCTIONS * cover.enrichment.n_patches[elements]
+    batch = np.cumsum(n_points[elements] * n_columns) // BATCH
+    return np.split(elements, np.flatnonzero(np.diff(batch)) + 1) if len(elements) else []
 
 
 def _scattered(ids: Ints, matrices: Floats) -> Block:

@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from crackgrow.approximation.basis import basis_at, value_matrix
+from crackgrow.approximation.basis import basis_at, functions_on, value_matrix, values_at
+from crackgrow.approximation.mls import mls
+from crackgrow.approximation.tip_functions import tip_functions
 from crackgrow.cover.elements import locate
+from crackgrow.cover.tips import tip_angle
 from crackgrow.quadrature.elements import element_points
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
@@ -122,3 +125,69 @@ def test_evaluating_some_points_gives_the_same_as_evaluating_all(build) -> None:
     for k in range(0, len(points), 10):
         alone = value_matrix(basis_at(sample.cover, points[k : k + 1], elements[k : k + 1]), n).toarray()
         np.testing.assert_allclose(alone[0], together[k], atol=1e-15)  # vector loops round differently
+
+
+def one_tip_at_a_time(sample, points: np.ndarray, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """All functions (n, n_functions) and gradients (n, n_functions, 2): phi_i, and phi_i times each tip's functions."""
+    cover, lattice = sample.cover, sample.lattice
+    cell = np.floor(points)  # tiles are cells at support 2
+    phi, dphi = mls(points - cell, lattice.support, lattice.reach)
+    values = np.zeros((len(points), cover.n_functions))
+    gradients = np.zeros((len(points), cover.n_functions, 2))
+    row, slot = np.nonzero(cover.functions[elements] >= 0)
+    patch = cover.functions[elements][row, slot]
+    values[row, patch], gradients[row, patch] = phi[row, slot], dphi[row, slot]
+    for tip, first in zip(cover.tips, cover.tip_function_ids, strict=True):
+        f, df = tip_functions(tip, *tip_angle(tip, points, cover.elements.reference[elements]))
+        for p in np.flatnonzero(first >= 0):
+            four = slice(first[p], first[p] + 4)
+            values[:, four] = values[:, [p]] * f
+            gradients[:, four] = gradients[:, [p]] * f[:, :, None] + values[:, [p], None] * df
+    return values, gradients / lattice.spacing
+
+
+def test_functions_of_many_tips_are_those_of_one_tip_at_a_time_in_few_columns(build) -> None:
+    sample = build.field_of_cracks(4)
+    cover = sample.cover
+    points, elements = inner_points(sample, 23, 300)
+    expected, expected_gradients = one_tip_at_a_time(sample, points, elements)
+    basis, values = basis_at(cover, points, elements), values_at(cover, points, elements)
+    dense = value_matrix(basis, cover.n_functions).toarray()
+    np.testing.assert_allclose(dense, expected, atol=1e-14)
+    np.testing.assert_allclose(value_matrix(values, cover.n_functions).toarray(), expected, atol=1e-14)
+    for axis in range(2):
+        found = value_matrix(replace(basis, values=basis.gradients[:, :, axis]), cover.n_functions).toarray()
+        size = 1.0 + np.abs(expected_gradients[:, :, axis])
+        assert (np.abs(found - expected_gradients[:, :, axis]) / size).max() < 1e-13
+    singular = np.array([(first >= 0)[cover.functions[elements]] & (cover.functions[elements] >= 0)
+                         for first in cover.tip_function_ids])  # fmt: skip
+    acting = singular.any(axis=2).sum(axis=0)
+    assert len(cover.tips) == 32
+    assert acting.max() <= len(cover.tips) // 4  # a point sees few of them
+    needed = singular.sum(axis=(0, 2)).max()
+    assert basis.ids.shape[1] == sample.lattice.window + 4 * needed
+
+
+def test_many_tips_leave_unity_and_derivatives_as_they_are(build) -> None:
+    sample = build.field_of_cracks(4)
+    points, elements = inner_points(sample, 24, 300)
+    n = sample.cover.n_functions
+    basis = basis_at(sample.cover, points, elements)
+    n_patches = len(sample.cover.patch_nodes)
+    np.testing.assert_allclose(value_matrix(basis, n)[:, :n_patches].sum(axis=1), 1.0, rtol=1e-12)
+    step = 1e-6
+    for axis in range(2):
+        exact = value_matrix(replace(basis, values=basis.gradients[:, :, axis]), n)
+        move = step * np.eye(2)[axis]
+        ahead, behind = (value_matrix(basis_at(sample.cover, points + s * move, elements), n) for s in (1, -1))
+        assert np.abs(exact - (ahead - behind) / (2 * step)).max() < 5e-8  # as for one crack
+
+
+def test_functions_on_elements_are_the_columns_of_their_basis(build) -> None:
+    cover = build.field_of_cracks(2).cover
+    elements = np.arange(cover.elements.n)[::-1]
+    start, ids = functions_on(cover, elements)
+    columns = basis_at(cover, cover.elements.reference[elements], elements).ids
+    for row, first, last in zip(columns, start[:-1], start[1:], strict=True):
+        np.testing.assert_array_equal(np.sort(ids[first:last]), np.sort(row[row >= 0]))
+        assert len(np.unique(ids[first:last])) == last - first

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import Tip, crack_angle, make_tip
@@ -199,3 +200,18 @@ def test_tractions_count_at_their_own_tip(build) -> None:
     start, end = (interaction_integral(sample.cover, [sample.material], u, tip, near_the_end) for tip in (0, 1))
     assert pytest.approx((0.0, 0.0), abs=1e-12) == (start.K_I, start.K_II)
     assert end.K_I > 1.0
+
+
+def test_clearance_among_many_cracks_is_the_distance_from_the_nearest(build) -> None:
+    sample = build.field_of_cracks(4)
+    cover = sample.cover
+    lines = [shapely.LineString(crack.points) for crack in cover.cracks]
+    for tip, (index, at_end) in enumerate(cover.tip_ends):
+        place = shapely.Point(cover.tips[tip].point)
+        distances = {f"crack '{crack.name}'": lines[k].distance(place) for k, crack in enumerate(cover.cracks)}
+        distances[f"crack '{cover.cracks[index].name}'"] = np.inf
+        distances["the outline"] = sample.region.exterior.distance(place)
+        distances["the crack's other end"] = place.distance(shapely.Point(cover.cracks[index].tip_point(not at_end)))
+        room, obstacle = clearance(cover, tip)
+        assert room == pytest.approx(min(distances.values()), abs=1e-8)  # outlines lie on the arrangement's grid
+        assert distances[obstacle] == min(distances.values())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
 
 from crackgrow.case.model import PointSupport
 from crackgrow.fracture.stress_intensity import from_face_displacement
@@ -154,3 +155,31 @@ def test_rays_are_spread_evenly_and_none_lies_on_the_crack(build) -> None:
     field = tip_field(sample.cover, [sample.material], near_field(sample, 1.0, 0.0), 0, 0.2)
     np.testing.assert_allclose(np.diff(field.angles), 2.0 * np.pi / N_RAYS, rtol=1e-12)
     assert np.abs(field.angles).max() == pytest.approx(np.pi * (1.0 - 1.0 / N_RAYS))
+
+
+def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
+    """A ray that no crack crosses at once sees uniform stress; one whose last part is hidden counts less."""
+    sample = build.field_of_cracks(3)
+    cover = sample.cover
+    u = np.zeros((cover.n_functions, 2))
+    u[: len(cover.patch_nodes), 0] = sample.lattice.to_metres(cover.patch_nodes)[:, 0]
+    xx, yy, _ = sample.material.matrix @ (1.0, 0.0, 0.0)
+    x, w = gauss(N_RADIAL)
+    radius, hidden = 3.0, 0
+    for tip in range(len(cover.tips)):
+        field = tip_field(cover, [sample.material], u.ravel(), tip, radius)
+        start = cover.tips[tip].point
+        toward = field.direction + field.angles
+        for angle, stress in zip(toward, field.rays, strict=True):
+            ends = start + radius * np.outer(x**2, [np.cos(angle), np.sin(angle)])
+            sights = [shapely.LineString([start + 1e-3 * (end - start), end]) for end in ends]
+            seen = [
+                sample.region.contains(shapely.Point(end))
+                and not any(sight.intersects(shapely.LineString(crack.points)) for crack in cover.cracks)
+                for sight, end in zip(sights, ends, strict=True)
+            ]
+            hidden += not all(seen)
+            share = np.sum(2.0 * x * w * seen)
+            expected = np.sqrt(share) * np.array([xx, yy, 0.0]) if share else np.full(3, np.nan)
+            np.testing.assert_allclose(stress, expected, atol=1e-10)
+    assert hidden > 100

@@ -9,7 +9,6 @@ from scipy.integrate import quad
 
 from crackgrow.quadrature.elements import (
     element_points,
-    enriched_elements,
     plain_elements,
     rectangles,
     triangulate,
@@ -63,7 +62,7 @@ def test_uncut_body_is_plain_also_along_its_rim(build, support: float) -> None:
     assert plain_elements(sample.cover).all()
     assert len(element_points(sample.cover, 2).points) == 0
     assert plain_area(sample) == pytest.approx(30.0, rel=1e-12)
-    assert not enriched_elements(sample.cover).any()
+    assert not sample.cover.enrichment.tips.any.any()
 
 
 def test_elements_on_a_crack_along_the_lattice_are_not_plain(build) -> None:
@@ -73,19 +72,6 @@ def test_elements_on_a_crack_along_the_lattice_are_not_plain(build) -> None:
     plain = plain_elements(sample.cover)
     assert not plain[edges.plus].any()
     assert not plain[edges.minus].any()
-
-
-@pytest.mark.parametrize("support", [1.5, 2.0])
-def test_enriched_elements_are_those_of_the_singular_patches(build, support: float) -> None:
-    sample = build.block((6, 5), [build.crack(KINKED)], support)
-    cover = sample.cover
-    for tip, carried in enumerate(enriched_elements(cover)):
-        nodes = cover.patch_nodes[cover.tip_function_ids[tip] >= 0]
-        reached = np.abs(cover.elements.reference[:, None] - nodes[None]).max(axis=2).min(axis=1) < support
-        assert not (carried & ~reached).any()
-        at_tip = shapely.distance(cover.elements.polygons, shapely.Point(cover.tips[tip].point)) < 1e-8
-        assert at_tip.sum() >= 2
-        assert carried[cover.elements.n_whole :][at_tip].all()
 
 
 def disc_free_integral(box: shapely.Polygon, tip: np.ndarray, power: float) -> float:

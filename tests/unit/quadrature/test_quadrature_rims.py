@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+from crackgrow.cover.enrichment import TipsOf
 from crackgrow.quadrature.elements import plain_elements, rectangles
 from crackgrow.quadrature.rims import points_on_edges, rectangle_rim, rim_points
 
@@ -51,8 +52,8 @@ def test_square_root_of_the_distance_from_a_tip_is_integrated_along_edges(build,
     ends = tip + np.array([[(-0.3, distance), (0.6, distance)], [(0.0, distance), (0.0, 0.7 + distance)]])
     if distance == 0.0:
         ends[0, 0] = tip
-    carries = np.array([[True, True], [False, False]])
-    edge, points, lengths = points_on_edges(cover, ends, carries)
+    first_tip = TipsOf(np.array([0, 1, 2]), np.array([0, 0]))  # on both edges
+    edge, points, lengths = points_on_edges(cover, ends, first_tip)
     root = np.sqrt(np.hypot(*(points - tip).T))
     fine = (np.arange(400_000) + 0.5) / 400_000
     for number, (start, end) in enumerate(ends):

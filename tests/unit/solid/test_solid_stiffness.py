@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from crackgrow.solid.assembly import MatrixSum
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.stiffness import element_matrix, stiffness
 
@@ -118,3 +119,32 @@ def test_element_matrix_is_the_integral_of_b_d_b() -> None:
         B[2, ::2], B[2, 1::2] = gradient[:, 1], gradient[:, 0]
         expected += weight * B.T @ material.matrix @ B
     np.testing.assert_allclose(element_matrix(material, gradients, weights).reshape(8, 8), expected, atol=1e-13)
+
+
+def test_more_than_64_tips_assemble(build) -> None:
+    """The matrix is symmetric, rigid motions cost nothing, a linear field costs what it must."""
+    sample = build.field_of_cracks(6, 1.5)
+    assert len(sample.cover.tips) == 72
+    matrix = sample.stiffness(2)
+    size = np.abs(matrix.data).max()
+    assert np.abs((matrix - matrix.T).data).max(initial=0.0) <= 1e-14 * size
+    assert matrix.diagonal().min() > 0.0
+    for motion in RIGID:
+        u = field(sample, motion)
+        assert np.abs(matrix @ u).max() < 1e-12 * size * np.abs(u).max()
+    u = field(sample, lambda x, y: np.stack([1e-3 * x + 3e-4 * y, -2e-4 * x + 5e-4 * y], axis=1))
+    strain = np.array([1e-3, 5e-4, 1e-4])
+    assert u @ (matrix @ u) == pytest.approx(25.0**2 * strain @ sample.material.matrix @ strain, rel=1e-9)
+
+
+def test_sum_of_element_matrices_is_that_of_dense_ones() -> None:
+    rng = np.random.default_rng(33)
+    lists = [rng.permutation(9)[:n] for n in (3, 1, 5, 0, 4)]
+    start = np.append(0, np.cumsum([len(ids) for ids in lists]))
+    total = MatrixSum(start, np.concatenate(lists), 9)
+    expected = np.zeros((9, 2, 9, 2))
+    for ids in lists:
+        matrix = rng.normal(size=(len(ids), 2, len(ids), 2))
+        total.add(ids, matrix)
+        expected[ids[:, None], :, ids[None], :] += matrix.transpose(0, 2, 1, 3)
+    np.testing.assert_allclose(total.matrix().toarray(), expected.reshape(18, 18), atol=1e-15)
