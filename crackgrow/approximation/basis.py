@@ -50,6 +50,8 @@ def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
     on = _on_points(cover, elements)
     ids, values, gradients = on.empty(-1, np.int64), on.empty(0.0), on.empty(0.0, np.float64, 2)
     phi, dphi = mls(points - _cells(cover, elements), lattice.support, lattice.reach)
+    rows, linear, slopes = _in_crumbs(cover, points, elements)
+    phi[rows, :3], dphi[rows, :3] = linear, slopes
     plain = ids[:, : lattice.window] = cover.functions[elements]
     phi = values[:, : lattice.window] = np.where(plain >= 0, phi, 0.0)
     dphi = gradients[:, : lattice.window] = np.where(plain[:, :, None] >= 0, dphi / lattice.spacing, 0.0)
@@ -71,6 +73,8 @@ def values_at(cover: Cover, points: Floats, elements: Ints) -> Values:
     on = _on_points(cover, elements)
     ids, values = on.empty(-1, np.int64), on.empty(0.0)
     phi = mls_values(points - _cells(cover, elements), lattice.support, lattice.reach)
+    rows, linear, _ = _in_crumbs(cover, points, elements)
+    phi[rows, :3] = linear
     plain = ids[:, : lattice.window] = cover.functions[elements]
     phi = values[:, : lattice.window] = np.where(plain >= 0, phi, 0.0)
     if len(on.pair):
@@ -95,6 +99,12 @@ def functions_on(cover: Cover, elements: Ints) -> tuple[Ints, Ints]:
     owner = np.concatenate([np.nonzero(plain >= 0)[0], np.repeat(which[pair_of_patch], N_TIP_FUNCTIONS)])
     ids = np.concatenate([plain[plain >= 0], numbers.ravel()])
     return list_starts(np.sort(owner), len(elements)), ids[np.argsort(owner, kind="stable")]
+
+
+def _in_crumbs(cover: Cover, points: Floats, elements: Ints) -> tuple[Ints, Floats, Floats]:
+    """The points (k,) that lie in crumbs, and the functions there (k, 3) and their gradients (k, 3, 2) per spacing."""
+    rows = np.flatnonzero(cover.crumbs.of_element[elements] >= 0) if cover.crumbs.n else np.empty(0, dtype=np.int64)
+    return rows, *cover.crumbs.functions(points[rows], cover.crumbs.of_element[elements[rows]])
 
 
 def _cells(cover: Cover, elements: Ints) -> Ints:

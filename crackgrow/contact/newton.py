@@ -46,7 +46,9 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
     seen: set[bytes] = set()
     n_sweeps = 5
     assert problem.scale is not None
-    as_far = max(REPEATED_ROUND_OFF, UNIT * float((np.abs(problem.compliance).sum(axis=1) / problem.scale).max(initial=0.0)))
+    as_far = max(
+        REPEATED_ROUND_OFF, UNIT * float((np.abs(problem.compliance).sum(axis=1) / problem.scale).max(initial=0.0))
+    )
     for iteration in range(1, max_iterations + 1):
         seen.add(active.key())
         p = solve_active(problem, active)

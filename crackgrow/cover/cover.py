@@ -110,11 +110,10 @@ def build_cover(
         for line, edges in zip(lines, elements.lines, strict=True)
     ]
     surfaces.extend(_on_foundation(elements, bodies, foundation) for foundation in foundations)
-    functions, patch_nodes = physical_patches(lattice, elements)
-    functions, patch_nodes = _without_specks(lattice, elements, functions, patch_nodes)
+    functions, nodes = physical_patches(lattice, elements)
+    functions, nodes = _without_specks(lattice, elements, functions, nodes)
     crumbs = find_crumbs(elements, _elements_at_tips(elements, cracks))
-    if crumbs.n:
-        functions, patch_nodes = with_crumbs(crumbs, functions, patch_nodes)
+    functions, patch_nodes = with_crumbs(crumbs, functions, nodes)
     reach = 2.0 * np.sqrt(2.0) * lattice.support  # the farthest point of a patch that holds the tip
     tips, tip_ends, tip_function_ids = [], [], []
     n_functions = len(patch_nodes)
@@ -190,7 +189,7 @@ def _singular_patches(
     lattice: Lattice,
     elements: Elements,
     functions: Ints,
-    nodes: Ints,
+    nodes: Floats,
     index: int,
     crack: CrackGeometry,
     at_end: bool,

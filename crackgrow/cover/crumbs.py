@@ -1,8 +1,8 @@
 """Crumbs: pieces of rock, cut out by cracks, that are no larger than a spacing.
 
-All functions of the lattice look alike on such a piece, up to what is linear: the stiffness would be singular to working
-precision. A crumb has three functions instead, the barycentric coordinates of a triangle round it. They add up to one
-and reproduce linear fields, as the others do; the crumb strains uniformly.
+All functions of the lattice look alike on such a piece, up to what is linear: the stiffness would be singular to
+working precision. A crumb has three functions instead, the barycentric coordinates of a triangle round it. They add up
+to one and reproduce linear fields, as the others do; the crumb strains uniformly.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def find_crumbs(elements: Elements, at_tips: Ints) -> Crumbs:
     return Crumbs(number[label], corners.reshape(-1, 3, 2))
 
 
-def with_crumbs(crumbs: Crumbs, functions: Ints, nodes: Ints | Floats) -> tuple[Ints, Floats]:
+def with_crumbs(crumbs: Crumbs, functions: Ints, nodes: Ints) -> tuple[Ints, Floats]:
     """Physical patches (n, window) of the elements and their nodes (p, 2), those of crumbs replaced by three each."""
     inside = crumbs.of_element >= 0
     kept = np.ones(len(nodes), dtype=bool)

@@ -55,7 +55,7 @@ def plain_elements(cover: Cover) -> Bools:
     plain[elements.ring_element[slanted]] = False
     beside = np.concatenate([elements.edges.left[cover.touching], elements.edges.right[cover.touching]])
     plain[beside[beside >= 0]] = False
-    return np.asarray(plain & ~cover.enrichment.tips.any)
+    return np.asarray(plain & ~cover.enrichment.tips.any & (cover.crumbs.of_element < 0))
 
 
 def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:
