@@ -7,7 +7,9 @@ open on the way, when everything is linear in the loads)
     dissipation = int (p_t0 + p_t1)/2 (s_1 - s_0) + (p_n0 + p_n1)/2 (d_1 - d_0) ds    with slip s and dilation d
 
 and the strain energy is u K u / 2, with that of elastic contact. Their balance holds where the equations are solved and
-contact does no work of its own.
+contact does no work of its own. A point that sticks at first and slips at the end has slipped under friction's limit,
+not under the smaller shear that it began with: its p_t0 is the limit b_0, in the direction of p_t1. The loads, whose
+displacement follows the slip, have done as much more work.
 """
 
 from __future__ import annotations
@@ -19,15 +21,20 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.contact.coulomb import SLIP
+from crackgrow.contact.faces import FacePoints, points_at
+from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactMemory, ContactOutcome
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
+from crackgrow.cover.cover import Surface
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.result import Energy
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 ON_OLD_FACES = 1e-6
-"""Spacings: contact points closer than this to the crack as it was lie on it."""
+"""Spacings: points closer than this to the crack as it was lie on it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,22 +93,20 @@ def from_state(state: LoadState) -> Start:
 def carried(state: LoadState, configuration: Configuration) -> Start:
     """The state of another configuration, before the cracks grew, as the start on this one.
 
-    Contact points on faces that were there before remember what was interpolated there; new faces know nothing.
+    Contact points remember the slip of the faces that were there before, averaged as they average their own; tractions
+    are interpolated. New faces know nothing.
     """
-    old, faces, n = state.configuration, configuration.faces, configuration.faces.n
-    slip, normal, tangential, dilation = np.zeros((4, n))
+    old, faces, outcome = state.configuration, configuration.faces, state.outcome
+    n = faces.n
+    jump = np.zeros(len(faces.lengths))  # at the integration points
+    elastic, normal, tangential, dilation = np.zeros((4, n))
     broken = np.zeros(n, dtype=bool)
     for index, surface in enumerate(old.cover.surfaces):
-        mine = np.flatnonzero(faces.surface == index)
-        if len(mine) == 0:
-            continue
-        line = shapely.LineString(surface.points)
-        places = shapely.points(faces.nodes.points[mine])
-        there = shapely.dwithin(places, line, ON_OLD_FACES)
-        mine, s = mine[there], shapely.line_locate_point(line, places[there])
-        outcome = state.outcome
+        points, s = _on_old_faces(faces.points, index, surface)
+        jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
+        mine, s = _on_old_faces(faces.nodes, index, surface)
         for values, found in (
-            (slip, outcome.memory.slip),
+            (elastic, old.contact.law.compliance * outcome.tangential_traction),
             (normal, outcome.normal_traction),
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),
@@ -109,8 +114,17 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
             values[mine] = between_contact_points(old.cover, old.faces, index, s, found)
         nearest = nearest_contact_point(old.cover, old.faces, index, s)
         broken[mine] = np.append(outcome.memory.broken, False)[nearest]
+    slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
     remembered = Remembered(ContactMemory(slip, broken), normal, tangential, dilation)
     return Start(state.factor, True, remembered, state.energy, state.conjugates, True)
+
+
+def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
+    """Which points of a surface lie on it as it was, and their arc lengths there."""
+    mine = np.flatnonzero(points.surface == index)
+    line, places = shapely.LineString(surface.points), shapely.points(points.points[mine])
+    there = shapely.dwithin(places, line, ON_OLD_FACES)
+    return mine[there], shapely.line_locate_point(line, places[there])
 
 
 def increment(configuration: Configuration, start: Start, factor: float) -> LoadState:
@@ -136,10 +150,15 @@ def _balance(
     strain = 0.5 * float(outcome.u @ (configuration.matrix @ outcome.u))
     tractions = outcome.normal_traction**2 + outcome.tangential_traction**2
     strain += 0.5 * float(weights @ (law.compliance * tractions))
-    was = start.remembered
-    shear = 0.5 * (was.tangential + outcome.tangential_traction) * (outcome.memory.slip - was.memory.slip)
+    was, slipped = start.remembered, outcome.memory.slip - start.remembered.memory.slip
+    friction, cohesion = law.bound_of(outcome.memory.broken)
+    limit = np.copysign(np.maximum(cohesion - friction * was.normal, 0.0), outcome.tangential_traction)
+    held_back = np.where(outcome.state == SLIP, limit - was.tangential, 0.0)  # Pa: below the limit at first
+    late = 0.5 * float(weights @ (held_back * slipped))
+    shear = 0.5 * (was.tangential + outcome.tangential_traction) * slipped
     normal = 0.5 * (was.normal + outcome.normal_traction) * (outcome.dilation - was.dilation)
-    dissipated = float(weights @ (shear + normal))
+    dissipated = float(weights @ (shear + normal)) + late
+    work += late
     missing = float(work) - (strain - before.strain) - dissipated
     total = Energy(
         work=before.work + float(work),
