@@ -6,10 +6,11 @@ open on the way, when everything is linear in the loads)
     work        = (f_0 + f_1)/2 . (u_1 - u_0) + (m_0 + m_1)/2 . (g_1 - g_0)    of loads f and prescribed displacements g
     dissipation = int (p_t0 + p_t1)/2 (s_1 - s_0) + (p_n0 + p_n1)/2 (d_1 - d_0) ds    with slip s and dilation d
 
-and the strain energy is u K u / 2, with that of elastic contact. Their balance holds where the equations are solved and
-contact does no work of its own. A point that sticks at first and slips at the end has slipped under friction's limit,
-not under the smaller shear that it began with: its p_t0 is the limit b_0, in the direction of p_t1. The loads, whose
-displacement follows the slip, have done as much more work.
+and the strain energy is u K u / 2, with that of elastic contact. Of points that change on the way more is known. One
+that sticks at first and slips at the end has slipped under friction's limit, not under the smaller shear that it began
+with: its p_t0 is the limit b_0, in the direction of p_t1. One that opens slips without shear. Pressure begins where the
+gap has closed and ends where it opens: it does no work on the gap. The work of the loads, whose displacement follows the
+jump, changes by as much.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.contact.coulomb import SLIP
+from crackgrow.contact.coulomb import OPEN, SLIP
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactMemory, ContactOutcome
@@ -45,6 +46,7 @@ class Remembered:
     normal: Floats  # (n,) Pa
     tangential: Floats  # (n,) Pa
     dilation: Floats  # (n,) m
+    gap: Floats  # (n,) m, less the dilation and the elastic part: zero at closed points
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,8 +64,9 @@ class LoadState:
     @property
     def remembered(self) -> Remembered:
         """What the next increment on this configuration needs."""
-        outcome = self.outcome
-        return Remembered(outcome.memory, outcome.normal_traction, outcome.tangential_traction, outcome.dilation)
+        outcome, law = self.outcome, self.configuration.contact.law
+        gap = outcome.gap - outcome.dilation - law.compliance * outcome.normal_traction
+        return Remembered(outcome.memory, outcome.normal_traction, outcome.tangential_traction, outcome.dilation, gap)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,7 +84,7 @@ class Start:
 def unloaded(configuration: Configuration) -> Start:
     """Nothing has happened yet."""
     n = configuration.faces.n
-    remembered = Remembered(ContactMemory.fresh(n), np.zeros(n), np.zeros(n), np.zeros(n))
+    remembered = Remembered(ContactMemory.fresh(n), *np.zeros((4, n)))
     return Start(0.0, False, remembered, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3), False)
 
 
@@ -99,7 +102,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     old, faces, outcome = state.configuration, configuration.faces, state.outcome
     n = faces.n
     jump = np.zeros(len(faces.lengths))  # at the integration points
-    elastic, normal, tangential, dilation = np.zeros((4, n))
+    elastic, normal, tangential, dilation, gap = np.zeros((5, n))
     broken = np.zeros(n, dtype=bool)
     for index, surface in enumerate(old.cover.surfaces):
         points, s = _on_old_faces(faces.points, index, surface)
@@ -110,12 +113,13 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
             (normal, outcome.normal_traction),
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),
+            (gap, state.remembered.gap),
         ):
             values[mine] = between_contact_points(old.cover, old.faces, index, s, found)
         nearest = nearest_contact_point(old.cover, old.faces, index, s)
         broken[mine] = np.append(outcome.memory.broken, False)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
-    remembered = Remembered(ContactMemory(slip, broken), normal, tangential, dilation)
+    remembered = Remembered(ContactMemory(slip, broken), normal, tangential, dilation, gap)
     return Start(state.factor, True, remembered, state.energy, state.conjugates, True)
 
 
@@ -153,12 +157,16 @@ def _balance(
     was, slipped = start.remembered, outcome.memory.slip - start.remembered.memory.slip
     friction, cohesion = law.bound_of(outcome.memory.broken)
     limit = np.copysign(np.maximum(cohesion - friction * was.normal, 0.0), outcome.tangential_traction)
-    held_back = np.where(outcome.state == SLIP, limit - was.tangential, 0.0)  # Pa: below the limit at first
-    late = 0.5 * float(weights @ (held_back * slipped))
+    shear_then = np.select(
+        [outcome.state == SLIP, outcome.state == OPEN], [limit, np.zeros_like(limit)], was.tangential
+    )
+    late = 0.5 * float(weights @ ((shear_then - was.tangential) * slipped))
+    gap = outcome.gap - outcome.dilation - law.compliance * outcome.normal_traction
+    on_gap = 0.5 * float(weights @ ((was.normal + outcome.normal_traction) * (gap - was.gap)))
     shear = 0.5 * (was.tangential + outcome.tangential_traction) * slipped
     normal = 0.5 * (was.normal + outcome.normal_traction) * (outcome.dilation - was.dilation)
     dissipated = float(weights @ (shear + normal)) + late
-    work += late
+    work += late - on_gap
     missing = float(work) - (strain - before.strain) - dissipated
     total = Energy(
         work=before.work + float(work),

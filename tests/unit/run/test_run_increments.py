@@ -62,6 +62,8 @@ def through(configuration: Configuration, *factors: float) -> list[LoadState]:
         ("compression30", (*FRICTION, "loads=[]", PUSHED), (0.5, 1.0, 0.2)),
         ("compression30", (*FRICTION, "numerics.contact.stiffness=5"), (0.5, 1.0, 0.2)),
         ("compression30", (*FRICTION, "cracks.flaw.contact.dilation_angle=8"), (0.5, 1.0, 0.2)),
+        ("compression30", FRICTION, (0.5, -0.5, 1.0, -1.0)),
+        ("compression30", (*FRICTION, "numerics.contact.stiffness=5"), (0.5, -0.5, 1.0, -1.0)),
         ("cyclic_friction", SMALL_SHEAR, (0.0, 1.0, -1.0, 1.0)),
         ("cyclic_friction", (*SMALL_SHEAR, "cracks.flaw.contact.dilation_angle=5"), (0.0, 1.0, -1.0)),
         ("cyclic_friction", (*SMALL_SHEAR, "numerics.contact.stiffness=2"), (0.5, 1.0, -1.0)),
