@@ -9,8 +9,8 @@ open on the way, when everything is linear in the loads)
 and the strain energy is u K u / 2, with that of elastic contact. Of points that change on the way more is known. One
 that sticks at first and slips at the end has slipped under friction's limit, not under the smaller shear that it began
 with: its p_t0 is the limit b_0, in the direction of p_t1. One that opens slips without shear. Pressure begins where the
-gap has closed and ends where it opens: it does no work on the gap. The work of the loads, whose displacement follows the
-jump, changes by as much.
+gap has closed and ends where it opens: it does no work on the gap. The work of the loads, whose displacement follows
+the jump, changes by as much.
 """
 
 from __future__ import annotations
@@ -64,8 +64,7 @@ class LoadState:
     @property
     def remembered(self) -> Remembered:
         """What the next increment on this configuration needs."""
-        outcome, law = self.outcome, self.configuration.contact.law
-        gap = outcome.gap - outcome.dilation - law.compliance * outcome.normal_traction
+        outcome, gap = self.outcome, _free_gap(self.configuration, self.outcome)
         return Remembered(outcome.memory, outcome.normal_traction, outcome.tangential_traction, outcome.dilation, gap)
 
 
@@ -154,19 +153,8 @@ def _balance(
     strain = 0.5 * float(outcome.u @ (configuration.matrix @ outcome.u))
     tractions = outcome.normal_traction**2 + outcome.tangential_traction**2
     strain += 0.5 * float(weights @ (law.compliance * tractions))
-    was, slipped = start.remembered, outcome.memory.slip - start.remembered.memory.slip
-    friction, cohesion = law.bound_of(outcome.memory.broken)
-    limit = np.copysign(np.maximum(cohesion - friction * was.normal, 0.0), outcome.tangential_traction)
-    shear_then = np.select(
-        [outcome.state == SLIP, outcome.state == OPEN], [limit, np.zeros_like(limit)], was.tangential
-    )
-    late = 0.5 * float(weights @ ((shear_then - was.tangential) * slipped))
-    gap = outcome.gap - outcome.dilation - law.compliance * outcome.normal_traction
-    on_gap = 0.5 * float(weights @ ((was.normal + outcome.normal_traction) * (gap - was.gap)))
-    shear = 0.5 * (was.tangential + outcome.tangential_traction) * slipped
-    normal = 0.5 * (was.normal + outcome.normal_traction) * (outcome.dilation - was.dilation)
-    dissipated = float(weights @ (shear + normal)) + late
-    work += late - on_gap
+    dissipated, more_work = _contact_work(configuration, start.remembered, outcome)
+    work += more_work
     missing = float(work) - (strain - before.strain) - dissipated
     total = Energy(
         work=before.work + float(work),
@@ -178,3 +166,25 @@ def _balance(
     size = max(abs(total.work), strain, abs(total.dissipated))
     left = total.work - total.strain - total.dissipated - total.released
     return Energy(total.work, strain, total.dissipated, total.released, abs(left) / size if size > 0.0 else 0.0)
+
+
+def _contact_work(configuration: Configuration, was: Remembered, outcome: ContactOutcome) -> tuple[float, float]:
+    """What an increment dissipates (J/m), and by how much the loads' work is more than the trapezoidal rule says."""
+    weights, law = configuration.contact.weights, configuration.contact.law
+    friction, cohesion = law.bound_of(outcome.memory.broken)
+    limit = np.copysign(np.maximum(cohesion - friction * was.normal, 0.0), outcome.tangential_traction)
+    is_slip, is_open = outcome.state == SLIP, outcome.state == OPEN
+    shear_then = np.where(is_slip, limit, np.where(is_open, 0.0, was.tangential))
+    slipped = outcome.memory.slip - was.memory.slip
+    by_slip = 0.5 * weights @ ((shear_then + outcome.tangential_traction) * slipped)
+    pressed = 0.5 * weights * (was.normal + outcome.normal_traction)
+    by_dilation = pressed @ (outcome.dilation - was.dilation)
+    late = 0.5 * weights @ ((shear_then - was.tangential) * slipped)
+    on_gap = pressed @ (_free_gap(configuration, outcome) - was.gap)
+    return float(by_slip + by_dilation), float(late - on_gap)
+
+
+def _free_gap(configuration: Configuration, outcome: ContactOutcome) -> Floats:
+    """Gap (n,) m less the dilation and the elastic part: zero at closed points."""
+    elastic = configuration.contact.law.compliance * outcome.normal_traction
+    return np.asarray(outcome.gap - outcome.dilation - elastic)
