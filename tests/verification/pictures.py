@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from crackgrow.results.figures import boundary_edges
 from crackgrow.run.result import Frame
-from tests.verification.rows import block, closed_crack, convergence, interface, path
+from tests.verification.rows import block, closed_crack, convergence, history, interface, path
 from tests.verification.solutions import table
 
 Floats = NDArray[np.float64]
@@ -31,6 +31,7 @@ def draw_all(folder: Path) -> None:
     draw_closed_crack(folder / "closed_crack.png")
     draw_convergence(folder / "convergence.png")
     draw_wing(folder / "wing.png")
+    draw_reversed_shear(folder / "reversed_shear.png")
 
 
 def draw_interface(place: Path) -> None:
@@ -126,6 +127,26 @@ def draw_wing(place: Path) -> None:
         axes.plot(*path.right_wing(*settings).T, **{**FOUND, "color": colour}, label=label)
     axes.set(xlabel="x [mm]", ylabel="y [mm]")
     axes.legend(fontsize=7)
+    _save(place, figure)
+
+
+def draw_reversed_shear(place: Path) -> None:
+    """Shear that goes back and forth: the loop of the mean slip, and the energy that friction takes."""
+    figure, ((loop, energy),) = _panels(1, 2)
+    cycle, crack = history.cycle(), history.CRACK
+    corners = np.concatenate([[0.0], cycle.shear])
+    path = np.interp(np.linspace(0.0, len(corners) - 1.0, 60 * len(corners)), np.arange(len(corners)), corners)
+    loop.plot(1e6 * crack.mean_slip(path), path / 1e6, label="reference, infinite plate", **REFERENCE)
+    style = {**FOUND, "linewidth": 0.0}
+    loop.plot(1e6 * cycle.mean_slip, cycle.shear / 1e6, label="crackgrow, one point a load step", **style)
+    loop.set(xlabel="mean slip [micrometre]", ylabel="shear stress on the plate [MPa]")
+    loop.axhline(0.0, color="0.6", linewidth=0.4)
+    loop.axvline(0.0, color="0.6", linewidth=0.4)
+    loop.legend(fontsize=7)
+    steps = np.linspace(0.0, len(cycle.shear), len(path))
+    energy.plot(steps, crack.dissipated(path), **REFERENCE)
+    energy.plot(np.arange(1, len(cycle.shear) + 1), cycle.dissipated, **style)
+    energy.set(xlabel="load step", ylabel="energy dissipated by friction [J/m]")
     _save(place, figure)
 
 
