@@ -48,7 +48,7 @@ def _overlap(law: SurfaceLaw, face: CrackFaces) -> float:
     """Largest overlap (m) along a surface, beyond what its stiffness explains."""
     if law.contact is None:
         return 0.0
-    return float(-(face.opening - law.compliance * face.normal_traction).min(initial=0.0))
+    return abs(float((face.opening - law.compliance * face.normal_traction).min(initial=0.0)))
 
 
 def cautions(
@@ -60,8 +60,8 @@ def cautions(
 ) -> tuple[str, ...]:
     """What the user should know of this step.
 
-    What holds for all steps is said at the first, and of each tip without room for the integral of K once: where it is
-    not among the warnings already `told`.
+    What holds for all steps is said at the first. That a tip has no room for the integral of K, or that things are
+    closer than a spacing, is said once: where it is not among the warnings already `told`.
     """
     found = [*solution.outcome.notes, *solution.notes]
     if step == 0:
@@ -75,9 +75,11 @@ def cautions(
                 f"{100.0 * overlap / largest:.2g} % of their largest jump: what happens there is unsure; "
                 "use a smaller spacing"
             )
-    found.extend(text for text in _short_of_room(solution) if text not in told)
-    for first, second in _close(solution):
-        found.append(f"{first} is closer than a spacing to {second}: the cover does not resolve what is between")
+    close = [
+        f"{first} is closer than a spacing to {second}: the cover does not resolve what is between"
+        for first, second in _close(solution)
+    ]
+    found.extend(text for text in [*_short_of_room(solution), *close] if text not in told)
     if solution.residual > LARGE_RESIDUAL:
         found.append(f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned")
     return tuple(found)
