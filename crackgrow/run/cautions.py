@@ -48,7 +48,7 @@ def _overlap(law: SurfaceLaw, face: CrackFaces) -> float:
     """Largest overlap (m) along a surface, beyond what its stiffness explains."""
     if law.contact is None:
         return 0.0
-    return float(-(face.opening - law.compliance * face.normal_traction).min(initial=0.0))
+    return abs(float((face.opening - law.compliance * face.normal_traction).min(initial=0.0)))
 
 
 def cautions(
