@@ -16,7 +16,7 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import physical_patches
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tiles import crossings_and_middles, tile_lines, tiles_at
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, make_tip
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, make_tip, reach_of_tips
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.geometry.tolerance import TOUCH
 
@@ -106,7 +106,7 @@ def build_cover(
     surfaces.extend(_on_foundation(elements, bodies, foundation) for foundation in foundations)
     functions, patch_nodes = physical_patches(lattice, elements)
     functions, patch_nodes = _without_specks(lattice, elements, functions, patch_nodes)
-    reach = 2.0 * np.sqrt(2.0) * lattice.support  # the farthest point of a patch that holds the tip
+    reach = reach_of_tips(lattice.support)
     tips, tip_ends, tip_function_ids = [], [], []
     n_functions = len(patch_nodes)
     for index, crack in enumerate(cracks):
