@@ -96,7 +96,7 @@ def build_cover(
     Raises GeometryError where the cover cannot represent a crack.
     """
     bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings)) for body in bodies]
-    lines = with_junctions([replace(line, points=on_grid(line.points)) for line in (*cracks, *interfaces)])
+    lines = with_junctions(_on_grid(cracks), _on_grid(interfaces))
     cracks = lines[: len(cracks)]
     elements = cut_elements(lattice, bodies, lines)
     surfaces = [
@@ -135,6 +135,11 @@ def build_cover(
         tuple(tip_function_ids),
         n_functions,
     )
+
+
+def _on_grid(lines: Sequence[CrackGeometry]) -> list[CrackGeometry]:
+    """Lines with their vertices on the grid of the arrangement."""
+    return [replace(line, points=on_grid(line.points)) for line in lines]
 
 
 def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation) -> Surface:

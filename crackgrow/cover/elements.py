@@ -13,6 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_on_lines, edges_on_outlines
+from crackgrow.cover.junctions import sides_through_junctions
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tiles import tile_lines, tile_outlines, tiles_at, touched_tiles
@@ -68,7 +69,8 @@ def cut_elements(lattice: Lattice, bodies: list[BodyGeometry], lines: list[Crack
     body_sides = [body.sides for body in bodies]
     line_segments = [np.stack([line.points[:-1], line.points[1:]], axis=1) for line in lines]
     extensions = [extension for line in lines for extension in _extensions(lattice, line)]
-    segments = np.concatenate(body_sides + line_segments + extensions)
+    cut_sides = [sides_through_junctions(sides, lines) for sides in body_sides]
+    segments = np.concatenate(cut_sides + line_segments + extensions)
     touched = touched_tiles(lattice, segments, tips)
     regions = [body.region for body in bodies]
     shapely.prepare(regions)
