@@ -17,6 +17,7 @@ NEIGHBOURS = {"kinked": ((3, 13), (11, 11), (16, 15)), "straight": ((16, -12), (
 """Corners, mm. The kink turns by 59 degrees; the cracks lie 5 to 10 mm from the tips of the branches."""
 PER_MM = 1e6 * np.sqrt(1e-3)  # Pa sqrt(m) of 1 MPa sqrt(mm)
 REFERENCE = "branched_crack_K.csv"
+"""K in MPa sqrt(mm) by `K_of` with three spacings; a slow test in test_branched_crack.py computes it again."""
 CASE = "junction_static with a kinked and a straight crack beside its branches"
 
 
