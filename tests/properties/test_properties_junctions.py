@@ -168,7 +168,8 @@ def differences(solution: StepSolution, other: StepSolution, matrix: np.ndarray)
 
 CROSS: Paths = (((-6.0, -3.0), (6.0, 3.0)), ((-6.0, 3.0), (6.0, -3.0)))
 ARROW: Paths = (((0.0, -7.5), (0.0, 0.0)), ((0.0, 0.0), (6.0, 3.0)), ((-6.0, 3.0), (0.0, 0.0)))
-"""Their corners and crossings with the lattice lie on the grid of the arrangement: nothing is rounded."""
+ORIENTATION = 1e-5
+"""The triangles that elements are integrated in are not mirrored or turned with the scene."""
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -178,11 +179,11 @@ ARROW: Paths = (((0.0, -7.5), (0.0, 0.0)), ((0.0, 0.0), (6.0, 3.0)), ((-6.0, 3.0
 def test_mirrored_points_carry_the_same(paths: Paths, mirror: tuple[float, float], friction: float) -> None:
     _, solution = solved(paths, friction)
     assert SLIP in solution.outcome.state
-    assert differences(solution, solution, np.diag(mirror)) < 1e-6
+    assert differences(solution, solution, np.diag(mirror)) < ORIENTATION
     K = np.array([tip.K for tip in solution.tips])
     ends = solution.cover.lattice.to_metres(np.array([tip.point for tip in solution.cover.tips]))
     pair = np.hypot(*(ends[:, None] * mirror - ends[None]).transpose(2, 0, 1)).argmin(axis=1)
-    np.testing.assert_allclose(K[pair] * (1.0, -1.0), K, atol=1e-5 * np.abs(K).max())
+    np.testing.assert_allclose(K[pair] * (1.0, -1.0), K, atol=2.0 * ORIENTATION * np.abs(K).max())
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -190,9 +191,9 @@ def test_mirrored_points_carry_the_same(paths: Paths, mirror: tuple[float, float
 def test_turned_scene_gives_turned_tractions(name: str, friction: float) -> None:
     friction = max(friction, STICKY * name.startswith("through"))
     upright, turned = (solved(LAYOUTS[name], friction, turned=turn)[1] for turn in (False, True))
-    assert differences(upright, turned, np.array([[0.0, -1.0], [1.0, 0.0]])) < 1e-5  # rounding differs
+    assert differences(upright, turned, np.array([[0.0, -1.0], [1.0, 0.0]])) < ORIENTATION
     K, expected = (np.array([tip.K for tip in solution.tips]).reshape(-1, 2) for solution in (turned, upright))
-    np.testing.assert_allclose(K, expected, atol=1e-5 * LOAD * np.sqrt(1e-2))
+    np.testing.assert_allclose(K, expected, atol=ORIENTATION * LOAD * np.sqrt(1e-2))
 
 
 @pytest.mark.parametrize("name", ["T", "X", "three through a point", "Y", "V", "oblique branch"])
