@@ -27,6 +27,7 @@ SUBJECTS = (
     "wide_plate",
     "open_crack",
     "interacting",
+    "branched",
     "convergence",
     "patch",
     "path",
