@@ -138,6 +138,8 @@ def _mortar_on_surface(cover: Cover, index: int, spacing: float) -> _Part:
         not (surface.tip_at_end or surface.junctions[-1]),
     )
     at_junction = np.isin(ends, arc_lengths(surface.points)[surface.junctions])
+    if np.array_equal(surface.points[0], surface.points[-1]):  # it only closes on itself there
+        at_junction[[0, -1]] = False
     nodes, stretch = [], []
     for number, (start, end) in enumerate(pairwise(ends.tolist())):
         rim = (on_rim[0] and number == 0, on_rim[1] and number == len(ends) - 2)
