@@ -95,8 +95,8 @@ def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFa
     """Mortar nodes at least `spacing` (lattice spacings) apart along each stretch of the surfaces `touching` (indices).
 
     One node lies on every end of the surface that lies on a rim, and one in the middle of each stretch between tips,
-    sharp kinks and rims. There, and at junctions, the end pieces are constant: no node lies there. At the junctions of a
-    crack they are half as long.
+    sharp kinks and rims. There, and at junctions, the end pieces are constant: no node lies there. At junctions of
+    cracks they are half as long.
     """
     parts = [_mortar_on_surface(cover, surface, spacing) for surface in touching]
     return _joined(cover, touching, parts)
