@@ -95,8 +95,8 @@ def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFa
     """Mortar nodes at least `spacing` (lattice spacings) apart along each stretch of the surfaces `touching` (indices).
 
     One node lies on every end of the surface that lies on a rim, and one in the middle of each stretch between tips,
-    sharp kinks and rims. There, and at junctions, where they are half as long, the end pieces are constant: no node
-    lies there.
+    sharp kinks and rims. There, and at junctions, the end pieces are constant: no node lies there. At junctions of
+    cracks they are half as long.
     """
     parts = [_mortar_on_surface(cover, surface, spacing) for surface in touching]
     return _joined(cover, touching, parts)
@@ -137,7 +137,7 @@ def _mortar_on_surface(cover: Cover, index: int, spacing: float) -> _Part:
         not (surface.tip_at_start or surface.junctions[0]),
         not (surface.tip_at_end or surface.junctions[-1]),
     )
-    at_junction = np.isin(ends, arc_lengths(surface.points)[surface.junctions])
+    at_junction = np.isin(ends, arc_lengths(surface.points)[surface.junctions]) & (index < len(cover.cracks))
     nodes, stretch = [], []
     for number, (start, end) in enumerate(pairwise(ends.tolist())):
         rim = (on_rim[0] and number == 0, on_rim[1] and number == len(ends) - 2)
