@@ -13,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
+from crackgrow.cover.cover import Cover
+from crackgrow.cover.tips import N_TIP_FUNCTIONS
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -40,6 +43,17 @@ class Fronts:
     def n(self) -> int:
         """Number of fronts."""
         return len(self.parent)
+
+
+def places_of_unknowns(cover: Cover) -> Floats:
+    """Places (n_dofs, 2) of the displacement unknowns in lattice coordinates: the nodes of their patches."""
+    places = np.empty((cover.n_functions, 2))
+    places[: len(cover.patch_nodes)] = cover.patch_nodes
+    for first in cover.tip_function_ids:
+        singular = first >= 0
+        for k in range(N_TIP_FUNCTIONS):
+            places[first[singular] + k] = cover.patch_nodes[singular]
+    return np.repeat(places, 2, axis=0)
 
 
 def dissect(matrix: csc_array, places: Floats) -> Fronts:

@@ -24,6 +24,10 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+class NotQuasiDefiniteError(SolveError):
+    """The matrix is not quasi-definite, as far as round-off can tell."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Factor:
     """Columns of L that a front eliminates."""
@@ -42,7 +46,7 @@ class Multifrontal:
     def __init__(self, matrix: csc_array, places: Floats) -> None:
         """Factorize `matrix` (n, n); its first unknowns have `places` (k, 2), the others are multipliers.
 
-        Raises SolveError where the matrix is not quasi-definite.
+        Raises NotQuasiDefiniteError where the matrix is not quasi-definite.
         """
         fronts = dissect(matrix, places)
         self._order = fronts.order
@@ -153,4 +157,4 @@ def _cholesky(matrix: Floats) -> None:
     """Replace the lower triangle of `matrix` (p, p) by its Cholesky factor."""
     _, info = dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
     if info:
-        raise SolveError("not positive definite")
+        raise NotQuasiDefiniteError(f"pivot {info} of {len(matrix)} in a front has the wrong sign")
