@@ -152,7 +152,7 @@ def _split(graph: csr_array, place: Floats, weight: Ints) -> tuple[Ints, tuple[I
 
 
 def _symbolic(graph: csr_array, group: Ints, sequence: Ints, front: Ints, n_placed_groups: int) -> Fronts:
-    """The tree of fronts from the groups in their `sequence` (groups,) of elimination, each in its `front` (groups,)."""
+    """The tree of fronts, from the `sequence` (groups,) in which groups are eliminated, in their `front` (groups,)."""
     size = np.bincount(group)[sequence]
     first = np.append(0, np.cumsum(size))  # position in the order of the unknowns
     place_of = np.empty(len(sequence), dtype=np.int64)

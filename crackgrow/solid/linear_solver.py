@@ -25,7 +25,10 @@ YIELDING = 1e-7
 """d times rho: constraints give way by this fraction, which each refinement takes away again."""
 
 HARDENINGS = 2
-"""Corrections of which each reduces what constraints have given way by `YIELDING`."""
+"""Most corrections of which each reduces what constraints have given way by `YIELDING`."""
+
+SMALLEST = float(np.finfo(float).eps)
+"""What constraints give way by less than this fraction is round-off."""
 
 REFINEMENTS = 3
 """Most corrections for round-off."""
@@ -177,9 +180,12 @@ class ConstrainedSystem:
         solution = self._factorization.solve(np.concatenate([push, wanted]) if m else push)
         if m == 0:
             return solution, solution[n:]
+        share = abs(self.constraints)
         responses = self._pulled(np.eye(m)) if m < loads.shape[1] else None  # else one solve each is cheaper
         for _ in range(HARDENINGS):
             missing = wanted - self.constraints @ solution[:n]
+            if np.all(np.abs(missing) <= SMALLEST * (share @ np.abs(solution[:n]) + np.abs(wanted))):
+                break
             solution += self._pulled(missing) if responses is None else responses @ missing
         return solution[:n], solution[n:]
 

@@ -62,6 +62,8 @@ class Multifrontal:
         x = np.ascontiguousarray(right.reshape(len(right), -1)[self._order])
         for factor in self._factors:
             mine = x[factor.start : factor.end]
+            if not mine.any():
+                continue
             dtrsm(1.0, factor.diagonal.T, mine.T, side=1, lower=0, overwrite_b=1)
             for first, a, b in factor.boundary:
                 later = x[first : first + b - a].T
@@ -116,7 +118,7 @@ def _factorize(matrix: csc_array, fronts: Fronts) -> list[_Factor]:
 def _extend_add(front: Floats, rest: Floats, at: Ints, update: Floats) -> None:
     """Add the lower triangle of an `update` (b, b) to the rows and columns `at` (b,), ascending, of a front.
 
-    Its columns are `front` (p + b', p) and then `rest` (b', b'). The places are few runs without gaps: blocks are added.
+    Its columns are `front` (p + b', p) and then `rest` (b', b'). The places are few runs without gaps.
     """
     p = front.shape[1]
     runs = _runs(at, p)
@@ -128,7 +130,7 @@ def _extend_add(front: Floats, rest: Floats, at: Ints, update: Floats) -> None:
 
 
 def _runs(at: Ints, cut: int) -> list[tuple[int, int, int]]:
-    """Runs without gaps of ascending numbers `at` (b,): first number, begin and end in `at`. None leads across `cut`."""
+    """Runs without gaps of ascending numbers `at` (b,): first number, begin and end in `at`; split at `cut`."""
     breaks = np.flatnonzero((np.diff(at) != 1) | (at[1:] == cut)) + 1
     ends = [0, *breaks.tolist(), len(at)]
     return [(int(at[a]), a, b) for a, b in pairwise(ends)] if len(at) else []
