@@ -45,7 +45,7 @@ loads:
 numerics: {{spacing: {spacing}}}
 """
 FLAW = """
-  flaw {number}:
+  flaw{number}:
     path: {{points: [[{a[0]}, {a[1]}], [{b[0]}, {b[1]}]]}}
     tips: both
     contact: {{friction: 0.3, cohesion: 0}}"""
