@@ -74,6 +74,9 @@ class Factorization:
             raise SolveError("the stiffness matrix has entries that are not finite")
         if not np.all(diagonal != 0.0):
             raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
+        if not matrix.has_canonical_format:
+            matrix = matrix.copy()
+            matrix.sum_duplicates()
         self._scale = 1.0 / np.sqrt(np.abs(diagonal))
         across = np.repeat(self._scale, np.diff(matrix.indptr))
         scaled = csc_array((matrix.data * self._scale[matrix.indices] * across, matrix.indices, matrix.indptr))

@@ -46,6 +46,11 @@ def test_one_unknown() -> None:
     np.testing.assert_allclose(factorization.solve(np.array([2.0])), [0.5], rtol=1e-15)
 
 
+def test_entries_given_in_parts_are_summed() -> None:
+    twice = csc_array((np.full(4, 2.0), [0, 0, 1, 1], [0, 2, 4]), shape=(2, 2))
+    np.testing.assert_allclose(Factorization(twice, np.zeros((2, 2))).solve(np.ones(2)), 0.25, rtol=1e-15)
+
+
 def test_unknowns_at_one_place_are_not_split() -> None:
     n = 2 * LEAF
     a = np.random.default_rng(2).normal(size=(n, n))
