@@ -30,6 +30,7 @@ from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.scene import Scene
+from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs, named
@@ -110,7 +111,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
         check_held(free, _patches_at(cover, faces))
     with timed(seconds, "factorize"):
         springs = loose_springs(cover, matrix, free) if free else None
-        system = ConstrainedSystem(matrix if springs is None else springs.added_to(matrix), held.matrix)
+        stiff = matrix if springs is None else springs.added_to(matrix)
+        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover))
     weights = faces.weights * scene.lattice.spacing
     law = _law(scene, faces, growing)
     contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))

@@ -3,10 +3,13 @@
 K u + C' m = f, C u = g. With constraints K alone may be singular, so K0 = K + C' rho C takes its place (the constraints
 add the same amount to both sides, the answer does not depend on rho). The matrix [[K0, C'], [C, -d]] with a small d is
 quasi-definite: it has a symmetric factorization without pivoting in any order (Vanderbei 1995), also where constraints
-repeat each other. Refinement with d = 0 takes the effect of d away.
+repeat each other. What C u then misses of g, as a right-hand side of its
+own, takes the effect of d away.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +17,31 @@ from scipy.sparse import block_array, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 from crackgrow.errors import SolveError
+from crackgrow.solid.multifrontal import Multifrontal, NotQuasiDefiniteError
 
 Floats = NDArray[np.float64]
 
 YIELDING = 1e-7
 """d times rho: constraints give way by this fraction, which each refinement takes away again."""
 
+HARDENINGS = 2
+"""Most corrections of which each reduces what constraints have given way by `YIELDING`."""
+
+SMALLEST = float(np.finfo(float).eps)
+"""What constraints give way by less than this fraction is round-off."""
+
 REFINEMENTS = 3
-"""Solves of which each reduces the error of the one before by `YIELDING` and round-off."""
+"""Most corrections for round-off."""
+
+ROUND_OFF = 1e-14
+"""Residuals below this fraction of the terms that they are sums of are round-off."""
+
+FEW = 8
+"""So many right-hand sides are refined at least once. The error of a factorization is the same in all solves: loose
+springs that follow the rock would find a place, far away, where it balances loads that nothing else does."""
+
+AT_ONCE = 256
+"""Right-hand sides that are solved for together."""
 
 INCONSISTENT = 1e-6
 """Repeated constraints that contradict each other by more than this fraction of the displacements are refused."""
@@ -40,42 +60,66 @@ def displacement_size(loads: Floats, u: Floats, given: Floats) -> float:
 class Factorization:
     """A factorized symmetric matrix, definite or quasi-definite, scaled to a diagonal of plus or minus one."""
 
-    def __init__(self, matrix: csc_array) -> None:
-        """Factorize `matrix` (n, n); raises SolveError where it is not finite, or singular in an obvious way."""
+    note: str
+    """Why not the multifrontal factorization but SuperLU was used where places were given; else empty."""
+
+    def __init__(self, matrix: csc_array, places: Floats | None = None) -> None:
+        """Factorize `matrix` (n, n); `places` (k, 2) are those of its unknowns but the last n - k, the multipliers.
+
+        Without places SuperLU factorizes. Raises SolveError where the matrix is not finite, or singular in an obvious
+        way.
+        """
         diagonal = matrix.diagonal()
         if not np.isfinite(matrix.data).all():
             raise SolveError("the stiffness matrix has entries that are not finite")
         if not np.all(diagonal != 0.0):
             raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
+        if not matrix.has_canonical_format:
+            matrix = matrix.copy()
+            matrix.sum_duplicates()
         self._scale = 1.0 / np.sqrt(np.abs(diagonal))
-        scaling = diags_array(self._scale)
-        scaled = csc_array(scaling @ matrix @ scaling)
-        try:
-            self._lu = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        except RuntimeError as error:
-            raise SolveError(f"the stiffness matrix is singular ({error}): is a body free to move?") from error
+        across = np.repeat(self._scale, np.diff(matrix.indptr))
+        scaled = csc_array((matrix.data * self._scale[matrix.indices] * across, matrix.indices, matrix.indptr))
+        self._solve, self.note = _factorized(scaled, places)
 
     def solve(self, right: Floats) -> Floats:
         """Solution (n,) or (n, m) for the right-hand sides `right`, unrefined."""
         scale = self._scale if right.ndim == 1 else self._scale[:, None]
-        return np.asarray(scale * self._lu.solve(scale * right))
+        return np.asarray(scale * self._solve(scale * right))
+
+
+def _factorized(matrix: csc_array, places: Floats | None) -> tuple[Callable[[Floats], Floats], str]:
+    """What solves for right-hand sides (n,) or (n, m), and why it is not the multifrontal factorization."""
+    note = ""
+    if places is not None:
+        try:
+            return Multifrontal(matrix, places).solve, note
+        except NotQuasiDefiniteError as error:
+            note = f"factorized by SuperLU: {error}"
+    try:
+        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise SolveError(f"the stiffness matrix is singular ({error}): is a body free to move?") from error
+    return factors.solve, note
 
 
 class ConstrainedSystem:
     """K with constraints C u = g, factorized once for many loads."""
 
-    def __init__(self, stiffness: csc_array, constraints: csr_array) -> None:
-        """`stiffness` (n, n) Pa, `constraints` (m, n)."""
+    def __init__(self, stiffness: csc_array, constraints: csr_array, places: Floats | None = None) -> None:
+        """`stiffness` (n, n) Pa, `constraints` (m, n), `places` (n, 2) of the unknowns, in any unit."""
         self.stiffness = stiffness
         self.constraints = constraints
         share = abs(constraints)
         total = np.maximum(share.sum(axis=1), np.finfo(float).tiny)
         self._rho = share @ stiffness.diagonal() / total  # row by row, of the size of the entries it meets
-        held = csc_array(stiffness + constraints.T @ diags_array(self._rho) @ constraints)
-        if len(self._rho):
-            yielding = diags_array(-YIELDING / self._rho)
-            held = csc_array(block_array([[held, constraints.T], [constraints, yielding]], format="csc"))
-        self._factorization = Factorization(held)
+        self._factorization = Factorization(self._held(), places)
+        self._size = abs(stiffness)
+
+    @property
+    def note(self) -> str:
+        """Why the matrix was not factorized as it should be; mostly empty."""
+        return self._factorization.note
 
     def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
@@ -83,19 +127,77 @@ class ConstrainedSystem:
         `given` (m,) are the prescribed values g, zero if None. Raises SolveError where constraints contradict.
         """
         n, m = self.constraints.shape[1], self.constraints.shape[0]
-        wanted = np.zeros((m, *loads.shape[1:])) if given is None else given
-        if m == 0:
-            u = self._factorization.solve(loads)
-            return u + self._factorization.solve(loads - self.stiffness @ u), np.zeros_like(wanted)
-        u, multipliers = np.zeros(loads.shape), np.zeros((m, *loads.shape[1:]))
-        for _ in range(REFINEMENTS):
-            missing = wanted - self.constraints @ u
-            force = loads - self.stiffness @ u - self.constraints.T @ multipliers
-            pushed = force + self.constraints.T @ (self._rho * missing.T).T
-            step = self._factorization.solve(np.concatenate([pushed, missing]))
-            u, multipliers = u + step[:n], multipliers + step[n:]
-        if given is not None:
-            left = np.abs(self.constraints @ u - given).max()
-            if left > INCONSISTENT * displacement_size(loads, u, given):
+        columns = loads.reshape(n, -1)
+        wanted = np.zeros((m, columns.shape[1])) if given is None else given.reshape(m, columns.shape[1])
+        u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
+        for start in range(0, columns.shape[1], AT_ONCE):
+            block = slice(start, start + AT_ONCE)
+            u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block])
+        if given is not None and m:
+            left = np.abs(self.constraints @ u - wanted).max()
+            if left > INCONSISTENT * displacement_size(loads, u.reshape(loads.shape), given):
                 raise SolveError(f"the supports contradict each other by {left:.3g} m")
+        return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
+
+    def _held(self) -> csc_array:
+        """The quasi-definite matrix (n + m, n + m)."""
+        n, m = self.constraints.shape[1], self.constraints.shape[0]
+        if m == 0:
+            return csc_array(self.stiffness)
+        held = csc_array(
+            (self.stiffness.data, self.stiffness.indices, np.append(self.stiffness.indptr, [self.stiffness.nnz] * m)),
+            shape=(n + m, n + m),
+        )
+        penalty = self.constraints.T @ diags_array(self._rho) @ self.constraints
+        yielding = diags_array(-YIELDING / self._rho)
+        return csc_array(
+            held + block_array([[penalty, self.constraints.T], [self.constraints, yielding]], format="csc")
+        )
+
+    def _refined(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
+        """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k).
+
+        Refinement goes on until it finds nothing but round-off, seen on one sum of all columns with signs at random.
+        """
+        u, multipliers = self._step(loads, wanted)
+        size = np.abs(loads).max(axis=0)
+        sign = np.random.default_rng(0).choice([-1.0, 1.0], loads.shape[1])
+        sign = sign / np.where(size > 0.0, size, 1.0)
+        last = np.inf
+        for done in range(REFINEMENTS):
+            error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
+            if (error <= ROUND_OFF and (done or loads.shape[1] > FEW)) or error > 0.5 * last:
+                break
+            last = error
+            force = loads - self.stiffness @ u - self.constraints.T @ multipliers
+            du, dm = self._step(force, wanted - self.constraints @ u)
+            u, multipliers = u + du, multipliers + dm
         return u, multipliers
+
+    def _backward_error(self, loads: Floats, u: Floats, multipliers: Floats) -> float:
+        """The largest residual, row by row relative to the sum of the absolute terms (Oettli, Prager 1964)."""
+        residual = np.abs(loads - self.stiffness @ u - self.constraints.T @ multipliers)
+        terms = np.abs(loads) + self._size @ np.abs(u) + abs(self.constraints.T) @ np.abs(multipliers)
+        return float(np.max(residual[terms > 0.0] / terms[terms > 0.0], initial=0.0))
+
+    def _step(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
+        """As `_refined`, without refinement but for the yielding of the constraints."""
+        n, m = self.constraints.shape[1], self.constraints.shape[0]
+        push = loads + self.constraints.T @ (self._rho[:, None] * wanted)
+        solution = self._factorization.solve(np.concatenate([push, wanted]) if m else push)
+        if m == 0:
+            return solution, solution[n:]
+        share = abs(self.constraints)
+        responses = self._pulled(np.eye(m)) if m < loads.shape[1] else None  # else one solve each is cheaper
+        for _ in range(HARDENINGS):
+            missing = wanted - self.constraints @ solution[:n]
+            if np.all(np.abs(missing) <= SMALLEST * (share @ np.abs(solution[:n]) + np.abs(wanted))):
+                break
+            solution += self._pulled(missing) if responses is None else responses @ missing
+        return solution[:n], solution[n:]
+
+    def _pulled(self, missing: Floats) -> Floats:
+        """Displacements and multipliers (n + m, k) that add `missing` (m, k) to C u but for the yielding."""
+        return self._factorization.solve(
+            np.concatenate([np.zeros((self.constraints.shape[1], missing.shape[1])), missing])
+        )

@@ -1,0 +1,230 @@
+"""The multifrontal factorization: solutions, orders of elimination, quasi-definite and hopeless matrices."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.sparse import block_diag, csc_array, csr_array, diags_array
+from scipy.sparse.linalg import spsolve
+
+from crackgrow.solid import multifrontal as module
+from crackgrow.solid.dissection import LEAF, dissect, places_of_unknowns
+from crackgrow.solid.linear_solver import ConstrainedSystem, Factorization
+from crackgrow.solid.multifrontal import Multifrontal, NotQuasiDefiniteError
+
+Floats = NDArray[np.float64]
+
+
+def lattice(n: int, seed: int, reach: int = 2) -> tuple[csc_array, Floats]:
+    """A random positive definite matrix of two unknowns per node of an n x n lattice, and their places."""
+    rng = np.random.default_rng(seed)
+    nodes = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), axis=2).reshape(-1, 2)
+    places = np.repeat(nodes, 2, axis=0).astype(float)
+    near = np.abs(places[:, None] - places).max(axis=2) <= reach
+    dense = np.where(np.triu(near, 1), rng.uniform(-1.0, 1.0, near.shape), 0.0)
+    dense += dense.T
+    np.fill_diagonal(dense, np.abs(dense).sum(axis=1) + rng.uniform(0.01, 1.0, len(dense)))
+    scale = 10.0 ** rng.uniform(-2.0, 2.0, len(dense))
+    return csc_array(scale[:, None] * dense * scale), places
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, 12, 30])
+def test_solutions_are_those_of_scipy(n: int) -> None:
+    matrix, places = lattice(n, n)
+    right = np.random.default_rng(1).normal(size=(len(places), 7))
+    factorization = Factorization(matrix, places)
+    assert factorization.note == ""
+    expected = np.column_stack([spsolve(matrix, column) for column in right.T])
+    np.testing.assert_allclose(factorization.solve(right), expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(factorization.solve(right[:, 0]), expected[:, 0], rtol=1e-9, atol=1e-9)
+
+
+def test_one_unknown() -> None:
+    factorization = Factorization(csc_array([[4.0]]), np.zeros((1, 2)))
+    assert factorization.note == ""
+    np.testing.assert_allclose(factorization.solve(np.array([2.0])), [0.5], rtol=1e-15)
+
+
+def test_entries_given_in_parts_are_summed() -> None:
+    twice = csc_array((np.full(4, 2.0), [0, 0, 1, 1], [0, 2, 4]), shape=(2, 2))
+    np.testing.assert_allclose(Factorization(twice, np.zeros((2, 2))).solve(np.ones(2)), 0.25, rtol=1e-15)
+
+
+def test_unknowns_at_one_place_are_not_split() -> None:
+    n = 2 * LEAF
+    a = np.random.default_rng(2).normal(size=(n, n))
+    matrix = csc_array(a @ a.T + np.eye(n))
+    assert dissect(matrix, np.zeros((n, 2))).n == 1
+    x = np.random.default_rng(3).normal(size=n)
+    np.testing.assert_allclose(Factorization(matrix, np.zeros((n, 2))).solve(matrix @ x), x, rtol=1e-6, atol=1e-8)
+
+
+def test_solution_does_not_depend_on_the_numbering() -> None:
+    matrix, places = lattice(20, 4)
+    x = np.random.default_rng(5).normal(size=len(places))
+    right = matrix @ x
+    order = np.random.default_rng(6).permutation(len(places))
+    shuffled = Factorization(csc_array(matrix[order][:, order]), places[order]).solve(right[order])
+    straight = Factorization(matrix, places).solve(right)
+    np.testing.assert_allclose(shuffled, straight[order], rtol=1e-9, atol=1e-12)
+
+
+def test_places_only_change_the_order() -> None:
+    """Also places that have nothing to do with the couplings, where separators are large."""
+    matrix, places = lattice(14, 7)
+    x = np.random.default_rng(8).normal(size=len(places))
+    for wrong in (np.random.default_rng(9).uniform(size=places.shape), places[:, :1] * [1.0, 0.0]):
+        np.testing.assert_allclose(Factorization(matrix, wrong).solve(matrix @ x), x, rtol=1e-8)
+
+
+def test_results_are_the_same_twice() -> None:
+    matrix, places = lattice(16, 10)
+    right = np.random.default_rng(11).normal(size=(len(places), 3))
+    first = Factorization(matrix, places).solve(right)
+    np.testing.assert_array_equal(Factorization(matrix, places).solve(right), first)
+
+
+def test_separate_pieces() -> None:
+    """Two lattices in one another, not coupled, and a third one far away."""
+    places = lattice(12, 12)[1]
+    matrix = csc_array(block_diag([lattice(12, seed)[0] for seed in (12, 13, 14)], format="csc"))
+    everywhere = np.concatenate([places, places, places + 1000.0])
+    x = np.random.default_rng(15).normal(size=len(everywhere))
+    factorization = Factorization(matrix, everywhere)
+    assert factorization.note == ""
+    np.testing.assert_allclose(factorization.solve(matrix @ x), x, rtol=1e-8)
+
+
+def test_fronts_cover_all_couplings() -> None:
+    """Every unknown is eliminated once; a column's later entries lie in its front or in the boundary of that."""
+    matrix, places = lattice(24, 16)
+    fronts = dissect(matrix, places)
+    assert fronts.n > 10
+    np.testing.assert_array_equal(np.sort(fronts.order), np.arange(len(places)))
+    position = np.argsort(fronts.order)
+    for k, boundary in enumerate(fronts.boundary):
+        start, end = fronts.starts[k : k + 2]
+        mine = matrix[:, fronts.order[start:end]]
+        later = np.unique(position[mine.indices])
+        assert np.isin(later[later >= end], boundary).all()
+        if fronts.parent[k] < 0:
+            assert not len(boundary)
+        else:
+            parent = fronts.parent[k]
+            inside = np.append(np.arange(*fronts.starts[parent : parent + 2]), fronts.boundary[parent])
+            assert parent > k
+            assert np.isin(boundary, inside).all()
+
+
+def test_separators_of_a_lattice_are_as_wide_as_the_couplings_reach() -> None:
+    """40 x 40 nodes with two unknowns that reach 2 nodes far: two columns of nodes separate, 160 unknowns."""
+    matrix, places = lattice(40, 17)
+    fronts = dissect(matrix, places)
+    assert fronts.starts[-1] - fronts.starts[-2] == 160
+    entries = sum(p * (p + len(b)) for p, b in zip(np.diff(fronts.starts).tolist(), fronts.boundary, strict=True))
+    assert entries < 0.15 * len(places) ** 2
+
+
+def constrained(n: int, seed: int) -> tuple[ConstrainedSystem, csc_array, csr_array]:
+    """A system held by single unknowns, averages across the lattice and repetitions of both, solved by fronts."""
+    matrix, places = lattice(n, seed)
+    rng = np.random.default_rng(seed + 1)
+    rows = np.zeros((12, len(places)))
+    for row in rows[:5]:
+        row[rng.integers(len(places))] = 1.0
+    for row in rows[5:9]:
+        row[rng.integers(len(places), size=10)] = rng.uniform(0.0, 0.1, 10)
+    rows[9:] = rows[[0, 5, 5]]
+    constraints = csr_array(rows)
+    return ConstrainedSystem(matrix, constraints, places), matrix, constraints
+
+
+@pytest.mark.parametrize("k", [1, 3, 30])
+def test_constraints_hold_also_where_they_repeat_each_other(k: int) -> None:
+    """As many loads as need a solve each for the constraints, and more; agrees with SuperLU."""
+    system, matrix, constraints = constrained(20, 18)
+    assert system.note == ""
+    scale = np.sqrt(matrix.diagonal())
+    loads = scale[:, None] * np.random.default_rng(20).normal(size=(len(scale), k))
+    u, m = system.solve(loads)
+    by_lu, _ = ConstrainedSystem(matrix, constraints).solve(loads)
+    size = np.abs(u).max()
+    np.testing.assert_allclose(u, by_lu, atol=1e-10 * size)
+    np.testing.assert_allclose(constraints @ u, 0.0, atol=1e-13 * size)
+    np.testing.assert_allclose(matrix @ u + constraints.T @ m - loads, 0.0, atol=1e-11 * np.abs(loads).max())
+
+
+def test_prescribed_displacements() -> None:
+    system, matrix, constraints = constrained(20, 21)
+    u0 = np.random.default_rng(22).normal(size=matrix.shape[0])
+    given = constraints @ u0
+    u, m = system.solve(np.zeros(len(u0)), given)
+    np.testing.assert_allclose(constraints @ u, given, atol=1e-12)
+    np.testing.assert_allclose(matrix @ u + constraints.T @ m, 0.0, atol=1e-9 * matrix.diagonal().max())
+
+
+def test_singular_stiffness_is_held_by_constraints() -> None:
+    """A net of springs without ground; what pulls it goes into the one support."""
+    n = 30
+    matrix, places = lattice(n, 23)
+    net = csc_array(-abs(matrix))
+    net.setdiag(0.0)
+    net.setdiag(-net.sum(axis=1))
+    held = csr_array(([1.0], ([0], [0])), shape=(1, len(places)))
+    loads = np.random.default_rng(24).normal(size=len(places))
+    system = ConstrainedSystem(net, held, places)
+    u, m = system.solve(loads, np.array([3.0]))
+    assert system.note == ""
+    assert u[0] == pytest.approx(3.0, rel=1e-13)
+    assert m[0] == pytest.approx(loads.sum(), abs=1e-8 * np.abs(net.data * u[net.indices]).max())
+
+
+@pytest.mark.parametrize("small", [1e-6, 1e-10, 1e-13])
+def test_nearly_singular_matrix_leaves_a_small_residual(small: float) -> None:
+    """Springs, tied to the ground by a small part of their stiffness."""
+    matrix, places = lattice(20, 25)
+    net = csc_array(-abs(matrix))
+    net.setdiag(0.0)
+    net.setdiag(-net.sum(axis=1) * (1.0 + small))
+    none = csr_array((0, len(places)))
+    x = np.random.default_rng(26).normal(size=len(places))
+    loads = net @ x
+    u, _ = ConstrainedSystem(net, none, places).solve(loads)
+    np.testing.assert_allclose(net @ u, loads, atol=1e-12 * (abs(net) @ np.abs(u)).max())
+
+
+def test_indefinite_matrix_is_left_to_lu() -> None:
+    matrix, places = lattice(12, 27)
+    matrix = csc_array(matrix - diags_array(np.where(np.arange(len(places)) == 77, 1.5 * matrix.diagonal(), 0.0)))
+    with pytest.raises(NotQuasiDefiniteError):
+        Multifrontal(matrix, places)
+    x = np.random.default_rng(28).normal(size=len(places))
+    factorization = Factorization(matrix, places)
+    assert "wrong sign" in factorization.note
+    np.testing.assert_allclose(factorization.solve(matrix @ x), x, rtol=1e-8)
+
+
+def test_refinement_takes_away_an_error_of_the_factorization(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Solutions that are wrong by 1e-5 end up as good as others, in all blocks of right-hand sides."""
+    matrix, places = lattice(12, 29)
+    exact = module.Multifrontal.solve
+    monkeypatch.setattr(module.Multifrontal, "solve", lambda self, right: exact(self, right) * (1.0 + 1e-5))
+    x = np.random.default_rng(30).normal(size=(len(places), 300))
+    u, _ = ConstrainedSystem(matrix, csr_array((0, len(places))), places).solve(matrix @ x)
+    np.testing.assert_allclose(u, x, rtol=1e-8)
+
+
+def test_body_with_tips_is_solved_by_fronts(build) -> None:
+    sample = build.field_of_cracks(3)
+    places = places_of_unknowns(sample.cover)
+    assert len(places) == sample.cover.n_dofs
+    matrix = sample.stiffness()
+    held = csr_array((np.ones(6), (np.arange(6), [0, 1, 20, 21, 40, 41])), shape=(6, len(places)))
+    system = ConstrainedSystem(matrix, held, places)
+    assert system.note == ""
+    loads = matrix @ np.random.default_rng(31).normal(size=len(places))
+    u, m = system.solve(loads)
+    np.testing.assert_allclose(matrix @ u + held.T @ m - loads, 0.0, atol=1e-12 * (abs(matrix) @ np.abs(u)).max())
+    together = np.isin(matrix[:, :2].indices, np.flatnonzero(np.abs(places - places[0]).max(axis=1) <= 4.0))
+    assert together.all()  # coupled unknowns are near each other: places are where they are said to be
