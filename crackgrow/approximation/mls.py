@@ -40,7 +40,7 @@ def mls(local: Floats, support: float, reach: int) -> tuple[Floats, Floats]:
     dphi = np.empty((2, *weight.shape))
     dphi[0] = _along(db_x, distance) * weight + value * (dw[0][:, None] * wy)
     dphi[1] = _along(db_y, distance) * weight + value * (wx * dw[1][None])
-    return _by_point(weight * value), dphi.reshape(2, -1, len(local)).transpose(2, 1, 0)
+    return _by_point(weight * value), dphi.reshape(2, distance.shape[1] ** 2, len(local)).transpose(2, 1, 0)
 
 
 def mls_values(local: Floats, support: float, reach: int) -> Floats:
@@ -71,7 +71,7 @@ def _along(c: Floats, distance: Floats) -> Floats:
 
 def _by_point(values: Floats) -> Floats:
     """Values (n, w) at points from those on the window (2 reach, 2 reach, n)."""
-    return values.reshape(-1, values.shape[-1]).T
+    return values.reshape(values.shape[0] * values.shape[1], values.shape[2]).T
 
 
 def _times(matrix: Floats | tuple[Floats, ...], vector: Floats) -> Floats:

@@ -18,7 +18,7 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import physical_patches
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tiles import crossings_and_middles, tile_lines, tiles_at
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, make_tip
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, make_tip, reach_of_tips
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.geometry.tolerance import TOUCH
 
@@ -114,7 +114,7 @@ def build_cover(
     functions, nodes = _without_specks(lattice, elements, functions, nodes)
     crumbs = find_crumbs(elements, _elements_at_tips(elements, cracks))
     functions, patch_nodes = with_crumbs(crumbs, functions, nodes)
-    reach = 2.0 * np.sqrt(2.0) * lattice.support  # the farthest point of a patch that holds the tip
+    reach = reach_of_tips(lattice)
     tips, tip_ends, tip_function_ids = [], [], []
     n_functions = len(patch_nodes)
     for index, crack in enumerate(cracks):

@@ -8,11 +8,13 @@ one sees the tip) the tip functions fade out.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.tolerance import TOUCH
 
 Floats = NDArray[np.float64]
@@ -30,6 +32,11 @@ class Tip:
     path: Floats  # (n, 2) the crack seen from the tip, in local axes; the first point is (0, 0)
     radii: Floats  # (n,) distances of `path` from the tip, increasing
     fade: float  # L; inf where nothing fades
+
+
+def reach_of_tips(lattice: Lattice) -> float:
+    """How far from a tip (spacings) its functions are seen: the farthest point of a patch that holds the tip."""
+    return 2.0 * math.sqrt(2.0) * lattice.support
 
 
 def beyond_far_end(points_from_tip: Floats, reach: float) -> Floats:
