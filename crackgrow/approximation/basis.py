@@ -50,8 +50,9 @@ def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
     on = _on_points(cover, elements)
     ids, values, gradients = on.empty(-1, np.int64), on.empty(0.0), on.empty(0.0, np.float64, 2)
     phi, dphi = mls(points - _cells(cover, elements), lattice.support, lattice.reach)
-    rows, linear, slopes = _in_crumbs(cover, points, elements)
-    phi[rows, :3], dphi[rows, :3] = linear, slopes
+    if cover.crumbs.n:
+        rows, linear, slopes = _in_crumbs(cover, points, elements)
+        phi[rows, :3], dphi[rows, :3] = linear, slopes
     plain = ids[: lattice.window] = cover.functions[elements].T
     none = plain < 0
     phi = values[: lattice.window] = np.where(none, 0.0, phi.T)
@@ -79,8 +80,9 @@ def values_at(cover: Cover, points: Floats, elements: Ints) -> Values:
     on = _on_points(cover, elements)
     ids, values = on.empty(-1, np.int64), on.empty(0.0)
     phi = mls_values(points - _cells(cover, elements), lattice.support, lattice.reach)
-    rows, linear, _ = _in_crumbs(cover, points, elements)
-    phi[rows, :3] = linear
+    if cover.crumbs.n:
+        rows, linear, _ = _in_crumbs(cover, points, elements)
+        phi[rows, :3] = linear
     plain = ids[: lattice.window] = cover.functions[elements].T
     phi = values[: lattice.window] = np.where(plain < 0, 0.0, phi.T)
     if len(on.pair):
@@ -111,7 +113,7 @@ def functions_on(cover: Cover, elements: Ints) -> tuple[Ints, Ints]:
 
 def _in_crumbs(cover: Cover, points: Floats, elements: Ints) -> tuple[Ints, Floats, Floats]:
     """The points (k,) that lie in crumbs, and the functions there (k, 3) and their gradients (k, 3, 2) per spacing."""
-    rows = np.flatnonzero(cover.crumbs.of_element[elements] >= 0) if cover.crumbs.n else np.empty(0, dtype=np.int64)
+    rows = np.flatnonzero(cover.crumbs.of_element[elements] >= 0)
     return rows, *cover.crumbs.functions(points[rows], cover.crumbs.of_element[elements[rows]])
 
 

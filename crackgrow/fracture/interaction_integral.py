@@ -202,8 +202,10 @@ def _face_field(cover: Cover, material: PlaneElasticity, u: Floats, tip: int, tr
         vectors = 2.0 * (normal[:, None] * left + tangential[:, None] * outward)
         gradients = np.zeros((len(arc), 2, 2))
         kinked = np.flatnonzero(arc > last_segment)
-        for elements in (points.plus[kinked], points.minus[kinked]):
-            gradients[kinked] += gradient_at(cover, u, points.points[kinked], elements) + initial
+        if len(kinked):
+            elements = np.concatenate([points.plus[kinked], points.minus[kinked]])
+            both = gradient_at(cover, u, np.tile(points.points[kinked], (2, 1)), elements) + initial
+            gradients[kinked] = both[: len(kinked)] + both[len(kinked) :]
         return vectors @ geometry.rotation.T, geometry.rotation @ gradients @ geometry.rotation.T
 
     return field

@@ -88,7 +88,7 @@ def consistent(gradients: Floats, weights: Floats, rim_values: Floats, normals: 
     return np.asarray((components + shift[:, :, None]).transpose(2, 1, 0))
 
 
-def _elastic(material: PlaneElasticity, integrals: Sequence[Floats]) -> Floats:
+def _elastic(material: PlaneElasticity, integrals: Floats | tuple[Floats, Floats, Floats]) -> Floats:
     """The matrix (2, 2, k, k) [component, component, function, function] from its `products`."""
     xx, xy, yy = integrals
     off_diagonal = material.c12 * xy + material.c33 * xy.T

@@ -11,9 +11,9 @@ import shapely
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import Tip, crack_angle, make_tip
 from crackgrow.fracture.interaction_integral import (
+    KEPT_CLEAR,
     PARTS,
     RADIUS,
-    KEPT_CLEAR,
     STRAIGHT_RADIUS,
     clearance,
     interaction,
