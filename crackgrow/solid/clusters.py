@@ -43,12 +43,17 @@ class Points:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clusters:
-    """All clusters; element e of `elements` has the functions `ids[function_start[e] : function_start[e + 1]]`."""
+    """All clusters.
 
-    start: Ints  # (clusters + 1,) where the elements of each cluster begin in `elements`
+    Cluster c has `elements[start[c] : start[c + 1]]` and `functions[c]`, of which those at the places
+    `local[local_start[e] : local_start[e + 1]]` act on the element at place e of `elements`.
+    """
+
+    start: Ints  # (clusters + 1,)
     elements: Ints  # (m,)
-    function_start: Ints  # (m + 1,)
-    ids: Ints
+    functions: tuple[Ints, ...]  # (clusters,) of (k,), ascending
+    local_start: Ints  # (m + 1,)
+    local: Ints
     inside: Points
     rim: Points
 
@@ -56,25 +61,27 @@ class Clusters:
         """The places of a cluster's elements in `elements`."""
         return slice(int(self.start[cluster]), int(self.start[cluster + 1]))
 
-    def functions(self, cluster: int) -> tuple[Ints, Ints]:
-        """Functions (k,) of a cluster, ascending; for the ids of its elements, one after the other, their places."""
-        span = self.span(cluster)
-        mine = self.ids[self.function_start[span.start] : self.function_start[span.stop]]
-        functions, local = np.unique(mine, return_inverse=True)
-        return functions, local
+    def local_of(self, cluster: int) -> Ints:
+        """The places among its functions of those of a cluster's elements, one element after the other."""
+        return self.local[self.local_start[self.start[cluster]] : self.local_start[self.start[cluster + 1]]]
 
 
 def clusters_of(cover: Cover, n: int) -> Clusters:
     """The clusters of a cover and their quadrature points, `n` Gauss points per direction."""
     elements, start = _gathered(cover)
-    function_start, ids = functions_on(cover, elements)
+    local_start, ids = functions_on(cover, elements)
+    owner = np.repeat(np.arange(len(start) - 1), np.diff(local_start[start]))
+    pairs, place = np.unique(owner * cover.n_functions + ids, return_inverse=True)
+    cluster, function = np.divmod(pairs, max(cover.n_functions, 1))
+    first = list_starts(cluster, len(start) - 1)
     inside, rim = element_points(cover, n), rim_points(cover)
     spacing = cover.lattice.spacing
     return Clusters(
         start,
         elements,
-        function_start,
-        ids,
+        tuple(np.split(function, first[1:-1])),
+        local_start,
+        place - first[owner],
         _in_order(elements, cover.elements.n, inside.points, inside.weights * spacing**2, inside.element),
         _in_order(elements, cover.elements.n, rim.points, rim.normals * spacing, rim.element),
     )
@@ -107,7 +114,7 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
             tile[mine],
             covers[mine],
             reference[mine],
-            clusters.functions(cluster)[1],
+            clusters.local_of(cluster),
             n_patches[pairs],
             slot[patches],
             crumb[mine] >= 0,

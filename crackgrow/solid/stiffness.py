@@ -62,7 +62,7 @@ def stiffness_after(
     new = [number for number, name in enumerate(names) if name not in known]
     integrated = {names[number]: part for number, part in _integrated(cover, materials, clusters, new)}
     matrices = {name: known[name] if name in known else integrated[name] for name in names}
-    parts = [(clusters.functions(number)[0][None], matrices[name]) for number, name in enumerate(names)]
+    parts = [(clusters.functions[number][None], matrices[name]) for number, name in enumerate(names)]
     parts += _plain(cover, materials, n)
     return Stiffness(sum_of(parts, cover.n_functions), matrices, len(new))
 
@@ -130,8 +130,7 @@ def _integrated(
         weights, normals = inside.weights[at], rim.weights[on]
         point = rim_point = 0
         for number, span in zip(batch, spans, strict=True):
-            functions, local = clusters.functions(number)
-            k = len(functions)
+            k, local = len(clusters.functions[number]), clusters.local_of(number)
             total, carried, begin = np.zeros((3, k * k)), np.zeros((span.stop - span.start, k)), 0
             sizes = (np.diff(start[span.start : span.stop + 1]).tolist() for start in (inside.start, rim.start))
             for element, (n_inside, n_rim) in enumerate(zip(*sizes, strict=True)):
