@@ -13,7 +13,7 @@ from crackgrow.contact.tractions import between_contact_points, elastic_traction
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA, TipLoading, Verdict
-from crackgrow.fracture.interaction_integral import StressIntensity, interaction_integral
+from crackgrow.fracture.interaction_integral import FaceTraction, StressIntensity, interaction_integrals
 from crackgrow.fracture.stress_intensity import from_face_displacements
 from crackgrow.fracture.tip_stress import tip_fields
 from crackgrow.run.configuration import Configuration, assemble, timed
@@ -122,7 +122,10 @@ def tip_states(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> tupl
     tips = range(len(cover.tips))
     bodies = [scene.crack_bodies[crack] for crack, _ in cover.tip_ends]
     K_faces = from_face_displacements(cover, [materials[body].young_prime for body in bodies], u, tips)
-    found = [TipState(_intensity(state, materials, tip), K_faces[tip], None, None) for tip in tips]
+    tractions = [_tractions(state, crack) for crack, _ in cover.tip_ends]
+    weights = [scene.weight(body, state.factor) for body in bodies]
+    intensities = interaction_integrals(cover, materials, u, tips, tractions, weights)
+    found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
     growth = scene.case.growth
     strengths = [scene.case.bodies[body].strength for body in bodies]
     judged = [tip for tip in tips if growth is not None and strengths[tip] is not None]
@@ -136,11 +139,10 @@ def tip_states(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> tupl
     return tuple(found)
 
 
-def _intensity(state: LoadState, materials: tuple[PlaneElasticity, ...], tip: int) -> StressIntensity:
-    """K of a tip by the interaction integral."""
+def _tractions(state: LoadState, crack: int) -> FaceTraction:
+    """All that acts between the faces of a crack."""
     configuration, outcome = state.configuration, state.outcome
     scene, cover, faces = configuration.scene, configuration.cover, configuration.faces
-    crack = cover.tip_ends[tip][0]
     pressure = scene.fluid_pressure(crack, state.factor)
     compliance = scene.laws[crack].compliance
     pointwise = compliance > 0.0 and scene.case.numerics.contact.discretization == "gauss"
@@ -152,5 +154,4 @@ def _intensity(state: LoadState, materials: tuple[PlaneElasticity, ...], tip: in
             normal, tangential = elastic_tractions(cover, crack, s, outcome.u, compliance, (normal, tangential))
         return normal - pressure, tangential
 
-    weight = scene.weight(scene.crack_bodies[crack], state.factor)
-    return interaction_integral(cover, materials, outcome.u, tip, traction, weight)
+    return traction
