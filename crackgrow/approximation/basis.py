@@ -63,14 +63,13 @@ def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
             value, gradient = tip_functions(tip, r, t)
             f[:, rows], df[:, :, rows] = value.T, gradient.transpose(2, 1, 0)
         df /= lattice.spacing
-        w, (dw_x, dw_y) = phi[on.slot, on.patch_point], dphi[:, on.slot, on.patch_point]
+        w, dw = on.of_patches(phi), [on.of_patches(component) for component in dphi]
         for k in range(N_TIP_FUNCTIONS):
-            at = on.place_of(k)
-            value = f[k, on.pair_of_patch]
+            at, value = on.place_of(k), f[k].take(on.pair_of_patch)
             ids.ravel()[at] = on.first + k
             values.ravel()[at] = w * value
-            gradients[0].ravel()[at] = dw_x * value + w * df[0, k, on.pair_of_patch]
-            gradients[1].ravel()[at] = dw_y * value + w * df[1, k, on.pair_of_patch]
+            for component, slope, gradient in zip(dw, df[:, k], gradients, strict=True):
+                gradient.ravel()[at] = component * value + w * slope.take(on.pair_of_patch)
     return Basis(ids.T, values.T, gradients.transpose(2, 1, 0))
 
 
@@ -89,10 +88,10 @@ def values_at(cover: Cover, points: Floats, elements: Ints) -> Values:
         f = np.empty((N_TIP_FUNCTIONS, len(on.pair)))
         for tip, rows, r, t in _polar(cover, points, elements, on):
             f[:, rows] = tip_values(tip, r, t).T
-        w = phi[on.slot, on.patch_point]
+        w = on.of_patches(phi)
         for k in range(N_TIP_FUNCTIONS):
             at = on.place_of(k)
-            ids.ravel()[at], values.ravel()[at] = on.first + k, w * f[k, on.pair_of_patch]
+            ids.ravel()[at], values.ravel()[at] = on.first + k, w * f[k].take(on.pair_of_patch)
     return Values(ids.T, values.T)
 
 
@@ -143,6 +142,10 @@ class _OnPoints:
         """
         n_singular = int(self.place.max(initial=-1)) + 1
         return np.full((*more, self.window + N_TIP_FUNCTIONS * n_singular, self.n), missing, dtype=dtype)
+
+    def of_patches(self, window: Floats) -> Floats:
+        """Values (s,) of the singular patches, from those of the window (window, n) at the points."""
+        return window.ravel().take(self.slot * self.n + self.patch_point)
 
     def place_of(self, k: int) -> Ints:
         """Places (s,) of function k of every singular patch in flattened columns."""

@@ -33,7 +33,7 @@ def gradient_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floa
 def _coefficients(u: Floats, ids: Ints) -> Iterator[Floats]:
     """The coefficients (k, n) of functions `ids` (n, k), component by component; the points last, as in a basis."""
     for component in u.reshape(-1, 2).T:
-        yield np.append(component, 0.0)[ids.T]  # the last entry serves the index -1
+        yield np.append(component, 0.0).take(ids.T)  # the last entry serves the index -1
 
 
 def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:

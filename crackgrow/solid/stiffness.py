@@ -32,7 +32,7 @@ from crackgrow.solid.elasticity import PlaneElasticity
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-BATCH = 250000
+BATCH = 500000
 """Values of functions at points that are held at once."""
 
 
@@ -143,7 +143,7 @@ def _integrated(
                 )
                 places = (k * mine[:, None] + mine).ravel()
                 for integral, term in zip(total, products(gradients, weights[these]), strict=True):
-                    integral[places] += term.ravel()
+                    integral[places] = integral.take(places) + term.ravel()
                 carried[element, mine] = 1.0
             material = materials[cover.elements.body[clusters.elements[span.start]]]
             yield number, half(_elastic(material, total.reshape(3, k, k)), carried.T @ carried > 0.0)
