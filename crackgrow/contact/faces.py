@@ -28,6 +28,9 @@ STRETCH_KINK = np.deg2rad(20.0)
 TIE = 1e-6
 """A stretch that lacks this part of one more pair of pieces gets it all the same: rounding never decides."""
 
+JOINT_PIECE = 0.5
+"""Length of the constant piece at a junction over the distance of the nodes: there, unlike at a tip, the faces move."""
+
 POINTS_PER_EDGE = 8
 """Gauss points between two neighbouring mortar nodes, lattice crossings or kinks."""
 
@@ -91,8 +94,9 @@ def stretch_ends(surface: Surface) -> Floats:
 def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
     """Mortar nodes at least `spacing` (lattice spacings) apart along each stretch of the surfaces `touching` (indices).
 
-    One node lies in the middle of each stretch and one on every end of the surface that lies on a rim. The end pieces
-    at tips, sharp kinks and junctions are constant: no node lies there.
+    One node lies on every end of the surface that lies on a rim, and one in the middle of each stretch between tips,
+    sharp kinks and rims. There, and at junctions, the end pieces are constant: no node lies there. At junctions of
+    cracks they are half as long.
     """
     parts = [_mortar_on_surface(cover, surface, spacing) for surface in touching]
     return _joined(cover, touching, parts)
@@ -133,14 +137,23 @@ def _mortar_on_surface(cover: Cover, index: int, spacing: float) -> _Part:
         not (surface.tip_at_start or surface.junctions[0]),
         not (surface.tip_at_end or surface.junctions[-1]),
     )
+    at_junction = np.isin(ends, arc_lengths(surface.points)[surface.junctions]) & (index < len(cover.cracks))
     nodes, stretch = [], []
     for number, (start, end) in enumerate(pairwise(ends.tolist())):
-        n_pairs = int((end - start) / (2.0 * spacing) + TIE)  # never closer than `spacing`: see `numerics.contact`
-        n_pieces = 2 * max(n_pairs, 1)  # even: one node in the middle
-        first = 0 if number == 0 and on_rim[0] else 1
-        last = n_pieces if number == len(ends) - 2 and on_rim[1] else n_pieces - 1
-        nodes.append(start + (end - start) * np.arange(first, last + 1) / n_pieces)
-        stretch.append(np.full(last + 1 - first, number))
+        rim = (on_rim[0] and number == 0, on_rim[1] and number == len(ends) - 2)
+        joint = at_junction[number : number + 2]
+        if joint.any():
+            free = np.where(rim, 0.0, np.where(joint, JOINT_PIECE, 1.0))  # end pieces over the distance of the nodes
+            n_nodes = max(int((end - start) / spacing + TIE - free.sum()) + 1, 1)
+            size = (end - start) / (n_nodes - 1 + free.sum())
+            places = start + size * (free[0] + np.arange(n_nodes))
+        else:
+            n_pairs = int((end - start) / (2.0 * spacing) + TIE)  # never closer than `spacing`: see `numerics.contact`
+            n_pieces = 2 * max(n_pairs, 1)  # even: one node in the middle
+            first, last = (0 if rim[0] else 1), (n_pieces if rim[1] else n_pieces - 1)
+            places = start + (end - start) * np.arange(first, last + 1) / n_pieces
+        nodes.append(places)
+        stretch.append(np.full(len(places), number))
     all_nodes, all_stretch = np.concatenate(nodes), np.concatenate(stretch)
     points, lengths = integration_points(cover, index, np.concatenate([ends[1:-1], all_nodes]))
     stretch_of_point = np.searchsorted(ends[1:-1], points.s, side="right")

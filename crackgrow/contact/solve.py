@@ -223,7 +223,8 @@ def _solve(
         if np.abs(changes[-1]).max() <= SETTLED * max(np.abs(opened[-1]).max(), OVERLAP * size):
             return outcome
         opened.append(np.maximum(accelerated(opened, changes), 0.0))
-    left = float(np.abs(changes[-1]).max() / np.abs(opened[-1]).max())
+    change = float(np.abs(changes[-1]).max())
+    left = change / max(change, float(opened[-1].max()))
     raise SolveError(f"the opening by dilation did not settle: it changes by {left:.2g}; use a smaller dilation angle")
 
 
@@ -238,6 +239,7 @@ class _Increment:
         self._gap, self._slip = contact.gap_of @ u_free, contact.slip_of @ u_free
         self._taken = np.zeros(len(contact.weights), dtype=bool)
         self._broken = memory.broken.copy()
+        self._opened = np.zeros(len(contact.weights), dtype=bool)  # in this increment: they do not cohere in it
 
     def outcome(self, dilation: Floats) -> ContactOutcome:
         """The solution where slip has opened the faces by `dilation` (n,) m."""
@@ -252,6 +254,7 @@ class _Increment:
         taken |= gap < -self._tolerance
         while taken.any():
             friction, cohesion = law.bound_of(self._broken)
+            cohesion[self._opened] = 0.0
             frictional = (friction > 0.0) | (cohesion > 0.0)
             rows = np.flatnonzero(taken)
             sliding = rows if frictional[rows].any() else rows[:0]
@@ -271,10 +274,13 @@ class _Increment:
             gap = contact.gap_of @ u - dilation
             missed = ~taken & (gap < -self._tolerance)
             breaking = taken & (state != STICK) & ~self._broken & breakable
+            opening = taken & (state == OPEN) & (cohesion > 0.0) & ~self._opened
             if missed.any():
                 taken |= missed
             elif breaking.any():
                 self._broken |= breaking
+            elif opening.any():
+                self._opened |= opening
             else:
                 multipliers = multipliers - contact.columns.multipliers(rows, sliding) @ solution.traction
                 break

@@ -102,7 +102,7 @@ def build_cover(
     Raises GeometryError where the cover cannot represent a crack.
     """
     bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings)) for body in bodies]
-    lines = with_junctions([replace(line, points=on_grid(line.points)) for line in (*cracks, *interfaces)])
+    lines = with_junctions(_on_grid(cracks), _on_grid(interfaces))
     cracks = lines[: len(cracks)]
     elements = cut_elements(lattice, bodies, lines)
     surfaces = [
@@ -114,7 +114,7 @@ def build_cover(
     functions, nodes = _without_specks(lattice, elements, functions, nodes)
     crumbs = find_crumbs(elements, _elements_at_tips(elements, cracks))
     functions, patch_nodes = with_crumbs(crumbs, functions, nodes)
-    reach = reach_of_tips(lattice)
+    reach = reach_of_tips(lattice.support)
     tips, tip_ends, tip_function_ids = [], [], []
     n_functions = len(patch_nodes)
     for index, crack in enumerate(cracks):
@@ -153,6 +153,11 @@ def _elements_at_tips(elements: Elements, cracks: Sequence[CrackGeometry]) -> In
     """An element (tips,) at every tip."""
     ends = zip(cracks, elements.lines, strict=False)  # interfaces follow the cracks
     return np.array([edges.plus[-1 if end else 0] for crack, edges in ends for end in crack.tips()], dtype=np.int64)
+
+
+def _on_grid(lines: Sequence[CrackGeometry]) -> list[CrackGeometry]:
+    """Lines with their vertices on the grid of the arrangement."""
+    return [replace(line, points=on_grid(line.points)) for line in lines]
 
 
 def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation) -> Surface:

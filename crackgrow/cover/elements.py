@@ -13,17 +13,22 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_on_lines, edges_on_outlines
+from crackgrow.cover.junctions import sides_through_junctions
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tiles import tile_lines, tile_outlines, tiles_at, touched_tiles
+from crackgrow.cover.tips import n_outward, reach_of_tips
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.arrangement import Edges, edges_between, faces_of, ring_vertices, vertex_ids
 from crackgrow.geometry.polyline import tip_direction
-from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.geometry.tolerance import ON_LINE, TOUCH
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+
+DIAGONAL = 2.0**0.5
+"""No two points of an element are further apart, spacings."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,8 +68,9 @@ def cut_elements(lattice: Lattice, bodies: list[BodyGeometry], lines: list[Crack
     tips = np.array([line.tip_point(at_end) for line in lines for at_end in line.tips()]).reshape(-1, 2)
     body_sides = [body.sides for body in bodies]
     line_segments = [np.stack([line.points[:-1], line.points[1:]], axis=1) for line in lines]
-    extensions = [_tip_extension(lattice, line, at_end)[None] for line in lines for at_end in line.tips()]
-    segments = np.concatenate(body_sides + line_segments + extensions)
+    extensions = [extension for line in lines for extension in _extensions(lattice, line)]
+    cut_sides = [sides_through_junctions(sides, lines) for sides in body_sides]
+    segments = np.concatenate(cut_sides + line_segments + extensions)
     touched = touched_tiles(lattice, segments, tips)
     regions = [body.region for body in bodies]
     shapely.prepare(regions)
@@ -157,21 +163,57 @@ def _inside_points(polygons: NDArray[np.object_]) -> Floats:
     return np.asarray(centroids)
 
 
-def _tip_extension(lattice: Lattice, crack: CrackGeometry, at_end: bool) -> Floats:
-    """The segment (2, 2) from a tip straight on through its tile, so that no element has a crack ending inside."""
-    tip = crack.tip_point(at_end)
-    direction = tip_direction(crack.points, at_end)
-    far = tip + 2.0 * direction
+def _extensions(lattice: Lattice, crack: CrackGeometry) -> list[Floats]:
+    """Segments (n, 2, 2) that lead on from a crack, so that no element holds two sides of it.
+
+    From a tip one leads through its tile: no crack ends inside of an element. Where the crack ends as seen from a tip,
+    the jump of the tip's angle leads on. No element may lie on both sides of that, as long as a part of it is nearer to
+    the tip than this end, where the tip functions have not faded out yet.
+    """
+    least: dict[tuple[int, int], float] = {}  # by the last segment: the vertices that it leads from and to
+    n = len(crack.points)
+    for at_end in crack.tips():
+        numbers = range(n)[::-1] if at_end else range(n)
+        least.setdefault((numbers[1], numbers[0]), 0.0)
+        from_tip = crack.points[::-1] if at_end else crack.points
+        last = n_outward(from_tip)
+        if np.hypot(*(from_tip[last] - from_tip[0])) < reach_of_tips(lattice.support):
+            least[numbers[last - 1], numbers[last]] = DIAGONAL
+    found = []
+    for segment, length in least.items():
+        extension = _extension(lattice, crack.points[list(segment)], length)
+        if extension is not None:
+            found.append(extension)
+        elif length == 0.0:
+            raise GeometryError(f"crack '{crack.name}': its tip lies outside of the lattice")
+    return found
+
+
+def _extension(lattice: Lattice, segment: Floats, least: float) -> Floats | None:
+    """The straight extension of a segment (2, 2) to the first tile line further than `least` from its end.
+
+    Where the lattice ends before, to its last tile line; None if there is none. It comes in pieces (n, 2, 2) that end
+    on tile lines exactly, and on the corners of tiles that it only just misses, since a speck would be cut off there.
+    """
+    start = segment[1]
+    direction = tip_direction(segment, at_end=True)
+    far = start + (least + 2.0) * direction
     lines = tile_lines(lattice)
     exits = []
     for axis in range(2):
-        low, high = np.sort([tip[axis], far[axis]])
+        low, high = np.sort([start[axis], far[axis]])
         for line in lines[axis][(lines[axis] > low) & (lines[axis] < high)]:
-            length = (line - tip[axis]) / direction[axis]
-            end = tip + length * direction
-            end[axis] = line  # exactly: no vertex beside the line
-            exits.append((length, end))
-    beyond = [(length, tuple(end)) for length, end in exits if length > ON_LINE]
-    if not beyond:
-        raise GeometryError(f"crack '{crack.name}': its tip lies outside of the lattice")
-    return np.stack([tip, min(beyond)[1]])
+            length = (line - start[axis]) / direction[axis]
+            end, other = start + length * direction, lines[1 - axis]
+            end[axis] = line
+            if length > ON_LINE and other[0] <= end[1 - axis] <= other[-1]:
+                near = other[np.abs(other - end[1 - axis]).argmin()]
+                end[1 - axis] = near if abs(near - end[1 - axis]) < TOUCH else end[1 - axis]
+                exits.append((length, end))
+    if not exits:
+        return None
+    exits.sort(key=lambda found: found[0])
+    last = next((k for k, (length, _) in enumerate(exits) if length > least), len(exits) - 1)
+    places = np.array([start, *(end for _, end in exits[: last + 1])])
+    places = places[np.append(True, np.any(np.diff(places, axis=0) != 0.0, axis=1))]
+    return np.stack([places[:-1], places[1:]], axis=1)

@@ -15,19 +15,60 @@ from numpy.typing import NDArray
 
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.arrangement import connected, on_grid
-from crackgrow.geometry.tolerance import TOUCH
+from crackgrow.geometry.tolerance import ON_LINE, TOUCH
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
-def with_junctions(lines: Sequence[CrackGeometry]) -> list[CrackGeometry]:
-    """The lines, in lattice coordinates, with a vertex at every junction; an end at a junction is no tip."""
-    places = _meeting_places(lines)
+REACH = 3.0 * TOUCH
+"""A junction stands for points up to this far from it."""
+
+
+def with_junctions(cracks: Sequence[CrackGeometry], interfaces: Sequence[CrackGeometry] = ()) -> list[CrackGeometry]:
+    """The cracks, then the interfaces, with a vertex at every junction; an end at a junction is no tip.
+
+    All in lattice coordinates. Junctions on interfaces lie exactly on these, so that they stay on the rims of bodies.
+    """
+    lines = [*cracks, *interfaces]
+    places = _on_interfaces(_meeting_places(lines), interfaces)
     if len(places) == 0:
-        return list(lines)
+        return lines
     tree = shapely.STRtree(shapely.points(places))
     return [_joined(line, places, tree) for line in lines]
+
+
+def sides_through_junctions(sides: Floats, lines: Sequence[CrackGeometry]) -> Floats:
+    """Sides (n, 2, 2) of a body, cut in two wherever a junction of the lines lies on them: (m, 2, 2).
+
+    A side and an interface along it that do not share their vertices would enclose slivers, by rounding to the grid.
+    """
+    places = np.concatenate([np.empty((0, 2)), *(line.points[line.junctions] for line in lines)])
+    found = [sides]
+    which, hit = shapely.STRtree(shapely.linestrings(sides)).query(shapely.points(places), "dwithin", ON_LINE)
+    for side in np.unique(hit):
+        start, step = sides[side, 0], np.diff(sides[side], axis=0)[0]
+        along = np.unique(places[which[hit == side]], axis=0)
+        along = along[np.argsort((along - start) @ step)]
+        corners = np.concatenate([sides[side, :1], along, sides[side, 1:]])
+        pieces = np.stack([corners[:-1], corners[1:]], axis=1)
+        found.append(pieces[np.any(pieces[:, 0] != pieces[:, 1], axis=1)])
+    found[0] = np.delete(sides, np.unique(hit), axis=0)
+    return np.concatenate(found)
+
+
+def _on_interfaces(places: Floats, interfaces: Sequence[CrackGeometry]) -> Floats:
+    """The places (n, 2), those at interfaces moved onto these: to a vertex where one is there."""
+    if len(places) == 0 or len(interfaces) == 0:
+        return places
+    lines = shapely.multilinestrings([shapely.LineString(line.points) for line in interfaces])
+    corners = shapely.multipoints(np.concatenate([line.points for line in interfaces]))
+    moved = places.copy()
+    for target in (lines, corners):
+        near = np.flatnonzero(shapely.dwithin(target, shapely.points(moved), REACH))
+        ways = shapely.shortest_line(target, shapely.points(moved[near]))
+        moved[near] = on_grid(shapely.get_coordinates(ways)[::2])
+    return np.unique(moved, axis=0)
 
 
 def _meeting_places(lines: Sequence[CrackGeometry]) -> Floats:
@@ -62,14 +103,13 @@ def _vertices_on(ends: Floats, segment: shapely.LineString) -> Floats:
 
 def _joined(line: CrackGeometry, places: Floats, tree: shapely.STRtree) -> CrackGeometry:
     """A line with the `places` (n, 2) on it as vertices; `tree` holds them."""
-    reach = 3.0 * TOUCH  # a place stands for points up to this far from it
     points, joined = line.points[:1], np.zeros(1, dtype=bool)
     for start, end in zip(line.points[:-1], line.points[1:], strict=True):
-        on_it = places[tree.query(shapely.linestrings([start, end]), predicate="dwithin", distance=reach)]
+        on_it = places[tree.query(shapely.linestrings([start, end]), predicate="dwithin", distance=REACH)]
         along = (on_it - start) @ (end - start)
         for place in on_it[np.argsort(along)]:
-            points, joined = _with_vertex(points, joined, place, reach)
-        if np.hypot(*(points[-1] - end)) > reach or not joined[-1]:
+            points, joined = _with_vertex(points, joined, place)
+        if np.hypot(*(points[-1] - end)) > REACH or not joined[-1]:
             points, joined = np.vstack([points, end]), np.append(joined, False)
     return replace(
         line,
@@ -80,8 +120,9 @@ def _joined(line: CrackGeometry, places: Floats, tree: shapely.STRtree) -> Crack
     )
 
 
-def _with_vertex(points: Floats, joined: Bools, place: Floats, reach: float) -> tuple[Floats, Bools]:
+def _with_vertex(points: Floats, joined: Bools, place: Floats) -> tuple[Floats, Bools]:
     """Vertices (n, 2) with a junction after the last one, or in its stead where that lies at the same place."""
-    if np.hypot(*(points[-1] - place)) <= reach:
+    is_other = joined[-1] and np.any(points[-1] != place)
+    if np.hypot(*(points[-1] - place)) <= REACH and not is_other:
         return np.vstack([points[:-1], place]), np.append(joined[:-1], True)
     return np.vstack([points, place]), np.append(joined, True)

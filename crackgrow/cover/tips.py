@@ -8,13 +8,11 @@ one sees the tip) the tip functions fade out.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.tolerance import TOUCH
 
 Floats = NDArray[np.float64]
@@ -34,9 +32,16 @@ class Tip:
     fade: float  # L; inf where nothing fades
 
 
-def reach_of_tips(lattice: Lattice) -> float:
-    """How far from a tip (spacings) its functions are seen: the farthest point of a patch that holds the tip."""
-    return 2.0 * math.sqrt(2.0) * lattice.support
+def reach_of_tips(support: float) -> float:
+    """Distance (spacings) from a tip to the farthest point of a patch that holds it: tip functions end there."""
+    return float(2.0 * np.sqrt(2.0) * support)
+
+
+def n_outward(points_from_tip: Floats) -> int:
+    """Number of segments of a crack (n, 2), from its tip on, along which the distance from the tip grows."""
+    local = points_from_tip - points_from_tip[0]
+    outward = np.sum(local[:-1] * np.diff(local, axis=0), axis=1) >= 0.0
+    return len(outward) if outward.all() else int(np.argmin(outward))
 
 
 def beyond_far_end(points_from_tip: Floats, reach: float) -> Floats:
@@ -56,10 +61,8 @@ def make_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> Tip:
     rotation = np.array([direction, [-direction[1], direction[0]]])
     path = (points_from_tip - points_from_tip[0]) @ rotation.T
     radii = np.hypot(path[:, 0], path[:, 1])
-    steps = np.diff(path, axis=0)
-    outward = np.sum(path[:-1] * steps, axis=1) >= 0.0  # the distance grows all along the segment
-    n_good = len(steps) if outward.all() else int(np.argmin(outward))
-    ends = np.inf if n_good == len(steps) and not ends_inside else radii[n_good]
+    n_good = n_outward(points_from_tip)
+    ends = np.inf if n_good == len(path) - 1 and not ends_inside else radii[n_good]
     return Tip(
         point=points_from_tip[0],
         rotation=rotation,

@@ -40,9 +40,14 @@ class Verdict:
 
     sigma_1: float  # Pa, of the averaged stress
     sigma_3: float  # Pa
-    branch: Literal["tension", "shear", "none"]
+    mode: Literal["tension", "shear"]  # how the tip grows, or would
     criticality: float  # stress over strength: the tip grows from 1 on
     kink: float  # rad, from the tip's direction to the growth direction
+
+    @property
+    def branch(self) -> Literal["tension", "shear", "none"]:
+        """The part of the criterion that is met."""
+        return self.mode if self.criticality >= 1.0 else "none"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,13 +90,13 @@ def strength(loading: TipLoading, limits: Strength) -> Verdict:
     compression_axis = axis + 0.5 * np.pi - field.direction
     if tension >= 1.0 or tension >= shear:
         kink = _forward(compression_axis)  # perpendicular to sigma_1
-        return Verdict(s1, s3, "tension" if tension >= 1.0 else "none", tension, kink)
+        return Verdict(s1, s3, "tension", tension, kink)
     planes = [_forward(compression_axis + sense * (0.25 * np.pi - 0.5 * phi)) for sense in (-1.0, 1.0)]
     _, along = hoop_and_shear(field, field.rays)
     seen = np.isfinite(along)
     shears = [abs(np.interp(plane, field.angles[seen], along[seen])) for plane in planes]
     kink = planes[int(np.argmax(shears))]
-    return Verdict(s1, s3, "shear" if shear >= 1.0 else "none", shear, kink)
+    return Verdict(s1, s3, "shear", shear, kink)
 
 
 def directional_strength(loading: TipLoading, limits: Strength) -> Verdict:
@@ -105,8 +110,8 @@ def directional_strength(loading: TipLoading, limits: Strength) -> Verdict:
     resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * hoop
     sliding, shear_kink = _peak(angles, _ratio(np.abs(shear), resistance))
     if tension >= 1.0 or tension >= sliding:
-        return Verdict(s1, s3, "tension" if tension >= 1.0 else "none", tension, kink)
-    return Verdict(s1, s3, "shear" if sliding >= 1.0 else "none", sliding, shear_kink)
+        return Verdict(s1, s3, "tension", tension, kink)
+    return Verdict(s1, s3, "shear", sliding, shear_kink)
 
 
 def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
@@ -119,7 +124,7 @@ def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
     half = np.cos(0.5 * kink)
     K_eq = half * (loading.K_I * half**2 - 1.5 * loading.K_II * np.sin(kink))
     criticality = float(K_eq / effective_toughness("max_hoop_stress", limits.tension, loading.radius))
-    return Verdict(s1, s3, "tension" if criticality >= 1.0 else "none", criticality, kink)
+    return Verdict(s1, s3, "tension", criticality, kink)
 
 
 def hoop_stress_kink(K_I: float, K_II: float) -> float:

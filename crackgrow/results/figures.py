@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_atomically
+from crackgrow.results.load_point import LoadPoint
 from crackgrow.results.stress import principal_stresses
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, Frame, StepResult
 
@@ -130,31 +131,47 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     _save(path, figure)
 
 
-def draw_load_curve(path: Path, case: Case, curve: Sequence[tuple[float, float, float]]) -> None:
-    """Plot the load factor against the displacement of the loads, and against what the cracks have grown if they have.
+def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
+    """Plot the load factor, step by step from step 0, against the displacement of the loads and what cracks make of it.
 
-    `curve` holds, step by step from step 0, the load factor, the displacement of the loads and the length of all
-    cracks (m). Points are named by their steps. Raises OutputError.
+    That is how much they have grown where they have, else the slip of the surface that slips most. Points are named by
+    their steps: every so many, or in a history of loads those where it turns. Raises OutputError.
     """
     scale, unit = _length_unit(case)
-    factor, displacement, length = np.array(curve).T
+    factor, displacement, length = np.array([(p.factor, p.displacement, p.crack_length) for p in curve]).T
     growth = length - length[0]
     panels = [(displacement, f"displacement of the loads [{unit}]")]
     if growth.any():
         panels.append((growth, f"crack growth [{unit}]"))
+        named = list(range(0, len(curve), -(-len(curve) // MOST_STEP_TICKS)))
+    else:
+        panels.extend(_most_slip(curve, unit))
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(factor)))) + 1
+        named = [0, *turns.tolist(), len(curve) - 1]
     figure = Figure(figsize=(4.6 * len(panels), 4.0), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
-    named = range(0, len(curve), -(-len(curve) // MOST_STEP_TICKS))
     for axes, (values, label) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         axes.plot(values * scale, factor, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
+        at: dict[tuple[float, float], list[str]] = {}
         for step in named:
             if np.isfinite(values[step]) and np.isfinite(factor[step]):
-                place = (values[step] * scale, factor[step])
-                axes.annotate(str(step), place, xytext=(3, 3), textcoords="offset points", fontsize=7)
+                at.setdefault((round(float(values[step]) * scale, 9), float(factor[step])), []).append(str(step))
+        for place, steps in at.items():
+            words = ", ".join(dict.fromkeys(steps))
+            axes.annotate(words, place, xytext=(4, -9), textcoords="offset points", fontsize=7)
         axes.set(xlabel=label, ylabel="load factor")
         axes.grid(linewidth=0.3)
     figure.suptitle(f"{case.title} (points: steps)", fontsize=10, wrap=True)
     _save(path, figure)
+
+
+def _most_slip(curve: Sequence[LoadPoint], unit: str) -> list[tuple[Floats, str]]:
+    """Slip (m) step by step of the surface that slips most, and what to call it; none without slip."""
+    slips = {name: np.array([point.slip[name] for point in curve]) for name in curve[0].slip}
+    largest = max(slips, key=lambda name: float(np.abs(slips[name]).max()), default=None)
+    if largest is None or not slips[largest].any():
+        return []
+    return [(slips[largest], f"largest slip of {largest} [{unit}]")]
 
 
 def displayed_magnification(frame: Frame) -> float:

@@ -12,6 +12,7 @@ from crackgrow.case.model import Case
 from crackgrow.results import tables
 from crackgrow.results.atomic import write_text
 from crackgrow.results.leftovers import cracks_name, frame_name, remove_leftovers, series_names
+from crackgrow.results.load_point import LoadPoint, load_point
 from crackgrow.results.log import RunLog, event_line, step_line
 from crackgrow.results.summary import Tally, summarize, summary_text
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
@@ -33,7 +34,7 @@ class RunWriter:
         self._reactions = tables.Table(folder / "reactions.csv", tables.REACTIONS)
         self._steps = tables.Table(folder / "steps.csv", tables.STEPS)
         self._events = tables.Table(folder / "events.csv", tables.EVENTS)
-        self._curve: list[tuple[float, float, float]] = []  # load factor, load displacement (m), crack length (m)
+        self._curve: list[LoadPoint] = []
         self._first: StepResult | None = None
         self._last: StepResult | None = None
         self._frames: list[tuple[int, str]] = []
@@ -62,7 +63,7 @@ class RunWriter:
         self._steps.extend([tables.step_row(result, seconds)])
         self._write_tables(self._tips, self._contact, self._reactions, self._steps)
         self._write_paths(result.cracks)
-        self._curve.append((result.load_factor, result.load_displacement, result.crack_length))
+        self._curve.append(load_point(result))
         self._write_events(result.events)
         self._log.write(step_line(result, self.case.growth.steps if self.case.growth else None))
         for text in result.warnings:
@@ -141,5 +142,5 @@ class RunWriter:
                 figures.draw_sigma_1(folder / name, self.case, result.frame, result.step)
         if any(face.crack in last.contact.crack for face in last.faces):
             figures.draw_contact(folder / "contact.png", self.case, last)
-        if len({factor for factor, _, _ in self._curve}) > 1:
+        if len({point.factor for point in self._curve}) > 1:
             figures.draw_load_curve(folder / "load_curve.png", self.case, self._curve)

@@ -48,7 +48,7 @@ def _overlap(law: SurfaceLaw, face: CrackFaces) -> float:
     """Largest overlap (m) along a surface, beyond what its stiffness explains."""
     if law.contact is None:
         return 0.0
-    return float(-(face.opening - law.compliance * face.normal_traction).min(initial=0.0))
+    return abs(float((face.opening - law.compliance * face.normal_traction).min(initial=0.0)))
 
 
 def cautions(
@@ -60,27 +60,39 @@ def cautions(
 ) -> tuple[str, ...]:
     """What the user should know of this step.
 
-    What holds for all steps is said at the first, and of each tip without room for the integral of K once: where it is
-    not among the warnings already `told`.
+    What holds for all steps is said at the first; of a tip without room for the integral of K, and of things that are
+    close to each other, once: where it is not among the warnings already `told`.
     """
     found = [*solution.outcome.notes, *solution.notes]
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
-    n_cracks, size = len(solution.cover.cracks), _elastic_size(scene, solution, faces)
-    for index, (law, face) in enumerate(zip(scene.laws, faces, strict=True)):
-        largest, overlap = float(np.hypot(face.opening, face.slip).max()), _overlap(law, face)
-        if overlap > max(LARGE_OVERLAP * largest, (NOISE if index < n_cracks else AT_CORNERS) * size):
-            found.append(
-                f"the faces of '{face.crack}' overlap by {overlap:.2g} m between contact points, "
-                f"{100.0 * overlap / largest:.2g} % of their largest jump: what happens there is unsure; "
-                "use a smaller spacing"
-            )
-    found.extend(text for text in _short_of_room(solution) if text not in told)
-    for first, second in _close(solution):
-        found.append(f"{first} is closer than a spacing to {second}: the cover does not resolve what is between")
+    found.extend(_overlapping(scene, solution, faces))
+    close = [
+        f"{first} is closer than a spacing to {second}: the cover does not resolve what is between"
+        for first, second in _close(solution)
+    ]
+    found.extend(text for text in (*_short_of_room(solution), *close) if text not in told)
     if solution.residual > LARGE_RESIDUAL:
         found.append(f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned")
     return tuple(found)
+
+
+def _overlapping(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[str]:
+    """The surface whose faces overlap most by the size of their jump, and how many others do."""
+    n_cracks, size = len(solution.cover.cracks), _elastic_size(scene, solution, faces)
+    found = []
+    for index, (law, face) in enumerate(zip(scene.laws, faces, strict=True)):
+        largest, overlap = float(np.hypot(face.opening, face.slip).max()), _overlap(law, face)
+        if overlap > max(LARGE_OVERLAP * largest, (NOISE if index < n_cracks else AT_CORNERS) * size):
+            found.append((overlap / largest, overlap, face.crack))
+    if not found:
+        return []
+    part, overlap, name = max(found)
+    others = f", and those of {len(found) - 1} more by less" if len(found) > 1 else ""
+    return [
+        f"the faces of '{name}' overlap by {overlap:.2g} m between contact points, {100.0 * part:.2g} % of their "
+        f"largest jump{others}: what happens there is unsure; use a smaller spacing"
+    ]
 
 
 def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:

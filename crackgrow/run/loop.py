@@ -13,7 +13,7 @@ from crackgrow.case.model import Case, CriticalLoad, Growth, LoadHistory
 from crackgrow.errors import FreePieceError
 from crackgrow.fracture.advance import TIE, GrowingCrack, growing_tips
 from crackgrow.run.direction import advance_tips
-from crackgrow.run.loading import load, load_history
+from crackgrow.run.loading import NEVER_CRITICAL, load, load_history
 from crackgrow.run.report import step_result
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
@@ -125,6 +125,8 @@ def _paths(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:
 def _stopped(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, n_pieces: int) -> RunEnd:
     """The end of a run whose cracks don't grow any more; `n_pieces` of rock there were at the start."""
     largest = _criticality(cracks, solution).max(initial=-np.inf)
+    if NEVER_CRITICAL in solution.notes:
+        return RunEnd("arrested", f"step {step}: {NEVER_CRITICAL}", _paths(cracks))
     if largest > -np.inf:
         most = f"the most critical is at {largest:.3g} of its strength"
         return RunEnd("arrested", f"step {step}: no tip meets the criterion; {most}", _paths(cracks))

@@ -96,7 +96,7 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene) -> TipR
         K_II=state.intensity.K_II,
         sigma_1=verdict.sigma_1 if verdict else nan,
         sigma_3=verdict.sigma_3 if verdict else nan,
-        criterion=verdict.branch if verdict else "none",
+        criterion="none" if verdict is None else verdict.mode if advances else verdict.branch,
         criticality=verdict.criticality if verdict else nan,
         kink_deg=float(np.rad2deg(verdict.kink)) if verdict else nan,
         advanced=advances,

@@ -100,7 +100,7 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     covers, tile, reference = cover.functions[elements] >= 0, cover.elements.tile[elements], cover.elements.reference
     reference = reference[elements]
     crumb = cover.crumbs.of_element[elements]
-    geometry = [_geometry(tip, reach_of_tips(lattice)) for tip in cover.tips]
+    geometry = [_geometry(tip, reach_of_tips(lattice.support)) for tip in cover.tips]
     inside, rim = clusters.inside, clusters.rim
     found = []
     for cluster in range(len(clusters.start) - 1):

@@ -57,6 +57,7 @@ def test_compression30_completes_with_as_many_steps_on_each_side() -> None:
     assert abs(n_advances(results, "start") - 11) <= 1
     assert max(result.residual for result in results) < 1e-10
     assert max(result.complementarity for result in results) < 1e-9
+    assert max(result.energy.error for result in results) < 1e-3
     assert {result.contact_status for result in results} == {"solved"}
 
 
@@ -87,6 +88,7 @@ def test_tension0_runs_straight_and_needs_no_contact() -> None:
     results, end = run("tension0")
     assert end.status == "completed"
     assert results[-1].step == 10
+    assert max(result.energy.error for result in results) < 1e-3
     assert np.abs(end.cracks[0].points[:, 1]).max() < 0.05 * MM
     assert [result.n_contact for result in results] == [0] * 11
     assert [n_advances(results, tip) for tip in ("start", "end")] == [5, 5]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from crackgrow.results.figures import boundary_edges
 from crackgrow.run.result import Frame
-from tests.verification.rows import block, closed_crack, convergence, interface, path
+from tests.verification.rows import block, closed_crack, confined, convergence, history, interface, path
 from tests.verification.solutions import table
 
 Floats = NDArray[np.float64]
@@ -31,6 +31,8 @@ def draw_all(folder: Path) -> None:
     draw_closed_crack(folder / "closed_crack.png")
     draw_convergence(folder / "convergence.png")
     draw_wing(folder / "wing.png")
+    draw_reversed_shear(folder / "reversed_shear.png")
+    draw_confined_wings(folder / "confined_wings.png")
 
 
 def draw_interface(place: Path) -> None:
@@ -126,6 +128,59 @@ def draw_wing(place: Path) -> None:
         axes.plot(*path.right_wing(*settings).T, **{**FOUND, "color": colour}, label=label)
     axes.set(xlabel="x [mm]", ylabel="y [mm]")
     axes.legend(fontsize=7)
+    _save(place, figure)
+
+
+def draw_reversed_shear(place: Path) -> None:
+    """Shear that goes back and forth: the loop of the mean slip, and the energy that friction takes."""
+    figure, ((loop, energy),) = _panels(1, 2)
+    cycle, crack = history.cycle(), history.CRACK
+    corners = np.concatenate([[0.0], cycle.shear])
+    path = np.interp(np.linspace(0.0, len(corners) - 1.0, 60 * len(corners)), np.arange(len(corners)), corners)
+    loop.plot(1e6 * crack.mean_slip(path), path / 1e6, label="reference, infinite plate", **REFERENCE)
+    style = {**FOUND, "linewidth": 0.0}
+    loop.plot(1e6 * cycle.mean_slip, cycle.shear / 1e6, label="crackgrow, one point a load step", **style)
+    loop.set(xlabel="mean slip [micrometre]", ylabel="shear stress on the plate [MPa]")
+    loop.axhline(0.0, color="0.6", linewidth=0.4)
+    loop.axvline(0.0, color="0.6", linewidth=0.4)
+    loop.legend(fontsize=7)
+    steps = np.linspace(0.0, len(cycle.shear), len(path))
+    energy.plot(steps, crack.dissipated(path), **REFERENCE)
+    energy.plot(np.arange(1, len(cycle.shear) + 1), cycle.dissipated, **style)
+    energy.set(xlabel="load step", ylabel="energy dissipated by friction [J/m]")
+    _save(place, figure)
+
+
+def draw_confined_wings(place: Path) -> None:
+    """K_I of growing wings under lateral pressure, the sliding-crack model, and where both fall through the toughness.
+
+    Beside them the lengths at arrest over the pressure; bars: by elements in an infinite plate.
+    """
+    figure, ((curves, arrests, *_),) = _panels(1, 2)
+    lengths, toughness = np.linspace(0.0, 14e-3, 200), confined.TOUGHNESS
+    for percent, colour in zip(confined.STEPS, ("tab:green", "tab:blue", "tab:red", "tab:purple"), strict=True):
+        model, wing = confined.model(percent), confined.wing_at(percent)
+        K_I = np.array([model.K_I(length) for length in lengths])
+        curves.plot(1e3 * lengths, K_I / 1e6, color=colour, linewidth=1.2, label=f"{percent:g} %")
+        infinite = confined.in_infinite_plate(wing, percent)
+        curves.plot(1e3 * wing.length, infinite.K_I / 1e6, linewidth=0.8, linestyle=":", color=colour)
+        curves.plot(1e3 * wing.length, wing.K_I / 1e6, marker="o", markersize=3.5, linestyle="", color=colour)
+        if percent:
+            arrests.plot(percent, 1e3 * wing.arrest_length(toughness), marker="o", markersize=5, color=colour)
+            arrests.plot(percent, 1e3 * infinite.arrest_length(toughness), marker="_", markersize=10, color="0.3")
+    curves.axhline(toughness / 1e6, color="0.4", linewidth=1.0, linestyle="--")
+    curves.text(13.9, toughness / 1e6 + 0.02, "$K_c$", ha="right", va="bottom", fontsize=8)
+    curves.set(xlabel="length of a wing [mm]", ylabel="K_I [MPa sqrt(m)]", xlim=(0, 14), ylim=(0, 2.3))
+    title = "lateral pressure / axial stress;\npoints: crackgrow, lines: model,\ndotted: elements, infinite plate"
+    curves.legend(title=title, fontsize=7, title_fontsize=7)
+    pressures = np.linspace(1.0, 11.0, 100)
+    modelled = np.array([confined.model(percent).arrest_length(toughness) for percent in pressures])
+    arrests.fill_between(pressures, 0.8e3 * modelled, 1.2e3 * modelled, color="0.9", label="within 20 %")
+    arrests.plot(pressures, 1e3 * modelled, label="model", **REFERENCE)
+    arrests.set(
+        xlabel="lateral pressure / axial stress [%]", ylabel="length at arrest [mm]", xlim=(0, 11), ylim=(0, 20)
+    )
+    arrests.legend(fontsize=7)
     _save(place, figure)
 
 

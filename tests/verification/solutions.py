@@ -17,6 +17,7 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.configuration import Configuration
 from crackgrow.run.report import step_result
 from crackgrow.run.result import CrackPath, StepResult
 from crackgrow.run.scene import Scene, make_scene
@@ -52,8 +53,7 @@ class Solved:
 
     def jump(self, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:
         """Opening and slip (n,) m at arc lengths s (n,) m of a surface."""
-        points = points_at(self.solution.cover, surface, s / self.scene.lattice.spacing)
-        return gap_and_slip(self.solution.cover, points, self.solution.outcome.u)
+        return jump_of(self.solution.configuration, self.solution.outcome.u, s, surface)
 
     def tractions(self, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:
         """Normal and shear traction (n,) Pa at arc lengths s (n,) m, linear between the contact points."""
@@ -82,11 +82,22 @@ def solved_text(text: str, *settings: str) -> Solved:
 def solve_case(case: Case) -> Solved:
     """Solve a case before growth."""
     scene = make_scene(case)
-    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    growing = before_growth(case)
     solution = solve_step(scene, growing, case.last_factor)
     paths = tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in growing)
     result = step_result(scene, paths, (), solution, 0, np.empty(0, dtype=np.int64), True, 0.0, frozenset())
     return Solved(case, scene, solution, result)
+
+
+def before_growth(case: Case) -> tuple[GrowingCrack, ...]:
+    """The cracks of a case before growth."""
+    return tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+
+
+def jump_of(configuration: Configuration, u: Floats, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:
+    """Opening and slip (n,) m at arc lengths s (n,) m of a surface under displacements u (n_dofs,)."""
+    points = points_at(configuration.cover, surface, s / configuration.scene.lattice.spacing)
+    return gap_and_slip(configuration.cover, points, u)
 
 
 @cache

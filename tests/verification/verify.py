@@ -23,16 +23,19 @@ SUBJECTS = (
     "interface",
     "block",
     "closed_crack",
+    "history",
     "wide_plate",
     "open_crack",
     "interacting",
+    "branched",
     "convergence",
     "patch",
     "path",
+    "confined",
 )
 """Modules of tests.verification.rows, in the table's order; a solved case is kept within its subject."""
 
-LONGEST_FIRST = ("wide_plate", "convergence", "open_crack", "path", "block")
+LONGEST_FIRST = ("confined", "wide_plate", "convergence", "open_crack", "path", "history", "block")
 PICTURES = "pictures"  # a subject of its own: it draws, and has no rows
 HEADER = ("case", "quantity", "reference", "its kind", "value", "error", "tolerance", "pass")
 FAILED = 1

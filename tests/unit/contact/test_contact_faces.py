@@ -234,3 +234,23 @@ def test_no_touching_crack_has_no_contact_points(build) -> None:
         assert faces.n == 0
         assert isinstance(faces.points, FacePoints)
         assert len(faces.weights) == 0
+
+
+def test_nodes_next_to_a_junction_leave_half_a_piece_free(build) -> None:
+    """X with arms of 5 spacings: a whole piece free at the tips, half a one at the junction."""
+    cross = [(-3.0, -4.0), (3.0, 4.0)], [(-3.0, 4.0), (3.0, -4.0)]
+    faces = mortar_faces(plate(build, *cross).cover, [0, 1], 1.25)
+    size = 5.0 / 3.5  # three nodes on every arm: 4 would be closer than 1.25
+    arm = size * np.array([1.0, 2.0, 3.0])
+    np.testing.assert_allclose(faces.s, np.tile(np.concatenate([arm, 10.0 - arm[::-1]]), 2), atol=ROUND_OFF)
+    np.testing.assert_array_equal(faces.stretch, np.tile(np.repeat([0, 1], 3), 2))
+    np.testing.assert_allclose(faces.weights, size * np.tile([1.5, 1.0, 1.0, 1.0, 1.0, 1.5], 2), atol=ROUND_OFF)
+    np.testing.assert_allclose(shape_sum(faces), 1.0, rtol=1e-14)
+
+
+@pytest.mark.parametrize("length", [0.3, 1.2, 2.4])
+def test_short_branch_has_one_node(build, length: float) -> None:
+    branch = [(0.0, 0.0), (0.6 * length, 0.8 * length)]
+    faces = mortar_faces(plate(build, [(-6.0, -2.0), (6.0, 2.0)], branch).cover, [1], 1.25)
+    np.testing.assert_allclose(faces.s, [length / 3.0], atol=1e-6)
+    np.testing.assert_allclose(faces.weights, [length], atol=1e-6)

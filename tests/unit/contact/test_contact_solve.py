@@ -40,6 +40,9 @@ class Block:
     loads: np.ndarray
     faces: ContactFaces
 
+    def operators(self):
+        return contact_operators(self.sample.cover, self.faces)
+
     def solve(
         self,
         friction: float = 0.0,
@@ -52,8 +55,7 @@ class Block:
         n = self.faces.n
         kept = np.ones(n, dtype=bool)
         law = ContactLaw(np.full(n, friction), np.full(n, cohesion), np.full(n, 1.0 / stiffness), kept=kept)
-        operators = contact_operators(self.sample.cover, self.faces)
-        contact = ContactSystem(self.system, *operators, self.faces.weights, law, solver)
+        contact = ContactSystem(self.system, *self.operators(), self.faces.weights, law, solver)
         return solve_contact(contact, factor * self.loads, factor * self.given)
 
 

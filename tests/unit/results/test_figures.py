@@ -10,6 +10,7 @@ import pytest
 from matplotlib.image import imread
 
 from crackgrow.results import figures
+from crackgrow.results.load_point import LoadPoint
 from tests.unit.results.synthetic import N_X, N_Y, make_case, make_frame, make_paths
 
 WHITE = 0.999
@@ -72,14 +73,19 @@ def test_colours_are_symmetrical_for_both_signs_and_ignore_outliers() -> None:
     assert (norm.vmin, norm.vmax) == (pytest.approx(1.02), pytest.approx(1.98))
 
 
-def test_load_curve_has_a_second_panel_where_cracks_have_grown(tmp_path: Path) -> None:
-    static = [(0.5, 1e-5, 0.02), (1.0, 2e-5, 0.02)]
-    figures.draw_load_curve(tmp_path / "static.png", make_case(), static)
+def points(*rows: tuple[float, float, float], slip: float = 0.0) -> list[LoadPoint]:
+    return [LoadPoint(*row, {"flaw": slip * row[0], "other": 0.0}) for row in rows]
+
+
+def test_load_curve_has_a_second_panel_where_cracks_have_grown_or_slipped(tmp_path: Path) -> None:
+    static = [(0.5, 1e-5, 0.02), (1.0, 2e-5, 0.02), (0.5, 1e-5, 0.02)]
+    figures.draw_load_curve(tmp_path / "static.png", make_case(), points(*static))
+    figures.draw_load_curve(tmp_path / "slipped.png", make_case(), points(*static, slip=1e-6))
     grown = [(1.0, 1e-5, 0.02), (0.8, 1.5e-5, 0.022), (0.7, float("nan"), 0.024)]
-    figures.draw_load_curve(tmp_path / "grown.png", make_case(), grown)
-    one, two = (imread(tmp_path / name).shape[1] for name in ("static.png", "grown.png"))
-    assert two == 2 * one
+    figures.draw_load_curve(tmp_path / "grown.png", make_case(), points(*grown))
+    one, *two = (imread(tmp_path / f"{name}.png").shape[1] for name in ("static", "slipped", "grown"))
+    assert two == [2 * one, 2 * one]
     for name in ("static.png", "grown.png"):
         assert inked_share(tmp_path / name) > 0.02
     long = [(1.0 - 0.001 * step, 1e-6 * step, 0.02 + 0.001 * step) for step in range(200)]
-    figures.draw_load_curve(tmp_path / "long.png", make_case(), long)
+    figures.draw_load_curve(tmp_path / "long.png", make_case(), points(*long))

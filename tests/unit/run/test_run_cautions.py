@@ -67,3 +67,10 @@ def test_a_tip_without_room_for_the_integral_of_K_is_told_once() -> None:
         [],
         [],
     ]  # fmt: skip
+
+
+def test_that_things_are_closer_than_a_spacing_is_told_once() -> None:
+    close = ["cracks.flaw.path.center=[10, 0]", "cracks.flaw.tips=start", "growth.steps=2", "output.frames=none"]
+    case = load_case(CASES / "compression30.yaml", close)  # the end is 1.2 mm from the side
+    told = [[text for text in result.warnings if "closer than a spacing" in text] for result in grow(case)]
+    assert [len(texts) for texts in told] == [1, 0, 0]

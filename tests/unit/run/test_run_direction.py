@@ -16,7 +16,6 @@ from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.interaction_integral import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
-from crackgrow.run import direction
 from crackgrow.run.direction import MOST_SOLVES, Advance, advance_tips
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution, solve_step
@@ -37,7 +36,6 @@ def start() -> tuple[Scene, Cracks, StepSolution]:
 
 def advance(
     start: tuple[Scene, Cracks, StepSolution],
-    monkeypatch: pytest.MonkeyPatch,
     K_II: Callable[[float], float],
     chosen: np.ndarray = BOTH,
     fails_at: int = -1,
@@ -48,7 +46,7 @@ def advance(
     scene, cracks = replace(scene, crack_bodies=(0,) * (1 + len(walls))), (*cracks, *walls)
     solves = []
 
-    def made_up(_: Scene, grown: Cracks, __: float) -> StepSolution:
+    def made_up(grown: Cracks) -> StepSolution:
         solves.append(grown)
         if len(solves) - 1 == fails_at:
             raise SolveError("no solution")
@@ -59,8 +57,12 @@ def advance(
             states.append(replace(state, intensity=intensity))
         return replace(solution, tips=tuple(states), seconds={"contact": 1.0})
 
-    monkeypatch.setattr(direction, "solve_step", made_up)
-    return advance_tips(scene, cracks, solution, chosen, 1, 1.0), len(solves)
+    return advance_tips(scene, cracks, solution, chosen, 1, made_up), len(solves)
+
+
+def unasked(_: Cracks) -> StepSolution:
+    """Explicit directions need no solves."""
+    raise AssertionError
 
 
 def kinks_of(found: Advance) -> list[float]:
@@ -69,11 +71,9 @@ def kinks_of(found: Advance) -> list[float]:
 
 
 @pytest.mark.parametrize("slope", [0.005, 0.01, 0.04])
-def test_two_tips_are_corrected_together(
-    slope: float, start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_two_tips_are_corrected_together(slope: float, start: tuple[Scene, Cracks, StepSolution]) -> None:
     """The kink of the start's tip is counted from its own direction: against the polyline."""
-    found, n_solves = advance(start, monkeypatch, lambda kink: slope * (kink - 60.0) + 1e-5 * (kink - 60.0) ** 2)
+    found, n_solves = advance(start, lambda kink: slope * (kink - 60.0) + 1e-5 * (kink - 60.0) ** 2)
     assert kinks_of(found) == pytest.approx([60.0, 60.0], abs=0.3)
     assert n_solves <= 5
     assert found.solution is not None
@@ -83,23 +83,21 @@ def test_two_tips_are_corrected_together(
 
 
 def test_where_K_II_does_not_vanish_the_best_direction_is_kept_and_told(
-    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
+    start: tuple[Scene, Cracks, StepSolution],
 ) -> None:
-    found, n_solves = advance(start, monkeypatch, lambda kink: 0.1 + 1e-4 * abs(kink), np.array([1]))
+    found, n_solves = advance(start, lambda kink: 0.1 + 1e-4 * abs(kink), np.array([1]))
     assert n_solves == MOST_SOLVES
     assert found.solution is not None
     assert "left K_II at 0.1" in found.solution.notes[0]
 
 
-def test_a_trial_that_cannot_be_solved_ends_the_search(
-    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found, n_solves = advance(start, monkeypatch, lambda kink: 0.01 * (kink - 60.0), np.array([1]), fails_at=1)
+def test_a_trial_that_cannot_be_solved_ends_the_search(start: tuple[Scene, Cracks, StepSolution]) -> None:
+    found, n_solves = advance(start, lambda kink: 0.01 * (kink - 60.0), np.array([1]), fails_at=1)
     assert n_solves == 2
     assert found.solution is not None
     assert found.solution.factorizations == 1
     assert found.solution.notes
-    first, _ = advance(start, monkeypatch, lambda kink: 0.0, np.array([1]), fails_at=0)
+    first, _ = advance(start, lambda kink: 0.0, np.array([1]), fails_at=0)
     assert first.solution is None  # the loop solves it again and says why that fails
 
 
@@ -108,7 +106,7 @@ def test_explicit_directions_are_the_criterions(start: tuple[Scene, Cracks, Step
     growth = scene.case.growth
     assert growth is not None
     explicit = replace(scene, case=replace(scene.case, growth=replace(growth, direction="explicit")))
-    found = advance_tips(explicit, cracks, solution, BOTH, 1, 1.0)
+    found = advance_tips(explicit, cracks, solution, BOTH, 1, unasked)
     assert found.solution is None
     assert kinks_of(found) == pytest.approx([70.5, 70.5], abs=0.3)
 
@@ -121,12 +119,10 @@ def wall(*ends_mm: tuple[float, float]) -> GrowingCrack:
     return GrowingCrack(Crack("wall", points, True, True, None, "rock"), np.zeros(2, dtype=np.int64))
 
 
-def test_a_corrected_kink_that_leads_to_a_crack_ends_there(
-    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_corrected_kink_that_leads_to_a_crack_ends_there(start: tuple[Scene, Cracks, StepSolution]) -> None:
     """The first trial, at 70 degrees, passes the wall; the next, at 41, meets it."""
     beside = wall((1.0, -1.0), (1.0, 1.5))
-    found, n_solves = advance(start, monkeypatch, lambda kink: 0.01 * (kink - 20.0), np.array([1]), walls=[beside])
+    found, n_solves = advance(start, lambda kink: 0.01 * (kink - 20.0), np.array([1]), walls=[beside])
     assert n_solves == 2
     (event,) = found.events
     assert (event.kind, event.crack, event.tip, event.met) == ("coalescence", "flaw", "end", "crack 'wall'")
@@ -137,35 +133,29 @@ def test_a_corrected_kink_that_leads_to_a_crack_ends_there(
     assert found.solution.notes == ()
 
 
-def test_where_every_tip_has_met_something_no_direction_is_sought(
-    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_every_tip_has_met_something_no_direction_is_sought(start: tuple[Scene, Cracks, StepSolution]) -> None:
     across = wall((-1.0, 1.0), (3.0, 1.0))
-    found, n_solves = advance(start, monkeypatch, lambda kink: 0.01 * (kink - 20.0), np.array([1]), walls=[across])
+    found, n_solves = advance(start, lambda kink: 0.01 * (kink - 20.0), np.array([1]), walls=[across])
     assert n_solves == 0
     assert found.solution is None
     assert [event.met for event in found.events] == ["crack 'wall'"]
 
 
 def test_the_direction_of_the_other_tip_is_found_where_one_has_met_something(
-    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
+    start: tuple[Scene, Cracks, StepSolution],
 ) -> None:
     across = wall((-1.0, 1.0), (3.0, 1.0))
-    found, _ = advance(start, monkeypatch, lambda kink: 0.01 * (kink - 40.0), walls=[across])
+    found, _ = advance(start, lambda kink: 0.01 * (kink - 40.0), walls=[across])
     assert kinks_of(found) == pytest.approx([40.0, 70.5], abs=0.3)
     assert [(event.tip, event.met) for event in found.events] == [("end", "crack 'wall'")]
     assert found.solution is not None
     assert found.solution.notes == ()
 
 
-def test_events_are_those_of_the_advance_that_is_taken(
-    start: tuple[Scene, Cracks, StepSolution], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_events_are_those_of_the_advance_that_is_taken(start: tuple[Scene, Cracks, StepSolution]) -> None:
     """The second trial meets the wall but can't be solved: the first one is taken."""
     beside = wall((1.0, -1.0), (1.0, 1.5))
-    found, n_solves = advance(
-        start, monkeypatch, lambda kink: 0.01 * (kink - 20.0), np.array([1]), fails_at=1, walls=[beside]
-    )
+    found, n_solves = advance(start, lambda kink: 0.01 * (kink - 20.0), np.array([1]), fails_at=1, walls=[beside])
     assert n_solves == 2
     assert found.events == ()
     assert found.cracks[0].can_grow(True)
@@ -185,7 +175,7 @@ def facing(gap: float) -> tuple[Scene, Cracks, StepSolution]:
 def test_two_tips_that_meet_in_the_same_step_join(gap: float, who: str) -> None:
     """Increments of 2 mm: b meets what a has just made, or a meets b's tip, which then stays."""
     scene, cracks, solution = facing(gap)
-    found = advance_tips(scene, cracks, solution, np.arange(4), 1, 1.0)
+    found = advance_tips(scene, cracks, solution, np.arange(4), 1, unasked)
     (event,) = found.events
     other = {"a": "b", "b": "a"}[who]
     assert (event.crack, event.met) == (who, f"crack '{other}'")

@@ -111,8 +111,8 @@ def test_a_run_yields_every_step_and_returns_why_it_ended(plate: Plate) -> None:
 
 def test_nothing_is_solved_before_it_is_asked_for(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
-    true = loop.solve_step
-    monkeypatch.setattr(loop, "solve_step", lambda *arguments: (asked.append(1), true(*arguments))[1])
+    true = loop.load
+    monkeypatch.setattr(loop, "load", lambda *arguments, **named: (asked.append(1), true(*arguments, **named))[1])
     steps = grow(plate(CENTRE, growth={"steps": 2}))
     assert asked == []
     next(steps)
@@ -276,15 +276,15 @@ def test_rock_in_pieces_that_supports_hold_has_broken_through_when_no_tip_is_lef
 
 def failing(monkeypatch: pytest.MonkeyPatch, error: SolveError, at: int) -> None:
     """Solve number `at` of the loop fails."""
-    true, solves = loop.solve_step, []
+    true, solves = loop.load, []
 
-    def solve(*arguments: Any) -> Any:
+    def solve(*arguments: Any, **named: Any) -> Any:
         solves.append(arguments)
         if len(solves) - 1 == at:
             raise error
-        return true(*arguments)
+        return true(*arguments, **named)
 
-    monkeypatch.setattr(loop, "solve_step", solve)
+    monkeypatch.setattr(loop, "load", solve)
 
 
 def test_a_free_piece_is_an_end_after_the_first_solve_and_an_error_before(
@@ -314,14 +314,14 @@ def test_another_failure_after_a_break_through_is_an_error(plate: Plate, monkeyp
 
 def solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every step is given the answer of the first: which tips advance depends on the tips that are left alone."""
-    true, known = loop.solve_step, []
+    true, known = loop.load, []
 
-    def solve(*arguments: Any) -> Any:
+    def solve(*arguments: Any, **named: Any) -> Any:
         if not known:
-            known.append(true(*arguments))
+            known.append(true(*arguments, **named))
         return known[0]
 
-    monkeypatch.setattr(loop, "solve_step", solve)
+    monkeypatch.setattr(loop, "load", solve)
 
 
 def test_a_tip_that_has_met_a_crack_stays_and_the_others_go_on(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -431,10 +431,13 @@ def test_mirroring_the_crack_mirrors_the_answer(plate: Plate, sigma: float) -> N
         assert pytest.approx(-tip.K_II, abs=5e-5 * scale) == twin.K_II
 
 
-def test_an_unsolvable_first_step_is_an_error(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("growth", "solve"), [(None, "load_history"), ({}, "load")])
+def test_an_unsolvable_first_step_is_an_error(
+    plate: Plate, monkeypatch: pytest.MonkeyPatch, growth: dict[str, Any] | None, solve: str
+) -> None:
     def fails(*_: object) -> None:
         raise SolveError("no solution")
 
-    monkeypatch.setattr(loop, "solve_step", fails)
+    monkeypatch.setattr(loop, solve, fails)
     with pytest.raises(CrackgrowError, match="no solution"):
-        next(grow(plate(CENTRE)))
+        next(grow(plate(CENTRE, growth=growth)))

@@ -1,0 +1,294 @@
+"""What contact points remember, on points that rest on springs: every answer is a formula.
+
+A point with the normal stiffness kn and the tangential stiffness kt, pressed by P and sheared by T, has
+
+    kn gap + p_n = -P,    kt slip + p_t = T,
+
+so that it is closed with p_n = -P and its slip is the play operator of T, (T -+ b) / kt while it slides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.sparse import block_diag, csc_array, csr_array, diags_array
+
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK
+from crackgrow.contact.solve import ContactLaw, ContactOutcome, ContactSystem, solve_contact
+from crackgrow.errors import SolveError
+from crackgrow.solid.linear_solver import ConstrainedSystem
+from tests.unit.contact.test_contact_solve import Block, uniform
+
+N = 3
+KN = np.array([40.0, 55.0, 30.0])
+KT = np.array([20.0, 10.0, 35.0])
+PRESSURE = np.array([2.0, 1.5, 3.0])
+WEIGHTS = np.array([1.0, 0.5, 2.0])
+FRICTION, COHESION, RESIDUAL = 0.5, 0.4, 0.3
+
+pytestmark = pytest.mark.parametrize("solver", ["newton", "lemke"])
+
+
+class Springs:
+    """N points on springs of their own; loads are forces per length of the points, Pa."""
+
+    def __init__(self, solver: str, coupling: float = 0.0, **law: float) -> None:
+        """`coupling` ties the slip of neighbours together: a stiffness, N/m^3."""
+        tangential = np.diag(KT) + coupling * (2.0 * np.eye(N) - np.eye(N, k=1) - np.eye(N, k=-1))
+        K = block_diag([np.diag(KN * WEIGHTS), WEIGHTS[:, None] * tangential, np.eye(1)])
+        unknowns = csr_array(np.eye(2 * N + 1))
+        system = ConstrainedSystem(csc_array(K), unknowns[2 * N :])
+        self.law = law_of(**law)
+        self.contact = ContactSystem(system, unknowns[:N], unknowns[N : 2 * N], WEIGHTS, self.law, solver)
+
+    def follow(self, *shears: float, pressure: float | np.ndarray = 1.0, last: ContactOutcome | None = None):
+        """Outcomes under shears, one after the other, each times PRESSURE; `pressure` in the same measure."""
+        outcomes = []
+        for shear in shears:
+            loads = np.concatenate([-pressure * PRESSURE * WEIGHTS, shear * PRESSURE * WEIGHTS, [0.0]])
+            last = solve_contact(self.contact, loads, np.zeros(1), last.memory if last else None)
+            outcomes.append(last)
+        return outcomes
+
+
+def law_of(
+    friction: float = FRICTION,
+    cohesion: float = 0.0,
+    residual: float | None = None,
+    *,
+    kept: bool = False,
+    dilation: float | None = None,
+    stiffness: float = np.inf,
+) -> ContactLaw:
+    """The same law for all points; cohesion in parts of PRESSURE."""
+    return ContactLaw(
+        np.full(N, friction),
+        cohesion * PRESSURE,
+        np.full(N, 1.0 / stiffness),
+        None if residual is None else np.full(N, residual),
+        np.full(N, kept),
+        None if dilation is None else np.full(N, dilation),
+    )
+
+
+def same(one: ContactOutcome, other: ContactOutcome, tolerance: float = 1e-11) -> None:
+    for name in ("u", "normal_traction", "tangential_traction", "gap", "slip"):
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=tolerance, err_msg=name)
+    np.testing.assert_array_equal(one.state, other.state)
+
+
+def states(outcomes: list[ContactOutcome]) -> list[int]:
+    """The state of each outcome, which is that of all points."""
+    assert all(len(set(outcome.state.tolist())) == 1 for outcome in outcomes)
+    return [int(outcome.state[0]) for outcome in outcomes]
+
+
+def test_residual_slip_stays_until_the_shear_has_changed_by_twice_the_limit(solver: str) -> None:
+    """Limit 0.5: loaded to 1.2, the reversal is at 0.2."""
+    outcomes = Springs(solver).follow(0.49, 1.2, 0.9, 0.21, 0.0, -0.7, 0.29, 0.5, 1.2)
+    assert states(outcomes) == [STICK, SLIP, STICK, STICK, SLIP, SLIP, STICK, SLIP, SLIP]
+    w = np.array([0.0, 0.7, 0.7, 0.7, 0.5, -0.2, -0.2, 0.0, 0.7])
+    shear = np.array([0.49, 1.2, 0.9, 0.21, 0.0, -0.7, 0.29, 0.5, 1.2])
+    for outcome, driving, applied in zip(outcomes, w, shear, strict=True):
+        np.testing.assert_allclose(outcome.slip, driving * PRESSURE / KT, atol=1e-13)
+        np.testing.assert_allclose(outcome.tangential_traction, (applied - driving) * PRESSURE, rtol=1e-10)
+        np.testing.assert_allclose(outcome.normal_traction, -PRESSURE, rtol=1e-12)
+        np.testing.assert_array_equal(outcome.memory.slip, outcome.slip)
+
+
+@pytest.mark.parametrize("stiffness", [np.inf, 25.0])
+@pytest.mark.parametrize("dilation", [None, 0.2])
+def test_one_increment_and_many_end_alike_where_nothing_reverses(
+    solver: str, stiffness: float, dilation: float | None
+) -> None:
+    springs = Springs(solver, coupling=3.0, stiffness=stiffness, dilation=dilation)
+    (once,) = springs.follow(1.7)
+    *_, many = springs.follow(*np.linspace(0.0, 1.7, 21)[1:])
+    same(many, once)
+    (back,) = springs.follow(-1.0, last=once)
+    *_, many_back = springs.follow(*np.linspace(1.7, -1.0, 21)[1:], last=many)
+    same(many_back, back)
+    assert np.abs(back.slip).max() > 1e-2
+
+
+def test_an_increment_without_change_changes_nothing(solver: str) -> None:
+    springs = Springs(solver, coupling=3.0, cohesion=0.1, residual=RESIDUAL)
+    one, again = springs.follow(1.3, 1.3)
+    np.testing.assert_allclose(again.u, one.u, atol=1e-13)
+    np.testing.assert_allclose(again.tangential_traction, one.tangential_traction, atol=1e-12)
+
+
+def test_cohesion_is_lost_by_slip_and_stays_lost(solver: str) -> None:
+    """Limits 0.9 and then 0.5."""
+    stuck, slipped, back, down = Springs(solver, cohesion=COHESION).follow(0.89, 0.95, 0.4, -0.1)
+    assert states([stuck, slipped, back, down]) == [STICK, SLIP, STICK, SLIP]
+    assert not stuck.memory.broken.any()
+    for outcome in (slipped, back, down):
+        assert outcome.memory.broken.all()
+    np.testing.assert_allclose(slipped.tangential_traction, 0.5 * PRESSURE)  # it drops to the residual limit
+    np.testing.assert_allclose(slipped.slip, 0.45 * PRESSURE / KT)
+    np.testing.assert_allclose(back.slip, slipped.slip)
+    np.testing.assert_allclose(down.tangential_traction, -0.5 * PRESSURE)
+    np.testing.assert_allclose(down.slip, 0.4 * PRESSURE / KT)
+
+
+def test_cohesion_is_kept_where_the_law_says_so(solver: str) -> None:
+    slipped, back, down = Springs(solver, cohesion=COHESION, kept=True).follow(1.0, -0.7, -0.9)
+    assert states([slipped, back, down]) == [SLIP, STICK, SLIP]
+    np.testing.assert_allclose(slipped.tangential_traction, 0.9 * PRESSURE)
+    np.testing.assert_allclose(down.tangential_traction, -0.9 * PRESSURE)
+    np.testing.assert_allclose(back.slip, 0.1 * PRESSURE / KT)
+
+
+@pytest.mark.parametrize(("kept", "limit"), [(False, 0.5), (True, 0.9)])
+def test_faces_that_have_opened_and_closed_again(solver: str, kept: bool, limit: float) -> None:
+    """Open faces carry no shear and slip freely; closed again, they stick where they came down."""
+    springs = Springs(solver, cohesion=COHESION, kept=kept)
+    (stuck,) = springs.follow(0.6)
+    (opened,) = springs.follow(0.6, pressure=-0.1, last=stuck)
+    assert states([stuck, opened]) == [STICK, OPEN]
+    assert not opened.tangential_traction.any()
+    assert opened.memory.broken.all()
+    np.testing.assert_allclose(opened.slip, 0.6 * PRESSURE / KT)
+    closed, sliding = springs.follow(0.7, 1.7, last=opened)
+    assert states([closed, sliding]) == [STICK, SLIP]
+    np.testing.assert_allclose(closed.slip, opened.slip)
+    np.testing.assert_allclose(closed.tangential_traction, 0.1 * PRESSURE, rtol=1e-9)
+    np.testing.assert_allclose(sliding.tangential_traction, limit * PRESSURE)
+
+
+def test_residual_friction_holds_after_slip(solver: str) -> None:
+    slipped, back, down = Springs(solver, residual=RESIDUAL).follow(0.6, 0.01, -0.4)
+    assert states([slipped, back, down]) == [SLIP, STICK, SLIP]
+    np.testing.assert_allclose(slipped.tangential_traction, 0.3 * PRESSURE)
+    np.testing.assert_allclose(down.tangential_traction, -0.3 * PRESSURE)
+    assert not Springs(solver, residual=RESIDUAL).follow(0.49)[0].memory.broken.any()
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_nothing_breaks_without_load(solver: str, kept: bool) -> None:
+    springs = Springs(solver, cohesion=COHESION, residual=RESIDUAL, kept=kept)
+    (unloaded,) = springs.follow(0.0, pressure=0.0)
+    assert not unloaded.memory.broken.any()
+    assert not unloaded.memory.slip.any()
+    same(*springs.follow(0.8, last=unloaded), springs.follow(0.8)[0])
+
+
+def test_one_point_that_breaks_can_take_its_neighbours_along(solver: str) -> None:
+    """Only the last one is beyond its limit; the shear that it drops breaks the others in the same increment."""
+    springs = Springs(solver, coupling=1e3, cohesion=COHESION)
+    uneven = replace(springs.law, cohesion=np.array([0.4, 0.4, 0.2]) * PRESSURE)
+    (held,) = springs.follow(0.85)
+    assert not held.memory.broken.any()
+    springs.contact = ContactSystem(
+        springs.contact.system, springs.contact.gap_of, springs.contact.slip_of, WEIGHTS, uneven, solver
+    )
+    (outcome,) = springs.follow(0.85)
+    assert outcome.memory.broken.all()
+    np.testing.assert_allclose(outcome.tangential_traction, 0.5 * PRESSURE)
+
+
+@pytest.mark.parametrize("stiffness", [np.inf, 25.0])
+def test_slip_opens_by_dilation_and_the_confinement_answers(solver: str, stiffness: float) -> None:
+    """With e = 1/k: p_n (1 + kn e) = -P - kn d |s|, where s = slip - e p_t, and kt (s + e p_t) + p_t = T."""
+    d, e = 0.2, 1.0 / stiffness
+    outcomes = Springs(solver, dilation=d, stiffness=stiffness).follow(1.5, 1.3, -1.5)
+    a = FRICTION / (1.0 + KN * e)
+    s = (1.5 - a * (1.0 + KT * e)) * PRESSURE / (KT + a * (1.0 + KT * e) * KN * d)
+    for outcome, slip, sense in zip(outcomes, (s, s, -s), (1.0, 0.0, -1.0), strict=True):
+        pressure = (PRESSURE + KN * d * s) / (1.0 + KN * e)
+        np.testing.assert_allclose(outcome.memory.slip, slip, rtol=1e-9)
+        np.testing.assert_allclose(outcome.dilation, d * s, rtol=1e-9)
+        np.testing.assert_allclose(outcome.normal_traction, -pressure, rtol=1e-9)
+        np.testing.assert_allclose(outcome.gap, d * s - e * pressure, rtol=1e-9)
+        if sense:
+            np.testing.assert_allclose(outcome.tangential_traction, sense * FRICTION * pressure, rtol=1e-9)
+    assert states(outcomes) == [SLIP, STICK, SLIP]
+    assert max(outcome.penetration for outcome in outcomes) < 1e-12
+
+
+def test_no_dilation_is_a_dilation_of_zero(solver: str) -> None:
+    with_zero = Springs(solver, coupling=3.0, dilation=0.0).follow(1.5, 0.1)
+    without = Springs(solver, coupling=3.0).follow(1.5, 0.1)
+    for one, other in zip(with_zero, without, strict=True):
+        np.testing.assert_array_equal(one.u, other.u)
+        assert not one.dilation.any()
+
+
+def test_dilation_that_does_not_settle_is_an_error(solver: str) -> None:
+    """The opening that is asked for is no number: never a silent result."""
+    springs = Springs(solver, dilation=0.2)
+    wild = replace(springs.law, dilation=np.full(N, 1e12))
+    springs.contact = ContactSystem(
+        springs.contact.system, springs.contact.gap_of, springs.contact.slip_of, WEIGHTS, wild, solver
+    )
+    with pytest.raises(SolveError, match=r"did not settle|was not solved|residual"):
+        springs.follow(1.5)
+
+
+def test_elastic_contact_remembers_its_inelastic_slip_alone(solver: str) -> None:
+    """kt (s + e p_t) + p_t = T: stuck after sliding to s, the traction follows the shear by 1 / (1 + kt e).
+
+    The pressure is P / (1 + kn e): the springs of the points carry the rest.
+    """
+    e = 1.0 / 25.0
+    limit = FRICTION * PRESSURE / (1.0 + KN * e)
+    sliding, stuck = Springs(solver, stiffness=25.0).follow(1.5, 1.4)
+    s = (1.5 * PRESSURE - limit * (1.0 + KT * e)) / KT
+    np.testing.assert_allclose(sliding.memory.slip, s, rtol=1e-10)
+    np.testing.assert_allclose(sliding.slip, s + e * limit, rtol=1e-10)
+    assert states([sliding, stuck]) == [SLIP, STICK]
+    np.testing.assert_allclose(stuck.memory.slip, s, rtol=1e-10)
+    np.testing.assert_allclose(stuck.tangential_traction, (1.4 * PRESSURE - KT * s) / (1.0 + KT * e), rtol=1e-10)
+
+
+def test_solving_an_increment_leaves_the_memory_as_it_was(solver: str) -> None:
+    springs = Springs(solver, coupling=3.0, cohesion=0.1, dilation=0.1)
+    (start,) = springs.follow(1.2)
+    slip, broken = start.memory.slip.copy(), start.memory.broken.copy()
+    (one,) = springs.follow(-1.0, last=start)
+    springs.follow(2.0, last=start)
+    (again,) = springs.follow(-1.0, last=start)
+    np.testing.assert_array_equal(again.u, one.u)
+    np.testing.assert_array_equal(start.memory.slip, slip)
+    np.testing.assert_array_equal(start.memory.broken, broken)
+
+
+@pytest.mark.parametrize("angle", [0.0, 20.0])
+def test_a_cut_remembers_where_it_has_slid_to(build, solver: str, angle: float) -> None:
+    """Uniform stress, the upper half moved along: slides by 0.01, is unloaded there, and slides back by 0.004."""
+    a = np.deg2rad(angle)
+    turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
+
+    def under(shear: float, slip: float) -> Block:
+        return uniform(build, turn @ np.array([[-0.5, shear], [shear, -2.0]]) @ turn.T, angle, slip=slip)
+
+    law = ContactLaw(*(np.full(under(1.0, 0.01).faces.n, value) for value in (0.5, 0.0, 0.0)))
+    memory = None
+    for shear, slip, state in ((1.0, 0.01, SLIP), (0.3, 0.01, STICK), (-0.9, 0.01, STICK), (-1.0, 0.006, SLIP)):
+        block = under(shear, slip)
+        contact = ContactSystem(block.system, *block.operators(), block.faces.weights, law, solver)
+        outcome = solve_contact(contact, block.loads, block.given, memory)
+        memory = outcome.memory
+        assert set(outcome.state.tolist()) == {state}
+        np.testing.assert_allclose(outcome.slip, slip, rtol=1e-5)
+        np.testing.assert_allclose(outcome.tangential_traction, shear, rtol=1e-5)  # patch test, memory included
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_open_points_carry_no_shear_whatever_their_cohesion(solver: str, kept: bool) -> None:
+    """A lever closes the second point first and opens it in the end: it has been among the unknowns."""
+    compliance = np.array([[1.0, 0.8], [0.8, 1.0]])
+    K = block_diag([np.linalg.inv(compliance), np.eye(2), np.eye(1)])
+    unknowns = csr_array(diags_array(np.ones(5)))
+    system = ConstrainedSystem(csc_array(K), unknowns[4:])
+    law = ContactLaw(*(np.full(2, value) for value in (0.5, 0.4, 0.0)), kept=np.full(2, kept))
+    contact = ContactSystem(system, unknowns[:2], unknowns[2:4], np.ones(2), law, solver)
+    free = np.array([-1.0, -0.1, 0.3, 0.3])  # both overlap; the first alone lifts the second by 0.8
+    outcome = solve_contact(contact, K @ np.append(free, 0.0), np.zeros(1))
+    assert outcome.state.tolist() == [STICK, OPEN]
+    np.testing.assert_allclose(outcome.gap, [0.0, 0.7], atol=1e-12)
+    np.testing.assert_allclose(outcome.tangential_traction, [0.3, 0.0], atol=1e-12)
+    np.testing.assert_allclose(outcome.slip, [0.0, 0.3], atol=1e-12)

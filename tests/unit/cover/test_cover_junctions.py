@@ -1,0 +1,251 @@
+"""Junctions: lines that meet share a vertex to the last bit, and the cover knows the sides of every branch."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from crackgrow.approximation.basis import values_at
+from crackgrow.cover.cover import build_cover
+from crackgrow.cover.junctions import with_junctions
+from crackgrow.cover.lattice import place_lattice
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.geometry.tolerance import GRID, TOUCH
+
+SUPPORTS = (1.5, 2.0, 2.5)
+P = (3.5, 2.875)  # on the grid of the arrangement
+MAIN = [(1.7, 2.2), (5.3, 3.55)]  # P is its middle
+TO_P = [(1.7, 2.2), P]
+STEEP = [P, (3.1, 5.1)]
+DOWN = [P, (5.1, 2.1)]
+
+
+def lines_of(*paths, tips=(True, True)) -> list[CrackGeometry]:
+    return [CrackGeometry(str(k), np.array(path, dtype=float), *tips) for k, path in enumerate(paths)]
+
+
+def joined_points(line: CrackGeometry) -> list[tuple[float, ...]]:
+    return [tuple(point) for point in line.points[line.junctions].tolist()]
+
+
+def tips(line: CrackGeometry) -> tuple[bool, bool]:
+    return line.tip_at_start, line.tip_at_end
+
+
+def test_lines_that_do_not_meet_stay_as_they_are() -> None:
+    apart = lines_of(MAIN, [(1.0, 4.0), (3.0, 4.5)], [(5.3 + 3 * TOUCH, 3.6), (6.0, 3.6)])
+    assert all(one is other for one, other in zip(with_junctions(apart), apart, strict=True))
+    assert with_junctions([]) == []
+
+
+def test_crossing_lines_share_one_vertex_and_keep_their_tips() -> None:
+    one, other = with_junctions(lines_of(MAIN, [(2.9, 1.2), (3.6, 5.1)]))
+    assert joined_points(one) == joined_points(other)
+    assert one.junctions.tolist() == other.junctions.tolist() == [False, True, False]
+    assert tips(one) == tips(other) == (True, True)
+    expected = shapely.LineString(MAIN).intersection(shapely.LineString([(2.9, 1.2), (3.6, 5.1)]))
+    np.testing.assert_allclose(one.points[1], [expected.x, expected.y], atol=2 * GRID)
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-7, -1e-7, 9e-7, -9e-7, -2e-6])
+def test_end_on_a_line_is_no_tip_wherever_it_stops_within_rounding(off: float) -> None:
+    """A negative `off` pokes through the line."""
+    along = np.subtract(*STEEP[::-1]) / np.hypot(*np.subtract(*STEEP))
+    host, branch = with_junctions(lines_of(MAIN, [P + off * along, STEEP[1]]))
+    assert joined_points(host) == joined_points(branch)
+    assert tips(host) == (True, True)
+    assert tips(branch) == (False, True)
+    assert branch.junctions.tolist() == [True, False]
+    np.testing.assert_allclose(host.points, [MAIN[0], P, MAIN[1]], atol=3 * TOUCH)
+
+
+def test_end_that_stops_short_by_more_than_rounding_is_a_tip() -> None:
+    host, branch = with_junctions(lines_of(MAIN, [(P[0], P[1] + 1e-3), STEEP[1]]))
+    assert tips(branch) == (True, True)
+    assert not host.junctions.any()
+
+
+def test_ends_that_meet_are_no_tips() -> None:
+    lines = with_junctions(lines_of(TO_P, STEEP, DOWN))
+    assert [tips(line) for line in lines] == [(True, False), (False, True), (False, True)]
+    assert [joined_points(line) for line in lines] == [[P]] * 3
+    assert [len(line.points) for line in lines] == [2, 2, 2]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_lines_through_one_place_share_one_vertex(seed: int) -> None:
+    """Their crossings, pair by pair, differ by round-off."""
+    rng = np.random.default_rng(seed)
+    angles = np.linspace(0.0, np.pi, 5)[:-1] + rng.uniform(-0.2, 0.2, 4)
+    away = np.stack([np.cos(angles), np.sin(angles)], axis=1) * rng.uniform(1.0, 2.0, (4, 1))
+    place = rng.uniform(2.0, 4.0, 2)
+    ends = np.rint(np.stack([place - away, place + away * rng.uniform(0.5, 2.0)], axis=1) / GRID) * GRID
+    lines = with_junctions(lines_of(*ends))
+    places = {point for line in lines for point in joined_points(line)}
+    assert len(places) == 1
+    assert [line.junctions.tolist() for line in lines] == [[False, True, False]] * 4
+    np.testing.assert_allclose(places.pop(), place, atol=1e-8)
+
+
+def test_junctions_next_to_each_other_all_stay() -> None:
+    """Places more than 2 TOUCH apart are two, also if both lie within rounding of the same vertex."""
+    beside = (P[0] + 2.5 * TOUCH, P[1])
+    host, one, other = with_junctions(lines_of([(1.0, P[1]), (6.0, P[1])], STEEP, [beside, (4.0, 1.0)]))
+    assert set(joined_points(one)) | set(joined_points(other)) == set(joined_points(host))
+    assert len(joined_points(host)) == 2
+    assert np.all(np.diff(host.points[:, 0]) > 0.0)
+
+
+def test_closed_ring_has_no_tips() -> None:
+    (ring,) = with_junctions(lines_of([(1.7, 2.2), (5.3, 3.6), (5.0, 1.3), (1.7 + 1e-7, 2.2)]))
+    assert tips(ring) == (False, False)
+    assert ring.junctions.tolist() == [True, False, False, True]
+    np.testing.assert_array_equal(ring.points[0], ring.points[-1])
+
+
+def test_crack_that_comes_back_onto_its_path_ends_there() -> None:
+    (line,) = with_junctions(lines_of([*MAIN, (5.0, 1.3), (3.0, 1.2), P]))
+    assert tips(line) == (True, False)
+    assert line.junctions.tolist() == [False, True, False, False, False, True]
+    np.testing.assert_array_equal(line.points[1], line.points[5])
+
+
+def test_crack_that_crosses_itself_keeps_its_tips() -> None:
+    (line,) = with_junctions(lines_of([(1.7, 2.2), (5.3, 3.6), (5.3, 2.2), (1.7, 3.6)]))
+    assert tips(line) == (True, True)
+    assert line.junctions.tolist() == [False, True, False, False, True, False]
+    np.testing.assert_array_equal(line.points[1], line.points[4])
+
+
+def test_vertices_stay_and_places_come_in_order_along_the_line() -> None:
+    path = [(1.0, 3.0), (3.0, 3.4), (5.0, 3.0), (7.0, 3.2)]
+    crossings = [[(x, 2.0), (x + 0.3, 5.0)] for x in (6.1, 1.4, 4.2, 2.2, 3.9)]
+    line, *_ = with_junctions(lines_of(path, *crossings))
+    assert len(line.points) == len(path) + len(crossings)
+    assert line.junctions.sum() == len(crossings)
+    assert np.all(np.diff(line.points[:, 0]) > 0.0)
+    np.testing.assert_array_equal(line.points[~line.junctions], path)
+
+
+def test_crossing_at_vertices_of_both_keeps_one_vertex() -> None:
+    one, other = with_junctions(lines_of([MAIN[0], P, (5.3, 2.2)], [(1.5, 3.7), (P[0] + 3e-7, P[1]), (5.0, 4.1)]))
+    assert joined_points(one) == joined_points(other) == [P]
+    assert len(one.points) == len(other.points) == 3
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_lines_along_the_lattice_meet_exactly_on_its_nodes(turned: bool) -> None:
+    paths = [[(1.3, 3.0), (5.0, 3.0)], [(3.0, 1.2), (3.0, 5.0)], [(1.0, 1.0), (5.0, 5.0)], [(3.0, 3.0), (4.0, 1.0)]]
+    lines = with_junctions(lines_of(*(paths[::-1] if turned else paths)))
+    assert [joined_points(line) for line in lines] == [[(3.0, 3.0)]] * 4
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-9, 1e-7, 5e-7, -5e-7])
+def test_crack_on_an_interface_does_not_bend_it_off_its_bodies(off: float) -> None:
+    """Two bodies, one on top of the other, the crack in the lower one."""
+    lattice = place_lattice(np.array([0.5, 0.5]), np.array([6.5, 5.5]), 1.0, 2.0)
+    across = np.array([(0.5, 2.7), (6.5, 3.4)])
+    lower = np.array([(0.5, 0.5), (6.5, 0.5), *across[::-1]])
+    upper = np.array([*across, (6.5, 5.5), (0.5, 5.5)])
+    bodies = [BodyGeometry((lattice.to_lattice(outline),)) for outline in (lower, upper)]
+    foot = across[0] + 0.45 * (across[1] - across[0])
+    crack = CrackGeometry("crack", lattice.to_lattice(np.array([(2.0, 1.4), (foot[0], foot[1] + off)])), True, False)
+    interface = CrackGeometry("interface", lattice.to_lattice(across), False, False)
+    cover = build_cover(lattice, bodies, [crack], [interface])
+    assert cover.cracks[0].junctions.tolist() == [False, True]
+    edges = cover.elements.lines[1]
+    assert edges.s[-1, 1] == pytest.approx(np.hypot(*(across[1] - across[0])), abs=1e-8)
+    assert set(cover.elements.body[edges.plus]) == {1}
+    assert set(cover.elements.body[edges.minus]) == {0}
+
+
+LAYOUTS = {
+    "X": [MAIN, [(2.9, 1.2), (3.6, 5.1)]],
+    "T": [MAIN, STEEP],
+    "V": [TO_P, STEEP],
+    "Y": [TO_P, STEEP, DOWN],
+    "three": [MAIN, [(2.9, 1.2), (4.1, 4.55)], [(2.8, 4.0), (4.2, 1.75)]],
+    "oblique": [MAIN, [P, (5.2, 4.1)]],
+    "near a tip": [[(1.7, 2.2), (4.1, 2.5)], [(3.9, 2.475), (4.2, 3.4)]],
+    "own path": [[*MAIN, (5.0, 1.3), (3.0, 1.2), P]],
+    "ring": [[(1.7, 2.2), (5.3, 3.6), (5.0, 1.3), (1.7, 2.2)]],
+    "eight": [[(1.7, 2.2), (5.3, 3.6), (5.3, 2.2), (1.7, 3.6)]],
+    "lattice lines": [[(1.3, 3.0), (5.0, 3.0)], [(3.0, 1.2), (3.0, 5.0)]],
+    "nodes": [[(1.0, 1.0), (5.0, 5.0)], [(1.0, 5.0), (5.0, 1.0)]],
+    "short hooks": [TO_P, [P, (3.6, 3.3)], [P, (3.8, 2.7)]],
+}
+
+
+def sample_of(build, name: str, support: float):
+    return build.block((6, 5), [build.crack(path, name=str(k)) for k, path in enumerate(LAYOUTS[name])], support)
+
+
+@pytest.mark.parametrize("support", SUPPORTS)
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_edges_lead_along_every_line_with_plus_on_its_left(build, name: str, support: float) -> None:
+    sample = sample_of(build, name, support)
+    elements = sample.cover.elements
+    for line, edges, path in zip(sample.cover.cracks, elements.lines, LAYOUTS[name], strict=True):
+        np.testing.assert_array_equal(edges.points[1:, 0], edges.points[:-1, 1])
+        np.testing.assert_array_equal(edges.points[[0, -1], [0, 1]], line.points[[0, -1]])
+        assert edges.s[-1, 1] == pytest.approx(np.hypot(*np.diff(path, axis=0).T).sum(), abs=1e-8)
+        step = np.diff(edges.points, axis=1)[:, 0]
+        left = np.stack([-step[:, 1], step[:, 0]], axis=1) / np.hypot(*step.T)[:, None]
+        for side, sign in ((edges.plus, 1e-10), (edges.minus, -1e-10)):
+            beside = shapely.points(edges.points.mean(axis=1) + sign * left)
+            assert shapely.distance(elements.polygons[side - elements.n_whole], beside).max() == 0.0
+        assert not np.any(edges.plus == edges.minus)
+
+
+@pytest.mark.parametrize("support", SUPPORTS)
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_tip_functions_jump_on_their_own_crack_alone(build, name: str, support: float) -> None:
+    """Function by function, where a singular patch lies on both sides of a crack: only the tip's own one may cut it."""
+    cover = sample_of(build, name, support).cover
+    for number, edges in enumerate(cover.elements.lines):
+        middle = edges.points.mean(axis=1)
+        values = np.zeros((2, len(middle), cover.n_functions))
+        seen = np.zeros((2, len(middle), len(cover.patch_nodes)), dtype=bool)
+        for k, side in enumerate((edges.plus, edges.minus)):
+            basis = values_at(cover, middle, side)
+            row, column = np.nonzero(basis.ids >= 0)
+            values[k, row, basis.ids[row, column]] = basis.values[row, column]
+            row, column = np.nonzero(cover.functions[side] >= 0)
+            seen[k, row, cover.functions[side][row, column]] = True
+        for (owner, at_end), tip, first in zip(cover.tip_ends, cover.tips, cover.tip_function_ids, strict=True):
+            edge, patch = np.nonzero(seen.all(axis=0) & (first >= 0))
+            jumps = values[0, edge, first[patch] + 1] - values[1, edge, first[patch] + 1]  # sqrt(r) sin(t/2)
+            r = np.hypot(*(middle[edge] - tip.point).T)
+            fade = np.maximum(1.0 - (r / tip.fade) ** 2, 0.0) ** 2
+            from_tip = edges.segment.max() - edges.segment if at_end else edges.segment
+            own = (owner == number) & (from_tip[edge] < len(tip.path) - 1)  # up to where the crack turns back
+            expected = own * 2.0 * np.sqrt(r) * fade * values[0, edge, patch]
+            np.testing.assert_allclose(np.abs(jumps), expected, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("paths", "n_pieces", "n_tips_inside"),
+    [
+        ([[(0.7, 2.6), (6.3, 3.5)], [(3.1, 0.7), (3.3, 5.3)]], 4, 0),
+        ([[(0.7, 2.6), (6.3, 3.5)], [(3.1, 2.6 + 2.4 * 0.9 / 5.6), (3.3, 5.3)]], 3, 0),
+        ([[(0.7, 2.6), P], [P, (6.3, 5.0)], [P, (3.6, 0.7)]], 3, 0),
+        ([[(0.7, 2.6), P], [P, (3.6, 0.7)]], 2, 0),
+        ([[(0.7, 2.6), (6.3, 3.5)], [(3.1, 0.7), (3.2, 3.4)]], 3, 1),
+        ([[(0.7, 2.6), (6.3, 3.5)], [(3.1, 2.2), (3.2, 3.4)]], 2, 2),
+        ([[(0.7, 2.6), P], [P, (3.9, 3.4)]], 1, 1),
+        ([[(0.7, 2.6), (6.3, 3.5)], [(0.7, 3.5), (6.3, 2.6)], [(3.5, 0.7), (3.5, 5.3)]], 6, 0),
+        ([[(2.4, 2.4), (3.6, 2.5), (3.0, 3.7), (2.4, 2.4)]], 2, 0),
+    ],
+    ids=["X", "T", "Y", "V", "X with a tip inside", "X with two", "V with a tip inside", "three", "ring"],
+)
+@pytest.mark.parametrize("support", [1.5, 2.0])
+def test_patches_of_the_node_in_the_middle_counted_by_hand(
+    build, paths: list, n_pieces: int, n_tips_inside: int, support: float
+) -> None:
+    """The node lies at (3, 3); arms end outside of its patch unless they have a tip inside."""
+    cover = build.block((6, 5), [build.crack(path, name=str(k)) for k, path in enumerate(paths)], support).cover
+    node = np.array([3, 3]) + cover.lattice.reach
+    mine = np.flatnonzero((cover.patch_nodes == node).all(axis=1))
+    assert len(mine) == n_pieces
+    assert sum((first[mine] >= 0).sum() for first in cover.tip_function_ids) == n_tips_inside
