@@ -50,21 +50,27 @@ def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
     on = _on_points(cover, elements)
     ids, values, gradients = on.empty(-1, np.int64), on.empty(0.0), on.empty(0.0, np.float64, 2)
     phi, dphi = mls(points - _cells(cover, elements), lattice.support, lattice.reach)
-    rows, linear, slopes = _in_crumbs(cover, points, elements)
-    phi[rows, :3], dphi[rows, :3] = linear, slopes
-    plain = ids[:, : lattice.window] = cover.functions[elements]
-    phi = values[:, : lattice.window] = np.where(plain >= 0, phi, 0.0)
-    dphi = gradients[:, : lattice.window] = np.where(plain[:, :, None] >= 0, dphi / lattice.spacing, 0.0)
+    if cover.crumbs.n:
+        rows, linear, slopes = _in_crumbs(cover, points, elements)
+        phi[rows, :3], dphi[rows, :3] = linear, slopes
+    plain = ids[: lattice.window] = cover.functions[elements].T
+    none = plain < 0
+    phi = values[: lattice.window] = np.where(none, 0.0, phi.T)
+    dphi = gradients[:, : lattice.window] = np.where(none, 0.0, dphi.transpose(2, 1, 0) / lattice.spacing)
     if len(on.pair):
-        f, df = np.empty((len(on.pair), N_TIP_FUNCTIONS)), np.empty((len(on.pair), N_TIP_FUNCTIONS, 2))
+        f, df = np.empty((N_TIP_FUNCTIONS, len(on.pair))), np.empty((2, N_TIP_FUNCTIONS, len(on.pair)))
         for tip, rows, r, t in _polar(cover, points, elements, on):
-            f[rows], df[rows] = tip_functions(tip, r, t)
+            value, gradient = tip_functions(tip, r, t)
+            f[:, rows], df[:, :, rows] = value.T, gradient.transpose(2, 1, 0)
         df /= lattice.spacing
-        w, dw = phi[on.patch_point, on.slot, None], dphi[on.patch_point, on.slot, None]
-        on.put(ids, on.numbers)
-        on.put(values, w * f[on.pair_of_patch])
-        on.put(gradients, dw * f[on.pair_of_patch, :, None] + w[:, :, None] * df[on.pair_of_patch])
-    return Basis(ids, values, gradients)
+        w, dw = on.of_patches(phi), [on.of_patches(component) for component in dphi]
+        for k in range(N_TIP_FUNCTIONS):
+            at, value = on.place_of(k), f[k].take(on.pair_of_patch)
+            ids.ravel()[at] = on.first + k
+            values.ravel()[at] = w * value
+            for component, slope, gradient in zip(dw, df[:, k], gradients, strict=True):
+                gradient.ravel()[at] = component * value + w * slope.take(on.pair_of_patch)
+    return Basis(ids.T, values.T, gradients.transpose(2, 1, 0))
 
 
 def values_at(cover: Cover, points: Floats, elements: Ints) -> Values:
@@ -73,17 +79,20 @@ def values_at(cover: Cover, points: Floats, elements: Ints) -> Values:
     on = _on_points(cover, elements)
     ids, values = on.empty(-1, np.int64), on.empty(0.0)
     phi = mls_values(points - _cells(cover, elements), lattice.support, lattice.reach)
-    rows, linear, _ = _in_crumbs(cover, points, elements)
-    phi[rows, :3] = linear
-    plain = ids[:, : lattice.window] = cover.functions[elements]
-    phi = values[:, : lattice.window] = np.where(plain >= 0, phi, 0.0)
+    if cover.crumbs.n:
+        rows, linear, _ = _in_crumbs(cover, points, elements)
+        phi[rows, :3] = linear
+    plain = ids[: lattice.window] = cover.functions[elements].T
+    phi = values[: lattice.window] = np.where(plain < 0, 0.0, phi.T)
     if len(on.pair):
-        f = np.empty((len(on.pair), N_TIP_FUNCTIONS))
+        f = np.empty((N_TIP_FUNCTIONS, len(on.pair)))
         for tip, rows, r, t in _polar(cover, points, elements, on):
-            f[rows] = tip_values(tip, r, t)
-        on.put(ids, on.numbers)
-        on.put(values, phi[on.patch_point, on.slot, None] * f[on.pair_of_patch])
-    return Values(ids, values)
+            f[:, rows] = tip_values(tip, r, t).T
+        w = on.of_patches(phi)
+        for k in range(N_TIP_FUNCTIONS):
+            at = on.place_of(k)
+            ids.ravel()[at], values.ravel()[at] = on.first + k, w * f[k].take(on.pair_of_patch)
+    return Values(ids.T, values.T)
 
 
 def functions_on(cover: Cover, elements: Ints) -> tuple[Ints, Ints]:
@@ -103,7 +112,7 @@ def functions_on(cover: Cover, elements: Ints) -> tuple[Ints, Ints]:
 
 def _in_crumbs(cover: Cover, points: Floats, elements: Ints) -> tuple[Ints, Floats, Floats]:
     """The points (k,) that lie in crumbs, and the functions there (k, 3) and their gradients (k, 3, 2) per spacing."""
-    rows = np.flatnonzero(cover.crumbs.of_element[elements] >= 0) if cover.crumbs.n else np.empty(0, dtype=np.int64)
+    rows = np.flatnonzero(cover.crumbs.of_element[elements] >= 0)
     return rows, *cover.crumbs.functions(points[rows], cover.crumbs.of_element[elements[rows]])
 
 
@@ -124,17 +133,23 @@ class _OnPoints:
     patch_point: Ints  # (s,)
     place: Ints  # (s,) place among the singular patches of its point
     slot: Ints  # (s,) place in the window
-    numbers: Ints  # (s, 4) of the functions
+    first: Ints  # (s,) number of the first of its four functions
 
     def empty(self, missing: float, dtype: DTypeLike = np.float64, *more: int) -> Any:
-        """All columns (n, window + 4 k, ...) of the points, k the most singular patches that a point has."""
-        n_singular = int(self.place.max(initial=-1)) + 1
-        return np.full((self.n, self.window + N_TIP_FUNCTIONS * n_singular, *more), missing, dtype=dtype)
+        """All columns (..., window + 4 k, n) at the points, k the most singular patches that a point has.
 
-    def put(self, columns: NDArray[Any], values: NDArray[Any]) -> None:
-        """Put `values` (s, 4, ...) into the columns of the tip functions."""
-        fours = columns[:, self.window :].reshape(self.n, -1, *values.shape[1:], copy=False)
-        fours[self.patch_point, self.place] = values
+        The points run last: what is done with all of them is one long loop.
+        """
+        n_singular = int(self.place.max(initial=-1)) + 1
+        return np.full((*more, self.window + N_TIP_FUNCTIONS * n_singular, self.n), missing, dtype=dtype)
+
+    def of_patches(self, window: Floats) -> Floats:
+        """Values (s,) of the singular patches, from those of the window (window, n) at the points."""
+        return window.ravel().take(self.slot * self.n + self.patch_point)
+
+    def place_of(self, k: int) -> Ints:
+        """Places (s,) of function k of every singular patch in flattened columns."""
+        return np.asarray((self.window + N_TIP_FUNCTIONS * self.place + k) * self.n + self.patch_point)
 
 
 def _on_points(cover: Cover, elements: Ints) -> _OnPoints:
@@ -143,7 +158,6 @@ def _on_points(cover: Cover, elements: Ints) -> _OnPoints:
     pair_of_patch, entry = entries(enrichment.start, pair)
     patch_point = point[pair_of_patch]
     first = enrichment.start[enrichment.tips.start[elements[patch_point]]]
-    numbers = enrichment.number[entry, None] + np.arange(N_TIP_FUNCTIONS)
     return _OnPoints(
         len(elements),
         cover.lattice.window,
@@ -153,7 +167,7 @@ def _on_points(cover: Cover, elements: Ints) -> _OnPoints:
         patch_point,
         entry - first,
         enrichment.slot[entry],
-        numbers,
+        enrichment.number[entry],
     )
 
 

@@ -210,15 +210,16 @@ def _joined(cover: Cover, touching: list[int], parts: list[_Part]) -> ContactFac
         return _NO_FACES
     points, lengths, functions, nodes, stretches = zip(*parts, strict=True)
     return ContactFaces(
-        points=_concatenated(points),
+        points=joined(points),
         lengths=np.concatenate(lengths),
         functions=csr_array(block_diag(functions)),
-        nodes=_concatenated([points_at(cover, index, s) for index, s in zip(touching, nodes, strict=True)]),
+        nodes=joined([points_at(cover, index, s) for index, s in zip(touching, nodes, strict=True)]),
         stretch=np.concatenate(stretches),
     )
 
 
-def _concatenated(parts: Sequence[FacePoints]) -> FacePoints:
+def joined(parts: Sequence[FacePoints]) -> FacePoints:
+    """Face points of several sets as one set."""
     return FacePoints(
         surface=np.concatenate([p.surface for p in parts]),
         s=np.concatenate([p.s for p in parts]),

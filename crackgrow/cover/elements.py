@@ -119,8 +119,11 @@ def cut_elements(lattice: Lattice, bodies: list[BodyGeometry], lines: list[Crack
     )
 
 
-def locate(lattice: Lattice, elements: Elements, points: Floats, body: int | None = None) -> Ints:
-    """Element (n,), of one body or of any, that holds each of `points` (n, 2) in lattice coordinates; -1 for none."""
+def locate(lattice: Lattice, elements: Elements, points: Floats, body: int | Ints | None = None) -> Ints:
+    """Element (n,) that holds each of `points` (n, 2) in lattice coordinates; -1 for none.
+
+    body: the one that it must belong to, for all points or point by point (n,); any if None
+    """
     found = np.full(len(points), -1, dtype=np.int64)
     tile = tiles_at(lattice, points)
     inside = np.all((tile >= 0) & (tile < elements.whole_of_tile.shape), axis=1)
@@ -129,7 +132,7 @@ def locate(lattice: Lattice, elements: Elements, points: Floats, body: int | Non
     which, polygon = elements.tree.query(shapely.points(points[rest]), predicate="dwithin", distance=ON_LINE)
     if body is not None:
         found[(found >= 0) & (elements.body[found] != body)] = -1
-        mine = elements.body[polygon + elements.n_whole] == body
+        mine = elements.body[polygon + elements.n_whole] == np.broadcast_to(body, len(points))[rest[which]]
         which, polygon = which[mine], polygon[mine]
     found[rest[which[::-1]]] = polygon[::-1] + elements.n_whole  # the first hit of a point wins
     return found

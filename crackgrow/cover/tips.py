@@ -89,6 +89,15 @@ def tip_angle(tip: Tip, points: Floats, reference: Floats) -> tuple[Floats, Floa
 
 def crack_angle(tip: Tip, r: Floats) -> Floats:
     """Polar angle alpha (n,) of the crack at distances r (n,) from its tip, counted from the tip's direction."""
+    alpha = np.full(len(r), np.pi)
+    beyond = np.flatnonzero(r > tip.radii[1]) if len(tip.radii) > 2 else ()
+    if len(beyond):
+        alpha[beyond] += _winding(tip, r[beyond])
+    return alpha
+
+
+def _winding(tip: Tip, r: Floats) -> Floats:
+    """Polar angle (n,) of the crack at distances r (n,) from its tip, counted from straight back: no jump there."""
     segment = np.clip(np.searchsorted(tip.radii, r, side="right") - 1, 0, len(tip.radii) - 2)
     start = tip.path[segment]
     step = tip.path[segment + 1] - start
@@ -98,5 +107,4 @@ def crack_angle(tip: Tip, r: Floats) -> Floats:
     c = np.sum(start * start, axis=1) - r * r
     tau = (-half_b + np.sqrt(np.maximum(half_b * half_b - a * c, 0.0))) / a
     at = start + tau[:, None] * step
-    winding = np.arctan2(-at[:, 1], -at[:, 0])  # from the direction straight back: no jump there
-    return np.asarray(np.pi + winding)
+    return np.asarray(np.arctan2(-at[:, 1], -at[:, 0]))

@@ -13,7 +13,7 @@ derivative along the face. On the last straight segment sigma^a_i2 vanishes and 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,6 +73,9 @@ FACE_PANEL = 0.25
 N_FACE = 5
 """Points per panel on the faces."""
 
+TIPS_AT_ONCE = 4
+"""Tips whose points are evaluated together: a call costs as much as some hundred points."""
+
 SAME = 1e-9
 """Stops of panels closer than this are one."""
 
@@ -90,44 +93,85 @@ class StressIntensity:
     note: str  # why, in words; empty where it is not
 
 
-def interaction_integral(
+def interaction_integrals(
     cover: Cover,
     materials: Sequence[PlaneElasticity],
     u: Floats,
-    tip: int,
-    traction: FaceTraction,
-    body_force: Floats | None = None,
+    tips: Sequence[int],
+    tractions: Sequence[FaceTraction],
+    body_forces: Sequence[Floats] | None = None,
     radius: float | None = None,
-) -> StressIntensity:
-    """K_I and K_II of tip number `tip`; `u` (n_dofs,) m, `body_force` (2,) N/m^3, `radius` m.
+) -> list[StressIntensity]:
+    """K_I and K_II of the `tips` of a cover; `u` (n_dofs,) m, `body_forces` (2,) N/m^3 each, `radius` m.
 
-    `traction` is all that acts between the faces: contact tractions less fluid pressure.
+    `tractions` are, tip by tip, all that acts between the faces: contact tractions less fluid pressure.
     """
-    geometry, spacing = cover.tips[tip], cover.lattice.spacing
-    straight = min(float(geometry.radii[1]), STRAIGHT_RADIUS)
+    forces = [np.zeros(2)] * len(tips) if body_forces is None else body_forces
+    discs = [_disc(cover, tip, None if radius is None else radius / cover.lattice.spacing) for tip in tips]
+    gradients = _domain_gradients(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
+    return [
+        _no_room(disc)
+        if np.isnan(disc.radius)
+        else _in_disc(cover, materials, u, disc, next(gradients), traction, force)
+        for disc, traction, force in zip(discs, tractions, forces, strict=True)
+    ]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Disc:
+    """The largest disc of a tip's integrals."""
+
+    tip: int
+    radius: float  # spacings; nan where none fits
+    shrunk: bool
+    obstacle: str
+
+    @property
+    def radii(self) -> Floats:
+        """Of all discs (n,), spacings, increasing."""
+        return self.radius * PARTS
+
+
+def _disc(cover: Cover, tip: int, radius: float | None) -> _Disc:
+    """The disc of a tip; `radius` (spacings) is the one wanted, None for the usual one."""
+    straight = min(float(cover.tips[tip].radii[1]), STRAIGHT_RADIUS)
     room, obstacle = clearance(cover, tip)
     room *= KEPT_CLEAR
-    wanted = max(RADIUS, min(straight, room)) if radius is None else radius / spacing
+    wanted = max(RADIUS, min(straight, room)) if radius is None else radius
     if room < min(SMALLEST_RADIUS, wanted):
-        nan = float("nan")
-        return StressIntensity(
-            nan, nan, nan, nan, nan, True, f"{obstacle} leaves no room for an integral round the tip"
-        )
-    fitting = min(wanted, room)
-    shrunk = fitting < wanted
-    material = materials[cover.elements.body[_element_at(cover, tip)]]
+        return _Disc(tip, float("nan"), True, obstacle)
+    return _Disc(tip, min(wanted, room), room < wanted, obstacle)
+
+
+def _no_room(disc: _Disc) -> StressIntensity:
+    nan = float("nan")
+    note = f"{disc.obstacle} leaves no room for an integral round the tip"
+    return StressIntensity(nan, nan, nan, nan, nan, True, note)
+
+
+def _in_disc(
+    cover: Cover,
+    materials: Sequence[PlaneElasticity],
+    u: Floats,
+    disc: _Disc,
+    gradient: Floats,
+    traction: FaceTraction,
+    body_force: Floats,
+) -> StressIntensity:
+    """K of a tip from the elastic displacement gradient at the points of its disc."""
+    geometry, material, spacing = cover.tips[disc.tip], _material(cover, materials, disc.tip), cover.lattice.spacing
     M = interaction(
         geometry,
         material,
-        fitting * PARTS,
-        _domain_field(cover, material, u, geometry),
-        _face_field(cover, material, u, tip, traction),
-        np.zeros(2) if body_force is None else spacing * geometry.rotation @ body_force,
+        disc.radii,
+        lambda r, t: gradient,
+        _face_field(cover, material, u, disc.tip, traction),
+        spacing * geometry.rotation @ body_force,
     )
     K = 0.5 * material.young_prime * np.sqrt(spacing) * M
     (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
-    note = f"{obstacle} makes the disc of the integral small" if shrunk else ""
-    return StressIntensity(K_I, K_II, spread_I, spread_II, fitting * spacing, shrunk, note)
+    note = f"{disc.obstacle} makes the disc of the integral small" if disc.shrunk else ""
+    return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.shrunk, note)
 
 
 def interaction(
@@ -139,8 +183,7 @@ def interaction(
     body_force: Floats,
 ) -> Floats:
     """M (radii, 2) of discs with increasing `radii` (n,), for the auxiliary modes I and II; lengths in spacings."""
-    r, weight = _panels_from_tip(_with_kinks(tip, radii), N_RADIAL)
-    t, angle_weight = _angles(tip, r)
+    r, t, weight, angle_weight = _circles(tip, radii)
     rr = np.repeat(r, t.shape[1])
     flux = _radial_flux(material, rr, t.ravel(), domain(rr, t.ravel())).reshape(*t.shape, 2)
     through_circle = np.einsum("a,ram->rm", angle_weight, flux) * r[:, None]
@@ -170,21 +213,35 @@ def clearance(cover: Cover, tip: int) -> tuple[float, str]:
     return min((float(distance), name) for name, distance in obstacles.items())
 
 
-def _element_at(cover: Cover, tip: int) -> int:
-    """An element at a tip."""
+def _material(cover: Cover, materials: Sequence[PlaneElasticity], tip: int) -> PlaneElasticity:
+    """The material at a tip."""
     index, at_end = cover.tip_ends[tip]
-    return int(cover.elements.lines[index].plus[-1 if at_end else 0])
+    element = cover.elements.lines[index].plus[-1 if at_end else 0]
+    return materials[int(cover.elements.body[element])]
 
 
-def _domain_field(cover: Cover, material: PlaneElasticity, u: Floats, tip: Tip) -> DomainField:
-    initial = _initial_gradient(material)
+def _domain_gradients(
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, discs: Sequence[_Disc]
+) -> Iterator[Floats]:
+    """Disc by disc, the elastic displacement gradients (n, 2, 2), in the tip's axes, at the points of its circles."""
+    for first in range(0, len(discs), TIPS_AT_ONCE):
+        some = discs[first : first + TIPS_AT_ONCE]
+        points = [_on_circles(cover.tips[disc.tip], disc.radii) for disc in some]
+        all_points = np.concatenate(points)
+        found = gradient_at(cover, u, all_points, locate(cover.lattice, cover.elements, all_points))
+        ends = np.cumsum([len(part) for part in points])[:-1]
+        for disc, gradient in zip(some, np.split(found, ends), strict=True):
+            rotation = cover.tips[disc.tip].rotation
+            initial = _initial_gradient(_material(cover, materials, disc.tip))
+            yield rotation @ (gradient + initial) @ rotation.T
 
-    def field(r: Floats, t: Floats) -> Floats:
-        points = tip.point + r[:, None] * np.stack([np.cos(t), np.sin(t)], axis=1) @ tip.rotation
-        elements = locate(cover.lattice, cover.elements, points)
-        return tip.rotation @ (gradient_at(cover, u, points, elements) + initial) @ tip.rotation.T
 
-    return field
+def _on_circles(tip: Tip, radii: Floats) -> Floats:
+    """The points (n, 2) of `_circles`, in lattice coordinates."""
+    r, t, _, _ = _circles(tip, radii)
+    return np.asarray(
+        tip.point + (r[:, None, None] * np.stack([np.cos(t), np.sin(t)], axis=-1) @ tip.rotation).reshape(-1, 2)
+    )
 
 
 def _face_field(cover: Cover, material: PlaneElasticity, u: Floats, tip: int, traction: FaceTraction) -> FaceField:
@@ -202,8 +259,10 @@ def _face_field(cover: Cover, material: PlaneElasticity, u: Floats, tip: int, tr
         vectors = 2.0 * (normal[:, None] * left + tangential[:, None] * outward)
         gradients = np.zeros((len(arc), 2, 2))
         kinked = np.flatnonzero(arc > last_segment)
-        for elements in (points.plus[kinked], points.minus[kinked]):
-            gradients[kinked] += gradient_at(cover, u, points.points[kinked], elements) + initial
+        if len(kinked):
+            elements = np.concatenate([points.plus[kinked], points.minus[kinked]])
+            both = gradient_at(cover, u, np.tile(points.points[kinked], (2, 1)), elements) + initial
+            gradients[kinked] = both[: len(kinked)] + both[len(kinked) :]
         return vectors @ geometry.rotation.T, geometry.rotation @ gradients @ geometry.rotation.T
 
     return field
@@ -254,8 +313,7 @@ def _face_terms(tip: Tip, material: PlaneElasticity, radii: Floats, faces: FaceF
 
 def _force_terms(tip: Tip, material: PlaneElasticity, radii: Floats, force: Floats) -> Floats:
     """int q b_i u^a_i,1 dA (radii, 2)."""
-    r, weight = _panels_from_tip(_with_kinks(tip, radii), N_RADIAL)
-    t, angle_weight = _angles(tip, r)
+    r, t, weight, angle_weight = _circles(tip, radii)
     auxiliary = williams_gradient(material, np.repeat(r, t.shape[1]), t.ravel())[..., 0]
     around = np.einsum("a,rami,i->rm", angle_weight, auxiliary.reshape(*t.shape, 2, 2), force)
     return _weighted_by_cone(r, weight * r, around, radii)
@@ -288,6 +346,13 @@ def _panels_from_tip(stops: Floats, n: int) -> tuple[Floats, Floats]:
     stops = np.unique(stops)
     root, weight = _panels(np.sqrt(stops[np.diff(stops, prepend=-1.0) > SAME]), n)
     return root**2, 2.0 * root * weight
+
+
+def _circles(tip: Tip, radii: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Radii (r,) of circles and angles (r, a) on them, the weights (r,) of the circles and (a,) of the angles."""
+    r, weight = _panels_from_tip(_with_kinks(tip, radii), N_RADIAL)
+    t, angle_weight = _angles(tip, r)
+    return r, t, weight, angle_weight
 
 
 def _angles(tip: Tip, r: Floats) -> tuple[Floats, Floats]:

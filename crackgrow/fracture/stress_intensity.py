@@ -6,10 +6,12 @@ a least-squares fit over the last straight stretch.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.contact.faces import points_at, stretch_ends
+from crackgrow.contact.faces import FacePoints, joined, points_at, stretch_ends
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.cover import Cover
 
@@ -25,21 +27,32 @@ FIT_POINTS = 24
 """Sample points of the fit."""
 
 
-def from_face_displacement(cover: Cover, young_prime: float, u: Floats, tip: int) -> tuple[float, float]:
-    """K_I and K_II (Pa sqrt(m)) of tip number `tip`; `young_prime` is E' (Pa), `u` (n_dofs,) m.
+def from_face_displacements(
+    cover: Cover, young_prime: Sequence[float], u: Floats, tips: Sequence[int]
+) -> list[tuple[float, float]]:
+    """K_I and K_II (Pa sqrt(m)) of `tips` of the cover; `young_prime` are their E' (Pa), `u` (n_dofs,) m.
 
     K_II is positive where the face on the left of the tip's outward direction moves outward: a positive slip at both
     ends of a crack. A negative K_II turns the crack counter-clockwise.
     """
+    if not tips:
+        return []
+    x = (np.arange(FIT_POINTS) + 0.5) / FIT_POINTS
+    lengths, samples = zip(*(_samples(cover, tip, x) for tip in tips), strict=True)
+    jumps = np.split(np.stack(gap_and_slip(cover, joined(samples), u), axis=1), len(tips))
+    found = []
+    for modulus, length, jump in zip(young_prime, lengths, jumps, strict=True):
+        powers = (x[:, None] ** np.arange(FIT_TERMS)) * np.sqrt(length * x)[:, None]
+        fit = np.linalg.lstsq(powers, jump)[0][0] * modulus / 8.0 * np.sqrt(2.0 * np.pi / cover.lattice.spacing)
+        found.append((float(fit[0]), float(fit[1])))
+    return found
+
+
+def _samples(cover: Cover, tip: int, x: Floats) -> tuple[float, FacePoints]:
+    """Length (spacings) of the fit of a tip, and points on the faces at fractions x (n,) of it from the tip."""
     crack, at_end = cover.tip_ends[tip]
     ends = stretch_ends(cover.surfaces[crack])
     total = ends[-1]
     length = float(min(ends[-1] - ends[-2] if at_end else ends[1] - ends[0], FIT_SPACINGS, 0.5 * total))
-    x = (np.arange(FIT_POINTS) + 0.5) / FIT_POINTS
     r = length * x
-    points = points_at(cover, crack, total - r if at_end else r)
-    gap, slip = gap_and_slip(cover, points, u)
-    powers = (x[:, None] ** np.arange(FIT_TERMS)) * np.sqrt(r)[:, None]
-    opening_fit, slip_fit = np.linalg.lstsq(powers, np.stack([gap, slip], axis=1))[0][0]
-    factor = young_prime / 8.0 * np.sqrt(2.0 * np.pi / cover.lattice.spacing)
-    return float(opening_fit * factor), float(slip_fit * factor)
+    return length, points_at(cover, crack, total - r if at_end else r)

@@ -22,6 +22,7 @@ from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import stress_at
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 N_RAYS = 72
 """Rays of the polar rule, 5 degrees apart."""
@@ -31,6 +32,9 @@ NEXT_TO_TIP = 1e-3
 
 N_RADIAL = 6
 """Points on a ray."""
+
+TIPS_AT_ONCE = 8
+"""Tips whose points are evaluated together: a call costs as much as some hundred points."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,30 +47,58 @@ class TipField:
     mean: Floats  # (3,) Pa: Shepard average over the disc
 
 
-def tip_field(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tip: int, radius: float) -> TipField:
-    """Stress round tip number `tip` of the cover within `radius` (m); `u` (n_dofs,) m."""
+def tip_fields(
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tips: Sequence[int], radius: float
+) -> list[TipField]:
+    """Stress round the `tips` of the cover within `radius` (m); `u` (n_dofs,) m."""
+    fields = []
+    for first in range(0, len(tips), TIPS_AT_ONCE):
+        some = tips[first : first + TIPS_AT_ONCE]
+        rules = [_rule(cover, tip, radius) for tip in some]
+        points = np.concatenate([rule.points for rule in rules])
+        body = np.repeat([_body(cover, tip) for tip in some], N_RAYS * N_RADIAL)
+        elements = locate(cover.lattice, cover.elements, points, body)
+        inside = elements >= 0
+        stress = np.zeros((len(points), 3))
+        stress[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
+        parts = (np.split(values, len(some)) for values in (inside, stress))
+        fields += [_averaged(cover, *each) for each in zip(some, rules, *parts, strict=True)]
+    return fields
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rule:
+    """The polar rule of a disc round a tip."""
+
+    direction: float  # rad from +x: outward direction of the tip
+    angles: Floats  # (rays,) rad
+    points: Floats  # (rays * points on a ray, 2) ray by ray
+    weight: Floats  # (points on a ray,) area / distance, up to a factor
+
+
+def _rule(cover: Cover, tip: int, radius: float) -> _Rule:
     point, rotation = cover.tips[tip].point, cover.tips[tip].rotation
     direction = float(np.arctan2(rotation[0, 1], rotation[0, 0]))
     angles = np.pi * (2.0 * np.arange(N_RAYS) + 1.0 - N_RAYS) / N_RAYS
     x, w = gauss(N_RADIAL)
     r = x**2 * radius / cover.lattice.spacing  # r^(-1/2) dr is a polynomial in x
-    weight = 2.0 * x * w  # area / distance = dr dt
     toward = np.stack([np.cos(direction + angles), np.sin(direction + angles)], axis=1)
     points = (point + toward[:, None] * r[None, :, None]).reshape(-1, 2)
-    elements = locate(cover.lattice, cover.elements, points, _body(cover, tip))
-    inside = elements >= 0
-    found = np.zeros((len(points), 3))
-    found[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
-    stress = found.reshape(N_RAYS, -1, 3)
-    weights = inside.reshape(N_RAYS, -1) * weight
-    seen = weights * _in_sight(cover, tip, points).reshape(weights.shape)
+    return _Rule(direction, angles, points, 2.0 * x * w)  # area / distance = dr dt
+
+
+def _averaged(cover: Cover, tip: int, rule: _Rule, inside: Bools, values: Floats) -> TipField:
+    """The field of a tip from the stress `values` (n, 3) at the points of its rule that are `inside` (n,)."""
+    stress = values.reshape(N_RAYS, -1, 3)
+    weights = inside.reshape(N_RAYS, -1) * rule.weight
+    seen = weights * _in_sight(cover, tip, rule.points).reshape(weights.shape)
     along = np.einsum("nr,nrc->nc", seen, stress)
     total = seen.sum(axis=1)
     # a ray that sees only a part R_c of R would see a singular field larger by sqrt(R / R_c)
-    whole = np.sqrt(total * weight.sum())[:, None]
+    whole = np.sqrt(total * rule.weight.sum())[:, None]
     rays = np.divide(along, whole, out=np.full_like(along, np.nan), where=whole > 0.0)
     mean = np.einsum("nr,nrc->c", weights, stress) / weights.sum()
-    return TipField(direction, angles, rays, mean)
+    return TipField(rule.direction, rule.angles, rays, mean)
 
 
 def _body(cover: Cover, tip: int) -> int:

@@ -34,7 +34,7 @@ from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs, named
-from crackgrow.solid.stiffness import stiffness
+from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints, constraints, tied
 
 Floats = NDArray[np.float64]
@@ -56,7 +56,7 @@ class Configuration:
 
     scene: Scene
     cover: Cover
-    matrix: csc_array  # (n_dofs, n_dofs) Pa, stiffness
+    stiffness: Stiffness
     held: Constraints  # with given displacements at load factor 1
     contact: ContactSystem
     faces: ContactFaces
@@ -65,6 +65,11 @@ class Configuration:
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
     seconds: dict[str, float]
+
+    @property
+    def matrix(self) -> csc_array:
+        """Stiffness (n_dofs, n_dofs) Pa."""
+        return self.stiffness.matrix
 
     def loads(self, factor: float) -> Floats:
         """Loads (n_dofs,) N/m at a load factor."""
@@ -90,15 +95,20 @@ class Configuration:
         return outcome, residual
 
 
-def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
-    """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made."""
+def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:
+    """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made.
+
+    What has not changed since the configuration `before` is not integrated again; the result is the same without it.
+    """
     case = scene.case
     seconds: dict[str, float] = {}
     with timed(seconds, "cover"):
         cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
         cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
     with timed(seconds, "assembly"):
-        matrix = stiffness(cover, scene.materials, case.numerics.quadrature)
+        known = {} if before is None else before.stiffness.clusters
+        stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, known)
+        matrix = stiffness.matrix
         faces = _faces(scene, cover)
         operators = contact_operators(cover, faces)
         held = tied(constraints(cover, case.bodies, case.supports), *_bonds(scene, cover))
@@ -116,7 +126,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
     weights = faces.weights * scene.lattice.spacing
     law = _law(scene, faces, growing)
     contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))
-    return Configuration(scene, cover, matrix, held, contact, faces, free, springs, scaled, constant, seconds)
+    return Configuration(scene, cover, stiffness, held, contact, faces, free, springs, scaled, constant, seconds)
 
 
 @contextmanager

@@ -62,13 +62,13 @@ def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | 
     `before` is the step before, whose state is gone on from where steps do not start unloaded. Raises GeometryError or
     SolveError where a state can't be solved.
     """
+    configuration = assemble(scene, cracks, None if before is None else before.configuration)
     loading, growth = scene.case.loading, scene.case.growth
     if before is not None and growth is not None and not growth.unload_between_steps:
-        configuration = assemble(scene, cracks)
         return judged(increment(configuration, carried(before.state, configuration), before.state.factor))
     if isinstance(loading, CriticalLoad):
-        return critically_loaded(assemble(scene, cracks), cracks, 1.0 if before is None else before.state.factor)
-    *_, last = _history(assemble(scene, cracks), loading)
+        return critically_loaded(configuration, cracks, 1.0 if before is None else before.state.factor)
+    *_, last = _history(configuration, loading)
     return judged(last)
 
 

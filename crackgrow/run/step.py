@@ -13,9 +13,9 @@ from crackgrow.contact.tractions import between_contact_points, elastic_traction
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA, TipLoading, Verdict
-from crackgrow.fracture.interaction_integral import StressIntensity, interaction_integral
-from crackgrow.fracture.stress_intensity import from_face_displacement
-from crackgrow.fracture.tip_stress import tip_field
+from crackgrow.fracture.interaction_integral import FaceTraction, StressIntensity, interaction_integrals
+from crackgrow.fracture.stress_intensity import from_face_displacements
+from crackgrow.fracture.tip_stress import tip_fields
 from crackgrow.run.configuration import Configuration, assemble, timed
 from crackgrow.run.increments import LoadState, increment, unloaded
 from crackgrow.run.scene import Scene
@@ -117,18 +117,35 @@ def judged(state: LoadState) -> StepSolution:
 
 def tip_states(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> tuple[TipState, ...]:
     """Fracture quantities of all tips; `materials` body by body, in-situ stress included."""
-    return tuple(_tip_state(state, materials, tip) for tip in range(len(state.configuration.cover.tips)))
+    configuration, u = state.configuration, state.outcome.u
+    scene, cover = configuration.scene, configuration.cover
+    tips = range(len(cover.tips))
+    bodies = [scene.crack_bodies[crack] for crack, _ in cover.tip_ends]
+    K_faces = from_face_displacements(cover, [materials[body].young_prime for body in bodies], u, tips)
+    tractions = [_tractions(state, crack) for crack, _ in cover.tip_ends]
+    weights = [scene.weight(body, state.factor) for body in bodies]
+    intensities = interaction_integrals(cover, materials, u, tips, tractions, weights)
+    found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
+    growth = scene.case.growth
+    strengths = [scene.case.bodies[body].strength for body in bodies]
+    judged = [tip for tip in tips if growth is not None and strengths[tip] is not None]
+    if growth is not None and judged:
+        fields = tip_fields(cover, materials, u, judged, growth.tip_radius)
+        for tip, field in zip(judged, fields, strict=True):
+            strength = strengths[tip]
+            assert strength is not None
+            loading = TipLoading(field, *found[tip].K, growth.tip_radius)
+            found[tip] = replace(found[tip], loading=loading, verdict=CRITERIA[growth.criterion](loading, strength))
+    return tuple(found)
 
 
-def _tip_state(state: LoadState, materials: tuple[PlaneElasticity, ...], tip: int) -> TipState:
+def _tractions(state: LoadState, crack: int) -> FaceTraction:
+    """All that acts between the faces of a crack."""
     configuration, outcome = state.configuration, state.outcome
     scene, cover, faces = configuration.scene, configuration.cover, configuration.faces
-    case, crack = scene.case, cover.tip_ends[tip][0]
-    body = scene.crack_bodies[crack]
     pressure = scene.fluid_pressure(crack, state.factor)
-
     compliance = scene.laws[crack].compliance
-    pointwise = compliance > 0.0 and case.numerics.contact.discretization == "gauss"
+    pointwise = compliance > 0.0 and scene.case.numerics.contact.discretization == "gauss"
 
     def traction(s: Floats) -> tuple[Floats, Floats]:
         normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)
@@ -137,13 +154,4 @@ def _tip_state(state: LoadState, materials: tuple[PlaneElasticity, ...], tip: in
             normal, tangential = elastic_tractions(cover, crack, s, outcome.u, compliance, (normal, tangential))
         return normal - pressure, tangential
 
-    weight = scene.weight(body, state.factor)
-    intensity = interaction_integral(cover, materials, outcome.u, tip, traction, weight)
-    K_faces = from_face_displacement(cover, materials[body].young_prime, outcome.u, tip)
-    found = TipState(intensity, K_faces, None, None)
-    strength = case.bodies[body].strength
-    if case.growth is None or strength is None:
-        return found
-    radius = case.growth.tip_radius
-    loading = TipLoading(tip_field(cover, materials, outcome.u, tip, radius), *found.K, radius)
-    return replace(found, loading=loading, verdict=CRITERIA[case.growth.criterion](loading, strength))
+    return traction

@@ -1,38 +1,67 @@
-"""The sum of element matrices of very different sizes."""
+"""The sum of symmetric matrices of groups of functions: each of their halves is kept, the sum is mirrored once.
+
+The half of a symmetric matrix A is H with H + H' = A: every pair of functions once, and half of what a function has
+with itself. Summing is a product of sparse matrices, S' H with S the functions of all groups, one below the other.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_array, csc_array, csr_array
+from scipy.sparse import csc_array, csr_array
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 
-class MatrixSum:
-    """A sum of element matrices, kept at the places that it can fill, which the elements' functions give beforehand.
+@dataclass(frozen=True, slots=True, eq=False)
+class HalfMatrix:
+    """The half of a symmetric matrix of k functions with two components each."""
 
-    Near tips every entry is the sum of many terms: a list of all terms, summed at the end, is many times larger.
+    counts: Ints  # (k,) pairs that each function is the first one of
+    second: NDArray[np.int32]  # (p,) the second function of each pair, those of the first function first
+    entries: Floats  # (2, p, 2) component of the first function, pair, component of the second function
+
+
+def half(matrix: Floats, coupled: Bools) -> HalfMatrix:
+    """Half of a symmetric `matrix` (2, 2, k, k) [component, component, function, function], where it is `coupled`.
+
+    coupled: (k, k), symmetric, which functions have any entries together
     """
+    first, second = np.nonzero(np.triu(coupled))
+    entries = matrix[:, :, first, second].transpose(0, 2, 1).copy()
+    entries[:, first == second] *= 0.5
+    return HalfMatrix(np.bincount(first, minlength=len(coupled)), second.astype(np.int32), entries)
 
-    def __init__(self, start: Ints, ids: Ints, n_functions: int) -> None:
-        """Element e has the functions `ids[start[e] : start[e + 1]]`."""
-        self._n = n_functions
-        shape = (len(start) - 1, n_functions)
-        carries = csr_array((np.ones(len(ids), dtype=np.int32), ids, start), shape=shape)
-        self._pattern = csr_array(carries.T @ carries)
-        self._pattern.sort_indices()
-        row = np.repeat(np.arange(n_functions), np.diff(self._pattern.indptr))
-        self._places = row * n_functions + self._pattern.indices
-        self._entries = np.zeros((len(self._places), 2, 2))
 
-    def add(self, ids: Ints, matrix: Floats) -> None:
-        """Add an element matrix (k, 2, k, 2) of the functions `ids` (k,), each of which occurs once."""
-        at = np.searchsorted(self._places, ids[:, None] * self._n + ids)
-        self._entries[at] += matrix.transpose(0, 2, 1, 3)
+def sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> csc_array:
+    """Sum (2 n_functions, 2 n_functions) of matrices; each stands at all of its places, functions (m, k)."""
+    none = np.empty(0, dtype=np.int64)
+    functions, counts, seconds, entries = [none], [none], [none], [np.empty((2, 0, 2))]
+    for ids, part in parts:
+        n_places = len(ids)
+        functions.append(ids.ravel())
+        counts.append(np.tile(part.counts, n_places))
+        seconds.append(ids[:, part.second].ravel())
+        entries.append(np.tile(part.entries, (1, n_places, 1)) if n_places > 1 else part.entries)
+    row, second = np.concatenate(functions), np.concatenate(seconds)
+    ends = np.append(0, np.cumsum(np.tile(np.concatenate(counts), 2)))
+    pairs = np.concatenate(entries, axis=1).view(np.complex128).ravel()  # both components of the second function
+    halves = csr_array((pairs, np.tile(second, 2), ends), shape=(2 * len(row), n_functions))
+    rows = np.concatenate([2 * row, 2 * row + 1])
+    place = csr_array((np.ones(len(rows)), rows, np.arange(len(rows) + 1)), shape=(len(rows), 2 * n_functions))
+    return _mirrored(csr_array(place.T @ halves))
 
-    def matrix(self) -> csc_array:
-        """The sum (n_dofs, n_dofs): functions by components."""
-        blocks = (self._entries, self._pattern.indices, self._pattern.indptr)
-        return csc_array(bsr_array(blocks, shape=(2 * self._n, 2 * self._n)))
+
+def _mirrored(pairs: csr_array) -> csc_array:
+    """H + H' for H (2 n, n) whose complex entries are those of the two components of the second function."""
+    columns = (2 * pairs.indices[:, None] + np.arange(2, dtype=pairs.indices.dtype)).ravel()
+    n_dofs = pairs.shape[0]
+    one = csr_array((pairs.data.view(np.float64), columns, 2 * pairs.indptr), shape=(n_dofs, n_dofs))
+    other = csr_array(one.T)
+    total = other + csr_array(other.T)  # sorted, unlike `one`
+    return csc_array((total.data, total.indices, total.indptr), shape=total.shape)  # it is symmetric to the last bit

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,15 +18,22 @@ Ints = NDArray[np.int64]
 def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
     """Displacement (n, 2) m at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
     basis = values_at(cover, points, elements)
-    coefficients = np.append(u, (0.0, 0.0)).reshape(-1, 2)  # the last row serves the index -1
-    return np.asarray(np.einsum("nk,nkc->nc", basis.values, coefficients[basis.ids]))
+    values = basis.values.T
+    return np.stack([np.sum(values * c, axis=0) for c in _coefficients(u, basis.ids)], axis=1)
 
 
 def gradient_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
     """Displacement gradient du_c/dx_d (n, 2, 2) [point, c, d] at points (n, 2), in lattice coordinates."""
     basis = basis_at(cover, points, elements)
-    coefficients = np.append(u, (0.0, 0.0)).reshape(-1, 2)
-    return np.asarray(np.einsum("nkd,nkc->ncd", basis.gradients, coefficients[basis.ids]))
+    by_x, by_y = basis.gradients.transpose(2, 1, 0)
+    rows = [np.stack([np.sum(by_x * c, axis=0), np.sum(by_y * c, axis=0)]) for c in _coefficients(u, basis.ids)]
+    return np.stack(rows).transpose(2, 0, 1)
+
+
+def _coefficients(u: Floats, ids: Ints) -> Iterator[Floats]:
+    """The coefficients (k, n) of functions `ids` (n, k), component by component; the points last, as in a basis."""
+    for component in u.reshape(-1, 2).T:
+        yield np.append(component, 0.0).take(ids.T)  # the last entry serves the index -1
 
 
 def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:

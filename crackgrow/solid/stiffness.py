@@ -1,7 +1,8 @@
 """Assembly of the stiffness matrix.
 
 All plain elements of one shape, at the same place of their cell, share the gradients at their quadrature points, hence
-one element matrix per material. The others are integrated one by one.
+one element matrix per material. The others are integrated one by one and summed cluster by cluster; a cluster that the
+configuration before had too is not integrated again.
 
 The gradients are corrected so that those of every element satisfy the divergence theorem at its quadrature points: the
 linear patch test then passes at round-off whatever the rules, and the matrix stays symmetric (after Chen et al. 2001,
@@ -10,29 +11,38 @@ who smooth the gradients over nodal cells; here their deviation from the mean ov
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
-from crackgrow.approximation.basis import basis_at, functions_on, values_at
+from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.enrichment import entries, list_starts
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
-from crackgrow.quadrature.elements import ElementPoints, element_points, plain_kinds
-from crackgrow.quadrature.rims import rectangle_rim, rim_points
+from crackgrow.quadrature.elements import plain_kinds
+from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square
-from crackgrow.solid.assembly import MatrixSum
+from crackgrow.solid.assembly import HalfMatrix, half, sum_of
+from crackgrow.solid.clusters import Clusters, clusters_of, keys
 from crackgrow.solid.elasticity import PlaneElasticity
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Block = tuple[Ints, Ints, Floats]  # rows, columns, entries
 
 BATCH = 500000
 """Values of functions at points that are held at once."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stiffness:
+    """A stiffness matrix, and its parts that the next configuration may have in common with this one."""
+
+    matrix: csc_array  # (n_dofs, n_dofs) Pa, per metre of thickness
+    clusters: Mapping[bytes, HalfMatrix]
+    n_integrated: int  # clusters that were not known before
 
 
 def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc_array:
@@ -40,21 +50,32 @@ def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc
 
     `materials` are one per body.
     """
-    return csc_array(_plain(cover, materials, n) + _cut(cover, materials, element_points(cover, n)))
+    return stiffness_after(cover, materials, n, {}).matrix
+
+
+def stiffness_after(
+    cover: Cover, materials: Sequence[PlaneElasticity], n: int, known: Mapping[bytes, HalfMatrix]
+) -> Stiffness:
+    """As `stiffness`, with the `clusters` that are known from the configuration before."""
+    clusters = clusters_of(cover, n)
+    names = keys(cover, clusters, materials)
+    new = [number for number, name in enumerate(names) if name not in known]
+    integrated = {names[number]: part for number, part in _integrated(cover, materials, clusters, new)}
+    matrices = {name: known[name] if name in known else integrated[name] for name in names}
+    parts = [(clusters.functions[number][None], matrices[name]) for number, name in enumerate(names)]
+    parts += _plain(cover, materials, n)
+    return Stiffness(sum_of(parts, cover.n_functions), matrices, len(new))
 
 
 def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:
     """Integral of B' D B (k, 2, k, 2) from gradients (n, k, 2) and weights (n,): function, component, twice."""
-    gx, gy = gradients[:, :, 0], gradients[:, :, 1]
-    wx, wy = (gx * weights[:, None]).T, (gy * weights[:, None]).T
-    xx, xy, yy = wx @ gx, wx @ gy, wy @ gy
-    k = gradients.shape[1]
-    matrix = np.empty((k, 2, k, 2))
-    matrix[:, 0, :, 0] = material.c11 * xx + material.c33 * yy
-    matrix[:, 1, :, 1] = material.c11 * yy + material.c33 * xx
-    matrix[:, 0, :, 1] = material.c12 * xy + material.c33 * xy.T
-    matrix[:, 1, :, 0] = matrix[:, 0, :, 1].T
-    return matrix
+    return _elastic(material, products(gradients, weights)).transpose(2, 0, 3, 1)
+
+
+def products(gradients: Floats, weights: Floats) -> tuple[Floats, Floats, Floats]:
+    """Integrals of phi_i,x phi_j,x, phi_i,x phi_j,y and phi_i,y phi_j,y, each (k, k), as `element_matrix`."""
+    x, y = gradients.transpose(2, 1, 0) * np.sqrt(weights)
+    return x @ x.T, x @ y.T, y @ y.T
 
 
 def consistent(gradients: Floats, weights: Floats, rim_values: Floats, normals: Floats) -> Floats:
@@ -62,64 +83,80 @@ def consistent(gradients: Floats, weights: Floats, rim_values: Floats, normals: 
 
     Their integral then equals that of phi n along the rim, given by values (m, k) and normals times lengths (m, 2).
     """
-    integral = (weights @ gradients.reshape(len(weights), -1)).reshape(-1, 2)
-    return np.asarray(gradients + (rim_values.T @ normals - integral) / weights.sum())
+    components = gradients.transpose(2, 1, 0)
+    shift = (normals.T @ rim_values - components @ weights) / weights.sum()
+    return np.asarray((components + shift[:, :, None]).transpose(2, 1, 0))
 
 
-def _plain(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc_array:
-    """The element matrix of every kind of plain element, once and at all of its places."""
+def _elastic(material: PlaneElasticity, integrals: Floats | tuple[Floats, Floats, Floats]) -> Floats:
+    """The matrix (2, 2, k, k) [component, component, function, function] from its `products`."""
+    xx, xy, yy = integrals
+    off_diagonal = material.c12 * xy + material.c33 * xy.T
+    return np.array(
+        [
+            [material.c11 * xx + material.c33 * yy, off_diagonal],
+            [off_diagonal.T, material.c11 * yy + material.c33 * xx],
+        ]
+    )
+
+
+def _plain(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> Iterator[tuple[Ints, HalfMatrix]]:
+    """The element matrix of every kind of plain element, and the functions at all of its places."""
     lattice = cover.lattice
     local, weights = square(n)
-    blocks: list[Block] = [_scattered(np.empty((0, 1), dtype=np.int64), np.empty((0, 1, 2, 1, 2)))]
     for kind in plain_kinds(cover):
         area = weights * kind.size.prod()
         _, gradients = mls(kind.low + local * kind.size, lattice.support, lattice.reach)
         rim, normals = rectangle_rim(kind.low, kind.size)
         gradients = consistent(gradients, area, mls_values(rim, lattice.support, lattice.reach), normals)
-        matrix = element_matrix(materials[kind.body], gradients[:, kind.covers], area)
-        ids = cover.functions[kind.elements][:, kind.covers]
-        blocks.append(_scattered(ids, np.broadcast_to(matrix, (len(ids), *matrix.shape))))
-    row, column, entry = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
-    return csc_array((entry, (row, column)), shape=(cover.n_dofs, cover.n_dofs))
+        matrix = _elastic(materials[kind.body], products(gradients[:, kind.covers], area))
+        all_coupled = np.ones(matrix.shape[2:], dtype=bool)
+        yield cover.functions[kind.elements][:, kind.covers], half(matrix, all_coupled)
 
 
-def _cut(cover: Cover, materials: Sequence[PlaneElasticity], points: ElementPoints) -> csc_array:
-    """Element matrices one by one; elements with about as many functions share the evaluation of the basis."""
-    area = points.weights * cover.lattice.spacing**2
-    rim = rim_points(cover)
-    normals = rim.normals * cover.lattice.spacing
-    inside, outside = (list_starts(element, cover.elements.n) for element in (points.element, rim.element))
-    total = MatrixSum(*functions_on(cover, np.flatnonzero(np.diff(inside))), cover.n_functions)
-    for batch in _batches(cover, np.diff(inside)):
-        (_, at), (_, on) = entries(inside, batch), entries(outside, batch)
-        basis = basis_at(cover, points.points[at], points.element[at])
+def _integrated(
+    cover: Cover, materials: Sequence[PlaneElasticity], clusters: Clusters, chosen: Sequence[int]
+) -> Iterator[tuple[int, HalfMatrix]]:
+    """The matrices of the clusters `chosen`; those with about as many functions share the evaluation of the basis."""
+    for batch in _batches(cover, clusters, chosen):
+        spans = [clusters.span(number) for number in batch]
+        inside, rim = clusters.inside, clusters.rim
+        at, on = (
+            np.concatenate([np.arange(part.start[span.start], part.start[span.stop]) for span in spans])
+            for part in (inside, rim)
+        )
+        basis = basis_at(cover, inside.points[at], inside.element[at])
         values = values_at(cover, rim.points[on], rim.element[on]).values
-        weights, outward = area[at], normals[on]
-        ends, rim_ends = (np.append(0, np.cumsum(np.diff(start)[batch])) for start in (inside, outside))
-        for element, start, end, first, last in zip(
-            batch, ends[:-1], ends[1:], rim_ends[:-1], rim_ends[1:], strict=True
-        ):
-            used = basis.ids[start] >= 0
-            gradients = basis.gradients[start:end, used]
-            gradients = consistent(gradients, weights[start:end], values[first:last, used], outward[first:last])
-            material = materials[cover.elements.body[element]]
-            total.add(basis.ids[start, used], element_matrix(material, gradients, weights[start:end]))
-    return total.matrix()
+        weights, normals = inside.weights[at], rim.weights[on]
+        point = rim_point = 0
+        for number, span in zip(batch, spans, strict=True):
+            k, local = len(clusters.functions[number]), clusters.local_of(number)
+            total, carried, begin = np.zeros((3, k * k)), np.zeros((span.stop - span.start, k)), 0
+            sizes = (np.diff(start[span.start : span.stop + 1]).tolist() for start in (inside.start, rim.start))
+            for element, (n_inside, n_rim) in enumerate(zip(*sizes, strict=True)):
+                used = np.flatnonzero(basis.ids[point] >= 0)
+                mine, begin = local[begin : begin + len(used)], begin + len(used)
+                these, those = slice(point, point + n_inside), slice(rim_point, rim_point + n_rim)
+                point, rim_point = these.stop, those.stop
+                gradients = consistent(
+                    basis.gradients[these, used], weights[these], values[those, used], normals[those]
+                )
+                places = (k * mine[:, None] + mine).ravel()
+                for integral, term in zip(total, products(gradients, weights[these]), strict=True):
+                    integral[places] = integral.take(places) + term.ravel()
+                carried[element, mine] = 1.0
+            material = materials[cover.elements.body[clusters.elements[span.start]]]
+            yield number, half(_elastic(material, total.reshape(3, k, k)), carried.T @ carried > 0.0)
 
 
-def _batches(cover: Cover, n_points: Ints) -> list[Ints]:
-    """The elements with points, `n_points` (elements,), in batches of similar numbers of functions."""
-    elements = np.flatnonzero(n_points)
-    elements = elements[np.argsort(cover.enrichment.n_patches[elements], kind="stable")]
-    n_columns = cover.lattice.window + N_TIP_FUNCTIONS * cover.enrichment.n_patches[elements]
-    batch = np.cumsum(n_points[elements] * n_columns) // BATCH
-    return np.split(elements, np.flatnonzero(np.diff(batch)) + 1) if len(elements) else []
-
-
-def _scattered(ids: Ints, matrices: Floats) -> Block:
-    """Rows, columns and entries of element matrices (m, k, 2, k, 2) for functions ids (m, k)."""
-    dofs = 2 * ids[:, :, None] + np.arange(2)
-    shape = matrices.shape
-    row = np.broadcast_to(dofs[:, :, :, None, None], shape)
-    column = np.broadcast_to(dofs[:, None, None, :, :], shape)
-    return row.ravel(), column.ravel(), matrices.ravel()
+def _batches(cover: Cover, clusters: Clusters, chosen: Sequence[int]) -> list[list[int]]:
+    """The clusters `chosen`, in batches of similar numbers of functions."""
+    numbers = np.array(chosen, dtype=np.int64)
+    if len(numbers) == 0:
+        return []
+    first, last = clusters.start[:-1], clusters.start[1:]
+    n_points = (clusters.inside.start[last] - clusters.inside.start[first])[numbers]
+    n_patches = np.maximum.reduceat(cover.enrichment.n_patches[clusters.elements], first)[numbers]
+    order = np.argsort(n_patches, kind="stable")
+    batch = np.cumsum((n_points * (cover.lattice.window + N_TIP_FUNCTIONS * n_patches))[order]) // BATCH
+    return [part.tolist() for part in np.split(numbers[order], np.flatnonzero(np.diff(batch)) + 1)]

@@ -17,7 +17,7 @@ from crackgrow.fracture.interaction_integral import (
     STRAIGHT_RADIUS,
     clearance,
     interaction,
-    interaction_integral,
+    interaction_integrals,
 )
 from crackgrow.fracture.williams import williams_displacement, williams_gradient
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
@@ -159,7 +159,9 @@ def test_a_small_disc_is_told_and_too_small_a_one_has_no_K(build) -> None:
     for end, note in ((18.5, "the outline makes the disc of the integral small"), (20.2, "leaves no room")):
         sample = build.block((20, 20), [build.crack([(10, 10.3), (end, 10.3)])], support=2.0)
         u = np.zeros(sample.cover.n_dofs)
-        free, near = (interaction_integral(sample.cover, [sample.material], u, tip, no_traction) for tip in (0, 1))
+        free, near = (
+            interaction_integrals(sample.cover, [sample.material], u, [tip], [no_traction])[0] for tip in (0, 1)
+        )
         assert (free.shrunk, free.note, free.radius) == (False, "", STRAIGHT_RADIUS)
         assert near.shrunk
         assert note in near.note
@@ -185,8 +187,8 @@ def test_in_situ_stress_that_the_tractions_balance_has_no_K(build, points: list[
         return np.sum(vector * n, axis=1), vector[:, 0] * n[:, 1] - vector[:, 1] * n[:, 0]
 
     for tip in (0, 1):
-        balanced = interaction_integral(sample.cover, [material], u, tip, traction)
-        free = interaction_integral(sample.cover, [material], u, tip, no_traction)
+        balanced = interaction_integrals(sample.cover, [material], u, [tip], [traction])[0]
+        free = interaction_integrals(sample.cover, [material], u, [tip], [no_traction])[0]
         assert np.hypot(free.K_I, free.K_II) > 1.0
         assert pytest.approx((0.0, 0.0), abs=1e-5) == (balanced.K_I, balanced.K_II)
 
@@ -198,7 +200,7 @@ def test_tractions_count_at_their_own_tip(build) -> None:
     def near_the_end(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.where(s > 5.0, -1.0, 0.0), np.zeros_like(s)
 
-    start, end = (interaction_integral(sample.cover, [sample.material], u, tip, near_the_end) for tip in (0, 1))
+    start, end = (interaction_integrals(sample.cover, [sample.material], u, [tip], [near_the_end])[0] for tip in (0, 1))
     assert pytest.approx((0.0, 0.0), abs=1e-12) == (start.K_I, start.K_II)
     assert end.K_I > 1.0
 

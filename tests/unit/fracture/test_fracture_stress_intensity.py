@@ -9,7 +9,7 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.stress_intensity import from_face_displacement
+from crackgrow.fracture.stress_intensity import from_face_displacements
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step import StepSolution, solve_step
 
@@ -48,8 +48,8 @@ def test_plane_stress_and_plane_strain_have_the_same_K() -> None:
 
 def test_K_is_linear_in_the_displacement() -> None:
     solution, young_prime = solved("numerics.spacing=1.5")
-    one = np.array(from_face_displacement(solution.cover, young_prime, solution.outcome.u, 0))
-    three = np.array(from_face_displacement(solution.cover, young_prime, -3.0 * solution.outcome.u, 0))
+    one = np.array(from_face_displacements(solution.cover, [young_prime], solution.outcome.u, [0])[0])
+    three = np.array(from_face_displacements(solution.cover, [young_prime], -3.0 * solution.outcome.u, [0])[0])
     np.testing.assert_allclose(three, -3.0 * one, rtol=1e-9, atol=1e-9 * abs(one[0]))
 
 

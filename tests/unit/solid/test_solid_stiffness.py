@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.solid.assembly import MatrixSum
+from crackgrow.solid.assembly import half, sum_of
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.stiffness import element_matrix, stiffness
 
@@ -137,14 +137,25 @@ def test_more_than_64_tips_assemble(build) -> None:
     assert u @ (matrix @ u) == pytest.approx(25.0**2 * strain @ sample.material.matrix @ strain, rel=1e-9)
 
 
-def test_sum_of_element_matrices_is_that_of_dense_ones() -> None:
+def test_sum_of_halves_is_that_of_dense_matrices() -> None:
+    """Each stands at one or more places, in any order of its functions, and not all of these are coupled."""
     rng = np.random.default_rng(33)
-    lists = [rng.permutation(9)[:n] for n in (3, 1, 5, 0, 4)]
-    start = np.append(0, np.cumsum([len(ids) for ids in lists]))
-    total = MatrixSum(start, np.concatenate(lists), 9)
     expected = np.zeros((9, 2, 9, 2))
-    for ids in lists:
-        matrix = rng.normal(size=(len(ids), 2, len(ids), 2))
-        total.add(ids, matrix)
-        expected[ids[:, None], :, ids[None], :] += matrix.transpose(0, 2, 1, 3)
-    np.testing.assert_allclose(total.matrix().toarray(), expected.reshape(18, 18), atol=1e-15)
+    parts = []
+    for k, n_places in ((3, 1), (1, 2), (5, 1), (4, 3)):
+        coupled = rng.uniform(size=(k, k)) < 0.5
+        coupled |= coupled.T | np.eye(k, dtype=bool)
+        matrix = rng.normal(size=(2, 2, k, k)) * coupled
+        matrix += matrix.transpose(1, 0, 3, 2)
+        places = np.array([rng.permutation(9)[:k] for _ in range(n_places)])
+        parts.append((places, half(matrix, coupled)))
+        for ids in places:
+            expected[ids[:, None], :, ids[None], :] += matrix.transpose(2, 3, 0, 1)
+    total = sum_of(parts, 9)
+    np.testing.assert_allclose(total.toarray(), expected.reshape(18, 18), atol=1e-15)
+    assert abs(total - total.T).max() == 0.0
+
+
+def test_sum_of_nothing_is_zero() -> None:
+    assert sum_of([], 3).shape == (6, 6)
+    assert sum_of([], 3).nnz == 0

@@ -1,0 +1,90 @@
+"""Clusters that a configuration has in common with the one before: found again, and never where something changed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from crackgrow.approximation.basis import functions_on
+from crackgrow.cover.cover import Cover, build_cover
+from crackgrow.quadrature.elements import plain_elements
+from crackgrow.solid.clusters import clusters_of, keys
+from crackgrow.solid.stiffness import stiffness_after
+
+
+def longer(build, cover: Cover, crack: int, by: tuple[float, float]) -> Cover:
+    """The same body after one crack has grown at its end."""
+    cracks = list(cover.cracks)
+    grown = np.vstack([cracks[crack].points, cracks[crack].points[-1] + by])
+    cracks[crack] = build.crack(grown, name=cracks[crack].name)
+    return build_cover(cover.lattice, cover.bodies, cracks)
+
+
+def test_every_element_that_is_not_plain_is_in_one_cluster_with_the_same_tips(build) -> None:
+    cover = build.field_of_cracks(3).cover
+    clusters = clusters_of(cover, 3)
+    np.testing.assert_array_equal(np.sort(clusters.elements), np.flatnonzero(~plain_elements(cover)))
+    acting = cover.enrichment.tips
+    for cluster in range(len(clusters.start) - 1):
+        mine = clusters.elements[clusters.span(cluster)].tolist()
+        assert len({tuple(acting.tip[acting.start[e] : acting.start[e + 1]]) for e in mine}) == 1
+        _, ids = functions_on(cover, np.array(mine))
+        np.testing.assert_array_equal(clusters.functions[cluster][clusters.local_of(cluster)], ids)
+
+
+def test_points_of_clusters_are_those_of_their_elements(build) -> None:
+    cover = build.field_of_cracks(2).cover
+    clusters = clusters_of(cover, 3)
+    for part in (clusters.inside, clusters.rim):
+        owner = np.repeat(clusters.elements, np.diff(part.start))
+        np.testing.assert_array_equal(part.element, owner)
+
+
+def test_a_grown_tip_leaves_distant_clusters_and_changes_those_near_it(build) -> None:
+    """The matrix is that of a fresh assembly to the last bit; only what the two tips of the crack see is new."""
+    sample = build.field_of_cracks(4)
+    first = stiffness_after(sample.cover, [sample.material], 2, {})
+    cover = longer(build, sample.cover, 5, (0.3, 0.5))
+    fresh = stiffness_after(cover, [sample.material], 2, {})
+    later = stiffness_after(cover, [sample.material], 2, first.clusters)
+    assert fresh.n_integrated == len(fresh.clusters)
+    assert 0 < later.n_integrated < 0.5 * len(fresh.clusters)
+    assert abs(later.matrix - fresh.matrix).max() == 0.0
+    assert later.clusters.keys() == fresh.clusters.keys()
+
+
+def test_nothing_is_integrated_twice(build) -> None:
+    sample = build.field_of_cracks(2)
+    first = stiffness_after(sample.cover, [sample.material], 2, {})
+    again = stiffness_after(sample.cover, [sample.material], 2, first.clusters)
+    assert again.n_integrated == 0
+    assert abs(again.matrix - first.matrix).max() == 0.0
+
+
+@pytest.mark.parametrize("changed", ["material", "quadrature", "fade", "tip", "reference", "points", "spacing"])
+def test_what_a_matrix_is_integrated_from_is_in_its_key(build, changed: str) -> None:
+    sample = build.field_of_cracks(1)
+    cover, material, n = sample.cover, sample.material, 2
+    before = set(keys(cover, clusters_of(cover, n), [material]))
+    clusters = None
+    if changed == "material":
+        material = replace(material, c12=1.000001 * material.c12)
+    elif changed == "quadrature":
+        n = 3
+    elif changed == "fade":
+        cover = replace(cover, tips=tuple(replace(tip, fade=1.001 * tip.fade) for tip in cover.tips))
+    elif changed == "tip":
+        cover = replace(cover, tips=tuple(replace(tip, rotation=-tip.rotation) for tip in cover.tips))
+    elif changed == "reference":
+        elements = replace(cover.elements, reference=cover.elements.reference + 1e-12)
+        cover = replace(cover, elements=elements)
+    elif changed == "points":
+        clusters = clusters_of(cover, n)
+        clusters = replace(clusters, rim=replace(clusters.rim, points=clusters.rim.points + 1e-12))
+    else:
+        cover = replace(cover, lattice=replace(cover.lattice, spacing=2.0))
+    after = keys(cover, clusters or clusters_of(cover, n), [material])
+    assert cover.enrichment.tips.any[~plain_elements(cover)].all()
+    assert before.isdisjoint(after)
