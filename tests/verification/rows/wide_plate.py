@@ -25,8 +25,9 @@ FORMULA = "infinite plate; the series solution puts this size 0.2 to 0.3 % above
 
 
 def at(friction: float, cohesion: float) -> Solved:
-    contact = (f"cracks.flaw.contact.friction={friction}", f"cracks.flaw.contact.cohesion={cohesion}")
-    return solved("compression30", *PLATE, *contact)
+    # the closed form keeps the cohesion where faces slip
+    law = {"friction": friction, "cohesion": cohesion, "cohesion_after_slip": "kept"}
+    return solved("compression30", *PLATE, *(f"cracks.flaw.contact.{key}={value}" for key, value in law.items()))
 
 
 def driving(friction: float, cohesion: float) -> float:
