@@ -55,9 +55,15 @@ class TipLoading:
     """What criteria know of a tip."""
 
     field: TipField
-    K_I: float  # Pa sqrt(m)
+    K_I: float  # Pa sqrt(m), nan where it is not known
     K_II: float  # Pa sqrt(m)
     radius: float  # m, material length of the criterion
+
+    @property
+    def none(self) -> TipLoading:
+        """The same tip without any load."""
+        field = TipField(self.field.direction, self.field.angles, 0.0 * self.field.rays, 0.0 * self.field.mean)
+        return TipLoading(field, 0.0 * self.K_I, 0.0 * self.K_II, self.radius)
 
     @classmethod
     def between(cls, first: TipLoading, last: TipLoading, share: float) -> TipLoading:
@@ -147,6 +153,9 @@ CRITERIA: dict[str, Criterion] = {
     "directional_strength": directional_strength,
     "max_hoop_stress": max_hoop_stress,
 }
+
+GO_BY_K = frozenset({"max_hoop_stress"})
+"""Criteria that need K_I and K_II; the others go by the field alone."""
 
 MEAN_FACTOR_I = {"strength": 1.5279, "directional_strength": 2.0, "max_hoop_stress": 1.0}
 """The criterion's s_yy sqrt(2 pi R) / K_I in pure mode I: averaged over the disc or along the ray, at the radius."""

@@ -141,6 +141,18 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     return LoadState(configuration, factor, outcome, residual, energy, conjugates, seconds)
 
 
+def held_loads(configuration: Configuration) -> Start:
+    """The state of the held loads alone, which come first where contact remembers anything.
+
+    Raises SolveError where there is none.
+    """
+    start, law = unloaded(configuration), configuration.contact.law
+    remembers = (law.friction > 0.0) | (law.cohesion > 0.0)
+    if configuration.constant.any() and remembers.any():
+        return from_state(increment(configuration, start, 0.0))
+    return start
+
+
 def _balance(
     configuration: Configuration, start: Start, factor: float, outcome: ContactOutcome, conjugates: Floats
 ) -> Energy:

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from crackgrow.case.model import Case, CriticalLoad, Growth, LoadHistory
 from crackgrow.errors import FreePieceError
 from crackgrow.fracture.advance import TIE, GrowingCrack, growing_tips
+from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import advance_tips
-from crackgrow.run.loading import NEVER_CRITICAL, load, load_history
+from crackgrow.run.loading import load, load_history
 from crackgrow.run.report import step_result
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene

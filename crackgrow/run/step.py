@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -126,17 +127,38 @@ def tip_states(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> tupl
     weights = [scene.weight(body, state.factor) for body in bodies]
     intensities = interaction_integrals(cover, materials, u, tips, tractions, weights)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
+    loadings = tip_loadings(state, materials, [tip.K for tip in found])
+    return tuple(
+        tip if loading is None else replace(tip, loading=loading, verdict=verdict(scene, body, loading))
+        for tip, loading, body in zip(found, loadings, bodies, strict=True)
+    )
+
+
+def tip_loadings(
+    state: LoadState, materials: tuple[PlaneElasticity, ...], K: Sequence[tuple[float, float]]
+) -> list[TipLoading | None]:
+    """What the criterion knows of every tip, K_I and K_II (Pa sqrt(m)) given; None where nothing can grow."""
+    scene, cover = state.configuration.scene, state.configuration.cover
+    loadings: list[TipLoading | None] = [None] * len(cover.tips)
     growth = scene.case.growth
-    strengths = [scene.case.bodies[body].strength for body in bodies]
-    judged = [tip for tip in tips if growth is not None and strengths[tip] is not None]
-    if growth is not None and judged:
-        fields = tip_fields(cover, materials, u, judged, growth.tip_radius)
-        for tip, field in zip(judged, fields, strict=True):
-            strength = strengths[tip]
-            assert strength is not None
-            loading = TipLoading(field, *found[tip].K, growth.tip_radius)
-            found[tip] = replace(found[tip], loading=loading, verdict=CRITERIA[growth.criterion](loading, strength))
-    return tuple(found)
+    if growth is None:
+        return loadings
+    tips = [
+        tip
+        for tip, (crack, _) in enumerate(cover.tip_ends)
+        if scene.case.bodies[scene.crack_bodies[crack]].strength is not None
+    ]
+    for tip, field in zip(tips, tip_fields(cover, materials, state.outcome.u, tips, growth.tip_radius), strict=True):
+        loadings[tip] = TipLoading(field, *K[tip], growth.tip_radius)
+    return loadings
+
+
+def verdict(scene: Scene, body: int, loading: TipLoading) -> Verdict:
+    """What the case's criterion says of a tip in a body that has a strength."""
+    growth, strength = scene.case.growth, scene.case.bodies[body].strength
+    assert growth is not None
+    assert strength is not None
+    return CRITERIA[growth.criterion](loading, strength)
 
 
 def _tractions(state: LoadState, crack: int) -> FaceTraction:

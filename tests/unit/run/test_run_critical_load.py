@@ -1,0 +1,172 @@
+"""Critical loads: against fixed factors, and how many solves the search takes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import crackgrow.run.critical_load as critical_load
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.errors import SolveError
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run import grow
+from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.increments import held_loads, increment
+from crackgrow.run.result import RunEnd, StepResult
+from crackgrow.run.scene import make_scene
+from crackgrow.run.step import StepSolution, judged, solve_step
+
+CASES = Path(__file__).parents[3] / "cases"
+CRITICAL = ("loading=critical", "output.frames=none", "output.figures=false", "numerics.spacing=3")
+TIPS = ("growth.tip_stress.radius=2",)
+MOST_SOLVES = 12
+
+
+def case_of(name: str, *settings: str) -> Case:
+    return load_case(CASES / f"{name}.yaml", [*CRITICAL, *TIPS, *settings])
+
+
+def ready(case: Case) -> tuple[Configuration, tuple[GrowingCrack, ...]]:
+    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    return assemble(make_scene(case), cracks), cracks
+
+
+def run(case: Case) -> tuple[list[StepResult], RunEnd]:
+    results, steps = [], grow(case)
+    while True:
+        try:
+            results.append(next(steps))
+        except StopIteration as stop:
+            return results, stop.value
+
+
+def criticality(solution: StepSolution) -> float:
+    return max(tip.verdict.criticality for tip in solution.tips if tip.verdict)
+
+
+@pytest.fixture
+def factors(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """All load factors that are solved for."""
+    true, solved = critical_load.increment, []
+
+    def counted(configuration: Any, start: Any, factor: float) -> Any:
+        solved.append(factor)
+        return true(configuration, start, factor)
+
+    monkeypatch.setattr(critical_load, "increment", counted)
+    return solved
+
+
+def is_first_met(configuration: Configuration, factor: float) -> bool:
+    """Whether the criterion is met a little beyond a factor, not a little before it, and nowhere below."""
+    start = held_loads(configuration)
+
+    def met(share: float) -> bool:
+        return criticality(judged(increment(configuration, start, share * factor))) >= 1.0
+
+    return met(1.0 + 1e-6) and not any(met(share) for share in (0.0, 0.35, 0.8, 1.0 - 1e-6))
+
+
+def test_in_tension_the_critical_load_is_strength_over_stress(factors: list[float]) -> None:
+    case = case_of("tension0")
+    configuration, cracks = ready(case)
+    found = critical_load.critically_loaded(configuration, cracks, 1.0)
+    at_one = solve_step(make_scene(case), cracks, 1.0)
+    stress = max(tip.verdict.sigma_1 for tip in at_one.tips)
+    assert found.state.factor == pytest.approx(0.5e6 / stress, rel=1e-9)
+    assert criticality(found) == pytest.approx(1.0, abs=1e-9)
+    assert len(factors) == 2
+    for guess in (1e-3, 0.7, 40.0, found.state.factor):
+        factors.clear()
+        again = critical_load.critically_loaded(configuration, cracks, guess)
+        assert again.state.factor == pytest.approx(found.state.factor, rel=1e-9)
+        assert len(factors) <= 2
+    assert len(factors) == 1  # the guess was right
+
+
+def test_the_critical_load_falls_as_the_crack_grows_from_both_tips() -> None:
+    results, end = run(case_of("tension0", "growth.advance=all", "growth.steps=3"))
+    assert end.status == "completed"
+    assert [sum(tip.advanced for tip in result.tips) for result in results] == [2, 2, 2, 0]
+    assert np.diff([result.load_factor for result in results]).max() < 0.0
+    for result in results:
+        assert max(tip.criticality for tip in result.tips) == pytest.approx(1.0, abs=1e-9)
+        assert result.energy.error < 1e-9
+        assert result.seconds["contact"] > 0.0
+
+
+CLOSED = ("cracks.flaw.contact.friction=0.3", "growth.criterion=directional_strength")
+
+
+@pytest.mark.parametrize("kept", ["kept", "lost"])
+@pytest.mark.parametrize("cohesion", [0.0, 0.1, 0.7, 5.0])
+def test_the_critical_load_of_a_closed_crack_is_the_first_that_meets_the_criterion(
+    kept: str, cohesion: float, factors: list[float]
+) -> None:
+    settings = (f"cracks.flaw.contact.cohesion={cohesion}", f"cracks.flaw.contact.cohesion_after_slip={kept}")
+    configuration, cracks = ready(case_of("compression30", *CLOSED, *settings))
+    found = critical_load.critically_loaded(configuration, cracks, 1.0)
+    assert len(factors) <= MOST_SOLVES
+    near = found.state.factor
+    assert is_first_met(configuration, near)
+    if kept == "lost" and cohesion > 0.5:  # the flaw lets go at a load that is more than enough for its tips
+        assert criticality(found) > 1.5
+        shear, pressure = 100e6 * np.sqrt(3.0) / 4.0, 75e6  # on the flaw's plane at factor 1
+        assert near == pytest.approx(cohesion * 1e6 / (shear - 0.3 * pressure), rel=2e-3)  # the patch test's error
+        assert found.outcome.memory.broken.all()
+    else:
+        assert criticality(found) == pytest.approx(1.0, abs=1e-9)
+
+
+HELD = (
+    "loads=[{on: {body: rock, edge: top}, traction: [0, -100]}, {on: {body: rock, edge: bottom}, traction: [0, 100]}, "
+    "{on: {body: rock, edge: left}, traction: [%g, 0], held: true}, "
+    "{on: {body: rock, edge: right}, traction: [%g, 0], held: true}]"
+)
+
+
+def test_lateral_loads_that_are_held_raise_the_critical_load(factors: list[float]) -> None:
+    found = []
+    for lateral in (0.0, 0.2):
+        configuration, cracks = ready(case_of("compression30", *CLOSED, HELD % (lateral, -lateral)))
+        factors.clear()
+        solution = critical_load.critically_loaded(configuration, cracks, 1.0)
+        assert len(factors) <= MOST_SOLVES
+        found.append(solution.state.factor)
+        assert criticality(solution) == pytest.approx(1.0, abs=1e-9)
+        assert is_first_met(configuration, found[-1])
+    assert found[1] > 1.2 * found[0]
+
+
+def test_held_loads_that_meet_the_criterion_alone_are_an_error() -> None:
+    with pytest.raises(SolveError, match=r"met under the held loads alone.* hold smaller loads"):
+        run(case_of("compression30", HELD % (50.0, -50.0)))
+
+
+def test_where_no_load_is_critical_the_run_arrests_and_says_so(factors: list[float]) -> None:
+    """A level crack that is pressed flat sticks together: its tips see no tension at any load."""
+    case = case_of(
+        "tension0", "growth.criterion=max_hoop_stress", "loads.0.traction=[0, -1]", "loads.1.traction=[0, 1]"
+    )
+    results, end = run(case)
+    assert len(results) == 1
+    assert end.status == "arrested"
+    assert end.reason == f"step 0: {critical_load.NEVER_CRITICAL}"
+    assert any(critical_load.NEVER_CRITICAL in warning for warning in results[0].warnings)
+    assert not any(tip.advanced for tip in results[0].tips)
+    assert len(factors) <= 2 + MOST_SOLVES
+
+
+def test_tips_that_cannot_grow_have_no_critical_load(factors: list[float]) -> None:
+    configuration, cracks = ready(case_of("tension0", "cracks.flaw.tips=end"))
+    (growing,) = cracks
+    only_end = critical_load.critically_loaded(configuration, cracks, 1.0)
+    assert only_end.tips[1].verdict.criticality == pytest.approx(1.0, abs=1e-9)
+    factors.clear()
+    (still,) = load_case(CASES / "tension0.yaml", ["cracks.flaw.tips=none"]).cracks
+    none = critical_load.critically_loaded(configuration, (GrowingCrack(still, growing.steps),), 0.7)
+    assert (none.state.factor, factors) == (0.7, [0.7])
