@@ -258,7 +258,7 @@ class _Increment:
             frictional = (friction > 0.0) | (cohesion > 0.0)
             rows = np.flatnonzero(taken)
             sliding = rows if frictional[rows].any() else rows[:0]
-            response = np.concatenate([contact.columns.of_gap(rows), contact.columns.of_slip(sliding)], axis=1)
+            response = contact.columns.of(rows, sliding)
             free = np.concatenate([free_gap[rows], free_slip[sliding]])
             problem = _condensed(contact, response, free, friction, cohesion, rows, sliding)
             solution, note = _solved(problem, contact.solver)
@@ -332,29 +332,33 @@ class _Columns:
     def __init__(self, system: ConstrainedSystem, gap_of: csr_array, slip_of: csr_array, weights: Floats) -> None:
         self._system, self._weights = system, weights
         self._operators = (gap_of, slip_of)
-        self._known: tuple[dict[int, tuple[Floats, Floats]], ...] = ({}, {})
+        self._known: tuple[dict[int, tuple[Floats, Floats]], ...] = ({}, {})  # of gap, of slip
 
-    def of_gap(self, rows: Ints) -> Floats:
-        """(n_dofs, k) for normal tractions at contact points `rows` (k,)."""
-        return self._of(0, rows)
-
-    def of_slip(self, rows: Ints) -> Floats:
-        """(n_dofs, k) for tangential tractions at contact points `rows` (k,)."""
-        return self._of(1, rows)
+    def of(self, rows: Ints, sliding: Ints) -> Floats:
+        """(n_dofs, k + l) for normal tractions at points `rows` (k,) and tangential ones at `sliding` (l,)."""
+        self._find(rows, sliding)
+        columns = [u for u, _ in self._parts(rows, sliding)]
+        return np.stack(columns, axis=1) if columns else np.empty((self._operators[0].shape[1], 0))
 
     def multipliers(self, rows: Ints, sliding: Ints) -> Floats:
-        """(m, k + l) support multipliers per unit traction."""
-        parts = [self._known[0][row][1] for row in rows.tolist()] + [self._known[1][row][1] for row in sliding.tolist()]
-        return np.stack(parts, axis=1)
+        """(m, k + l) support multipliers per unit traction; of columns that are known."""
+        return np.stack([multipliers for _, multipliers in self._parts(rows, sliding)], axis=1)
 
-    def _of(self, kind: int, rows: Ints) -> Floats:
-        known, operator = self._known[kind], self._operators[kind]
-        new = [row for row in rows.tolist() if row not in known]
-        if new:
-            u, multipliers = self._system.solve((operator[new].T * self._weights[new]).toarray())
-            known.update({row: (u[:, i], multipliers[:, i]) for i, row in enumerate(new)})
-        n_dofs = operator.shape[1]
-        return np.stack([known[row][0] for row in rows.tolist()], axis=1) if len(rows) else np.empty((n_dofs, 0))
+    def _parts(self, rows: Ints, sliding: Ints) -> list[tuple[Floats, Floats]]:
+        pairs = zip(self._known, (rows, sliding), strict=True)
+        return [known[row] for known, wanted in pairs for row in wanted.tolist()]
+
+    def _find(self, rows: Ints, sliding: Ints) -> None:
+        """Solve for all columns that are not known yet, at once."""
+        pairs = zip(self._known, (rows, sliding), strict=True)
+        new = [[row for row in wanted.tolist() if row not in known] for known, wanted in pairs]
+        if not any(new):
+            return
+        forces = [(op[some].T * self._weights[some]).toarray() for op, some in zip(self._operators, new, strict=True)]
+        u, multipliers = self._system.solve(np.concatenate(forces, axis=1))
+        found = zip(u.T, multipliers.T, strict=True)
+        for known, some in zip(self._known, new, strict=True):
+            known.update({row: next(found) for row in some})
 
 
 def _solved(problem: ContactProblem, solver: Literal["newton", "lemke"]) -> tuple[ContactSolution, str]:

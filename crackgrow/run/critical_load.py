@@ -23,7 +23,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import GO_BY_K, TipLoading
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import LoadState, held_loads, increment
-from crackgrow.run.step import StepSolution, judged, tip_loadings, tip_states, verdict
+from crackgrow.run.step import StepSolution, judged, stress_fields, tip_states, verdict
 
 Bools = NDArray[np.bool_]
 
@@ -112,7 +112,8 @@ class _Search:
         self._tried: list[_Trial] = []
         self._expected: set[float] = set()  # factors at which contact was expected to change
         growth = configuration.scene.case.growth
-        self._by_K = growth is not None and growth.criterion in GO_BY_K
+        assert growth is not None
+        self._growth = growth
         ends = configuration.cover.tip_ends
         self.can_grow = np.array([cracks[index].can_grow(end) for index, end in ends], dtype=bool)
 
@@ -131,10 +132,12 @@ class _Search:
         scene, seconds = self._configuration.scene, {"contact": state.seconds}
         with timed(seconds, "criterion"):
             materials = scene.materials_at(factor)
-            if self._by_K:
-                loadings = [tip.loading for tip in tip_states(state, materials)]
+            fields = stress_fields(state, materials)
+            if self._growth.criterion in GO_BY_K:
+                loadings = [tip.loading for tip in tip_states(state, materials, fields)]
             else:
-                loadings = tip_loadings(state, materials, [(np.nan, np.nan)] * len(self.can_grow))
+                radius = self._growth.tip_radius
+                loadings = [None if field is None else TipLoading(field, np.nan, np.nan, radius) for field in fields]
         trial = _Trial(factor, loadings, self._largest_criticality(loadings), state, seconds)
         self._tried.append(trial)
         return trial
@@ -149,7 +152,8 @@ class _Search:
     def found(self, trial: _Trial) -> StepSolution:
         """The solution of a trial that ends the search, with the time of all of them."""
         assert trial.state is not None
-        solution = judged(trial.state)
+        fields = [None if loading is None else loading.field for loading in trial.loadings]
+        solution = judged(trial.state, fields)
         spent = {phase: sum(tried.seconds[phase] for tried in self._tried) for phase in ("contact", "criterion")}
         spent["criterion"] += solution.seconds["criterion"]
         return replace(solution, seconds={**solution.seconds, **spent})

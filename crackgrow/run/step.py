@@ -16,7 +16,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA, TipLoading, Verdict
 from crackgrow.fracture.interaction_integral import FaceTraction, StressIntensity, interaction_integrals
 from crackgrow.fracture.stress_intensity import from_face_displacements
-from crackgrow.fracture.tip_stress import tip_fields
+from crackgrow.fracture.tip_stress import TipField, tip_fields
 from crackgrow.run.configuration import Configuration, assemble, timed
 from crackgrow.run.increments import LoadState, increment, unloaded
 from crackgrow.run.scene import Scene
@@ -105,19 +105,35 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
     return judged(increment(configuration, unloaded(configuration), load_factor))
 
 
-def judged(state: LoadState) -> StepSolution:
-    """A loaded configuration with the fracture quantities of its tips."""
+def judged(state: LoadState, fields: Sequence[TipField | None] | None = None) -> StepSolution:
+    """A loaded configuration with the fracture quantities of its tips; `fields` if their stress is known already."""
     configuration = state.configuration
     materials = configuration.scene.materials_at(state.factor)
     seconds = dict(configuration.seconds)
     seconds["contact"] = state.seconds
     with timed(seconds, "criterion"):
-        tips = tip_states(state, materials)
+        tips = tip_states(state, materials, stress_fields(state, materials) if fields is None else fields)
     return StepSolution(configuration, state, materials, tips, seconds)
 
 
-def tip_states(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> tuple[TipState, ...]:
-    """Fracture quantities of all tips; `materials` body by body, in-situ stress included."""
+def stress_fields(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> list[TipField | None]:
+    """The stress round every tip, None where nothing can grow; `materials` body by body, in-situ stress included."""
+    scene, cover = state.configuration.scene, state.configuration.cover
+    fields: list[TipField | None] = [None] * len(cover.tips)
+    growth = scene.case.growth
+    if growth is None:
+        return fields
+    bodies = [scene.case.bodies[scene.crack_bodies[crack]] for crack, _ in cover.tip_ends]
+    tips = [tip for tip, body in enumerate(bodies) if body.strength is not None]
+    for tip, field in zip(tips, tip_fields(cover, materials, state.outcome.u, tips, growth.tip_radius), strict=True):
+        fields[tip] = field
+    return fields
+
+
+def tip_states(
+    state: LoadState, materials: tuple[PlaneElasticity, ...], fields: Sequence[TipField | None]
+) -> tuple[TipState, ...]:
+    """Fracture quantities of all tips, with the stress `fields` round them."""
     configuration, u = state.configuration, state.outcome.u
     scene, cover = configuration.scene, configuration.cover
     tips = range(len(cover.tips))
@@ -127,30 +143,12 @@ def tip_states(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> tupl
     weights = [scene.weight(body, state.factor) for body in bodies]
     intensities = interaction_integrals(cover, materials, u, tips, tractions, weights)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
-    loadings = tip_loadings(state, materials, [tip.K for tip in found])
-    return tuple(
-        tip if loading is None else replace(tip, loading=loading, verdict=verdict(scene, body, loading))
-        for tip, loading, body in zip(found, loadings, bodies, strict=True)
-    )
-
-
-def tip_loadings(
-    state: LoadState, materials: tuple[PlaneElasticity, ...], K: Sequence[tuple[float, float]]
-) -> list[TipLoading | None]:
-    """What the criterion knows of every tip, K_I and K_II (Pa sqrt(m)) given; None where nothing can grow."""
-    scene, cover = state.configuration.scene, state.configuration.cover
-    loadings: list[TipLoading | None] = [None] * len(cover.tips)
     growth = scene.case.growth
-    if growth is None:
-        return loadings
-    tips = [
-        tip
-        for tip, (crack, _) in enumerate(cover.tip_ends)
-        if scene.case.bodies[scene.crack_bodies[crack]].strength is not None
-    ]
-    for tip, field in zip(tips, tip_fields(cover, materials, state.outcome.u, tips, growth.tip_radius), strict=True):
-        loadings[tip] = TipLoading(field, *K[tip], growth.tip_radius)
-    return loadings
+    for tip, field in enumerate(fields):
+        if growth is not None and field is not None:
+            loading = TipLoading(field, *found[tip].K, growth.tip_radius)
+            found[tip] = replace(found[tip], loading=loading, verdict=verdict(scene, bodies[tip], loading))
+    return tuple(found)
 
 
 def verdict(scene: Scene, body: int, loading: TipLoading) -> Verdict:

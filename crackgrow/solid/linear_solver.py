@@ -40,6 +40,9 @@ FEW = 8
 """So many right-hand sides are refined at least once. The error of a factorization is the same in all solves: loose
 springs that follow the rock would find a place, far away, where it balances loads that nothing else does."""
 
+FEW_CONSTRAINTS = 16
+"""Up to so many constraints the responses to all of them cost less than the solves that they save."""
+
 AT_ONCE = 256
 """Right-hand sides that are solved for together."""
 
@@ -115,6 +118,7 @@ class ConstrainedSystem:
         self._rho = share @ stiffness.diagonal() / total  # row by row, of the size of the entries it meets
         self._factorization = Factorization(self._held(), places)
         self._size = abs(stiffness)
+        self._responses: Floats | None = None  # (n + m, m) to the constraints, found when they pay
 
     @property
     def note(self) -> str:
@@ -188,7 +192,9 @@ class ConstrainedSystem:
         if m == 0:
             return solution, solution[n:]
         share = abs(self.constraints)
-        responses = self._pulled(np.eye(m)) if m < loads.shape[1] else None  # else one solve each is cheaper
+        if self._responses is None and m <= max(FEW_CONSTRAINTS, loads.shape[1]):  # else one solve each is cheaper
+            self._responses = self._pulled(np.eye(m))
+        responses = self._responses
         for _ in range(HARDENINGS):
             missing = wanted - self.constraints @ solution[:n]
             if np.all(np.abs(missing) <= SMALLEST * (share @ np.abs(solution[:n]) + np.abs(wanted))):
