@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING
 import crackgrow
 from crackgrow.errors import CaseError, CrackgrowError, Fault
 from crackgrow.results.atomic import OutputError, write_text
-from crackgrow.results.log import step_label, step_line
+from crackgrow.results.log import event_line, step_label, step_line
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
     from crackgrow.results.writer import RunWriter
-    from crackgrow.run.result import RunEnd, StepResult
+    from crackgrow.run.result import Event, RunEnd, StepResult
 
 EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
 EXIT_DIFFERENT = 1  # of compare, as of diff and cmp
@@ -148,6 +148,14 @@ class Progress:
             _say(f"\r{self._bar(result)[:width]}\x1b[K", end="")
         elif not self._quiet:
             _say(step_line(result, self._n_steps))
+        self.tell(result.events)
+
+    def tell(self, events: Sequence[Event]) -> None:
+        """Tell of tips that have met something."""
+        if events and self._live:
+            _say("")  # the bar stays above, and a new one follows
+        for event in events if not self._quiet else ():
+            _say(event_line(event))
 
     def close(self) -> None:
         """Leave the live line and print the warnings of the steps, each once."""
@@ -242,6 +250,7 @@ def _write_steps(steps: Iterator[StepResult], writer: RunWriter, progress: Progr
             break
         writer.add(result)
         progress.show(result)
+    progress.tell(end.events)
     writer.finish(end)
     return end
 

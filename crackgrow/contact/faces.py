@@ -22,7 +22,7 @@ from crackgrow.quadrature.rules import gauss
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-STRETCH_KINK = np.deg2rad(20.0)
+STRETCH_KINK = np.deg2rad(10.0)
 """A kink sharper than this ends a stretch: hat functions do not reach round it, since the normal turns there."""
 
 TIE = 1e-6

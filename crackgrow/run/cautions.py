@@ -63,7 +63,8 @@ def cautions(
     What holds for all steps is said at the first; of a tip without room for the integral of K, and of things that are
     close to each other, once: where it is not among the warnings already `told`.
     """
-    found = [*solution.outcome.notes, *solution.notes]
+    slower = solution.contact.system.note
+    found = [*solution.outcome.notes, *solution.notes, *([slower] if slower else [])]
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
     found.extend(_overlapping(scene, solution, faces))

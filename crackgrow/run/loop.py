@@ -87,9 +87,7 @@ def _choose(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolu
     criticality = _criticality(cracks, solution)
     largest = criticality.max(initial=-np.inf)
     if isinstance(solution.configuration.scene.case.loading, CriticalLoad) and abs(largest - 1.0) < TIE:
-        criticality = criticality * (
-            1.0 + TIE
-        )  # the largest is 1 but for round-off; tips as critical as that one grow too
+        criticality = criticality * (1.0 + TIE)  # the largest is 1 but for round-off; as critical ones grow too
     return growing_tips(criticality, np.array(n_advances, dtype=np.int64), growth.advance)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Generator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,7 @@ from crackgrow.case.model import Case
 from crackgrow.errors import CaseError, Fault, GeometryError, SolveError
 from crackgrow.results import writer
 from crackgrow.run.result import RunEnd, StepResult
-from tests.unit.results.synthetic import make_case, make_end, make_result
+from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
 
 Grow = Callable[[Case], Generator[StepResult, None, RunEnd]]
 
@@ -81,6 +82,27 @@ def test_terminal_has_one_live_line(
     live = capsys.readouterr().out.splitlines()[1:5]
     assert [text for text in live if "step 2/2, 3 tip advances, 5 contact iterations" in text]
     assert "[##########..........] step 1/2" in "".join(live)
+
+
+def test_what_tips_have_met_is_told_as_it_happens_and_at_the_end(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def meeting(case: Case) -> Generator[StepResult, None, RunEnd]:
+        yield make_result(0)
+        yield make_result(1, events=(make_event(1),))
+        return replace(make_end(2), events=(make_event(2),))
+
+    monkeypatch.setattr(crackgrow, "grow", meeting)
+    assert cli.main(["run", "block.yaml"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    told = [number for number, line in enumerate(lines) if "coalescence: crack 'flaw' (end) reached" in line]
+    assert told == [3, 4]  # behind the lines of the scene and of steps 0 and 1
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    assert cli.main(["run", "block.yaml"]) == 0
+    lines = capsys.readouterr().out.split("\n")  # a carriage return only goes back to the bar's begin
+    assert [line.split(",")[0] for line in lines if "coalescence" in line] == ["step 1", "step 2"]
+    assert cli.main(["run", "block.yaml", "--quiet"]) == 0
+    assert capsys.readouterr().out == ""
 
 
 def test_overrides_reach_the_loader(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
