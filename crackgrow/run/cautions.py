@@ -23,6 +23,16 @@ GOOD_SUPPORT = 2.0
 GOOD_CONTACT_SPACING = 1.25
 """Distance of the contact nodes, in spacings, from which tractions follow the displacement without oscillating."""
 
+GAUSS_LAYER = 0.25
+"""Least E'/(2k), in spacings, over which gauss points resolve how pressure falls to a closed tip: K_I is within 5 % of
+its own at 0.18, 20 % off at 0.05, and of the wrong sign or size far below."""
+
+STIFF_GAUSS = 1e3
+"""Contact stiffness, in E/h, from which tractions at gauss points oscillate by more than 10 % from point to point."""
+
+NEARLY_INCOMPRESSIBLE = 0.49
+"""Poisson's ratio in plane strain up to which K is within 1 %, and, at a support of 1.5, the displacement."""
+
 CLOSE = 1.0
 """Spacings: things closer than this share all of their patches."""
 
@@ -116,17 +126,61 @@ def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
             f"numerics.contact.spacing is {contact.spacing:g}: below {GOOD_CONTACT_SPACING:g} contact tractions can "
             "oscillate from node to node, where faces stick up to their full size"
         )
-    if contact.discretization == "mortar" and contact.stiffness is not None and any(_layers(scene)):
-        found.append(
-            "elastic contact with mortar nodes: the pressure falls to a closed tip over E'/(2k), less than their "
-            "distance, and K_I there is not resolved; use numerics.contact.discretization gauss, or a rigid contact"
-        )
+    found.extend(_elastic_contact_warnings(scene, solution))
+    found.extend(_incompressible_warnings(scene))
     for crack in solution.cover.cracks:
         length = arc_lengths(crack.points)[-1]
         if length < SHORT_CRACK:
             found.append(
                 f"crack '{crack.name}' is {length:.3g} spacings long: below {SHORT_CRACK:g} the cover does not resolve "
                 "it, and K can be off by 20 %"
+            )
+    return found
+
+
+def _elastic_contact_warnings(scene: Scene, solution: StepSolution) -> list[str]:
+    """What faces that give way do not resolve."""
+    contact = scene.case.numerics.contact
+    if contact.stiffness is None:
+        return []
+    found = []
+    gauss = contact.discretization == "gauss"
+    if any(_layers(scene, GAUSS_LAYER if gauss else contact.spacing)):
+        points, much, remedy = (
+            ("gauss points", "a quarter of the spacing", "a smaller spacing")
+            if gauss
+            else ("mortar nodes", "their distance", "numerics.contact.discretization gauss")
+        )
+        found.append(
+            f"elastic contact with {points}: the pressure falls to a closed tip over E'/(2k), less than {much}, and "
+            f"K_I there is not resolved; use {remedy}, or a rigid contact"
+        )
+    if gauss and contact.stiffness > STIFF_GAUSS and solution.faces.n:
+        found.append(
+            f"numerics.contact.stiffness is {contact.stiffness:g}: above {STIFF_GAUSS:g} tractions at gauss points "
+            "oscillate from point to point, from 1e6 on by their full size, and K is unsure; use mortar nodes"
+        )
+    return found
+
+
+def _incompressible_warnings(scene: Scene) -> list[str]:
+    """What bodies that hardly change their volume cost in accuracy."""
+    if scene.case.plane == "stress":
+        return []
+    found = []
+    for index, body in enumerate(scene.case.bodies):
+        ratio = body.material.poisson
+        if ratio <= NEARLY_INCOMPRESSIBLE:
+            continue
+        if scene.case.numerics.support < GOOD_SUPPORT:
+            found.append(
+                f"body '{body.name}' has a Poisson's ratio of {ratio:g} and numerics.support is below {GOOD_SUPPORT:g}:"
+                " it locks, displacements can be 3 % too small at 0.499 and 7 % at 0.4999"
+            )
+        if index in scene.crack_bodies:
+            found.append(
+                f"body '{body.name}' has a Poisson's ratio of {ratio:g}: on a coarse lattice K can be off by 3 % at "
+                "0.499 and by 20 % at 0.4999; see the columns K_*_error of tips.csv"
             )
     return found
 
@@ -148,9 +202,9 @@ def _elastic_size(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces,
     return float(max(solution.displacement_size, 2.0 * scene.lattice.spacing * pressure / softest))
 
 
-def _layers(scene: Scene) -> list[bool]:
-    """Crack by crack: whether its elastic contact gives way at a tip over less than the distance of the nodes."""
-    distance = scene.case.numerics.contact.spacing * scene.lattice.spacing
+def _layers(scene: Scene, spacings: float) -> list[bool]:
+    """Crack by crack: whether its elastic contact gives way at a tip over less than so many spacings."""
+    distance = spacings * scene.lattice.spacing
     stiff = (scene.materials[body].young_prime for body in scene.crack_bodies)
     return [0.5 * modulus * law.compliance < distance for modulus, law in zip(stiff, scene.laws, strict=False)]
 
