@@ -33,7 +33,7 @@ from crackgrow.run.scene import Scene
 from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs, named
+from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs
 from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints, constraints, tied
 
@@ -173,10 +173,7 @@ def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> li
     pressed, stuck = outcome.state != OPEN, outcome.state == STICK
     rows = [contact.system.constraints, contact.gap_of[pressed], contact.slip_of[stuck]]
     pieces = free_pieces(cover, csr_array(vstack(rows, format="csr")))
-    return [
-        f"{piece} may move without any resistance ({named(piece.motion)}): where it lies is arbitrary"
-        for piece in pieces
-    ]
+    return [f"{piece} may move without any resistance ({piece.motion}): where it lies is arbitrary" for piece in pieces]
 
 
 def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:

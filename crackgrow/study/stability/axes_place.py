@@ -28,6 +28,8 @@ PLACED_TOLERANCE = 1e-3
 
 STICK_TOLERANCE = 1e-6
 
+OVERALL = "K, displacement, energies, forces"
+
 WIDTH = 100.0  # mm: ten times the flaw
 
 
@@ -106,7 +108,7 @@ def scene(scenes: Scenes) -> Iterator[Trial]:
         "moved by 1 km": moved(1e3, -1e3),
     }
     for name, placement in placements.items():
-        yield placed_trial(scenes, "scene", name, scenes.flaw(), placement)
+        yield _placed_trial(scenes, name, placement)
     plain = scenes.usual_flaw()
     for degrees in scenes.few((1.0, 37.0), (37.0,)):
         yield Trial(
@@ -120,15 +122,14 @@ def scene(scenes: Scenes) -> Iterator[Trial]:
         )
 
 
-def placed_trial(scenes: Scenes, axis: str, value: str, case: Case, placement: Placement) -> Trial:
-    """A case in another place against itself."""
-    plain = scenes.usual(case)
+def _placed_trial(scenes: Scenes, value: str, placement: Placement) -> Trial:
+    plain = scenes.usual_flaw()
     return Trial(
-        axis,
+        "scene",
         value,
-        "K, displacement, energies, forces",
+        OVERALL,
         PLACED_TOLERANCE,
-        lambda: solved_placed(case, placement),
+        lambda: solved_placed(scenes.flaw(), placement),
         against(plain, overall),
         plain,
     )
