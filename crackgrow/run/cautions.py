@@ -7,6 +7,7 @@ import shapely
 
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.run.reactions import imbalance
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
 from crackgrow.run.step import StepSolution
@@ -44,6 +45,9 @@ NOISE = 1e-3
 
 AT_CORNERS = 0.05
 """The same on interfaces and foundations: the corners of bodies make such overlaps on any lattice."""
+
+LARGE_IMBALANCE = 1e-8
+"""What may be missing of the balance of forces of the whole scene, by their magnitudes, before a step says so."""
 
 LARGE_RESIDUAL = 1e-9
 """Relative equilibrium residual from which a step carries a warning."""
@@ -85,6 +89,9 @@ def cautions(
     found.extend(text for text in (*_short_of_room(solution), *close) if text not in told)
     if solution.residual > LARGE_RESIDUAL:
         found.append(f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned")
+    left = imbalance(solution)
+    if left > LARGE_IMBALANCE:
+        found.append(f"loads and reactions are out of balance by {left:.1g}: bodies of very unlike stiffness")
     return tuple(found)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.run.reactions import imbalance
 from crackgrow.study.stability.solved import Solved
 
 Floats = NDArray[np.float64]
@@ -66,7 +67,7 @@ def K_II_against(value: float) -> Measure:
 
 def balanced(found: Solved) -> float:
     """What loads and reactions leave, the energy balance and the equilibrium residual, whichever is largest."""
-    return max(found.imbalance, found.result.energy.error, found.result.residual)
+    return max(imbalance(found.solution), found.result.energy.error, found.result.residual)
 
 
 def uniform(normal: float, tangential: float) -> Measure:

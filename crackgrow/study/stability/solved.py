@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.loading import load
-from crackgrow.run.reactions import total_load
 from crackgrow.run.report import step_result
 from crackgrow.run.result import CrackPath, StepResult
 from crackgrow.run.scene import make_scene
@@ -87,15 +86,6 @@ class Solved:
     def load_size(self) -> float:
         """Sum (N/m) of the magnitudes of the loads."""
         return float(np.abs(self.solution.loads).sum() / (self.placement.stress * self.placement.size))
-
-    @property
-    def imbalance(self) -> float:
-        """What loads and reactions of the whole scene leave, by the sum of their magnitudes."""
-        interfaces = {surface.name for surface in self.solution.configuration.scene.interfaces}
-        held = [r.force for r in self.result.reactions if r.where not in interfaces]
-        size = np.abs(self.solution.loads).sum() + sum(np.hypot(*force) for force in held)
-        left = total_load(self.solution) + sum((np.array(force) for force in held), start=np.zeros(2))
-        return float(np.abs(left).max() / size) if size > 0.0 else 0.0
 
 
 def solved_placed(case: Case, placement: Placement) -> Solved:
