@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -65,24 +65,27 @@ class Configuration:
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
     seconds: dict[str, float]
+    solved: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)  # without contact, per unit
 
     @property
     def matrix(self) -> csc_array:
         """Stiffness (n_dofs, n_dofs) Pa."""
         return self.stiffness.matrix
 
-    def loads(self, factor: float) -> Floats:
-        """Loads (n_dofs,) N/m at a load factor."""
-        return self.constant + factor * self.scaled
+    def loads(self, factor: float, holding: float = 1.0) -> Floats:
+        """Loads (n_dofs,) N/m at a load factor, with a share of the held ones."""
+        return holding * self.constant + factor * self.scaled
 
-    def equilibrium(self, factor: float, memory: ContactMemory | None) -> tuple[ContactOutcome, float]:
-        """Displacements and tractions at a load factor after an increment that left `memory`, and the residual.
+    def equilibrium(
+        self, factor: float, memory: ContactMemory | None, holding: float = 1.0
+    ) -> tuple[ContactOutcome, float]:
+        """Displacements and tractions at a load factor after an increment from `memory` on, and the residual.
 
-        Raises SolveError where they can't be found to a small residual.
+        `holding` is the share of the held loads. Raises SolveError where they can't be found to a small residual.
         """
-        loads, given = self.loads(factor), factor * self.held.given
+        loads, given = self.loads(factor, holding), factor * self.held.given
         if self.springs is None:
-            outcome = solve_contact(self.contact, loads, given, memory)
+            outcome = solve_contact(self.contact, loads, given, memory, self._without_contact(factor, holding))
         else:
             outcome = solve_contact_held_loosely(self.contact, self.springs, self.free, loads, given, memory)
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
@@ -93,6 +96,20 @@ class Configuration:
                 "conditioned" + ("; a tip may lie too close to another one or to an outline" if self.cover.tips else "")
             )
         return outcome, residual
+
+    def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
+        system, given = self.contact.system, self.held.given
+        u, multipliers = np.zeros(len(self.scaled)), np.zeros(len(given))
+        parts = ((factor, self.scaled, given), (holding, self.constant, np.zeros(len(given))))
+        for kind, (share, loads, displacements) in enumerate(parts):
+            if share == 0.0 or not (loads.any() or displacements.any()):
+                continue
+            if kind not in self.solved:
+                self.solved[kind] = system.solve(loads, displacements)
+            u += share * self.solved[kind][0]
+            multipliers += share * self.solved[kind][1]
+        return u, multipliers
 
 
 def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:
