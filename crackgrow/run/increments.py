@@ -158,7 +158,8 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     if start.grown:
         state = _booked(_part(configuration, start, factor, 1.0), start)
         return replace(state, seconds=time.perf_counter() - began)
-    at, reached = start, []
+    at = start
+    reached: list[LoadState] = []
     ends = [(factor, 1.0, 0)]  # of the parts, the next one last: load factor, share of the held loads, halvings
     while ends:
         end, holding, halvings = ends[-1]
