@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from crackgrow.contact.coulomb import STICK
-from crackgrow.contact.solve import ContactLaw
+from crackgrow.contact.law import ContactLaw
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import GO_BY_K, TipLoading
