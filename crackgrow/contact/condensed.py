@@ -11,6 +11,7 @@ from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import ContactProblem, ContactSolution, complementarity_residual
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.system import ContactSystem
+from crackgrow.contact.uniqueness import friction_limit
 from crackgrow.errors import SolveError
 
 Floats = NDArray[np.float64]
@@ -39,8 +40,11 @@ def condensed(
     return ContactProblem(compliance, free, friction[rows], cohesion[rows], scale)
 
 
-def solved(problem: ContactProblem, solver: Literal["newton", "lemke"]) -> tuple[ContactSolution, str]:
-    """Solution of a contact problem by `solver`, or by the other one, and then a note that says why."""
+def solved(problem: ContactProblem, weights: Floats, solver: Literal["newton", "lemke"]) -> tuple[ContactSolution, str]:
+    """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
+
+    `weights` (n,) m are the points' lengths. Raises SolveError where neither finds one.
+    """
     failures = []
     for name in (solver, "lemke" if solver == "newton" else "newton"):
         try:
@@ -57,5 +61,15 @@ def solved(problem: ContactProblem, solver: Literal["newton", "lemke"]) -> tuple
         )
     raise SolveError(
         f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
-        "try a coarser contact spacing or a softer contact stiffness"
+        f"try a coarser contact spacing or a softer contact stiffness{_less_friction(problem, weights)}"
     )
+
+
+def _less_friction(problem: ContactProblem, weights: Floats) -> str:
+    """Advice where friction is large enough to be what the solvers fail at."""
+    if problem.friction is None:
+        return ""
+    largest, limit = float(problem.friction.max()), friction_limit(problem.compliance, weights)
+    if largest == 0.0 or largest < limit:
+        return ""
+    return f", or less friction: of {largest:.3g} it may leave several solutions, below {limit:.2g} exactly one"

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from crackgrow.contact.anderson import accelerated
 from crackgrow.contact.condensed import condensed, solved
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, complementarity_residual
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactProblem, complementarity_residual
 from crackgrow.contact.law import ContactMemory
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
@@ -65,6 +65,8 @@ class ContactOutcome:
     complementarity: float  # relative
     status: Literal["none", "solved"]
     notes: tuple[str, ...]  # what the user should know of how it was solved
+    rows: Ints  # (k,) points that the solver had to deal with: all others stay open
+    problem: ContactProblem | None  # what it solved for them last
 
 
 def solve_contact(
@@ -123,6 +125,7 @@ class _Increment:
         iterations, complementarity = 0, 0.0
         u, multipliers = self._u_free, self._multipliers
         gap = free_gap
+        problem: ContactProblem | None = None
         taken |= gap < -self._tolerance
         while taken.any():
             friction, cohesion = law.bound_of(self._broken)
@@ -133,7 +136,7 @@ class _Increment:
             response = contact.columns.of(rows, sliding)
             free = np.concatenate([free_gap[rows], free_slip[sliding]])
             problem = condensed(contact, response, free, friction, cohesion, rows, sliding)
-            solution, note = solved(problem, contact.solver)
+            solution, note = solved(problem, contact.weights[rows], contact.solver)
             notes.update([note] if note else [])
             iterations += solution.iterations
             complementarity = complementarity_residual(problem, solution.traction)
@@ -173,4 +176,6 @@ class _Increment:
             complementarity=complementarity,
             status="solved" if taken.any() else "none",
             notes=tuple(sorted(notes)),
+            rows=np.flatnonzero(taken),
+            problem=problem,
         )
