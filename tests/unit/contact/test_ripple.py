@@ -29,7 +29,7 @@ def test_waves_that_the_lattice_carries_are_none() -> None:
 def test_what_rock_does_is_no_wave() -> None:
     root = np.sqrt(S * (6.0 - S))
     step = np.where(S < 3.0, -75.0, -20.0)
-    peak = -75.0 - 500.0 * (S == S[30])
+    peak = -75.0 - 500.0 * np.eye(61)[30]
     for smooth in (-75.0 * np.ones(61), -75.0 + S, root, -1.0 / (S + 0.01), step, peak, -np.abs(S - 2.0)):
         assert ripple(S, smooth)[0] == 0.0
 
