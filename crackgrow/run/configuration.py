@@ -116,7 +116,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
         cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
     with timed(seconds, "assembly"):
-        known = {} if before is None else before.stiffness.clusters
+        known = None if before is None else before.stiffness
         stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, known)
         matrix = stiffness.matrix
         faces = _faces(scene, cover)
