@@ -18,7 +18,6 @@ from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
 from crackgrow.contact.held_loosely import solve_contact_held_loosely
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.law import ContactLaw, ContactMemory
-from crackgrow.contact.ripple import worst_ripple
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover, build_cover
@@ -45,12 +44,6 @@ UNSTRESSED = 1e-6
 
 WORST_RESIDUAL = 1e-5
 """Relative equilibrium residual beyond which a solution is refused."""
-
-LESS_RIPPLE = "use numerics.contact.discretization mortar (with a spacing of 1.25 or more), or a softer contact"
-"""What helps against oscillating tractions."""
-
-WORST_RIPPLE = 1.0
-"""Short waves of the contact tractions, as a part of the mean pressure, from which a solution is refused."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,13 +87,6 @@ class Configuration:
             raise SolveError(
                 f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}: the system is too ill "
                 "conditioned" + ("; a tip may lie too close to another one or to an outline" if self.cover.tips else "")
-            )
-        worst = worst_ripple(self.faces, outcome.normal_traction, outcome.tangential_traction)
-        if worst is not None and worst.part > WORST_RIPPLE:
-            raise SolveError(
-                f"contact tractions on '{self.cover.surfaces[worst.surface].name}' oscillate by {worst.part:.2g} times "
-                "their mean pressure within two spacings: there are more contact points than the displacement can "
-                "follow, and contact is too stiff to leave them a unique traction; " + LESS_RIPPLE
             )
         return outcome, residual
 

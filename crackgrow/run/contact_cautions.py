@@ -8,7 +8,6 @@ from typing import Final
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.contact.second_solution import second_solution
-from crackgrow.run.configuration import LESS_RIPPLE
 from crackgrow.run.step import StepSolution
 
 LARGE_RIPPLE: Final = 0.1
@@ -24,8 +23,8 @@ def contact_cautions(solution: StepSolution) -> Iterator[str]:
     if worst is not None and worst.part > LARGE_RIPPLE:
         yield (
             f"contact tractions on '{surfaces[worst.surface].name}' oscillate by {100.0 * worst.part:.2g} % of their "
-            "mean pressure within two spacings, and K_I with them: contact points are closer than the displacement "
-            f"can follow; {LESS_RIPPLE}"
+            "mean pressure within two spacings, and K_I with them: contact points are closer than the displacement can "
+            "follow; use numerics.contact.discretization mortar (with a spacing of 1.25 or more), or a softer contact"
         )
     second = second_solution(solution.contact, outcome)
     if second is not None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.contact.coulomb import SLIP, STICK
+from crackgrow.contact.coulomb import SLIP, STICK, ContactProblem, ContactSolution
 from crackgrow.contact.law import ContactMemory
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.errors import CaseError, SolveError
@@ -124,7 +124,7 @@ def roughness(found: StepSolution) -> float:
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("stiffness", ["1e0", "1e1", "1e2", "1e4"])
+@pytest.mark.parametrize("stiffness", ["1e0", "1e1", "1e2", "1e4", "1e5"])
 def test_gauss_points_say_so_where_their_tractions_oscillate(stiffness: str, friction: float) -> None:
     settings = (*law(friction), *stiff(stiffness, "gauss"))
     step = first_step(*settings)
@@ -136,20 +136,15 @@ def test_gauss_points_say_so_where_their_tractions_oscillate(stiffness: str, fri
         assert "discretization mortar" in warned[0]
     else:
         assert roughness(found) < 0.03
-    assert len(warned) == (stiffness in ("1e2", "1e4"))
+    assert len(warned) == (stiffness in ("1e2", "1e4", "1e5"))
 
 
-@pytest.mark.parametrize(("stiffness", "reason"), [("1e6", "oscillate"), ("1e8", "oscillate"), ("1e12", "not solved")])
-def test_gauss_points_are_refused_where_their_tractions_mean_nothing(stiffness: str, reason: str) -> None:
+@pytest.mark.parametrize("stiffness", ["1e6", "1e8", "1e12", "rigid"])
+def test_gauss_points_are_refused_where_their_tractions_mean_nothing(stiffness: str) -> None:
     """K_I would be 160 MPa sqrt(m) at 1e8, 28 times the K_II of a flaw that is closed."""
-    with pytest.raises(SolveError, match=reason) as error:
+    with pytest.raises(CaseError, match="more contact points than the displacement can follow") as error:
         first_step(*law(), *stiff(stiffness, "gauss"))
-    assert "softer contact" in str(error.value)
-
-
-def test_rigid_gauss_points_are_refused_at_once() -> None:
-    with pytest.raises(CaseError, match="more contact points than the displacement can follow"):
-        first_step(*law(), *stiff("rigid", "gauss"))
+    assert "stiffer than 100000" in str(error.value)
 
 
 def test_the_stiffer_the_gauss_points_the_rougher() -> None:
@@ -233,24 +228,30 @@ def test_a_stuck_flaw_of_elastic_contact_gives_way_by_its_stiffness_alone(stiffn
     assert distance_from_intact(found) < 1e-3 * 1e2 / float(stiffness)
 
 
-def test_a_failed_increment_leaves_everything_as_it_was() -> None:
-    """Gauss points that are as good as rigid can't be solved: the memory handed in and later solves don't notice."""
-    fails = configuration(*law(0.3), *stiff("1e8", "gauss"))
-    memory = ContactMemory(np.linspace(-1e-6, 1e-6, fails.faces.n), np.arange(fails.faces.n) % 2 == 0)
+def gives_up(problem: ContactProblem) -> ContactSolution:
+    return ContactSolution(np.zeros(problem.free.size), "limit", 17, np.zeros(problem.n_points, dtype=np.int64))
+
+
+def test_a_failed_increment_leaves_everything_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both solvers give up: neither the memory handed in nor later solves notice. Bit for bit."""
+    system = configuration(*law(0.3))
+    memory = ContactMemory(np.linspace(-1e-6, 1e-6, system.faces.n), np.arange(system.faces.n) % 2 == 0)
     slip, broken = memory.slip.copy(), memory.broken.copy()
     messages = []
     for _ in range(2):
-        with pytest.raises(SolveError) as error:
-            fails.equilibrium(1.0, memory)
+        with monkeypatch.context() as patch:
+            for name in ("newton", "lemke"):
+                patch.setattr(f"crackgrow.contact.condensed.solve_by_{name}", gives_up)
+            with pytest.raises(SolveError) as error:
+                system.equilibrium(1.0, memory)
         messages.append(str(error.value))
     assert messages[0] == messages[1]
     np.testing.assert_array_equal(memory.slip, slip)
     np.testing.assert_array_equal(memory.broken, broken)
-    good = configuration(*law(0.3))
-    start = ContactMemory.fresh(good.faces.n)
-    first, _ = good.equilibrium(1.0, start)
-    good.equilibrium(-3.0, start)
-    again, _ = good.equilibrium(1.0, start)
+    start = ContactMemory.fresh(system.faces.n)
+    first, _ = system.equilibrium(1.0, start)
+    system.equilibrium(-3.0, start)
+    again, _ = system.equilibrium(1.0, start)
     np.testing.assert_array_equal(again.u, first.u)
     np.testing.assert_array_equal(again.memory.slip, first.memory.slip)
-    np.testing.assert_array_equal(start.slip, np.zeros(good.faces.n))
+    np.testing.assert_array_equal(start.slip, np.zeros(system.faces.n))
