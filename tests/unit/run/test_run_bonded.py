@@ -1,0 +1,58 @@
+"""Cracks whose faces cohere: under uniform stress, what holds is the exact solution, with the displacement linear."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.contact.coulomb import STICK
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.scene import make_scene
+
+CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+LENGTH = 10.0  # mm
+
+
+def plate(path: str, stress: np.ndarray, *settings: str, tips: str = "both", **law: object) -> Configuration:
+    """The scene's plate with one crack under a uniform stress (2, 2) MPa on all sides."""
+    xx, xy, yy = float(stress[0, 0]), float(stress[0, 1]), float(stress[1, 1])
+    sides = {"right": (xx, xy), "left": (-xx, -xy), "top": (xy, yy), "bottom": (-xy, -yy)}
+    loads = [f"{{on: {{body: rock, edge: {edge}}}, traction: [{x!r}, {y!r}]}}" for edge, (x, y) in sides.items()]
+    faces = ", ".join(f"{key}: {value}" for key, value in {"friction": 0.3, "cohesion": 20, **law}.items())
+    changes = (f"cracks.flaw.path={path}", f"cracks.flaw.tips={tips}", f"cracks.flaw.contact={{{faces}}}")
+    case = load_case(CASE, [*changes, f"loads=[{', '.join(loads)}]", "numerics.spacing=1.5", *settings])
+    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    return assemble(make_scene(case), growing)
+
+
+def on_plane(angle: float, pressure: float, shear: float) -> np.ndarray:
+    """Stress (2, 2) of a pressure all round and of a pure shear along the plane at `angle` degrees."""
+    a = np.deg2rad(angle)
+    tangent, normal = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])
+    return shear * (np.outer(normal, tangent) + np.outer(tangent, normal)) - pressure * np.eye(2)
+
+
+def edge_crack(angle: float, end: str) -> str:
+    """From the middle of the right side inwards; the tip is the crack's start or end."""
+    a = np.deg2rad(angle)
+    tip, mouth = [15.5 - LENGTH * np.cos(a), -LENGTH * np.sin(a)], [15.5, 0.0]
+    points = [tip, mouth] if end == "start" else [mouth, tip]
+    return f"{{points: {[[float(x) for x in point] for point in points]}}}"
+
+
+@pytest.mark.parametrize("spacing", [1.5, 1.0])
+@pytest.mark.parametrize("end", ["start", "end"])
+@pytest.mark.parametrize("angle", [20.0, 45.0, 75.0])
+def test_the_mouth_of_an_edge_crack_sticks_as_the_rest_does(angle: float, end: str, spacing: float) -> None:
+    """Sheared beyond friction, pressed hard enough to be closed: cohesion and peak friction hold it everywhere."""
+    stress = on_plane(angle, pressure=30.0, shear=25.0)
+    settings = (f"numerics.spacing={spacing}",)
+    scene = plate(edge_crack(angle, end), stress, *settings, tips=end, friction=0.6, residual_friction=0.2)
+    outcome, _ = scene.equilibrium(1.0, None)
+    assert set(outcome.state.tolist()) == {STICK}
+    assert not outcome.memory.broken.any()
+    np.testing.assert_allclose(np.abs(outcome.tangential_traction), 25e6, rtol=1e-3)
