@@ -54,7 +54,7 @@ NO_CHANGE = 1e-9
 """A change of the springs' drift by less than this fraction is round-off."""
 
 SETTLED = 1e-12
-"""A change of the opening by dilation below this fraction of it is none."""
+"""A change of the opening by dilation below this fraction of it, or smaller than an overlap, is none."""
 
 SLACK = 1e-10
 """Springs with a force below this part of the loads are slack."""
@@ -220,7 +220,7 @@ def _solve(
     for _ in range(MOST_PULLS):
         outcome = trial.outcome(opened[-1])
         changes.append(dilation * np.abs(outcome.memory.slip) - opened[-1])
-        if np.abs(changes[-1]).max() <= SETTLED * max(np.abs(opened[-1]).max(), OVERLAP * size):
+        if np.abs(changes[-1]).max() <= max(SETTLED * np.abs(opened[-1]).max(), OVERLAP * size):
             return outcome
         opened.append(np.maximum(accelerated(opened, changes), 0.0))
     change = float(np.abs(changes[-1]).max())

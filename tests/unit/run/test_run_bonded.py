@@ -56,3 +56,16 @@ def test_the_mouth_of_an_edge_crack_sticks_as_the_rest_does(angle: float, end: s
     assert set(outcome.state.tolist()) == {STICK}
     assert not outcome.memory.broken.any()
     np.testing.assert_allclose(np.abs(outcome.tangential_traction), 25e6, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("angle", "dilation"), [(35.0, 25.0), (55.0, 15.0)])
+def test_faces_that_merely_stick_do_not_dilate(angle: float, dilation: float) -> None:
+    """Friction alone holds them, at every load: their slip is round-off, and so is the opening that it asks for."""
+    path = f"{{center: [0, 0], length: {LENGTH}, angle: {angle}}}"
+    law = {"friction": 0.6, "cohesion": 0, "dilation_angle": dilation}
+    scene = plate(path, on_plane(angle, pressure=20.0, shear=10.0), "numerics.spacing=2", **law)
+    for factor in np.linspace(0.1, 3.0, 60).tolist():
+        outcome, _ = scene.equilibrium(factor, None)
+        assert set(outcome.state.tolist()) == {STICK}
+        assert np.abs(outcome.dilation).max() < 1e-12 * np.abs(outcome.u).max()
+        np.testing.assert_allclose(np.abs(outcome.tangential_traction), factor * 10e6, rtol=1e-3)
