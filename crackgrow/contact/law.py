@@ -42,6 +42,12 @@ class ContactMemory:
 
     slip: Floats  # (n,) m, less its elastic part
     broken: Bools  # (n,) has slipped or opened
+    closed: Bools | None = None  # (n,) is not open; None: where it is not broken
+
+    def coheres(self, law: ContactLaw) -> Bools:
+        """Which points (n,) the bond holds."""
+        _, cohesion = law.bound_of(self.broken)
+        return np.asarray((cohesion > 0.0) & (~self.broken if self.closed is None else self.closed))
 
     @classmethod
     def fresh(cls, n: int) -> ContactMemory:

@@ -1,8 +1,10 @@
 """The contact problem of one step, condensed onto the contact points that can be closed.
 
 u = u_free - K0^-1 G' W p, so that gap and slip of the contact points are free - S W p with S = G K0^-1 G'
-(traction form of paper eqs. (15), (16): no penalty enters K, and k = infinity is allowed). Points that are open
-without contact tractions are left out; those that then overlap are taken in, until none does.
+(traction form of paper eqs. (15), (16): no penalty enters K, and k = infinity is allowed). Points that cohere when the
+increment begins are among the unknowns, since shear can open faces that only the bond keeps from slipping. Others that
+are open without contact tractions are left out; those that then overlap are taken in, until none does. Points that
+cohere and are neither pressed nor apart are closed: |p_t| <= c - mu p_n holds at p_n = 0 too.
 
 Loads come in increments, and points remember (`ContactMemory`): a point sticks where it stuck before,
 
@@ -37,13 +39,19 @@ OVERLAP = 1e-10
 """A gap above minus this fraction of the displacement's size is no overlap but round-off."""
 
 UNPRESSED = 1e-6
-"""A pressure below this fraction of the traction that would undo the jump is none: the point is open."""
+"""A pressure below this fraction of the traction that would undo the jump is none: the point is open.
+
+Not so if it coheres and its gap is below the same fraction of the jump: the faces touch.
+"""
+
+AT_LIMIT = 1e-9
+"""Shear closer to the cohesion of faces that touch than this fraction of it has reached it: they slip."""
 
 MOST_PULLS = 60
 """Solves after which what is found by repetition is given up."""
 
 SETTLED = 1e-12
-"""A change of the opening by dilation below this fraction of it is none."""
+"""A change of the opening by dilation below this fraction of it, or smaller than an overlap, is none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,7 +111,7 @@ def solve_increment(
     for _ in range(MOST_PULLS):
         outcome = trial.outcome(opened[-1])
         changes.append(dilation * np.abs(outcome.memory.slip) - opened[-1])
-        if np.abs(changes[-1]).max() <= SETTLED * max(np.abs(opened[-1]).max(), OVERLAP * size):
+        if np.abs(changes[-1]).max() <= max(SETTLED * np.abs(opened[-1]).max(), OVERLAP * size):
             return outcome
         opened.append(np.maximum(accelerated(opened, changes), 0.0))
     change = float(np.abs(changes[-1]).max())
@@ -120,7 +128,7 @@ class _Increment:
         self._contact, self._memory, self._tolerance = contact, memory, tolerance
         self._u_free, self._multipliers = u_free, multipliers
         self._gap, self._slip = contact.gap_of @ u_free, contact.slip_of @ u_free
-        self._taken = np.zeros(len(contact.weights), dtype=bool)
+        self._taken = memory.coheres(contact.law)
         self._broken = memory.broken.copy()
         self._opened = np.zeros(len(contact.weights), dtype=bool)  # in this increment: they do not cohere in it
 
@@ -151,11 +159,13 @@ class _Increment:
             complementarity = complementarity_residual(problem, solution.traction)
             p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
             p_n[rows] = solution.traction[: len(rows)]
-            unpressed = p_n[rows] > -UNPRESSED * np.max(np.abs(free) / problem.compliance.diagonal())
-            state[rows] = np.where(unpressed, OPEN, solution.state)
             p_t[sliding] = solution.traction[len(rows) :]
             u = self._u_free - response @ solution.traction
             gap = contact.gap_of @ u - dilation
+            unpressed = p_n[rows] >= -UNPRESSED * np.max(np.abs(free) / problem.compliance.diagonal())
+            touching = (cohesion[rows] > 0.0) & (gap[rows] <= UNPRESSED * np.abs(free).max())
+            held = np.where(np.abs(p_t[rows]) < (1.0 - AT_LIMIT) * cohesion[rows], STICK, SLIP)
+            state[rows] = np.where(unpressed, np.where(touching, held, OPEN), solution.state)
             missed = ~taken & (gap < -self._tolerance)
             breaking = taken & (state != STICK) & ~self._broken & breakable
             opening = taken & (state == OPEN) & (cohesion > 0.0) & ~self._opened
@@ -169,6 +179,7 @@ class _Increment:
                 multipliers = multipliers - contact.columns.multipliers(rows, sliding) @ solution.traction
                 break
         slip = contact.slip_of @ u
+        apart = (state == OPEN) & (gap > self._tolerance)
         return ContactOutcome(
             u=u,
             multipliers=multipliers,
@@ -177,7 +188,7 @@ class _Increment:
             gap=gap + dilation,
             slip=slip,
             state=state,
-            memory=ContactMemory(slip - law.compliance * p_t, self._broken | (state == SLIP) | (gap > self._tolerance)),
+            memory=ContactMemory(slip - law.compliance * p_t, self._broken | (state == SLIP) | apart, ~apart),
             dilation=dilation,
             n_unknowns=int(taken.sum()) * (2 if taken.any() and len(sliding) else 1),
             iterations=iterations,

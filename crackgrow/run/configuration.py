@@ -39,6 +39,9 @@ Ints = NDArray[np.int64]
 ON_OUTLINE = 1e-9
 """A crack end closer to an outline than this fraction of its length lies on it."""
 
+ON_GIVEN_FACES = 1e-6
+"""Spacings: contact points closer than this to the faces that were given lie on them. The cover rounds its vertices."""
+
 UNSTRESSED = 1e-6
 """Forces below this fraction of the terms that they are the sum of are no forces."""
 
@@ -212,7 +215,7 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
         if index < len(growing):
             crack = growing[index]
             given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.steps == 0]
-            new = mine & ((faces.s < given[0]) | (faces.s > given[-1]))
+            new = mine & ((faces.s < given[0] - ON_GIVEN_FACES) | (faces.s > given[-1] + ON_GIVEN_FACES))
             cohesion[new], friction[new] = 0.0, law.contact.residual_friction
     return ContactLaw(friction, cohesion, compliance, residual, kept, dilation if dilation.any() else None)
 

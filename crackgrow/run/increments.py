@@ -126,7 +126,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     n = faces.n
     jump = np.zeros(len(faces.lengths))  # at the integration points
     elastic, normal, tangential, dilation = np.zeros((4, n))
-    broken = np.zeros(n, dtype=bool)
+    broken, closed = np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
     for index, surface in enumerate(old.cover.surfaces):
         points, s = _on_old_faces(faces.points, index, surface)
         jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
@@ -140,8 +140,9 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
             values[mine] = between_contact_points(old.cover, old.faces, index, s, found)
         nearest = nearest_contact_point(old.cover, old.faces, index, s)
         broken[mine] = np.append(outcome.memory.broken, False)[nearest]
+        closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
-    remembered = Remembered(ContactMemory(slip, broken), normal, tangential, dilation)
+    remembered = Remembered(ContactMemory(slip, broken, closed | ~broken), normal, tangential, dilation)
     return Start(state.factor, state.holding, remembered, state.energy, state.conjugates, grown=True)
 
 
