@@ -7,6 +7,7 @@ import shapely
 
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.run.contact_cautions import contact_cautions
 from crackgrow.run.reactions import imbalance
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
@@ -28,9 +29,6 @@ GAUSS_LAYER = 0.25
 """Least E'/(2k), in spacings, over which gauss points resolve how pressure falls to a closed tip: K_I is within 5 % of
 its own at 0.18, 20 % off at 0.05, and of the wrong sign or size far below."""
 
-STIFF_GAUSS = 1e3
-"""Contact stiffness, in E/h, from which tractions at gauss points oscillate by more than 10 % from point to point."""
-
 NEARLY_INCOMPRESSIBLE = 0.49
 """Poisson's ratio in plane strain up to which K is within 1 %, and, at a support of 1.5, the displacement."""
 
@@ -39,6 +37,9 @@ CLOSE = 1.0
 
 LARGE_OVERLAP = 0.05
 """Overlap of faces, as a fraction of the largest jump, from which a step carries a warning."""
+
+THINNEST_LAYER = 1e-4
+"""Length over which elastic contact gives way at a tip, over the distance of the nodes, from which it is as rigid."""
 
 NOISE = 1e-3
 """Jumps smaller than this fraction of the displacement are within the error of the discretization."""
@@ -82,6 +83,7 @@ def cautions(
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
     found.extend(_overlapping(scene, solution, faces))
+    found.extend(contact_cautions(solution))
     close = [
         f"{first} is closer than a spacing to {second}: the cover does not resolve what is between"
         for first, second in _close(solution)
@@ -133,7 +135,7 @@ def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
             f"numerics.contact.spacing is {contact.spacing:g}: below {GOOD_CONTACT_SPACING:g} contact tractions can "
             "oscillate from node to node, where faces stick up to their full size"
         )
-    found.extend(_elastic_contact_warnings(scene, solution))
+    found.extend(_elastic_contact_warnings(scene))
     found.extend(_incompressible_warnings(scene))
     for crack in solution.cover.cracks:
         length = arc_lengths(crack.points)[-1]
@@ -145,27 +147,23 @@ def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
     return found
 
 
-def _elastic_contact_warnings(scene: Scene, solution: StepSolution) -> list[str]:
-    """What faces that give way do not resolve."""
+def _elastic_contact_warnings(scene: Scene) -> list[str]:
+    """Tips at which faces give way over less than contact points resolve."""
     contact = scene.case.numerics.contact
     if contact.stiffness is None:
         return []
-    found = []
-    gauss = contact.discretization == "gauss"
-    if any(_layers(scene, GAUSS_LAYER if gauss else contact.spacing)):
-        points, much = ("gauss points", "a quarter of the spacing") if gauss else ("mortar nodes", "their distance")
-        resolves = not any(_layers(scene, GAUSS_LAYER))
-        remedy = "use numerics.contact.discretization gauss, or" if resolves else "use"
-        found.append(
-            f"elastic contact with {points}: the pressure falls to a closed tip over E'/(2k), less than {much}, and "
-            f"K_I there is not resolved; {remedy} a rigid contact"
-        )
-    if gauss and contact.stiffness > STIFF_GAUSS and solution.faces.n:
-        found.append(
-            f"numerics.contact.stiffness is {contact.stiffness:g}: above {STIFF_GAUSS:g} tractions at gauss points "
-            "oscillate from point to point, from 1e6 on by their full size, and K is unsure; use mortar nodes"
-        )
-    return found
+    if contact.discretization == "gauss":
+        layers, points, much = _layers(scene, GAUSS_LAYER), "gauss points", "a quarter of the spacing"
+        other = ""
+    else:
+        layers = _layers(scene, contact.spacing, THINNEST_LAYER * contact.spacing)
+        points, much, other = "mortar nodes", "their distance", "numerics.contact.discretization gauss with "
+    if not any(layers):
+        return []
+    return [
+        f"elastic contact with {points}: the pressure falls to a closed tip over E'/(2k), less than {much}, and K_I "
+        f"there is not resolved; use a rigid contact, or {other}a spacing of the size of E'/(2k)"
+    ]
 
 
 def _incompressible_warnings(scene: Scene) -> list[str]:
@@ -207,11 +205,14 @@ def _elastic_size(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces,
     return float(max(solution.displacement_size, 2.0 * scene.lattice.spacing * pressure / softest))
 
 
-def _layers(scene: Scene, spacings: float) -> list[bool]:
-    """Crack by crack: whether its elastic contact gives way at a tip over less than so many spacings."""
-    distance = spacings * scene.lattice.spacing
+def _layers(scene: Scene, most: float, least: float = 0.0) -> list[bool]:
+    """Crack by crack: whether its elastic contact gives way at a tip over `least` to `most` spacings.
+
+    The K_I of that layer is the pressure times the root of its length: of the thinnest ones it is next to nothing.
+    """
     stiff = (scene.materials[body].young_prime for body in scene.crack_bodies)
-    return [0.5 * modulus * law.compliance < distance for modulus, law in zip(stiff, scene.laws, strict=False)]
+    lengths = (0.5 * modulus * law.compliance for modulus, law in zip(stiff, scene.laws, strict=False))
+    return [least < length / scene.lattice.spacing < most for length in lengths]
 
 
 def _close(solution: StepSolution) -> list[tuple[str, str]]:

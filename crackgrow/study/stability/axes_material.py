@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import product
 
+from crackgrow.case.checks import LARGEST_POISSON
 from crackgrow.study.stability.measures import against, balanced, contact_tractions, stress_intensity
 from crackgrow.study.stability.scenes import FOUNDATION, RIGID, Scenes
 from crackgrow.study.stability.trial import Trial
 
 K_TOLERANCE = 1e-2
-
-LARGEST = 0.4999
-"""Poisson's ratio up to which plane strain is promised to run."""
 
 BLOCK = 1e3
 """Pa: Young's modulus of the block on the foundation."""
@@ -38,7 +36,7 @@ def poisson(scenes: Scenes) -> Iterator[Trial]:
     for plane, ratios in values.items():
         for ratio in ratios:
             settings = (f"plane={plane}", _ratio(ratio))
-            beyond = plane == "strain" and ratio > LARGEST
+            beyond = plane == "strain" and ratio > LARGEST_POISSON
             yield _poisson(scenes, "poisson", f"{ratio:g}, plane {plane}", settings, (), beyond)
 
 
