@@ -15,6 +15,7 @@ from scipy.sparse import csc_array, csr_array, vstack
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
+from crackgrow.contact.hold import solve_contact_of_pieces
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.solve import (
     ContactLaw,
@@ -22,7 +23,6 @@ from crackgrow.contact.solve import (
     ContactOutcome,
     ContactSystem,
     solve_contact,
-    solve_contact_held_loosely,
 )
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
@@ -84,7 +84,7 @@ class Configuration:
         if self.springs is None:
             outcome = solve_contact(self.contact, loads, given, memory)
         else:
-            outcome = solve_contact_held_loosely(self.contact, self.springs, self.free, loads, given, memory)
+            outcome = solve_contact_of_pieces(self.contact, self.cover, self.springs, self.free, loads, given, memory)
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
         residual = _residual(self.matrix, self.contact, loads, outcome)
         if not residual <= WORST_RESIDUAL:
