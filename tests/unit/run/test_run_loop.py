@@ -244,7 +244,13 @@ def test_a_hole_and_an_interface_are_met_by_their_names(plate: Plate) -> None:
     results, _ = run(plate(CENTRE, holes, inset, between, growth={"steps": 1, "advance": "all"}))
     (event,) = results[1].events
     assert (event.kind, event.tip) == ("interface", "end")
-    assert event.met in [f"interface '{face.crack}'" for face in results[1].faces]  # one of the lines of plug/rock
+    names = [f"interface '{face.crack}'" for face in results[1].faces]
+    assert event.met in names  # one of the lines of plug/rock
+    stub = {"stub": {"path": {"points": [[6, 0], [8, 2]]}, "tips": "none", "contact": "none"}}  # of the plug
+    results, _ = run(plate(CENTRE | stub, holes, inset, between, growth={"steps": 1, "advance": "all"}))
+    (event,) = results[1].events
+    assert (event.kind, event.tip) == ("coalescence", "end")
+    assert event.met in [f"crack 'stub' on {name}" for name in names]
 
 
 ACROSS = {"flaw": straight((0.0, 0.0), 27.0, 0.0)}
