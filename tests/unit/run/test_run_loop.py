@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,9 +13,10 @@ import pytest
 import yaml
 
 import crackgrow.run.loop as loop
+from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.errors import CrackgrowError, FreePieceError, SolveError
+from crackgrow.errors import CrackgrowError, FreePieceError, GeometryError, SolveError
 from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
 
@@ -276,6 +279,8 @@ def test_rock_in_pieces_that_supports_hold_has_broken_through_when_no_tip_is_lef
     assert [len(result.events) for result in results] == [0, 2]
     assert results[-1].tips == ()
     assert (end.status, end.events) == ("broke_through", ())
+    _, sooner = run(plate(ACROSS, held, growth={"steps": 1, "increment": 3, "advance": "all"}))
+    assert (sooner.status, sooner.reason) == (end.status, end.reason)  # the last step is judged alike
     assert "no tip is left" in end.reason
     assert "2 pieces, 1 at the start" in end.reason
 
@@ -309,13 +314,27 @@ def test_a_free_piece_is_an_end_after_the_first_solve_and_an_error_before(
         next(grow(case))
 
 
-def test_another_failure_after_a_break_through_is_an_error(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
-    case = plate({"flaw": straight((9.0, 0.0), 10.0, 0.0)}, growth={"steps": 5})
-    failing(monkeypatch, SolveError("ill conditioned"), at=1)
-    steps = grow(case)
-    next(steps)
-    with pytest.raises(SolveError, match="ill conditioned"):
-        next(steps)
+@pytest.mark.parametrize("error", [SolveError("ill conditioned"), GeometryError("two tips in one place")])
+def test_a_later_step_that_fails_ends_the_run_with_its_geometry(
+    plate: Plate,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    error: CrackgrowError,
+) -> None:
+    plate({"flaw": straight((9.0, 0.0), 10.0, 0.0)}, growth={"steps": 5})
+    failing(monkeypatch, error, at=1)
+    out = tmp_path / "out"
+    assert cli.main(["run", str(tmp_path / "plate.yaml"), "--out", str(out)]) == 3
+    assert capsys.readouterr().err == f"crackgrow: step 1: {error}\n"
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    assert (summary["status"], summary["stop_reason"], summary["steps_done"]) == ("failed", f"step 1: {error}", 0)
+    with (out / "events.csv").open(encoding="utf-8") as file:
+        assert [(event["step"], event["kind"]) for event in csv.DictReader(file)] == [("1", "break_through")]
+    with (out / "paths.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["step"]) for row in rows] == [0, 0, 1]
+    assert float(rows[-1]["x"]) == pytest.approx(15.5 * MM)
 
 
 def solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
