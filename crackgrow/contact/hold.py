@@ -76,6 +76,6 @@ def check_can_hold(
         moved = np.abs(motions @ way)
         piece = pieces[int(np.argmax([moved[2 * piece.functions].max() for piece in pieces]))]
         what = (
-            f"{piece} is free to move: contact does not hold it, {100.0 * left:.2g} % of the loads stay out of balance"
+            f"{piece} is free to move: contact does not hold it, {100.0 * left:.3g} % of the loads stay out of balance"
         )
         raise FreePieceError(what, "it needs supports, friction or another load")
