@@ -17,6 +17,9 @@ from crackgrow.errors import SolveError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+UNSYMMETRIC = 1e-2
+"""A compliance of contact that is unsymmetric by more than this fraction of its largest entry is refused."""
+
 
 def condensed(
     contact: ContactSystem,
@@ -27,9 +30,13 @@ def condensed(
     rows: Ints,
     sliding: Ints,
 ) -> ContactProblem:
-    """The problem of the contact points `rows` (k,), with tangential rows of the points `sliding` (k,) or (0,)."""
+    """The problem of the contact points `rows` (k,), with tangential rows of the points `sliding` (k,) or (0,).
+
+    Raises SolveError where round-off has spoilt the compliance of the rock.
+    """
     law = contact.law
     compliance = np.concatenate([contact.gap_of[rows] @ response, contact.slip_of[sliding] @ response])
+    _check_reciprocal(compliance, np.concatenate([contact.weights[rows], contact.weights[sliding]]))
     compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
     scale = None
     if contact.loose:  # the few rigid motions are the largest eigenvalues
@@ -38,6 +45,19 @@ def condensed(
     if not len(sliding):
         return ContactProblem(compliance, free, scale=scale)
     return ContactProblem(compliance, free, friction[rows], cohesion[rows], scale)
+
+
+def _check_reciprocal(compliance: Floats, weights: Floats) -> None:
+    """Raise SolveError unless the compliance S W (k, k) of the rock comes from a symmetric S that resists (Betti)."""
+    symmetric = compliance / weights
+    least, largest = float(symmetric.diagonal().min()), float(np.abs(symmetric).max())
+    off = float(np.abs(symmetric - symmetric.T).max())
+    if least <= 0.0 or off > UNSYMMETRIC * largest:
+        what = "not positive" if least <= 0.0 else f"unsymmetric by {off / largest:.1g} of its largest entry"
+        raise SolveError(
+            f"the system is ill conditioned: the compliance of the rock between contact points is {what}; a sliver of "
+            "rock or a crack's tip may lie too close to a lattice line: change numerics.spacing or the crack a little"
+        )
 
 
 def solved(problem: ContactProblem, weights: Floats, solver: Literal["newton", "lemke"]) -> tuple[ContactSolution, str]:

@@ -26,8 +26,11 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-SPECK = 1e-15
-"""A patch whose weight is nowhere larger than this contributes less than round-off."""
+SPECK = 1e-10
+"""A patch whose weight times its rock's extent is nowhere larger than this is left out. Patches that a kink cuts off at
+their edge, where it peeks over a tile line, nearly depend on each other: measured on 135 random kinks, contact's
+compliance lost its symmetry or was singular with 1e-15, was off by 2e-4 with 1e-11, and by 2e-6 with 1e-10. Uniform
+stress passes outlines just over a tile line with an error of 3e-11, and with 2e-9 if the extent is not regarded."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,20 +175,22 @@ def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundatio
 
 
 def _without_specks(lattice: Lattice, elements: Elements, functions: Ints, nodes: Ints) -> tuple[Ints, Ints]:
-    """Leave out physical patches in which the weight stays below round-off: they would give zero rows.
+    """Leave out physical patches whose weight, times the extent of their rock in spacings, is nowhere above `SPECK`.
 
     The weight of a patch grows as the cube of the depth inside of the patch, per axis.
     """
-    deepest = np.zeros(len(nodes))
+    deepest, low, high = np.zeros(len(nodes)), np.full(nodes.shape, np.inf), np.full(nodes.shape, -np.inf)
     for owner, points in (
         (elements.ring_element, elements.vertices[elements.ring_start]),
         (np.arange(elements.n), elements.reference),
     ):
         used = functions[owner]
-        depth = 1.0 - np.abs(points[:, None, :] - nodes[used]) / lattice.support
-        weight = np.prod(np.maximum(depth, 0.0), axis=2) ** 3
+        from_node = points[:, None, :] - nodes[used]
+        weight = np.prod(np.maximum(1.0 - np.abs(from_node) / lattice.support, 0.0), axis=2) ** 3
         np.maximum.at(deepest, used[used >= 0], weight[used >= 0])
-    kept = deepest > SPECK
+        np.minimum.at(low, used[used >= 0], from_node[used >= 0])
+        np.maximum.at(high, used[used >= 0], from_node[used >= 0])
+    kept = deepest * (high - low).max(axis=1) > SPECK
     number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)  # the last entry serves the index -1
     return number[functions], nodes[kept]
 

@@ -29,14 +29,19 @@ def tiles_at(lattice: Lattice, points: Floats) -> Ints:
 
 
 def touched_tiles(lattice: Lattice, segments: Floats, tips: Floats) -> Bools:
-    """Which tiles a segment (n, 2, 2) touches, the tiles round each tip (k, 2) included: (tiles x, tiles y) bool."""
+    """Which tiles a segment (n, 2, 2) touches, the tiles round each tip (k, 2) included: (tiles x, tiles y) bool.
+
+    Segments may end on the outermost tile lines.
+    """
     x, y = tile_lines(lattice)
     touched = np.zeros((len(x) - 1, len(y) - 1), dtype=bool)
     if len(segments):
         samples = np.concatenate([crossings_and_middles(segment, x, y) for segment in segments])
         for dx in (-TOUCH, TOUCH):
             for dy in (-TOUCH, TOUCH):
-                touched[tuple(tiles_at(lattice, samples + np.array([dx, dy])).T)] = True
+                tiles = tiles_at(lattice, samples + np.array([dx, dy]))
+                inside = np.all((tiles >= 0) & (tiles < touched.shape), axis=1)
+                touched[tuple(tiles[inside].T)] = True
     for i, j in tiles_at(lattice, tips) if len(tips) else ():
         touched[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] = True
     return touched

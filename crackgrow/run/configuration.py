@@ -15,7 +15,7 @@ from scipy.sparse import csc_array, csr_array, vstack
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
-from crackgrow.contact.held_loosely import solve_contact_held_loosely
+from crackgrow.contact.hold import solve_contact_of_pieces
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.law import ContactLaw, ContactMemory
 from crackgrow.contact.solve import ContactOutcome, solve_contact
@@ -86,7 +86,7 @@ class Configuration:
         if self.springs is None:
             outcome = solve_contact(self.contact, loads, given, memory, self._without_contact(factor, holding))
         else:
-            outcome = solve_contact_held_loosely(self.contact, self.springs, self.free, loads, given, memory)
+            outcome = solve_contact_of_pieces(self.contact, self.cover, self.springs, self.free, loads, given, memory)
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
         residual = _residual(self.matrix, self.contact, loads, outcome)
         if not residual <= WORST_RESIDUAL:

@@ -49,6 +49,9 @@ ON_INTERFACE = 1e-6
 """Spacings: a point of a body's rim closer than this to an interface lies on it."""
 
 
+_END: dict[bool, Literal["start", "end"]] = {False: "start", True: "end"}
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Advance:
     """The cracks after an advance."""
@@ -96,7 +99,7 @@ def _advanced(
 ) -> Advance:
     """All cracks, with the tips `ends` advanced by `kinks` one after the other: each sees what those before have made.
 
-    A tip that one before it has met is no tip any more and stays.
+    A tip that one before it has met is no tip any more and stays: an event of its own.
     """
     growth = scene.case.growth
     assert growth is not None
@@ -108,14 +111,19 @@ def _advanced(
         numbers = [number for number in range(len(grown)) if number != index]
         others = [grown[number] for number in numbers]
         region = scene.regions[scene.crack_bodies[index]]
+        before = list(grown)
         grown[index], met = advanced(grown[index], at_end, kink, growth.increment, step, region, others)
         if met is None:
             continue
-        if met.kind == "crack" and met.end is not None:
-            grown[numbers[met.number]] = closed(others[met.number], met.end)
         kind, name = _named(scene, index, met, others)
-        crack = grown[index].crack.name
-        events.append(Event(step, kind, crack, "end" if at_end else "start", met.point, name))
+        events.append(Event(step, kind, grown[index].crack.name, _END[at_end], met.point, name))
+        if met.end is None:
+            continue
+        number = index if met.kind == "own_path" else numbers[met.number]
+        grown[number] = closed(grown[number], met.end)
+        if before[number].can_grow(met.end):
+            name = "its own path" if number == index else f"crack '{grown[index].crack.name}'"
+            events.append(Event(step, kind, grown[number].crack.name, _END[met.end], met.point, name))
     return Advance(tuple(grown), tuple(events))
 
 
@@ -123,14 +131,15 @@ def _named(
     scene: Scene, crack: int, met: Meeting, others: Sequence[GrowingCrack]
 ) -> tuple[Literal["coalescence", "hole", "break_through", "interface"], str]:
     """The kind of event that it is that a crack has met something, and what that is called."""
-    if met.kind == "crack":
-        return "coalescence", f"crack '{others[met.number].crack.name}'"
     if met.kind == "own_path":
         return "coalescence", "its own path"
     near = ON_INTERFACE * scene.lattice.spacing
-    for line in scene.interfaces:
-        if shapely.dwithin(shapely.LineString(scene.lattice.to_metres(line.points)), shapely.Point(met.point), near):
-            return "interface", f"interface '{line.name}'"
+    paths = ((line.name, shapely.LineString(scene.lattice.to_metres(line.points))) for line in scene.interfaces)
+    there = [f"interface '{name}'" for name, path in paths if shapely.dwithin(path, shapely.Point(met.point), near)]
+    if met.kind == "crack":
+        return "coalescence", " on ".join([f"crack '{others[met.number].crack.name}'", *there[:1]])
+    if there:
+        return "interface", there[0]
     body = scene.case.bodies[scene.crack_bodies[crack]].name
     if met.kind == "hole":
         return "hole", f"hole{met.number} of body '{body}'"

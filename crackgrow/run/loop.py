@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.case.model import Case, CriticalLoad, Growth, LoadHistory
-from crackgrow.errors import FreePieceError
+from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import TIE, GrowingCrack, growing_tips
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import advance_tips
@@ -29,8 +29,9 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
     """Run a case: yields the result of every step, step 0 first, and returns why it ended.
 
     With growth a step is a configuration of the cracks under the last of its loads; without, it is a load factor of the
-    history. Raises GeometryError or SolveError where a step can't be solved; the steps before it have been yielded.
-    That a piece of rock comes loose, which nothing holds, is no error after step 0: the cracks have broken through.
+    history. Raises GeometryError or SolveError where step 0 (without growth: any) can't be solved. A later one ends the
+    run: `broke_through` where a piece of rock comes loose that nothing holds, else `failed`; the end has the cracks and
+    the events of that step.
     """
     scene = make_scene(case)
     cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
@@ -49,11 +50,17 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
             if step == 0:
                 raise
             return RunEnd("broke_through", f"step {step}: {error.what}", _paths(cracks), events)
+        except (GeometryError, SolveError) as error:
+            if step == 0:
+                raise
+            return RunEnd("failed", f"step {step}: {error}", _paths(cracks), events)
         n_pieces = n_pieces or len(all_pieces(solution.cover))
         chosen = _choose(case.growth, cracks, solution, last=step == n_steps)
         result = _reported(scene, cracks, events, solution, step, chosen, told)
         told |= frozenset(result.warnings)
         yield result
+        if step == n_steps > 0 and _criticality(cracks, solution).max(initial=-np.inf) == -np.inf:
+            return _without_tips(cracks, solution, step, n_pieces)
         if len(chosen) == 0 and step < n_steps:
             return _stopped(cracks, solution, step, n_pieces)
         if step < n_steps:
@@ -129,6 +136,11 @@ def _stopped(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int
     if largest > -np.inf:
         most = f"the most critical is at {largest:.3g} of its strength"
         return RunEnd("arrested", f"step {step}: no tip meets the criterion; {most}", _paths(cracks))
+    return _without_tips(cracks, solution, step, n_pieces)
+
+
+def _without_tips(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, n_pieces: int) -> RunEnd:
+    """The end of a run in which no tip is left; `n_pieces` of rock there were at the start."""
     stopped = f"step {step}: no tip is left that could grow"
     n_left = len(all_pieces(solution.cover))
     if n_left > n_pieces:

@@ -72,11 +72,7 @@ class Springs:
 def free_pieces(cover: Cover, constraints: csr_array) -> tuple[FreePiece, ...]:
     """Pieces that take part in a rigid motion which `constraints` (m, n_dofs) do not see."""
     found = all_pieces(cover)
-    motions = np.concatenate([rigid_motions(cover, functions) for functions in found], axis=1)
-    held = constraints @ motions
-    n = motions.shape[1]
-    _, values, directions = np.linalg.svd(np.vstack([held, np.zeros((n, n))]), full_matrices=False)
-    free = directions[values <= HOLDS_NOTHING].reshape(-1, len(found), 3)
+    free = _free_directions(constraints @ _motions_of(cover, found)).reshape(-1, len(found), 3)
     moving = np.abs(free).max(axis=(0, 2), initial=0.0) > HOLDS_NOTHING
     result = []
     for index in np.flatnonzero(moving).tolist():
@@ -85,6 +81,24 @@ def free_pieces(cover: Cover, constraints: csr_array) -> tuple[FreePiece, ...]:
         centre, reach = cover.lattice.to_metres(nodes.mean(axis=0)), cover.lattice.spacing * _reach(nodes)
         result.append(FreePiece(found[index], rows[sizes > HOLDS_NOTHING], centre, reach))
     return tuple(result)
+
+
+def free_motions(cover: Cover, constraints: csr_array) -> Floats:
+    """Unknowns (n_dofs, k) of the rigid motions of pieces that `constraints` (m, n_dofs) do not see."""
+    motions = _motions_of(cover, all_pieces(cover))
+    return np.asarray(motions @ _free_directions(constraints @ motions).T)
+
+
+def _motions_of(cover: Cover, pieces: list[Ints]) -> Floats:
+    """Unknowns (n_dofs, 3 p) of the rigid motions of p pieces."""
+    return np.concatenate([rigid_motions(cover, functions) for functions in pieces], axis=1)
+
+
+def _free_directions(held: Floats) -> Floats:
+    """The combinations (k, n) of n motions that constraints do not see; `held` (m, n) is what they see of each."""
+    n = held.shape[1]
+    _, values, directions = np.linalg.svd(np.vstack([held, np.zeros((n, n))]), full_matrices=False)
+    return np.asarray(directions[values <= HOLDS_NOTHING])
 
 
 def check_held(pieces: tuple[FreePiece, ...], touching: Ints) -> None:

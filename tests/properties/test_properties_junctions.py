@@ -148,6 +148,28 @@ def test_uniform_compression_passes_through_stuck_cracks(name: str, support: flo
     assert solution.residual < 1e-7
 
 
+NODE = (-1.5, -1.5)
+"""mm: a node of the plate's lattice at a spacing of 1.5 mm, where tile lines cross."""
+PEEKING = [
+    ((-1.693, -0.0416), (0.007, 0.1398), (-1.893, 1.3907)),
+    ((-1.6917, 1.3946), (0.0083, 0.9371), (-1.8917, 1.6565)),
+    ((-1.6843, 0.7169), (0.0157, 0.3363), (-1.8843, 0.9623)),
+]
+"""Spacings from there: cracks whose kink lies a few thousandths of a spacing over a tile line."""
+
+
+@pytest.mark.parametrize("kink", PEEKING)
+def test_a_kink_just_over_a_tile_line_leaves_contact_reciprocal(kink: tuple[tuple[float, float], ...]) -> None:
+    """The gap at one contact point by a force at another is the gap there by the same force here (Betti)."""
+    path = tuple((NODE[0] + 1.5 * x, NODE[1] + 1.5 * y) for x, y in kink)
+    contact = solved((path,), STICKY)[1].contact
+    points = np.arange(len(contact.weights))
+    response = contact.columns.of(points, points)
+    S = np.concatenate([contact.gap_of @ response, contact.slip_of @ response]) / np.tile(contact.weights, 2)
+    assert np.linalg.eigvalsh(0.5 * (S + S.T)).min() > 0.0
+    np.testing.assert_allclose(S, S.T, atol=3e-6 * np.abs(S).max())
+
+
 def counterparts(solution: StepSolution, other: StepSolution, matrix: np.ndarray) -> np.ndarray:
     """Contact point of `other` (n,) at the place, turned or mirrored by `matrix` (2, 2), of each of `solution`."""
     here = solution.cover.lattice.to_metres(solution.faces.nodes.points) @ matrix.T

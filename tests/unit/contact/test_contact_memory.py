@@ -37,9 +37,9 @@ class Springs:
     """N points on springs of their own; loads are forces per length of the points, Pa."""
 
     def __init__(self, solver: str, coupling: float = 0.0, **law: float) -> None:
-        """`coupling` ties the slip of neighbours together: a stiffness, N/m^3."""
-        tangential = np.diag(KT) + coupling * (2.0 * np.eye(N) - np.eye(N, k=1) - np.eye(N, k=-1))
-        K = block_diag([np.diag(KN * WEIGHTS), WEIGHTS[:, None] * tangential, np.eye(1)])
+        """`coupling` ties the slip of neighbours together: a stiffness, Pa."""
+        tangential = np.diag(WEIGHTS * KT) + coupling * (2.0 * np.eye(N) - np.eye(N, k=1) - np.eye(N, k=-1))
+        K = block_diag([np.diag(KN * WEIGHTS), tangential, np.eye(1)])
         unknowns = csr_array(np.eye(2 * N + 1))
         system = ConstrainedSystem(csc_array(K), unknowns[2 * N :])
         self.law = law_of(**law)

@@ -325,6 +325,23 @@ def test_solving_leaves_no_trace(build) -> None:
     np.testing.assert_array_equal(block.system.stiffness.indices, before.indices)
 
 
+@pytest.mark.parametrize(("noise", "words"), [(0.01, "unsymmetric by 0."), (30.0, "not positive")])
+def test_columns_spoilt_by_round_off_are_told_from_contact_that_does_not_solve(
+    build, monkeypatch, noise: float, words: str
+) -> None:
+    exact = ConstrainedSystem.solve
+
+    def spoilt(self, loads: np.ndarray, given: np.ndarray | None = None):
+        u, multipliers = exact(self, loads, given)
+        return (u + noise * np.abs(u).max() * np.random.default_rng(1).normal(size=u.shape), multipliers)
+
+    block = pressed(build, 0.01)
+    block.solve()
+    monkeypatch.setattr(ConstrainedSystem, "solve", lambda *a: spoilt(*a) if a[1].ndim == 2 else exact(*a))
+    with pytest.raises(SolveError, match=f"ill conditioned.*{words}.*numerics.spacing"):
+        block.solve()
+
+
 @pytest.mark.parametrize(("solver", "status"), [("newton", "limit"), ("lemke", "ray")])
 def test_no_solution_is_an_error_and_not_a_result(build, monkeypatch, solver: str, status: str) -> None:
     def gives_up(problem):

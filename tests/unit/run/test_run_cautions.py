@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from crackgrow.case import load_case
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
+from crackgrow.run.cautions import _overlapping
 from crackgrow.run.result import StepResult
+from crackgrow.run.scene import Scene, make_scene
+from crackgrow.run.step import StepSolution, solve_step
 
 CASES = Path(__file__).parents[3] / "cases"
 
@@ -17,6 +22,12 @@ CASES = Path(__file__).parents[3] / "cases"
 def first_step(scene: str, *settings: str) -> StepResult:
     case = load_case(CASES / f"{scene}.yaml", [*settings, "output.frames=none", "output.figures=false"])
     return next(grow(case))
+
+
+def solve_first(scene: Scene) -> StepSolution:
+    return solve_step(
+        scene, tuple(GrowingCrack(c, np.zeros(len(c.points), dtype=np.int64)) for c in scene.case.cracks), 1.0
+    )
 
 
 def test_the_shipped_scenes_warn_of_nothing() -> None:
@@ -57,6 +68,66 @@ def test_what_elastic_contact_does_not_resolve_is_said(settings: str, words: lis
     warnings = first_step("compression30", f"numerics.contact={settings}").warnings
     assert len(warnings) == len(words)
     assert all(any(word in warning for warning in warnings) for word in words)
+
+
+def crack(points: str, tips: str) -> str:
+    return f"{{path: {{points: {points}}}, tips: {tips}, contact: none}}"
+
+
+def in_tension(*cracks: str, spacing: float = 2.5) -> StepResult:
+    named = ", ".join(f"{name}: {text}" for name, text in zip("abc", cracks, strict=False))
+    return first_step("tension0", f"cracks={{{named}}}", f"numerics.spacing={spacing}")
+
+
+WHOLE, FIRST, SECOND = "[[-6, -2], [3, 1], [6, 2]]", "[[-6, -2], [3, 1]]", "[[3, 1], [6, 2]]"
+
+
+def test_short_cracks_that_continue_each_other_are_told_and_are_as_bad_as_told() -> None:
+    whole = in_tension(crack(WHOLE, "both"))
+    halves = in_tension(crack(FIRST, "start"), crack(SECOND, "end"))
+    (told,) = [warning for warning in halves.warnings if warning.startswith("crack 'b' ends on crack 'a'")]
+    assert "by 60 %" in told
+    assert not any("spacings long" in warning for warning in halves.warnings)  # that would say 20 %
+    errors = [abs(part.K_I / tip.K_I - 1.0) for part, tip in zip(halves.tips, whole.tips, strict=True)]
+    assert 0.2 < errors[1] < 0.6
+    assert 0.05 < errors[0] < 0.25
+
+
+def test_cracks_that_continue_each_other_for_four_spacings_are_right_and_not_told_of() -> None:
+    whole = in_tension(crack(WHOLE, "both"), spacing=0.75)
+    halves = in_tension(crack(FIRST, "start"), crack(SECOND, "end"), spacing=0.75)
+    assert not any("ends on" in warning for warning in halves.warnings)
+    for part, tip in zip(halves.tips, whole.tips, strict=True):
+        assert pytest.approx(tip.K_I, rel=5e-3) == part.K_I
+
+
+def test_tips_close_to_a_crack_that_their_own_meets_are_told() -> None:
+    crossing = in_tension(crack("[[-8, -8], [0.9, 10]]", "both"), crack("[[8, -8], [-0.5, 9.4]]", "both"))
+    close = [warning for warning in crossing.warnings if "closer than a spacing" in warning]
+    assert [text.split(":")[0] for text in close] == [
+        "the end of crack 'a' is closer than a spacing to crack 'b'",
+        "the end of crack 'b' is closer than a spacing to crack 'a'",
+    ]
+    well_apart = in_tension(crack("[[-8, -8], [8, 8]]", "both"), crack("[[8, -8], [-8, 8]]", "both"))
+    assert not any("closer than a spacing" in warning for warning in well_apart.warnings)
+
+
+def test_a_tip_close_to_an_interface_is_told_by_its_name() -> None:
+    hole = "bodies.rock.shape.holes=[{rectangle: {center: [9, 0], width: 6, height: 6}}]"  # from x = 6
+    plug = "bodies.plug={shape: {rectangle: {center: [9, 0], width: 6, height: 6}}, material: {young: 1, poisson: 0.2}}"
+    bonded = "interfaces=[{between: [plug, rock], contact: bonded}]"
+    result = first_step("compression30", "cracks.flaw.path={center: [0, 0], length: 10, angle: 0}", hole, plug, bonded)
+    (told,) = [warning for warning in result.warnings if "closer than a spacing" in warning]
+    assert told.startswith("the end of crack 'flaw' is closer than a spacing to interface 'plug/rock")
+
+
+def test_a_full_overlap_is_told_in_plain_digits() -> None:
+    result = first_step("compression30")
+    (face,) = result.faces
+    face = replace(face, opening=np.full_like(face.opening, -1e-3), slip=np.zeros_like(face.slip))
+    scene = make_scene(load_case(CASES / "compression30.yaml"))
+    (told,) = _overlapping(scene, solve_first(scene), (face,))
+    assert "by 0.001 m between contact points, 100 % of their largest jump" in told
 
 
 def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
+import crackgrow.run.direction as direction
 from crackgrow.case import load_case
 from crackgrow.case.model import Crack
 from crackgrow.errors import SolveError
@@ -173,15 +174,31 @@ def facing(gap: float) -> tuple[Scene, Cracks, StepSolution]:
 
 @pytest.mark.parametrize(("gap", "who"), [(3.0, "b"), (1.9, "a"), (2.1, "a")])
 def test_two_tips_that_meet_in_the_same_step_join(gap: float, who: str) -> None:
-    """Increments of 2 mm: b meets what a has just made, or a meets b's tip, which then stays."""
+    """Increments of 2 mm: b meets what a has just made, or a meets b's tip, which then stays. Both tips end there."""
     scene, cracks, solution = facing(gap)
     found = advance_tips(scene, cracks, solution, np.arange(4), 1, unasked)
-    (event,) = found.events
-    other = {"a": "b", "b": "a"}[who]
-    assert (event.crack, event.met) == (who, f"crack '{other}'")
+    told = {"a": ("a", "end", "crack 'b'"), "b": ("b", "start", "crack 'a'")}
+    first, second = ((event.crack, event.tip, event.met) for event in found.events)
+    assert first == told.pop(who)
+    assert [second] == list(told.values())
+    np.testing.assert_array_equal(found.events[0].point, found.events[1].point)
     a, b = (growing.crack for growing in found.cracks)
     np.testing.assert_array_equal(a.points[-1], b.points[0])
     assert (a.tip_at_start, a.tip_at_end, b.tip_at_start, b.tip_at_end) == (True, False, False, True)
     assert found.cracks[0].steps.tolist() == [1, 0, 0, 1]
     assert found.cracks[1].steps.tolist() == ([1, 0, 0, 1] if who == "b" else [0, 0, 1])
     assert shapely.LineString(a.points).crosses(shapely.LineString(b.points)) is False
+
+
+@pytest.mark.parametrize(("tips", "n_events"), [("both", 2), ("end", 1)])
+def test_a_crack_that_closes_into_a_ring_ends_both_its_tips(tips: str, n_events: int) -> None:
+    points = "[[0, 0], [6, 0], [6, 6], [0, 6], [0, 1.9]]"
+    ring = f"cracks={{ring: {{path: {{points: {points}}}, tips: {tips}, contact: none}}}}"
+    case = load_case(CASE.with_stem("tension0"), [ring, "numerics.spacing=3"])
+    (crack,) = case.cracks
+    growing = (GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)),)
+    found = direction._advanced(make_scene(case), growing, [(0, True)], np.zeros(1), 1)
+    assert [(event.tip, event.met) for event in found.events] == [("end", "its own path"), ("start", "its own path")][
+        :n_events
+    ]
+    assert (found.cracks[0].crack.tip_at_start, found.cracks[0].crack.tip_at_end) == (False, False)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,9 +13,10 @@ import pytest
 import yaml
 
 import crackgrow.run.loop as loop
+from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.errors import CrackgrowError, FreePieceError, SolveError
+from crackgrow.errors import CrackgrowError, FreePieceError, GeometryError, SolveError
 from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
 
@@ -244,7 +247,13 @@ def test_a_hole_and_an_interface_are_met_by_their_names(plate: Plate) -> None:
     results, _ = run(plate(CENTRE, holes, inset, between, growth={"steps": 1, "advance": "all"}))
     (event,) = results[1].events
     assert (event.kind, event.tip) == ("interface", "end")
-    assert event.met in [f"interface '{face.crack}'" for face in results[1].faces]  # one of the lines of plug/rock
+    names = [f"interface '{face.crack}'" for face in results[1].faces]
+    assert event.met in names  # one of the lines of plug/rock
+    stub = {"stub": {"path": {"points": [[6, 0], [8, 2]]}, "tips": "none", "contact": "none"}}  # of the plug
+    results, _ = run(plate(CENTRE | stub, holes, inset, between, growth={"steps": 1, "advance": "all"}))
+    (event,) = results[1].events
+    assert (event.kind, event.tip) == ("coalescence", "end")
+    assert event.met in [f"crack 'stub' on {name}" for name in names]
 
 
 ACROSS = {"flaw": straight((0.0, 0.0), 27.0, 0.0)}
@@ -270,6 +279,8 @@ def test_rock_in_pieces_that_supports_hold_has_broken_through_when_no_tip_is_lef
     assert [len(result.events) for result in results] == [0, 2]
     assert results[-1].tips == ()
     assert (end.status, end.events) == ("broke_through", ())
+    _, sooner = run(plate(ACROSS, held, growth={"steps": 1, "increment": 3, "advance": "all"}))
+    assert (sooner.status, sooner.reason) == (end.status, end.reason)  # the last step is judged alike
     assert "no tip is left" in end.reason
     assert "2 pieces, 1 at the start" in end.reason
 
@@ -303,13 +314,27 @@ def test_a_free_piece_is_an_end_after_the_first_solve_and_an_error_before(
         next(grow(case))
 
 
-def test_another_failure_after_a_break_through_is_an_error(plate: Plate, monkeypatch: pytest.MonkeyPatch) -> None:
-    case = plate({"flaw": straight((9.0, 0.0), 10.0, 0.0)}, growth={"steps": 5})
-    failing(monkeypatch, SolveError("ill conditioned"), at=1)
-    steps = grow(case)
-    next(steps)
-    with pytest.raises(SolveError, match="ill conditioned"):
-        next(steps)
+@pytest.mark.parametrize("error", [SolveError("ill conditioned"), GeometryError("two tips in one place")])
+def test_a_later_step_that_fails_ends_the_run_with_its_geometry(
+    plate: Plate,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    error: CrackgrowError,
+) -> None:
+    plate({"flaw": straight((9.0, 0.0), 10.0, 0.0)}, growth={"steps": 5})
+    failing(monkeypatch, error, at=1)
+    out = tmp_path / "out"
+    assert cli.main(["run", str(tmp_path / "plate.yaml"), "--out", str(out)]) == 3
+    assert capsys.readouterr().err == f"crackgrow: step 1: {error}\n"
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    assert (summary["status"], summary["stop_reason"], summary["steps_done"]) == ("failed", f"step 1: {error}", 0)
+    with (out / "events.csv").open(encoding="utf-8") as file:
+        assert [(event["step"], event["kind"]) for event in csv.DictReader(file)] == [("1", "break_through")]
+    with (out / "paths.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["step"]) for row in rows] == [0, 0, 1]
+    assert float(rows[-1]["x"]) == pytest.approx(15.5 * MM)
 
 
 def solved_once(monkeypatch: pytest.MonkeyPatch) -> None:

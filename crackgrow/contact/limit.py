@@ -1,0 +1,46 @@
+"""Limit analysis: whether any tractions that the faces can carry hold the pieces of rock that contact alone holds.
+
+The pieces are rigid here. Balance of the loads along every motion that the supports leave free asks for tractions with
+
+    p_n <= 0,   |p_t| <= c - mu p_n
+
+(static theorem, Drucker, Greenberg, Prager 1952). Where there are none, nothing holds the pieces. Where there are some,
+faces that slide without dilating may still let the pieces go (Drucker 1954): only the contact problem tells.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+
+from crackgrow.errors import SolveError
+
+Floats = NDArray[np.float64]
+
+
+def least_unbalanced(
+    gap: Floats, slip: Floats, weights: Floats, pull: Floats, size: float, friction: Floats, cohesion: Floats
+) -> tuple[float, Floats]:
+    """The least part of the loads that the faces leave unbalanced, and the motion (k,) along which they give way.
+
+    `gap` and `slip` (n, k) are those of n contact points of lengths `weights` (n,) m in k free motions, `pull` (k,) N/m
+    what the loads do on these, and `size` (N/m) that of the loads. Raises SolveError where linear
+    programming fails.
+    """
+    n, k = gap.shape
+    pressure = size / float(weights.sum())  # Pa, as a measure
+    forces = np.concatenate([gap.T * weights, slip.T * weights], axis=1) * (pressure / size)
+    law = [np.concatenate([np.diag(friction), sign * np.eye(n), np.zeros((n, 2 * k))], axis=1) for sign in (1.0, -1.0)]
+    found = linprog(
+        np.repeat([0.0, 1.0], [2 * n, 2 * k]),
+        A_ub=np.concatenate(law),
+        b_ub=np.tile(cohesion / pressure, 2),
+        A_eq=np.concatenate([forces, np.eye(k), -np.eye(k)], axis=1),
+        b_eq=pull / size,
+        bounds=[(None, 0.0)] * n + [(None, None)] * n + [(0.0, None)] * (2 * k),
+        method="highs",
+    )
+    if not found.success:
+        raise SolveError(f"whether contact can hold all pieces of rock was not found: {found.message}")
+    return float(found.fun), np.asarray(found.eqlin.marginals)
