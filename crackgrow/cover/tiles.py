@@ -36,7 +36,8 @@ def touched_tiles(lattice: Lattice, segments: Floats, tips: Floats) -> Bools:
         samples = np.concatenate([crossings_and_middles(segment, x, y) for segment in segments])
         for dx in (-TOUCH, TOUCH):
             for dy in (-TOUCH, TOUCH):
-                touched[tuple(tiles_at(lattice, samples + np.array([dx, dy])).T)] = True
+                tiles = tiles_at(lattice, samples + np.array([dx, dy]))
+                touched[tuple(tiles[np.all((tiles >= 0) & (tiles < touched.shape), axis=1)].T)] = True
     for i, j in tiles_at(lattice, tips) if len(tips) else ():
         touched[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] = True
     return touched
