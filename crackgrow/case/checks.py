@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.case.layout import Scene, named
+from crackgrow.case.layout import SHORTEST, Scene, named
 from crackgrow.case.shapes import BodyShape
 
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
-SHORTEST = 1e-3  # least crack length and increment, in lattice spacings
 
 
 def check_counts(scene: Scene) -> None:
