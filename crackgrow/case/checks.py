@@ -9,6 +9,7 @@ from crackgrow.case.shapes import BodyShape
 
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
+STIFFEST_GAUSS = 1e5  # numerics.contact.stiffness of gauss points; beyond, their tractions are nothing but waves
 
 
 def check_counts(scene: Scene) -> None:
@@ -73,11 +74,13 @@ def check_numerics(scene: Scene) -> None:
         if increment is not None and increment < SHORTEST * spacing:
             limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
             report.fault(("growth", "increment"), f"{scene.length(increment)} is less than {limit}")
-    discretization = scene.get("numerics", "contact", "discretization")
-    if discretization == "gauss" and scene.get("numerics", "contact", "stiffness") == "rigid":
+    stiffness = scene.get("numerics", "contact", "stiffness")
+    rigid = stiffness == "rigid" or (isinstance(stiffness, float) and stiffness > STIFFEST_GAUSS)
+    if scene.get("numerics", "contact", "discretization") == "gauss" and rigid:
         message = (
-            "gauss with rigid contact has more contact points than the displacement can follow, so no unique traction; "
-            "use mortar, or give numerics.contact.stiffness a number such as 100"
+            f"gauss with contact that is rigid, or stiffer than {STIFFEST_GAUSS:g}, has more contact points than the "
+            "displacement can follow, so no unique traction; use mortar, or give numerics.contact.stiffness a number "
+            "such as 10"
         )
         report.fault(("numerics", "contact", "discretization"), message)
 

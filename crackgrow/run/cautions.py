@@ -10,6 +10,7 @@ import shapely
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.run.contact_cautions import contact_cautions
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
 from crackgrow.run.step import StepSolution
@@ -43,6 +44,9 @@ NEAR_CLOSED_KINK = 2.0
 
 LARGE_OVERLAP = 0.05
 """Overlap of faces, as a fraction of the largest jump, from which a step carries a warning."""
+
+THINNEST_LAYER = 1e-4
+"""Length over which elastic contact gives way at a tip, over the distance of the nodes, from which it is as rigid."""
 
 NOISE = 1e-3
 """Jumps smaller than this fraction of the displacement are within the error of the discretization."""
@@ -83,6 +87,7 @@ def cautions(
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
     found.extend(_overlapping(scene, solution, faces))
+    found.extend(contact_cautions(solution))
     close = [
         f"{first} is closer than a spacing to {second}: the cover does not resolve what is between, and K there is too "
         "small, at a tenth of a spacing by up to 10 %, at a hundredth by 30 %"
@@ -135,7 +140,8 @@ def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
     if contact.discretization == "mortar" and contact.stiffness is not None and any(_layers(scene)):
         found.append(
             "elastic contact with mortar nodes: the pressure falls to a closed tip over E'/(2k), less than their "
-            "distance, and K_I there is not resolved; use numerics.contact.discretization gauss, or a rigid contact"
+            "distance, and K_I there is not resolved; use a rigid contact, or numerics.contact.discretization gauss "
+            "with a spacing of the size of E'/(2k)"
         )
     found.extend(_left_out(scene))
     for crack in solution.cover.cracks:
@@ -207,10 +213,14 @@ def _elastic_size(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces,
 
 
 def _layers(scene: Scene) -> list[bool]:
-    """Crack by crack: whether its elastic contact gives way at a tip over less than the distance of the nodes."""
+    """Crack by crack: whether its elastic contact gives way at a tip over less than the distance of the nodes.
+
+    The K_I of that layer is the pressure times the root of its length: of the thinnest ones it is next to nothing.
+    """
     distance = scene.case.numerics.contact.spacing * scene.lattice.spacing
     stiff = (scene.materials[body].young_prime for body in scene.crack_bodies)
-    return [0.5 * modulus * law.compliance < distance for modulus, law in zip(stiff, scene.laws, strict=False)]
+    lengths = (0.5 * modulus * law.compliance for modulus, law in zip(stiff, scene.laws, strict=False))
+    return [THINNEST_LAYER * distance < length < distance for length in lengths]
 
 
 def _close(solution: StepSolution) -> list[tuple[str, str]]:
