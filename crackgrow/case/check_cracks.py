@@ -9,8 +9,7 @@ import shapely
 from shapely import LineString, Point, Polygon
 
 from crackgrow.case.check_meetings import ENDS_WITH_TIP, check_meetings
-from crackgrow.case.checks import SHORTEST
-from crackgrow.case.layout import Scene
+from crackgrow.case.layout import SHORTEST, Scene
 from crackgrow.case.model import Floats
 from crackgrow.case.segments import common_parts
 from crackgrow.case.shapes import BodyShape

@@ -19,13 +19,12 @@ def check_meetings(scene: Scene, names: list[str], refused_tips: set[tuple[str, 
     if not names:
         return
     segments = segments_of([scene.cracks[name] for name in names])
-    fine = _check_vertices(scene, names, segments)
     pairs = close_segments(segments, scene.tolerance)
     lines = segments.lines[pairs]
     parts = common_parts(segments.ends[pairs[:, 0]], segments.ends[pairs[:, 1]], scene.tolerance)
     runs = ~np.isnan(parts[:, 0, 0])
     own = lines[:, 0] == lines[:, 1]
-    refused = set(names) - fine
+    refused: set[str] = set()
     along: set[tuple[str, str]] = set()
     for index in np.flatnonzero(runs | (own & (pairs[:, 1] - pairs[:, 0] > 1))).tolist():
         one, other = (names[line] for line in lines[index])
@@ -38,21 +37,6 @@ def check_meetings(scene: Scene, names: list[str], refused_tips: set[tuple[str, 
             message = f"runs along crack '{one}' from {shown}; cracks may meet at points only: shorten one of them"
             scene.report.fault(("cracks", other, "path"), message)
     _check_tips(scene, names, segments, along, refused_tips)
-
-
-def _check_vertices(scene: Scene, names: list[str], segments: Segments) -> set[str]:
-    """Report the first segment of a crack that is too short to be one; return the cracks that have none."""
-    lengths = np.hypot(*(segments.ends[:, 1] - segments.ends[:, 0]).T)
-    fine = set(names)
-    for index in np.flatnonzero(lengths <= scene.tolerance).tolist():
-        name = names[segments.lines[index]]
-        if name in fine:
-            fine.remove(name)
-            vertex, where = _vertex(segments, index), scene.point(segments.ends[index, 0])
-            limit = f"the smallest length of this scene, {scene.length(scene.tolerance)}"
-            message = f"vertices {vertex} and {vertex + 1} at {where} are closer than {limit}; leave one of them out"
-            scene.report.fault(("cracks", name, "path"), message)
-    return fine
 
 
 def _refuse_itself(scene: Scene, segments: Segments, name: str, pair: Ids) -> None:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.case.layout import Scene, named
+from crackgrow.case.layout import SHORTEST, Scene, named
 from crackgrow.case.shapes import BodyShape
 
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
 LARGEST_POISSON = 0.4999  # in plane strain; beyond, K of cracks is off by tens of per cent
-SHORTEST = 1e-3  # least crack length and increment, in lattice spacings
 STIFFEST_GAUSS = 1e5  # numerics.contact.stiffness of gauss points; beyond, their tractions are nothing but waves
 
 

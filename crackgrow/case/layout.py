@@ -15,6 +15,8 @@ from crackgrow.case.report import Path, Report
 from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
 from crackgrow.case.units import Units
 
+SHORTEST = 1e-3  # least crack length, segment and increment, in lattice spacings
+
 ON_OUTLINE = 1e-9  # points nearer to an outline than this part of the scene's diagonal lie on it
 FARTHEST = 1e5  # largest distance of a scene from the origin, in diagonals: coordinates must resolve ON_OUTLINE
 
@@ -96,16 +98,18 @@ def scene_of(resolved: dict[str, Any], report: Report, units: Units) -> Scene:
             scene.bodies[name] = shape
     for name, crack in named(resolved, "cracks").items():
         if report.sound("cracks", name, "path"):
-            scene.cracks[name] = points_of(crack["path"])
+            spacing = scene.get("numerics", "spacing")
+            scene.cracks[name] = points_of(crack["path"], 0.0 if spacing is None else SHORTEST * spacing)
     if scene.bodies:
         _place(scene)
     return scene
 
 
-def points_of(path: Resolved) -> Floats:
+def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
     """Return the vertices `(n, 2) float` of a crack in m from start to end, repeated ones once.
 
-    n is 1 if all vertices are one and 0 if none is given.
+    Those no farther than `smallest` (m) from the one before them are repeated, too; the end stays where it is. n is 1
+    if all vertices are one and 0 if none is given.
     """
     if "points" not in path:
         x, y = path["center"]
@@ -113,7 +117,12 @@ def points_of(path: Resolved) -> Floats:
         a = path["length"] / 2
         return frozen([(x - a * cos, y - a * sin), (x + a * cos, y + a * sin)])
     points = np.array(path["points"], dtype=float).reshape(-1, 2)
-    return frozen(points[without_repeats(points, closed=False)])
+    kept = without_repeats(points, closed=False, smallest=smallest)
+    if len(kept) < 2:  # not even as long as that, which is told elsewhere
+        kept = without_repeats(points, closed=False)
+    if len(kept) > 1:
+        kept[-1] = len(points) - 1
+    return frozen(points[kept])
 
 
 def _place(scene: Scene) -> None:

@@ -111,9 +111,12 @@ def shape_of(name: str, body: Resolved, report: Report, units: Units) -> BodySha
     return body_shape(name, rings)
 
 
-def without_repeats(points: Floats, *, closed: bool) -> NDArray[np.int64]:
-    """Return the numbers `(m,) int` of the points `(n, 2) float` that do not repeat the one kept before them."""
-    smallest = REPEATED_VERTEX * math.hypot(*np.ptp(points, axis=0)) if len(points) else 0.0
+def without_repeats(points: Floats, *, closed: bool, smallest: float = 0.0) -> NDArray[np.int64]:
+    """Return the numbers `(m,) int` of the points `(n, 2) float` that do not repeat the one kept before them.
+
+    Points no farther apart than `smallest` (m), or a small part of their extent, are the same.
+    """
+    smallest = max(smallest, REPEATED_VERTEX * math.hypot(*np.ptp(points, axis=0))) if len(points) else 0.0
     kept: list[int] = []
     for index, point in enumerate(points):
         if not kept or math.dist(point, points[kept[-1]]) > smallest:

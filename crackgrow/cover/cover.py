@@ -18,9 +18,8 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import physical_patches
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tiles import crossings_and_middles, tile_lines, tiles_at
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, make_tip, reach_of_tips
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, carrying_nodes, make_tip, reach_of_tips
 from crackgrow.geometry.arrangement import on_grid
-from crackgrow.geometry.tolerance import TOUCH
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -127,7 +126,9 @@ def build_cover(
             far_end_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
             seen = np.asarray(np.isin(functions, singular).any(axis=1))
             ends_inside = far_end_is_tip or _leads_through(lattice, elements, seen, beyond_far_end(from_tip, reach))
-            tips.append(make_tip(from_tip, reach, ends_inside))
+            tip = make_tip(from_tip, reach, ends_inside)
+            singular = singular[carrying_nodes(tip, patch_nodes[singular])]
+            tips.append(tip)
             tip_ends.append((index, at_end))
             first = np.full(len(patch_nodes), -1, dtype=np.int64)
             first[singular] = n_functions + N_TIP_FUNCTIONS * np.arange(len(singular))
@@ -209,7 +210,7 @@ def _singular_patches(
     last = -1 if at_end else 0
     plus, minus = functions[edges.plus[last]], functions[edges.minus[last]]
     candidates = np.intersect1d(plus[plus >= 0], minus[minus >= 0])
-    inside = np.abs(nodes[candidates] - crack.tip_point(at_end)).max(axis=1) < lattice.support - TOUCH
+    inside = np.abs(nodes[candidates] - crack.tip_point(at_end)).max(axis=1) < lattice.support
     return np.asarray(candidates[inside])
 
 

@@ -16,9 +16,19 @@ from numpy.typing import NDArray
 from crackgrow.geometry.tolerance import TOUCH
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 N_TIP_FUNCTIONS = 4
 """Tip functions on a singular patch, paper eq. (1)."""
+
+SHORT_FADE = 1.5
+"""Spacings: tip functions that fade out sooner see too little of their patches to tell all of them apart."""
+
+NEAR = 0.5
+"""Spacings on top of the fade: of so short functions only those of nodes this near to the tip are kept."""
+
+POINT_FADE = 0.25
+"""Spacings: where they fade out sooner, the patches are as good as constant, and one node's are kept."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +80,20 @@ def make_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> Tip:
         radii=radii[: n_good + 1],
         fade=float(ends) if ends < reach else np.inf,
     )
+
+
+def carrying_nodes(tip: Tip, nodes: Floats) -> Bools:
+    """Which `nodes` (n, 2) of singular patches carry the tip's functions.
+
+    Within a small disc the functions phi_i of the patches are polynomials of a low degree, up to a small rest: with all
+    patches the tip functions would depend on each other, at a fade of half a spacing to working precision.
+    """
+    distance = np.abs(nodes - tip.point).max(axis=1, initial=0.0)
+    if tip.fade >= SHORT_FADE:
+        return np.ones(len(nodes), dtype=bool)
+    if tip.fade >= POINT_FADE:
+        return np.asarray(distance < tip.fade + NEAR)
+    return np.asarray(np.arange(len(nodes)) == np.argmin(distance))
 
 
 def tip_angle(tip: Tip, points: Floats, reference: Floats) -> tuple[Floats, Floats]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import TipsOf
+from crackgrow.geometry.arrangement import ring_vertices
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
 
 Floats = NDArray[np.float64]
@@ -97,7 +98,7 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     enriched = cover.enrichment.tips.any
     n_whole = cover.elements.n_whole
     cut = np.flatnonzero(~plain_elements(cover)[n_whole:])
-    corners, owner = triangulate(cover.elements.polygons[cut])
+    corners, owner = _triangles(cover.elements.polygons[cut])
     owner = cut[owner] + n_whole
     more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
     parts = [_on_tiles(cover, np.flatnonzero(enriched[:n_whole]), n + more)]
@@ -125,6 +126,21 @@ def triangulate(polygons: NDArray[np.object_]) -> tuple[Floats, Ints]:
     return corners, owner.astype(np.int64)
 
 
+def _triangles(polygons: NDArray[np.object_]) -> tuple[Floats, Ints]:
+    """Triangles (t, 3, 2) of polygons, and their polygon (t,), that a mirror image of the polygons has as well.
+
+    Delaunay triangles are unique unless four corners lie on a circle: rectangles are cut from their middle.
+    """
+    x0, y0, x1, y1 = shapely.bounds(polygons).T
+    rectangular = shapely.area(polygons) == (x1 - x0) * (y1 - y0)  # exact: vertices are on a grid
+    others, rectangles = np.flatnonzero(~rectangular), np.flatnonzero(rectangular)
+    corners, owner = triangulate(polygons[others])
+    start, end, which = ring_vertices(polygons[rectangles])
+    middle = 0.5 * np.stack([x0 + x1, y0 + y1], axis=1)[rectangles[which]]
+    fans = np.stack([start, start[end], middle], axis=1)
+    return np.concatenate([corners, fans]), np.concatenate([others[owner], rectangles[which]])
+
+
 def _on_tiles(cover: Cover, elements: Ints, n: int) -> tuple[Floats, Floats, Ints]:
     local, weights = square(n)
     low, size = rectangles(cover, elements)
@@ -133,8 +149,16 @@ def _on_tiles(cover: Cover, elements: Ints, n: int) -> tuple[Floats, Floats, Int
 
 
 def _on_corners(corners: Floats, owner: Ints, n: int) -> tuple[Floats, Floats, Ints]:
-    points, weights = on_triangles(corners, n)
+    points, weights = on_triangles(_longest_first(corners), n)
     return _flat(points, weights, owner)
+
+
+def _longest_first(corners: Floats) -> Floats:
+    """Triangles (t, 3, 2) turned so that the rule sees them alike, mirrored or not: the longest side runs from the last
+    to the first corner."""
+    sides = np.sum((corners - np.roll(corners, 1, axis=1)) ** 2, axis=2)  # of each corner from the one before it
+    turn = (np.argmax(sides, axis=1)[:, None] + np.arange(3)) % 3
+    return np.asarray(np.take_along_axis(corners, turn[:, :, None], axis=1))
 
 
 def _flat(points: Floats, weights: Floats, owner: Ints) -> tuple[Floats, Floats, Ints]:

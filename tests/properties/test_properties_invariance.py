@@ -65,10 +65,10 @@ def test_units_do_not_matter(build, reference, size: float, young: float) -> Non
 
 @pytest.mark.parametrize("mirror", [(-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)])
 def test_mirrored_scene_has_the_mirrored_solution(build, reference, mirror: tuple[float, float]) -> None:
-    """Polygons fall into other triangles in the mirror: what differs is the noise of quadrature."""
+    """All but a few polygons fall into the mirrored triangles: what differs is the noise of quadrature in those."""
     displacement, stress = solution(build, mirror=mirror)
-    assert np.abs(displacement - reference[0]).max() < 1e-3 * np.abs(reference[0]).max()
-    assert np.abs(stress - reference[1]).max() < 1e-2 * np.abs(reference[1]).max()
+    assert np.abs(displacement - reference[0]).max() < 5e-5 * np.abs(reference[0]).max()
+    assert np.abs(stress - reference[1]).max() < 5e-4 * np.abs(reference[1]).max()
 
 
 def test_solution_is_linear_in_the_load(build, reference) -> None:

@@ -59,6 +59,34 @@ def solve_slit(
     return SlitSolution(float(K.real), float(-K.imag), float(np.abs(matrix @ found - right).max()))
 
 
+def solve_closed_slit(
+    a: float, places: Complexes, normals: Complexes, tractions: Complexes, shear_share: float, n_terms: int = 30
+) -> SlitSolution:
+    """K of the same slit with faces that are pressed together and slide: E and f are found with D.
+
+    The faces stay together, so E is imaginary; their pressure is an unknown even series f that carries `shear_share`
+    as much shear: sigma_xy over sigma_yy.
+    """
+    size = np.abs(places).max()
+    columns = []
+    for n in range(n_terms):
+        columns.append(_traction_of(a, places, normals, (1j, 2 * n + 1, size), None, None))
+        columns.append(_traction_of(a, places, normals, None, (1.0, 2 * n, size), None))
+        columns.append(_traction_of(a, places, normals, None, (1j, 2 * n, size), None))
+        on_faces = np.zeros(n + 1, dtype=complex)
+        on_faces[n] = (1.0 - 1j * shear_share) * (a / size) ** (2 * n)
+        columns.append(_traction_of(a, places, normals, None, None, on_faces))
+    matrix = np.array(columns).T
+    matrix = np.concatenate([matrix.real, matrix.imag])
+    right = np.concatenate([tractions.real, tractions.imag])
+    scale = np.linalg.norm(matrix, axis=0)
+    scale[scale < 1e-12 * scale.max()] = np.inf
+    found = np.linalg.lstsq(matrix / scale, right, rcond=1e-14)[0] / scale
+    E_at_tip = 1j * sum(c * (a / size) ** (2 * n + 1) for n, c in enumerate(found[0::4]))
+    K = 2.0 * np.sqrt(np.pi / a) * E_at_tip
+    return SlitSolution(float(K.real), float(-K.imag), float(np.abs(matrix @ found - right).max()))
+
+
 def _traction_of(
     a: float,
     z: Complexes,
@@ -96,6 +124,30 @@ def _traction_of(
 
 def plate(a: float, angle_deg: float, width: float, height: float, stress_yy: float) -> SlitSolution:
     """A rectangular plate with an open crack of half length a at an angle to x, pulled by uniform tractions in y."""
+    return solve_slit(a, *_plate(angle_deg, width, height, (0.0, stress_yy, 0.0)), np.zeros(1, dtype=complex))
+
+
+def closed_plate(
+    a: float, angle_deg: float, width: float, height: float, stress: tuple[float, float, float], friction: float = 0.0
+) -> SlitSolution:
+    """The same plate under uniform tractions of a stress (xx, yy, xy) that presses the faces of the crack together.
+
+    They slide everywhere against Coulomb friction, or nowhere, where friction holds a crack in an infinite plate.
+    """
+    xx, yy, xy = stress
+    angle = np.deg2rad(angle_deg)
+    normal = xx * np.sin(angle) ** 2 + yy * np.cos(angle) ** 2 - xy * np.sin(2.0 * angle)
+    shear = 0.5 * (yy - xx) * np.sin(2.0 * angle) + xy * np.cos(2.0 * angle)
+    if abs(shear) <= -friction * normal:
+        return SlitSolution(0.0, 0.0, 0.0)
+    return solve_closed_slit(a, *_plate(angle_deg, width, height, stress), -float(np.sign(shear)) * friction)
+
+
+def _plate(
+    angle_deg: float, width: float, height: float, stress: tuple[float, float, float]
+) -> tuple[Complexes, Complexes, Complexes]:
+    """Places, outward normals and tractions (n,) of the outline, in the crack's axes."""
+    xx, yy, xy = stress
     t = (np.cos(np.pi * (np.arange(200) + 0.5) / 200) + 0.0) * 0.5  # Chebyshev points: dense at the corners
     w, h = 0.5 * width, 0.5 * height
     sides = [
@@ -107,9 +159,8 @@ def plate(a: float, angle_deg: float, width: float, height: float, stress_yy: fl
     places = np.concatenate([side for side, _ in sides])
     normals = np.concatenate([np.full(len(t), normal, dtype=complex) for _, normal in sides])
     turn = np.exp(-1j * np.deg2rad(angle_deg))
-    return solve_slit(
-        a, places * turn, normals * turn, 1j * stress_yy * normals.imag * turn, np.zeros(1, dtype=complex)
-    )
+    tractions = xx * normals.real + xy * normals.imag + 1j * (xy * normals.real + yy * normals.imag)
+    return places * turn, normals * turn, tractions * turn
 
 
 def disk(a: float, angle_deg: float, radius: float, half_arc_deg: float, pressure: float) -> SlitSolution:

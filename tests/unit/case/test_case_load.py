@@ -181,6 +181,14 @@ def test_repeated_vertices_are_dropped():
     assert case.cracks[0].points.tolist() == [[0.0, 0.0], [0.003, 0.001], [0.005, 0.005]]
 
 
+def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
+    points = "[[0, 0], [0, 0.0014], [3, 1], [4.9988, 5], [5, 5]]"  # mm, at a spacing of 1.5 mm
+    case = load_case(CASES / "compression30.yaml", [f"cracks.flaw.path={{points: {points}}}"])
+    assert case.cracks[0].points.tolist() == [[0.0, 0.0], [0.003, 0.001], [0.005, 0.005]]
+    finer = load_case(CASES / "compression30.yaml", [f"cracks.flaw.path={{points: {points}}}", "numerics.spacing=1"])
+    assert len(finer.cracks[0].points) == 5
+
+
 @pytest.mark.parametrize(
     ("override", "read", "value"),
     [

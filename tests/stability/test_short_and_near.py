@@ -1,0 +1,158 @@
+"""Cracks and distances of a spacing or less: an accurate K, or a warning of how much it can be off."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.special import ellipe, ellipk
+
+from crackgrow.case.model import Case
+from crackgrow.run import grow
+from crackgrow.solid.condition import condition_estimate
+from tests.stability.flaw import IN_CRACK_AXES, K, case, exact_K_II, loads, solve
+
+SHORT = "below 3 the cover does not resolve it"
+CLOSE = "closer than a spacing"
+
+
+def warnings(scene: Case) -> str:
+    """All that the first step says."""
+    return "\n".join(next(grow(scene)).warnings)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize(
+    ("length", "error"), [(0.002, 0.2), (0.25, 0.2), (0.5, 0.08), (1.0, 0.025), (2.0, 0.01), (5.0, 5e-3)]
+)
+def test_short_cracks(length: float, error: float, friction: float) -> None:
+    """Lengths in spacings; where the lattice lies decides over the error."""
+    scene = case(
+        "numerics.spacing=3", f"cracks.flaw.path.length={3.0 * length}", f"cracks.flaw.contact.friction={friction}"
+    )
+    expected = exact_K_II(30.0, friction, half_length=1.5e-3 * length)
+    for offset in ((0.0, 0.0), (0.3, 0.1), (-0.25, 0.45)):
+        solution = solve(scene, offset)
+        np.testing.assert_allclose(K(solution)[:, 1], expected, rtol=error)
+        assert condition_estimate(solution.contact.system) < 1e10
+    assert (SHORT in warnings(scene)) == (length < 3.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_crack_of_a_hundred_spacings(friction: float) -> None:
+    settings = (f"cracks.flaw.contact.friction={friction}", "cracks.flaw.path.length=25")
+    expected = exact_K_II(30.0, friction, half_length=12.5e-3)
+    np.testing.assert_allclose(K(solve(case("numerics.spacing=0.25", *settings)))[:, 1], expected, rtol=1e-3)
+
+
+def in_square(side: float, *cracks: tuple[float, float]) -> tuple[str, ...]:
+    """Settings (mm) of a square with frictionless cracks along x from one place to the other, sheared and pressed."""
+    half = 0.5 * side
+    law = "contact: {friction: 0, cohesion: 0}, tips: both"
+    paths = (f"c{n}: {{path: {{points: [[{a}, 0], [{b}, 0]]}}, {law}}}" for n, (a, b) in enumerate(cracks))
+    held = (
+        f"{{at: [{-half}, {-half}], displacement: {{x: 0, y: 0}}}}, {{at: [{half}, {-half}], displacement: {{y: 0}}}}"
+    )
+    return (
+        f"bodies.rock.shape.rectangle={{center: [0, 0], width: {side}, height: {side}}}",
+        f"supports=[{held}]",
+        loads(IN_CRACK_AXES),
+        f"cracks={{{', '.join(paths)}}}",
+    )
+
+
+@pytest.mark.parametrize(("gap", "error"), [(0.1, 0.03), pytest.param(0.5, 0.01, marks=pytest.mark.slow), (1.0, 0.01)])
+def test_two_tips_close_to_each_other(gap: float, error: float) -> None:
+    """Two equal collinear cracks in an infinite plate (Erdogan 1962); the plate of 100 mm adds half a percent."""
+    a, b = 0.75 * gap, 0.75 * gap + 5.0  # mm
+    scene = case(*in_square(100.0, (-b, -a), (a, b)))
+    m = 1.0 - (a / b) ** 2
+    ratio = ellipe(m) / ellipk(m)
+    shear = 1e6 * IN_CRACK_AXES[2]
+    outer = shear * np.sqrt(np.pi * b * 1e-3 / m) * (1.0 - ratio)
+    inner = shear * np.sqrt(np.pi * a * 1e-3) * ((b / a) ** 2 * ratio - 1.0) / np.sqrt((b / a) ** 2 - 1.0)
+    K_II = K(solve(scene, (0.1, 0.25)))[:, 1]
+    np.testing.assert_allclose(K_II[[0, 3]], outer, rtol=0.01)
+    np.testing.assert_allclose(K_II[[1, 2]], inner, rtol=error)
+    assert CLOSE in warnings(scene)
+
+
+@pytest.mark.parametrize(("gap", "near", "error"), [(0.1, 9.732e6, 0.1), (0.5, 6.289e6, 0.03), (1.0, 5.460e6, 0.02)])
+def test_a_tip_close_to_the_outline(gap: float, near: float, error: float) -> None:
+    """K_II of the near tip against the same scene at a spacing of 0.1 mm, where the gap is 1.5 spacings or more."""
+    scene = case(*in_square(15.0, (1.5 - 1.5 * gap, 7.5 - 1.5 * gap)))
+    for offset in ((0.0, 0.25), (-0.45, 0.1)):
+        assert K(solve(scene, offset))[1, 1] == pytest.approx(near, rel=error)
+    assert CLOSE in warnings(scene)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gap", [0.1, 0.5, 1.0])
+def test_the_fine_values_at_the_outline(gap: float) -> None:
+    """Those that the test above goes by, at a spacing of 0.15 mm."""
+    expected = {0.1: 9.732e6, 0.5: 6.289e6, 1.0: 5.460e6}[gap]
+    scene = case("numerics.spacing=0.15", *in_square(15.0, (1.5 - 1.5 * gap, 7.5 - 1.5 * gap)))
+    assert K(solve(scene, (0.0, 0.25)))[1, 1] == pytest.approx(expected, rel=5e-3)
+
+
+def test_a_short_crack_at_an_outline_near_the_edge_of_the_lattice() -> None:
+    """The jump of its tip's angle leads on to the last line of the lattice: it was an IndexError."""
+    settings = in_square(31.8, (9.885, 15.885))
+    assert np.isfinite(K(solve(case(*settings)))).all()
+
+
+def bent(turn: float, first: float, second: float) -> str:
+    """The setting of a crack with arms of two lengths (mm) and a turn (degrees) at the origin, its first arm at 30."""
+    a, b = np.deg2rad(30.0), np.deg2rad(30.0 + turn)
+    points = [[-first * np.cos(a), -first * np.sin(a)], [0.0, 0.0], [second * np.cos(b), second * np.sin(b)]]
+    return f"cracks.flaw.path={{points: {[[float(x), float(y)] for x, y in points]}}}"
+
+
+@pytest.mark.parametrize(
+    ("spacing", "turn", "words"),
+    [
+        (1.5, 150.0, "turns by 150 degrees less than 8 spacings from its start"),
+        (0.75, 90.0, "turns by 90 degrees less than 8 spacings from its end"),
+    ],
+)
+def test_a_sharp_kink_is_warned_of(spacing: float, turn: float, words: str) -> None:
+    """Against a spacing of 0.2 mm: as much as the warning says, and at 0.75 mm within a tenth."""
+    scene = case(f"numerics.spacing={spacing}", bent(turn, 5.0, 5.0))
+    fine = {150.0: [(0.0, -4.402e6), (0.0, 0.907e6)], 90.0: [(0.0, -4.314e6), (0.0, 3.869e6)]}[turn]
+    error = np.abs(K(solve(scene)) - fine) / 4.4e6
+    assert error.max() < (0.7 if spacing > 1.0 else 0.1)
+    assert words in warnings(scene)
+
+
+def test_gentle_kinks_away_from_tips_are_not_warned_of() -> None:
+    assert "turns by" not in warnings(case("numerics.spacing=1.5", bent(70.0, 5.0, 5.0)))
+
+
+def test_a_closed_kink_close_behind_a_tip_is_warned_of_and_no_traction_runs_away() -> None:
+    """At 1e-3 spacings K_I was 100 times K_II: the short stretch had a contact point of its own."""
+    for short in (0.01, 0.1, 0.5):
+        scene = case(bent(-30.0, 8.0, short))
+        assert np.abs(K(solve(scene))).max() < 1.5 * abs(exact_K_II(30.0, half_length=4e-3))
+        assert "is closed and turns by 30 degrees" in warnings(scene)
+
+
+@pytest.mark.parametrize("friction", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
+def test_a_thousand_segments_are_one(friction: float) -> None:
+    """Of 0.015 spacings; the disc of the integral is smaller, since it doesn't know that the crack is straight."""
+    ends = 7.5 * np.array([np.cos(np.pi / 6.0), 0.5])
+    points = (np.linspace(-1.0, 1.0, 1001)[:, None] * ends).tolist()
+    settings = (f"cracks.flaw.contact.friction={friction}", "numerics.spacing=1.5")
+    many = solve(case(*settings, f"cracks.flaw.path={{points: {points}}}"))
+    np.testing.assert_allclose(K(many)[:, 1], exact_K_II(30.0, friction, half_length=7.5e-3), rtol=1e-3)
+    one = solve(case(*settings, "cracks.flaw.path.length=15"))
+    np.testing.assert_allclose(many.outcome.normal_traction, one.outcome.normal_traction, rtol=1e-4)
+
+
+def test_repeated_vertices_and_segments_of_no_length_are_left_out_and_told() -> None:
+    """Vertices within 1e-3 spacings (0.003 mm) are one; the ends of the crack stay where they are."""
+    clean = "cracks.flaw.path={points: [[-4, -2], [0, 0.5], [4, 2]]}"
+    dirty = "cracks.flaw.path={points: [[-4, -2], [-4, -2], [0, 0.5], [0.001, 0.5], [3.999, 2], [4, 2]]}"
+    scene = case("numerics.spacing=3", dirty)
+    np.testing.assert_array_equal(K(solve(scene)), K(solve(case("numerics.spacing=3", clean))))
+    assert "crack 'flaw': 3 of its vertices repeat the one before them" in warnings(scene)
+    assert "repeat" not in warnings(case("numerics.spacing=3", clean))
