@@ -139,7 +139,8 @@ class ConstrainedSystem:
             u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block])
         if given is not None and m:
             left = np.abs(self.constraints @ u - wanted).max()
-            if left > INCONSISTENT * displacement_size(loads, u.reshape(loads.shape), given):
+            round_off = ROUND_OFF * (abs(self.constraints) @ np.abs(u)).max()  # where loads act on what is held
+            if left > max(INCONSISTENT * displacement_size(loads, u.reshape(loads.shape), given), round_off):
                 raise SolveError(f"the supports contradict each other by {left:.3g} m")
         return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
 

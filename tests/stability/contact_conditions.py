@@ -7,7 +7,8 @@ of the solver enters but the displacements, the tractions and which points it ho
     |p_t| <= c - mu p_n,  and where s changes by ds: |p_t| = c - mu p_n, p_t ds > 0,   with s = slip - p_t / k,
 
 and no shear where it is open; c and mu are those of a broken point where it has slipped or opened, in this increment
-or before.
+or before. Cohesion that broken points keep where they are closed falls by a jump where they open: where neither state
+holds (with cohesion the point opens, without it is pressed) there is none, so that such a point may slip without it.
 """
 
 from __future__ import annotations
@@ -106,8 +107,8 @@ def _crowded(cover: Cover, points: FacePoints) -> NDArray[np.bool_]:
 def violations(increment: Increment) -> dict[str, float]:
     """By how much an increment violates the conditions of contact, each relative: zero where all hold.
 
-    Displacements count by the largest at the faces, tractions by the largest one, or by that which would make the
-    largest jump within a spacing.
+    Displacements count by the largest at the faces, tractions by the largest one, or either by what the other one makes
+    of a spacing of the softest rock.
     """
     configuration, outcome, memory = increment.configuration, increment.outcome, increment.memory
     faces, law = configuration.faces, configuration.contact.law
@@ -123,19 +124,18 @@ def violations(increment: Increment) -> dict[str, float]:
     change = slid - memory.slip
     given = increment.factor * configuration.held.given
     length = max(largest, displacement_size(configuration.loads(increment.factor), outcome.u, given))
-    softest = min(material.young_prime for material in configuration.scene.materials)
+    stiffness = min(m.young_prime for m in configuration.scene.materials) / configuration.scene.lattice.spacing
     most = max(float(np.abs(gap).max()), float(np.abs(slip).max()))
-    pressure = max(
-        float(np.abs(p_n).max()), float(np.abs(p_t).max()), softest * most / configuration.scene.lattice.spacing
-    )
+    pressure = max(float(np.abs(p_n).max()), float(np.abs(p_t).max()), stiffness * most)
+    length = max(length, pressure / stiffness)
     if length == 0.0 or pressure == 0.0:
         return {"anything": float(np.abs(np.concatenate([gap, slip, p_n, p_t])).max())}
     broken = memory.broken | (np.abs(change) > LENGTH_TOLERANCE * length) | (room > LENGTH_TOLERANCE * length)
     friction, cohesion = law.bound_of(broken)
-    is_open = (room > LENGTH_TOLERANCE * length)
+    is_open = room > LENGTH_TOLERANCE * length
     bound = np.where(is_open, 0.0, cohesion - friction * np.minimum(p_n, 0.0))
-    by_state_friction, by_state_cohesion = law.bound_of(outcome.memory.broken)
-    limit = by_state_cohesion - by_state_friction * np.minimum(p_n, 0.0)
+    least = np.where(broken | outcome.memory.broken, law.bound_of(np.ones_like(broken))[0], law.friction)
+    limit = -least * np.minimum(p_n, 0.0)
     short = np.minimum(np.abs(change) / length, np.maximum(limit - np.abs(p_t), 0.0) / pressure)
     against = np.minimum(np.abs(change) / length, np.abs(p_t) / pressure) * (change * p_t < 0.0)
     return {
