@@ -34,9 +34,10 @@ def touched_tiles(lattice: Lattice, segments: Floats, tips: Floats) -> Bools:
     touched = np.zeros((len(x) - 1, len(y) - 1), dtype=bool)
     if len(segments):
         samples = np.concatenate([crossings_and_middles(segment, x, y) for segment in segments])
+        last = np.array(touched.shape) - 1
         for dx in (-TOUCH, TOUCH):
-            for dy in (-TOUCH, TOUCH):
-                touched[tuple(tiles_at(lattice, samples + np.array([dx, dy])).T)] = True
+            for dy in (-TOUCH, TOUCH):  # extensions of cracks end on the rim of the lattice
+                touched[tuple(np.clip(tiles_at(lattice, samples + np.array([dx, dy])), 0, last).T)] = True
     for i, j in tiles_at(lattice, tips) if len(tips) else ():
         touched[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] = True
     return touched

@@ -39,6 +39,10 @@ CROWDED = 1e-5
 """Spacings: nearer to corners and other lines than this, a point beside the face may be behind one of them."""
 
 
+ROUND_OFF = 1e-9
+"""Of the displacement that loads would cause, were they not on held rock."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Increment:
     """One increment as it was solved."""
@@ -122,14 +126,16 @@ def violations(increment: Increment) -> dict[str, float]:
     opened = np.zeros(faces.n) if law.dilation is None else law.dilation * np.abs(slid)
     room = gap - opened - law.compliance * p_n
     change = slid - memory.slip
-    given = increment.factor * configuration.held.given
-    length = max(largest, displacement_size(configuration.loads(increment.factor), outcome.u, given))
-    stiffness = min(m.young_prime for m in configuration.scene.materials) / configuration.scene.lattice.spacing
+    loads, given = configuration.loads(increment.factor), increment.factor * configuration.held.given
+    young = min(material.young_prime for material in configuration.scene.materials)
+    stiffness = young / configuration.scene.lattice.spacing
+    length = max(largest, displacement_size(loads, outcome.u, given))
+    noise = ROUND_OFF * float(np.abs(loads).max()) / young  # all that is left where loads act on held rock alone
     most = max(float(np.abs(gap).max()), float(np.abs(slip).max()))
     pressure = max(float(np.abs(p_n).max()), float(np.abs(p_t).max()), stiffness * most)
     length = max(length, pressure / stiffness)
-    if length == 0.0 or pressure == 0.0:
-        return {"anything": float(np.abs(np.concatenate([gap, slip, p_n, p_t])).max())}
+    if length <= noise:
+        return {}
     broken = memory.broken | (np.abs(change) > LENGTH_TOLERANCE * length) | (room > LENGTH_TOLERANCE * length)
     friction, cohesion = law.bound_of(broken)
     is_open = room > LENGTH_TOLERANCE * length

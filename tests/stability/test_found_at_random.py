@@ -106,3 +106,16 @@ def test_cracks_start_anywhere_on_a_slanting_side(support: float) -> None:
         edges = cover.surfaces[0].edges
         assert edges.s[0, 0] == pytest.approx(0.0, abs=ON_LINE)
         assert edges.s[-1, 1] == pytest.approx(np.hypot(*np.diff(crack.points, axis=0)[0]), abs=ON_LINE)
+
+
+@pytest.mark.parametrize("width", [5.0, 5.2, 5.4, 5.6, 5.8])
+@pytest.mark.parametrize("slope", [0.0, 0.2])
+def test_short_cracks_start_on_sides_anywhere_in_a_tile(width: float, slope: float) -> None:
+    """What leads on from such a start can reach the last line of the lattice."""
+    lattice = place_lattice(np.zeros(2), np.array([width, 4.0]), 1.0, 2.0)
+    corners = np.array([[0.0, 0.0], [width, 0.0], [width, 4.0], [0.0, 4.0]])
+    body = BodyGeometry((lattice.to_lattice(corners),))
+    path = np.array([[width, 1.9], [width - 1.5, 1.9 - 1.5 * slope]])
+    cover = build_cover(lattice, [body], [CrackGeometry("flaw", lattice.to_lattice(path), False, True)])
+    assert len(cover.tips) == 1
+    assert cover.surfaces[0].edges.s[-1, 1] == pytest.approx(np.hypot(1.5, 1.5 * slope), abs=ON_LINE)
