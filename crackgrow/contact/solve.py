@@ -220,7 +220,7 @@ def _solve(
     sense = np.sign(memory.slip if last is None else last.memory.slip)
     for _ in range(MOST_TURNS):
         outcome = trial.outcome(dilation * sense)
-        slip = outcome.memory.slip
+        slip = np.where(outcome.state == STICK, memory.slip, outcome.memory.slip)  # but for round-off
         turned = (sense * slip < 0.0) | ((sense == 0.0) & (slip != 0.0))
         turned &= dilation * np.abs(slip) > OVERLAP * size
         if not turned.any():

@@ -39,6 +39,9 @@ CROWDED = 1e-5
 """Spacings: nearer to corners and other lines than this, a point beside the face may be behind one of them."""
 
 
+LENGTH_TOLERANCE = 1e-8
+"""Of the largest displacement: a change of slip or a gap below this, or the residual of equilibrium, is none."""
+
 ROUND_OFF = 1e-9
 """Of the displacement that loads would cause, were they not on held rock."""
 
@@ -136,9 +139,10 @@ def violations(increment: Increment) -> dict[str, float]:
     length = max(length, pressure / stiffness)
     if length <= noise:
         return {}
-    broken = memory.broken | (np.abs(change) > LENGTH_TOLERANCE * length) | (room > LENGTH_TOLERANCE * length)
+    tolerance = max(LENGTH_TOLERANCE, increment.residual)
+    broken = memory.broken | (np.abs(change) > tolerance * length) | (room > tolerance * length)
     friction, cohesion = law.bound_of(broken)
-    is_open = room > LENGTH_TOLERANCE * length
+    is_open = room > tolerance * length
     bound = np.where(is_open, 0.0, cohesion - friction * np.minimum(p_n, 0.0))
     least = np.where(broken | outcome.memory.broken, law.bound_of(np.ones_like(broken))[0], law.friction)
     limit = -least * np.minimum(p_n, 0.0)
@@ -152,7 +156,3 @@ def violations(increment: Increment) -> dict[str, float]:
         "slip below the limit": float(np.where(is_open, 0.0, short).max()),
         "slip against friction": float(against.max()),
     }
-
-
-LENGTH_TOLERANCE = 1e-8
-"""Of the largest displacement: a change of slip or a gap below this is none."""

@@ -13,19 +13,26 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, CrackgrowError
 from crackgrow.run import grow
+from crackgrow.run.configuration import WORST_RESIDUAL
 from tests.stability.contact_conditions import Increment, recorded, violations
 from tests.stability.random_scenes import random_scene, text_of
 
 FEW, MANY = range(30), range(1000)
 
 RESIDUAL = 1e-9
-"""Relative equilibrium residual of every increment."""
+"""Relative equilibrium residual of an increment, but for ill-conditioned scenes: steps of these say so."""
+
+ILL_CONDITIONED = 0.03
+"""Of the scenes, at most. Their residual is below what the program refuses."""
 
 VIOLATION = 1e-8
-"""Relative violation of a condition of contact, that of the condensed problem included."""
+"""Relative violation of a condition of contact; or the residual of equilibrium, where that is larger."""
 
 LONGEST = 60.0
 """Seconds."""
+
+NOT_READ = 0.01
+"""Of the scenes, at most: the generator makes what the reader accepts."""
 
 SOLVED = 0.75
 """Of the scenes, at least; the others are mostly pieces that slide or rock off what contact alone holds."""
@@ -61,6 +68,8 @@ def attempt(folder: Path, seed: int) -> Trial:
         try:
             for result in grow(load_case(path)):
                 assert np.isfinite([result.residual, result.penetration, result.complementarity]).all()
+                told = any("the equilibrium residual is" in warning for warning in result.warnings)
+                assert told == (result.residual > RESIDUAL)
         except CrackgrowError as error:
             reason = str(error)
             read = not isinstance(error, CaseError)
@@ -74,12 +83,14 @@ def check(folder: Path, seeds: range) -> Counter[str]:
         trial = attempt(folder, seed)
         for increment in trial.increments:
             assert np.isfinite(increment.outcome.u).all(), f"seed {seed}"
-            assert increment.residual < RESIDUAL, f"seed {seed}"
-            worst = {name: value for name, value in violations(increment).items() if not value < VIOLATION}
+            assert increment.residual <= WORST_RESIDUAL, f"seed {seed}"
+            limit = max(VIOLATION, increment.residual)
+            worst = {name: value for name, value in violations(increment).items() if not value < limit}
             assert not worst, f"seed {seed}: {worst}"
         known = [words for words in REASONS if words in trial.reason]
         assert not trial.reason or not trial.read or known, f"seed {seed}: {trial.reason}"
         assert trial.seconds < LONGEST, f"seed {seed}"
+        ends["ill conditioned"] += any(increment.residual > RESIDUAL for increment in trial.increments)
         ends["solved" if not trial.reason else known[0] if trial.read else "not read"] += 1
     return ends
 
@@ -87,13 +98,15 @@ def check(folder: Path, seeds: range) -> Counter[str]:
 def test_a_few_scenes(tmp_path: Path) -> None:
     ends = check(tmp_path, FEW)
     assert ends["solved"] >= SOLVED * len(FEW), ends
+    assert ends["ill conditioned"] == 0
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(0, len(MANY), 50))
-def test_many_scenes(tmp_path: Path, first: int) -> None:
-    ends = check(tmp_path, MANY[first : first + 50])
-    assert ends["not read"] <= 1, ends
+def test_many_scenes(tmp_path: Path) -> None:
+    ends = check(tmp_path, MANY)
+    assert ends["solved"] >= SOLVED * len(MANY), ends
+    assert ends["ill conditioned"] <= ILL_CONDITIONED * len(MANY), ends
+    assert ends["not read"] <= NOT_READ * len(MANY), ends
 
 
 def test_the_same_seed_gives_the_same_scene() -> None:
