@@ -138,14 +138,18 @@ class ContactSystem:
 
 
 def solve_contact(
-    contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory | None = None
+    contact: ContactSystem,
+    loads: Floats,
+    given: Floats,
+    memory: ContactMemory | None = None,
+    without: tuple[Floats, Floats] | None = None,
 ) -> ContactOutcome:
     """Displacements and contact tractions under `loads` (n_dofs,), with support displacements `given` (m,).
 
-    `memory` is that of the increment before, None for the first. Raises SolveError where the contact solver finds no
-    solution.
+    `memory` is that of the increment before, None for the first; `without` are displacements and multipliers without
+    contact tractions, if they are known. Raises SolveError where the contact solver finds no solution.
     """
-    return _solve(contact, loads, given, memory or ContactMemory.fresh(len(contact.weights)), None)
+    return _solve(contact, loads, given, memory or ContactMemory.fresh(len(contact.weights)), None, without)
 
 
 def solve_contact_held_loosely(
@@ -208,10 +212,15 @@ def accelerated(ends: list[Floats], drifts: list[Floats]) -> Floats:
 
 
 def _solve(
-    contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory, last: ContactOutcome | None
+    contact: ContactSystem,
+    loads: Floats,
+    given: Floats,
+    memory: ContactMemory,
+    last: ContactOutcome | None,
+    without: tuple[Floats, Floats] | None = None,
 ) -> ContactOutcome:
     """One increment; `last` is the outcome under nearly the same loads, if there is one."""
-    u_free, multipliers = contact.system.solve(loads, given)
+    u_free, multipliers = contact.system.solve(loads, given) if without is None else without
     size = displacement_size(loads, u_free if last is None else last.u, given)
     trial = _Increment(contact, u_free, multipliers, memory, OVERLAP * size)
     dilation = contact.law.dilation

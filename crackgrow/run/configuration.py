@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -66,27 +66,30 @@ class Configuration:
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
     seconds: dict[str, float]
+    solved: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)  # without contact, per unit
 
     @property
     def matrix(self) -> csc_array:
         """Stiffness (n_dofs, n_dofs) Pa."""
         return self.stiffness.matrix
 
-    def loads(self, factor: float) -> Floats:
-        """Loads (n_dofs,) N/m at a load factor."""
-        return self.constant + factor * self.scaled
+    def loads(self, factor: float, holding: float = 1.0) -> Floats:
+        """Loads (n_dofs,) N/m at a load factor, with a share of the held ones."""
+        return holding * self.constant + factor * self.scaled
 
-    def equilibrium(self, factor: float, memory: ContactMemory | None) -> tuple[ContactOutcome, float]:
-        """Displacements and tractions at a load factor after an increment that left `memory`, and the residual.
+    def equilibrium(
+        self, factor: float, memory: ContactMemory | None, holding: float = 1.0
+    ) -> tuple[ContactOutcome, float]:
+        """Displacements and tractions at a load factor after an increment from `memory` on, and the residual.
 
-        Raises SolveError where they can't be found to a small residual.
+        `holding` is the share of the held loads. Raises SolveError where they can't be found to a small residual.
         """
-        loads, given = self.loads(factor), factor * self.held.given
+        loads, given = self.loads(factor, holding), factor * self.held.given
         farthest = LARGEST_STRAIN * self.scene.lattice.spacing
         check_magnitude("loads", loads, LARGEST, "N/m")
         check_magnitude("prescribed displacements", given, farthest, "m")
         if self.springs is None:
-            outcome = solve_contact(self.contact, loads, given, memory)
+            outcome = solve_contact(self.contact, loads, given, memory, self._without_contact(factor, holding))
         else:
             outcome = solve_contact_held_loosely(self.contact, self.springs, self.free, loads, given, memory)
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
@@ -101,6 +104,20 @@ class Configuration:
             )
         return outcome, residual
 
+    def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
+        system, given = self.contact.system, self.held.given
+        u, multipliers = np.zeros(len(self.scaled)), np.zeros(len(given))
+        parts = ((factor, self.scaled, given), (holding, self.constant, np.zeros(len(given))))
+        for kind, (share, loads, displacements) in enumerate(parts):
+            if share == 0.0 or not (loads.any() or displacements.any()):
+                continue
+            if kind not in self.solved:
+                self.solved[kind] = system.solve(loads, displacements)
+            u += share * self.solved[kind][0]
+            multipliers += share * self.solved[kind][1]
+        return u, multipliers
+
 
 def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:
     """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made.
@@ -113,7 +130,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
         cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
     with timed(seconds, "assembly"):
-        known = {} if before is None else before.stiffness.clusters
+        known = None if before is None else before.stiffness
         stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, known)
         matrix = stiffness.matrix
         check_magnitude("stiffness", matrix.data, LARGEST, "Pa")

@@ -22,7 +22,7 @@ from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
-from crackgrow.quadrature.elements import plain_kinds
+from crackgrow.quadrature.elements import PlainKind, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.assembly import HalfMatrix, half, sum_of
@@ -42,6 +42,7 @@ class Stiffness:
 
     matrix: csc_array  # (n_dofs, n_dofs) Pa, per metre of thickness
     clusters: Mapping[bytes, HalfMatrix]
+    plain: Mapping[bytes, HalfMatrix]  # of the kinds of plain elements
     n_integrated: int  # clusters that were not known before
 
 
@@ -50,21 +51,27 @@ def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc
 
     `materials` are one per body.
     """
-    return stiffness_after(cover, materials, n, {}).matrix
+    return stiffness_after(cover, materials, n).matrix
 
 
 def stiffness_after(
-    cover: Cover, materials: Sequence[PlaneElasticity], n: int, known: Mapping[bytes, HalfMatrix]
+    cover: Cover, materials: Sequence[PlaneElasticity], n: int, before: Stiffness | None = None
 ) -> Stiffness:
-    """As `stiffness`, with the `clusters` that are known from the configuration before."""
+    """As `stiffness`, with what is known from the configuration before."""
+    known: Mapping[bytes, HalfMatrix] = {} if before is None else before.clusters
     clusters = clusters_of(cover, n)
     names = keys(cover, clusters, materials)
     new = [number for number, name in enumerate(names) if name not in known]
     integrated = {names[number]: part for number, part in _integrated(cover, materials, clusters, new)}
     matrices = {name: known[name] if name in known else integrated[name] for name in names}
     parts = [(clusters.functions[number][None], matrices[name]) for number, name in enumerate(names)]
-    parts += _plain(cover, materials, n)
-    return Stiffness(sum_of(parts, cover.n_functions), matrices, len(new))
+    plain: dict[bytes, HalfMatrix] = {}
+    for kind in plain_kinds(cover):
+        name = plain_key(cover, kind, materials[kind.body], n)
+        ready = None if before is None else before.plain.get(name)
+        plain[name] = _plain(cover, kind, materials[kind.body], n) if ready is None else ready
+        parts.append((cover.functions[kind.elements][:, kind.covers], plain[name]))
+    return Stiffness(sum_of(parts, cover.n_functions), matrices, plain, len(new))
 
 
 def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:
@@ -100,18 +107,22 @@ def _elastic(material: PlaneElasticity, integrals: Floats | tuple[Floats, Floats
     )
 
 
-def _plain(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> Iterator[tuple[Ints, HalfMatrix]]:
-    """The element matrix of every kind of plain element, and the functions at all of its places."""
+def plain_key(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> bytes:
+    """All that the matrix of a kind of plain elements depends on."""
+    moduli = (material.c11, material.c12, material.c33)
+    return np.array([cover.lattice.support, *moduli, n, *kind.low, *kind.size, *kind.covers]).tobytes()
+
+
+def _plain(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> HalfMatrix:
+    """The element matrix of a kind of plain elements."""
     lattice = cover.lattice
     local, weights = square(n)
-    for kind in plain_kinds(cover):
-        area = weights * kind.size.prod()
-        _, gradients = mls(kind.low + local * kind.size, lattice.support, lattice.reach)
-        rim, normals = rectangle_rim(kind.low, kind.size)
-        gradients = consistent(gradients, area, mls_values(rim, lattice.support, lattice.reach), normals)
-        matrix = _elastic(materials[kind.body], products(gradients[:, kind.covers], area))
-        all_coupled = np.ones(matrix.shape[2:], dtype=bool)
-        yield cover.functions[kind.elements][:, kind.covers], half(matrix, all_coupled)
+    area = weights * kind.size.prod()
+    _, gradients = mls(kind.low + local * kind.size, lattice.support, lattice.reach)
+    rim, normals = rectangle_rim(kind.low, kind.size)
+    gradients = consistent(gradients, area, mls_values(rim, lattice.support, lattice.reach), normals)
+    matrix = _elastic(material, products(gradients[:, kind.covers], area))
+    return half(matrix, np.ones(matrix.shape[2:], dtype=bool))
 
 
 def _integrated(

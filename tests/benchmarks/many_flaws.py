@@ -115,13 +115,13 @@ def main() -> None:
         scene = make_scene(plate(n))
         cracks = [GrowingCrack(crack, np.zeros(2, dtype=np.int64)) for crack in scene.case.cracks]
         cover_seconds, cover = timed(lambda: covered(scene, cracks))  # noqa: B023
-        first_seconds, first = timed(lambda: stiffness_after(cover, scene.materials, 4, {}))  # noqa: B023
+        first_seconds, first = timed(lambda: stiffness_after(cover, scene.materials, 4))  # noqa: B023
         judged_seconds, _ = timed(lambda: judged(scene, cover))  # noqa: B023
         others = cracks[1:]
         cracks[0], _ = advanced(cracks[0], True, 0.6, 2e-3, 1, scene.regions[0], others)
         grown = covered(scene, cracks)
         later_seconds, later = timed(
-            lambda: stiffness_after(grown, scene.materials, 4, first.clusters)  # noqa: B023
+            lambda: stiffness_after(grown, scene.materials, 4, first)  # noqa: B023
         )
         print(
             f"| {n} | {cover.n_dofs} | {cover_seconds:.2f} | {first_seconds:.2f} | {later_seconds:.2f} "

@@ -52,6 +52,7 @@ class Increment:
 
     configuration: Configuration
     factor: float
+    holding: float  # share of the held loads
     memory: ContactMemory  # before it
     outcome: ContactOutcome
     residual: float
@@ -64,11 +65,11 @@ def recorded() -> Iterator[list[Increment]]:
     solve = Configuration.equilibrium
 
     def equilibrium(
-        configuration: Configuration, factor: float, memory: ContactMemory | None
+        configuration: Configuration, factor: float, memory: ContactMemory | None, holding: float = 1.0
     ) -> tuple[ContactOutcome, float]:
-        outcome, residual = solve(configuration, factor, memory)
+        outcome, residual = solve(configuration, factor, memory, holding)
         before = memory or ContactMemory.fresh(configuration.faces.n)
-        found.append(Increment(configuration, factor, before, outcome, residual))
+        found.append(Increment(configuration, factor, holding, before, outcome, residual))
         return outcome, residual
 
     Configuration.equilibrium = equilibrium  # type: ignore[method-assign]
@@ -129,7 +130,7 @@ def violations(increment: Increment) -> dict[str, float]:
     opened = np.zeros(faces.n) if law.dilation is None else law.dilation * np.abs(slid)
     room = gap - opened - law.compliance * p_n
     change = slid - memory.slip
-    loads, given = configuration.loads(increment.factor), increment.factor * configuration.held.given
+    loads, given = configuration.loads(increment.factor, increment.holding), increment.factor * configuration.held.given
     young = min(material.young_prime for material in configuration.scene.materials)
     stiffness = young / configuration.scene.lattice.spacing
     length = max(largest, displacement_size(loads, outcome.u, given))

@@ -9,9 +9,10 @@ import pytest
 
 from crackgrow.approximation.basis import functions_on
 from crackgrow.cover.cover import Cover, build_cover
-from crackgrow.quadrature.elements import plain_elements
+from crackgrow.quadrature.elements import plain_elements, plain_kinds
 from crackgrow.solid.clusters import clusters_of, keys
-from crackgrow.solid.stiffness import stiffness_after
+from crackgrow.solid.elasticity import plane_elasticity
+from crackgrow.solid.stiffness import plain_key, stiffness_after
 
 
 def longer(build, cover: Cover, crack: int, by: tuple[float, float]) -> Cover:
@@ -45,10 +46,10 @@ def test_points_of_clusters_are_those_of_their_elements(build) -> None:
 def test_a_grown_tip_leaves_distant_clusters_and_changes_those_near_it(build) -> None:
     """The matrix is that of a fresh assembly to the last bit; only what the two tips of the crack see is new."""
     sample = build.field_of_cracks(4)
-    first = stiffness_after(sample.cover, [sample.material], 2, {})
+    first = stiffness_after(sample.cover, [sample.material], 2)
     cover = longer(build, sample.cover, 5, (0.3, 0.5))
-    fresh = stiffness_after(cover, [sample.material], 2, {})
-    later = stiffness_after(cover, [sample.material], 2, first.clusters)
+    fresh = stiffness_after(cover, [sample.material], 2)
+    later = stiffness_after(cover, [sample.material], 2, first)
     assert fresh.n_integrated == len(fresh.clusters)
     assert 0 < later.n_integrated < 0.5 * len(fresh.clusters)
     assert abs(later.matrix - fresh.matrix).max() == 0.0
@@ -57,10 +58,40 @@ def test_a_grown_tip_leaves_distant_clusters_and_changes_those_near_it(build) ->
 
 def test_nothing_is_integrated_twice(build) -> None:
     sample = build.field_of_cracks(2)
-    first = stiffness_after(sample.cover, [sample.material], 2, {})
-    again = stiffness_after(sample.cover, [sample.material], 2, first.clusters)
+    first = stiffness_after(sample.cover, [sample.material], 2)
+    again = stiffness_after(sample.cover, [sample.material], 2, first)
     assert again.n_integrated == 0
     assert abs(again.matrix - first.matrix).max() == 0.0
+
+
+def test_plain_elements_are_not_integrated_twice(build) -> None:
+    sample = build.block((12, 12), [build.crack([(4.3, 5.1), (7.2, 6.4)])])
+    first = stiffness_after(sample.cover, [sample.material], 2)
+    cover = longer(build, sample.cover, 0, (0.3, 0.5))
+    fresh, later = (stiffness_after(cover, [sample.material], 2, before) for before in (None, first))
+    common = later.plain.keys() & first.plain.keys()
+    assert len(common) > 0.5 * len(later.plain) > 0
+    assert all(later.plain[name] is first.plain[name] for name in common)
+    assert abs(later.matrix - fresh.matrix).max() == 0.0
+
+
+@pytest.mark.parametrize("changed", ["material", "quadrature", "support", "low", "size", "covers"])
+def test_what_a_plain_matrix_depends_on_is_in_its_key(build, changed: str) -> None:
+    sample = build.block((12, 12))
+    cover, material, n, kind = sample.cover, sample.material, 2, plain_kinds(sample.cover)[0]
+    before = plain_key(cover, kind, material, n)
+    assert plain_key(cover, replace(kind, elements=kind.elements[:1]), material, n) == before
+    if changed == "material":
+        material = plane_elasticity(2.0, 0.3, "strain")
+    elif changed == "quadrature":
+        n = 3
+    elif changed == "support":
+        cover = replace(cover, lattice=replace(cover.lattice, support=cover.lattice.support + 0.25))
+    elif changed == "covers":
+        kind = replace(kind, covers=~kind.covers)
+    else:
+        kind = replace(kind, **{changed: getattr(kind, changed) + 0.125})
+    assert plain_key(cover, kind, material, n) != before
 
 
 @pytest.mark.parametrize("changed", ["material", "quadrature", "fade", "tip", "reference", "points", "spacing"])
