@@ -10,6 +10,7 @@ from crackgrow.case.shapes import BodyShape
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
 SHORTEST = 1e-3  # least crack length and increment, in lattice spacings
+STIFFEST_GAUSS = 1e5  # numerics.contact.stiffness of gauss points; beyond, their tractions are nothing but waves
 
 
 def check_counts(scene: Scene) -> None:
@@ -78,11 +79,13 @@ def check_numerics(scene: Scene) -> None:
     if radius is not None and scene.complete and radius > scene.size:
         message = f"{scene.length(radius)} is more than the size of the scene, {scene.length(scene.size)}"
         report.fault(("growth", "tip_stress", "radius"), f"{message}; wanted: a length of the material")
-    discretization = scene.get("numerics", "contact", "discretization")
-    if discretization == "gauss" and scene.get("numerics", "contact", "stiffness") == "rigid":
+    stiffness = scene.get("numerics", "contact", "stiffness")
+    rigid = stiffness == "rigid" or (isinstance(stiffness, float) and stiffness > STIFFEST_GAUSS)
+    if scene.get("numerics", "contact", "discretization") == "gauss" and rigid:
         message = (
-            "gauss with rigid contact has more contact points than the displacement can follow, so no unique traction; "
-            "use mortar, or give numerics.contact.stiffness a number such as 100"
+            f"gauss with contact that is rigid, or stiffer than {STIFFEST_GAUSS:g}, has more contact points than the "
+            "displacement can follow, so no unique traction; use mortar, or give numerics.contact.stiffness a number "
+            "such as 10"
         )
         report.fault(("numerics", "contact", "discretization"), message)
 

@@ -17,23 +17,21 @@ other way than it was taken to.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactProblem, ContactSolution, complementarity_residual
-from crackgrow.contact.lemke import solve_by_lemke
-from crackgrow.contact.newton import solve_by_newton
-from crackgrow.errors import FreePieceError, SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem, displacement_size
-from crackgrow.solid.rigid_modes import FreePiece, Springs
+from crackgrow.contact.condensed import condensed, solved
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactProblem, complementarity_residual
+from crackgrow.contact.law import ContactMemory
+from crackgrow.contact.system import ContactSystem
+from crackgrow.errors import SolveError
+from crackgrow.solid.linear_solver import displacement_size
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 OVERLAP = 1e-10
 """A gap above minus this fraction of the displacement's size is no overlap but round-off."""
@@ -41,62 +39,8 @@ OVERLAP = 1e-10
 UNPRESSED = 1e-6
 """A pressure below this fraction of the traction that would undo the jump is none: the point is open."""
 
-
-MOST_PULLS = 60
-"""Solves after which springs that still carry force are given up."""
-
-LAST_PULLS = 8
-"""The springs' force has to halve within so many solves."""
-
-NEARLY_SLACK = 1e-5
-"""The same where round-off lets the springs' force fall no further: the solution carries a note."""
-
-NO_CHANGE = 1e-9
-"""A change of the springs' drift by less than this fraction is round-off."""
-
 MOST_TURNS = 60
 """Solves after which points whose slip still turns round are given up."""
-
-SLACK = 1e-10
-"""Springs with a force below this part of the loads are slack."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactLaw:
-    """Law of every contact point."""
-
-    friction: Floats  # (n,)
-    cohesion: Floats  # (n,) Pa
-    compliance: Floats  # (n,) m/Pa: 1/k, zero for rigid contact
-    residual_friction: Floats | None = None  # (n,) of broken points; None: as before
-    kept: Bools | None = None  # (n,) whether broken points that are closed cohere; None: they don't
-    dilation: Floats | None = None  # (n,) tan(dilation angle); None: zero
-
-    def bound_of(self, broken: Bools) -> tuple[Floats, Floats]:
-        """Friction (n,) and cohesion (n,) where some points are `broken` (n,)."""
-        friction = self.friction if self.residual_friction is None else self.residual_friction
-        cohesion = np.zeros(len(broken)) if self.kept is None else np.where(self.kept, self.cohesion, 0.0)
-        return np.where(broken, friction, self.friction), np.where(broken, cohesion, self.cohesion)
-
-    @property
-    def breakable(self) -> Bools:
-        """Which points (n,) have something to lose."""
-        n = len(self.friction)
-        friction, cohesion = self.bound_of(np.ones(n, dtype=bool))
-        return np.asarray((friction < self.friction) | (cohesion < self.cohesion))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactMemory:
-    """What contact points keep from one increment to the next."""
-
-    slip: Floats  # (n,) m, less its elastic part
-    broken: Bools  # (n,) has slipped or opened
-
-    @classmethod
-    def fresh(cls, n: int) -> ContactMemory:
-        """Memory of n points that nothing has happened to."""
-        return cls(np.zeros(n), np.zeros(n, dtype=bool))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,23 +62,8 @@ class ContactOutcome:
     complementarity: float  # relative
     status: Literal["none", "solved"]
     notes: tuple[str, ...]  # what the user should know of how it was solved
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactSystem:
-    """All that the contact points need of the rock."""
-
-    system: ConstrainedSystem
-    gap_of: csr_array  # (n, n_dofs)
-    slip_of: csr_array  # (n, n_dofs)
-    weights: Floats  # (n,) m, length of every contact point
-    law: ContactLaw
-    solver: Literal["newton", "lemke"]
-    loose: bool = False  # whether `system` holds pieces by springs, in whose compliance that of the rock is lost
-    columns: _Columns = field(init=False, repr=False)  # displacements per unit traction, found when needed
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "columns", _Columns(self.system, self.gap_of, self.slip_of, self.weights))
+    rows: Ints  # (k,) points that the solver had to deal with: all others stay open
+    problem: ContactProblem | None  # what it solved for them last
 
 
 def solve_contact(
@@ -149,69 +78,10 @@ def solve_contact(
     `memory` is that of the increment before, None for the first; `without` are displacements and multipliers without
     contact tractions, if they are known. Raises SolveError where the contact solver finds no solution.
     """
-    return _solve(contact, loads, given, memory or ContactMemory.fresh(len(contact.weights)), None, without)
+    return solve_increment(contact, loads, given, memory or ContactMemory.fresh(len(contact.weights)), None, without)
 
 
-def solve_contact_held_loosely(
-    contact: ContactSystem,
-    springs: Springs,
-    pieces: tuple[FreePiece, ...],
-    loads: Floats,
-    given: Floats,
-    memory: ContactMemory | None = None,
-) -> ContactOutcome:
-    """As `solve_contact` where the system's stiffness contains `springs` on pieces that contact alone holds.
-
-    The springs' far ends follow the rock until they carry no force (the proximal point method, Rockafellar 1976): the
-    solution is that of the rock without springs. Raises FreePieceError where contact does not hold a piece.
-    """
-    memory = memory or ContactMemory.fresh(len(contact.weights))
-    outcome: ContactOutcome | None = None
-    ends, drifts = [np.zeros(len(springs.dofs))], []
-    forces: list[float] = []
-    slack = False
-    for _ in range(MOST_PULLS):
-        pulled = loads.copy()
-        np.add.at(pulled, springs.dofs, springs.stiffness * ends[-1])
-        outcome = _solve(contact, pulled, given, memory, outcome)
-        if slack:  # this was once more: the error left has fallen again
-            return outcome
-        drifts.append(outcome.u[springs.dofs] - ends[-1])
-        ends.append(accelerated(ends, drifts))
-        pressed = contact.weights @ np.abs(outcome.normal_traction)
-        forces.append(float(np.abs(springs.stiffness * drifts[-1]).max()))
-        if forces[-1] <= SLACK * max(float(np.abs(loads).sum()), float(pressed)):
-            slack = True
-        elif len(forces) > LAST_PULLS and forces[-1] > 0.5 * forces[-1 - LAST_PULLS]:
-            break
-    assert outcome is not None
-    left = forces[-1] / max(float(np.abs(loads).sum()), float(pressed))
-    if left <= NEARLY_SLACK:
-        note = f"pieces held by contact are out of balance by {left:.1g} of the loads: very unlike stiffnesses"
-        return replace(outcome, notes=(*outcome.notes, note))
-    drift = drifts[-1]
-    piece = pieces[int(springs.piece[int(np.argmax(np.abs(drift)))])]
-    what = f"{piece} is free to move: contact does not hold it"
-    raise FreePieceError(what, "it needs supports, friction or another load")
-
-
-def accelerated(ends: list[Floats], drifts: list[Floats]) -> Floats:
-    """The next ends (k,) of springs after `ends` (k,) that gave `drifts` (k,), by Anderson's method (1965).
-
-    Where the drift is linear in the ends, as it is once the contact states are found, k steps suffice, however loose
-    or stiff the springs. Steps that changed the drift by round-off alone say nothing and are left out.
-    """
-    steps = np.diff(np.array(ends), axis=0)[-len(ends[0]) :]
-    changes = np.diff(np.array(drifts), axis=0)[-len(ends[0]) :]
-    telling = np.abs(changes).max(axis=1, initial=0.0) > NO_CHANGE * np.abs(drifts[-1]).max()
-    plain = ends[-1] + drifts[-1]
-    if not telling.any():
-        return plain
-    share = np.linalg.lstsq(changes[telling].T, drifts[-1], rcond=NO_CHANGE)[0]
-    return np.asarray(plain - share @ (steps + changes)[telling])
-
-
-def _solve(
+def solve_increment(
     contact: ContactSystem,
     loads: Floats,
     given: Floats,
@@ -263,6 +133,7 @@ class _Increment:
         iterations, complementarity = 0, 0.0
         u, multipliers = self._u_free, self._multipliers
         gap = free_gap
+        problem: ContactProblem | None = None
         taken |= gap < -self._tolerance
         while taken.any():
             friction, cohesion = law.bound_of(self._broken)
@@ -272,8 +143,8 @@ class _Increment:
             sliding = rows if frictional[rows].any() else rows[:0]
             response = contact.columns.of(rows, sliding)
             free = np.concatenate([free_gap[rows], free_slip[sliding]])
-            problem = _condensed(contact, response, free, friction, cohesion, rows, sliding, rise)
-            solution, note = _solved(problem, contact.solver)
+            problem = condensed(contact, response, free, friction, cohesion, rows, sliding, rise)
+            solution, note = solved(problem, None if rise.any() else contact.weights[rows], contact.solver)
             notes.update([note] if note else [])
             iterations += solution.iterations
             complementarity = complementarity_residual(problem, solution.traction)
@@ -314,97 +185,6 @@ class _Increment:
             complementarity=complementarity,
             status="solved" if taken.any() else "none",
             notes=tuple(sorted(notes)),
+            rows=np.flatnonzero(taken),
+            problem=problem,
         )
-
-
-def _condensed(
-    contact: ContactSystem,
-    response: Floats,
-    free: Floats,
-    friction: Floats,
-    cohesion: Floats,
-    rows: Ints,
-    sliding: Ints,
-    rise: Floats,
-) -> ContactProblem:
-    """The problem of the contact points `rows` (k,), with tangential rows of the points `sliding` (k,) or (0,).
-
-    With dilation the gap's rows are those of the gap less `rise` (n,) times the slip. Raises SolveError where that
-    leaves a point without resistance.
-    """
-    law = contact.law
-    compliance = np.concatenate([contact.gap_of[rows] @ response, contact.slip_of[sliding] @ response])
-    compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
-    n = len(rows)
-    if rise[rows].any():  # where there is dilation there is friction: the points that slide are `rows`
-        compliance[:n] -= rise[rows, None] * compliance[n:]
-        n_steep = int(np.sum(compliance.diagonal()[:n] <= 0.0))
-        if n_steep:
-            raise SolveError(
-                f"pressing {n_steep} contact points makes them slip and open by dilation more than it closes them: "
-                "use a smaller dilation angle, or supports that hold the rock without contact"
-            )
-    scale = None
-    if contact.loose:  # the few rigid motions are the largest eigenvalues
-        values = np.linalg.eigvalsh(0.5 * (compliance + compliance.T))
-        scale = np.full(len(free), np.median(np.abs(values)))
-    if not len(sliding):
-        return ContactProblem(compliance, free, scale=scale)
-    return ContactProblem(compliance, free, friction[rows], cohesion[rows], scale)
-
-
-class _Columns:
-    """Displacements per unit traction of contact points, K0^-1 G' W, each solved for once and only when needed."""
-
-    def __init__(self, system: ConstrainedSystem, gap_of: csr_array, slip_of: csr_array, weights: Floats) -> None:
-        self._system, self._weights = system, weights
-        self._operators = (gap_of, slip_of)
-        self._known: tuple[dict[int, tuple[Floats, Floats]], ...] = ({}, {})  # of gap, of slip
-
-    def of(self, rows: Ints, sliding: Ints) -> Floats:
-        """(n_dofs, k + l) for normal tractions at points `rows` (k,) and tangential ones at `sliding` (l,)."""
-        self._find(rows, sliding)
-        columns = [u for u, _ in self._parts(rows, sliding)]
-        return np.stack(columns, axis=1) if columns else np.empty((self._operators[0].shape[1], 0))
-
-    def multipliers(self, rows: Ints, sliding: Ints) -> Floats:
-        """(m, k + l) support multipliers per unit traction; of columns that are known."""
-        return np.stack([multipliers for _, multipliers in self._parts(rows, sliding)], axis=1)
-
-    def _parts(self, rows: Ints, sliding: Ints) -> list[tuple[Floats, Floats]]:
-        pairs = zip(self._known, (rows, sliding), strict=True)
-        return [known[row] for known, wanted in pairs for row in wanted.tolist()]
-
-    def _find(self, rows: Ints, sliding: Ints) -> None:
-        """Solve for all columns that are not known yet, at once."""
-        pairs = zip(self._known, (rows, sliding), strict=True)
-        new = [[row for row in wanted.tolist() if row not in known] for known, wanted in pairs]
-        if not any(new):
-            return
-        forces = [(op[some].T * self._weights[some]).toarray() for op, some in zip(self._operators, new, strict=True)]
-        u, multipliers = self._system.solve(np.concatenate(forces, axis=1))
-        found = zip(u.T, multipliers.T, strict=True)
-        for known, some in zip(self._known, new, strict=True):
-            known.update({row: next(found) for row in some})
-
-
-def _solved(problem: ContactProblem, solver: Literal["newton", "lemke"]) -> tuple[ContactSolution, str]:
-    """Solution of a contact problem by `solver`, or by the other one, and then a note that says why."""
-    failures = []
-    for name in (solver, "lemke" if solver == "newton" else "newton"):
-        try:
-            solution = solve_by_newton(problem) if name == "newton" else solve_by_lemke(problem)
-        except SolveError as error:
-            failures.append(f"{name}: {error}")
-            continue
-        if solution.status == "solved":
-            note = f"the contact problem was solved by {name} after {failures[0]}" if failures else ""
-            return solution, note
-        residual = complementarity_residual(problem, solution.traction)
-        failures.append(
-            f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
-        )
-    raise SolveError(
-        f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
-        "try a coarser contact spacing or a softer contact stiffness"
-    )

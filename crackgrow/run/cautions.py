@@ -7,6 +7,7 @@ import shapely
 
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.run.contact_cautions import contact_cautions
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
 from crackgrow.run.step import StepSolution
@@ -28,6 +29,9 @@ CLOSE = 1.0
 
 LARGE_OVERLAP = 0.05
 """Overlap of faces, as a fraction of the largest jump, from which a step carries a warning."""
+
+THINNEST_LAYER = 1e-4
+"""Length over which elastic contact gives way at a tip, over the distance of the nodes, from which it is as rigid."""
 
 NOISE = 1e-3
 """Jumps smaller than this fraction of the displacement are within the error of the discretization."""
@@ -68,6 +72,7 @@ def cautions(
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
     found.extend(_overlapping(scene, solution, faces))
+    found.extend(contact_cautions(solution))
     close = [
         f"{first} is closer than a spacing to {second}: the cover does not resolve what is between"
         for first, second in _close(solution)
@@ -119,7 +124,8 @@ def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
     if contact.discretization == "mortar" and contact.stiffness is not None and any(_layers(scene)):
         found.append(
             "elastic contact with mortar nodes: the pressure falls to a closed tip over E'/(2k), less than their "
-            "distance, and K_I there is not resolved; use numerics.contact.discretization gauss, or a rigid contact"
+            "distance, and K_I there is not resolved; use a rigid contact, or numerics.contact.discretization gauss "
+            "with a spacing of the size of E'/(2k)"
         )
     for crack in solution.cover.cracks:
         length = arc_lengths(crack.points)[-1]
@@ -149,10 +155,14 @@ def _elastic_size(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces,
 
 
 def _layers(scene: Scene) -> list[bool]:
-    """Crack by crack: whether its elastic contact gives way at a tip over less than the distance of the nodes."""
+    """Crack by crack: whether its elastic contact gives way at a tip over less than the distance of the nodes.
+
+    The K_I of that layer is the pressure times the root of its length: of the thinnest ones it is next to nothing.
+    """
     distance = scene.case.numerics.contact.spacing * scene.lattice.spacing
     stiff = (scene.materials[body].young_prime for body in scene.crack_bodies)
-    return [0.5 * modulus * law.compliance < distance for modulus, law in zip(stiff, scene.laws, strict=False)]
+    lengths = (0.5 * modulus * law.compliance for modulus, law in zip(stiff, scene.laws, strict=False))
+    return [THINNEST_LAYER * distance < length < distance for length in lengths]
 
 
 def _close(solution: StepSolution) -> list[tuple[str, str]]:

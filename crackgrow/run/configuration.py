@@ -15,15 +15,11 @@ from scipy.sparse import csc_array, csr_array, vstack
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
+from crackgrow.contact.held_loosely import solve_contact_held_loosely
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.solve import (
-    ContactLaw,
-    ContactMemory,
-    ContactOutcome,
-    ContactSystem,
-    solve_contact,
-    solve_contact_held_loosely,
-)
+from crackgrow.contact.law import ContactLaw, ContactMemory
+from crackgrow.contact.solve import ContactOutcome, solve_contact
+from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import SolveError

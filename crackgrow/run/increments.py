@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.contact.solve import ContactMemory, ContactOutcome
+from crackgrow.contact.law import ContactMemory
+from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Surface
 from crackgrow.run.configuration import Configuration

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.contact.faces import ContactFaces
-from crackgrow.contact.solve import ContactOutcome, ContactSystem
+from crackgrow.contact.solve import ContactOutcome
+from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
