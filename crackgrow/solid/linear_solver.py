@@ -172,7 +172,7 @@ class ConstrainedSystem:
         u, multipliers = self._step(loads, wanted)
         size = np.abs(loads).max(axis=0)
         sign = np.random.default_rng(0).choice([-1.0, 1.0], loads.shape[1])
-        sign = sign / np.where(size > 0.0, size, 1.0)
+        sign = sign / np.where(size >= np.finfo(float).tiny, size, 1.0)  # nothing is left to refine of what is smaller
         last = np.inf
         for done in range(REFINEMENTS):
             error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
