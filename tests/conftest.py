@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,6 +119,13 @@ class Build:
             half = rng.uniform(1.0, 1.3) * np.array([np.cos(angle), np.sin(angle)])
             cracks.append(cls.crack([middle - half, middle + half], name=f"crack {k}"))
         return cls.block((4 * n + 1, 4 * n + 1), cracks, support)
+
+
+@pytest.fixture(autouse=True)
+def no_floating_point_faults() -> Iterator[None]:
+    """Overflow, division by zero and invalid operations raise, also where a library would hide their warnings."""
+    with np.errstate(over="raise", divide="raise", invalid="raise"):
+        yield
 
 
 @pytest.fixture(scope="session")

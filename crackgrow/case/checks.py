@@ -77,6 +77,10 @@ def check_numerics(scene: Scene) -> None:
         if increment is not None and increment < SHORTEST * spacing:
             limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
             report.fault(("growth", "increment"), f"{scene.length(increment)} is less than {limit}")
+    radius = scene.get("growth", "tip_stress", "radius")
+    if radius is not None and scene.complete and radius > scene.size:
+        message = f"{scene.length(radius)} is more than the size of the scene, {scene.length(scene.size)}"
+        report.fault(("growth", "tip_stress", "radius"), f"{message}; wanted: a length of the material")
     stiffness = scene.get("numerics", "contact", "stiffness")
     rigid = stiffness == "rigid" or (isinstance(stiffness, float) and stiffness > STIFFEST_GAUSS)
     if scene.get("numerics", "contact", "discretization") == "gauss" and rigid:

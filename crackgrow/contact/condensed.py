@@ -29,15 +29,26 @@ def condensed(
     cohesion: Floats,
     rows: Ints,
     sliding: Ints,
+    rise: Floats,
 ) -> ContactProblem:
     """The problem of the contact points `rows` (k,), with tangential rows of the points `sliding` (k,) or (0,).
 
-    Raises SolveError where round-off has spoilt the compliance of the rock.
+    With dilation the gap's rows are those of the gap less `rise` (n,) times the slip. Raises SolveError where that
+    leaves a point without resistance, and where round-off has spoilt the compliance of the rock.
     """
     law = contact.law
     compliance = np.concatenate([contact.gap_of[rows] @ response, contact.slip_of[sliding] @ response])
     _check_reciprocal(compliance, np.concatenate([contact.weights[rows], contact.weights[sliding]]))
     compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
+    n = len(rows)
+    if rise[rows].any():  # where there is dilation there is friction: the points that slide are `rows`
+        compliance[:n] -= rise[rows, None] * compliance[n:]
+        n_steep = int(np.sum(compliance.diagonal()[:n] <= 0.0))
+        if n_steep:
+            raise SolveError(
+                f"pressing {n_steep} contact points makes them slip and open by dilation more than it closes them: "
+                "use a smaller dilation angle, or supports that hold the rock without contact"
+            )
     scale = None
     if contact.loose:  # the few rigid motions are the largest eigenvalues
         values = np.linalg.eigvalsh(0.5 * (compliance + compliance.T))
@@ -60,10 +71,13 @@ def _check_reciprocal(compliance: Floats, weights: Floats) -> None:
         )
 
 
-def solved(problem: ContactProblem, weights: Floats, solver: Literal["newton", "lemke"]) -> tuple[ContactSolution, str]:
+def solved(
+    problem: ContactProblem, weights: Floats | None, solver: Literal["newton", "lemke"]
+) -> tuple[ContactSolution, str]:
     """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
 
-    `weights` (n,) m are the points' lengths. Raises SolveError where neither finds one.
+    `weights` (n,) m are the points' lengths, None where dilation makes the compliance asymmetric. Raises SolveError
+    where neither finds one.
     """
     failures = []
     for name in (solver, "lemke" if solver == "newton" else "newton"):
@@ -85,9 +99,9 @@ def solved(problem: ContactProblem, weights: Floats, solver: Literal["newton", "
     )
 
 
-def _less_friction(problem: ContactProblem, weights: Floats) -> str:
+def _less_friction(problem: ContactProblem, weights: Floats | None) -> str:
     """Advice where friction is large enough to be what the solvers fail at."""
-    if problem.friction is None:
+    if problem.friction is None or weights is None:
         return ""
     largest, limit = float(problem.friction.max()), friction_limit(problem.compliance, weights)
     if largest == 0.0 or largest < limit:

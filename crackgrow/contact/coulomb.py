@@ -67,7 +67,12 @@ class ContactProblem:
                 _check_shape(name, value, (n_points,))
                 _check_sign(name, value, value >= 0.0, "zero or positive")
         diagonal = self.compliance.diagonal()
-        _check_sign("compliance diagonal", diagonal, diagonal > 0.0, "positive: merge or drop contact points there")
+        _check_sign(
+            "compliance diagonal",
+            diagonal,
+            diagonal > 0.0,
+            "positive: the system is too ill conditioned, for cracks, tips or outlines too close to each other",
+        )
         object.__setattr__(self, "scale", _read_only("scale", diagonal if self.scale is None else self.scale))
 
     @property

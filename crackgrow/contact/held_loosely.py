@@ -10,12 +10,15 @@ from numpy.typing import NDArray
 
 from crackgrow.contact.anderson import accelerated
 from crackgrow.contact.law import ContactMemory
-from crackgrow.contact.solve import MOST_PULLS, ContactOutcome, solve_increment
+from crackgrow.contact.solve import ContactOutcome, solve_increment
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import FreePieceError
 from crackgrow.solid.rigid_modes import FreePiece, Springs
 
 Floats = NDArray[np.float64]
+
+MOST_PULLS: Final = 60
+"""Solves after which springs that still carry force are given up."""
 
 LAST_PULLS: Final = 8
 """The springs' force has to halve within so many solves."""

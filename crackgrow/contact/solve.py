@@ -12,8 +12,9 @@ Loads come in increments, and points remember (`ContactMemory`): a point sticks 
 
 with du_t' the slip after the increment before. A point that slips or opens is broken: its friction is the residual one
 from then on, and its cohesion lost unless it is kept. What breaks in an increment is broken in all of it: the increment
-is solved again until no more points break. The slip's part in the gap is solved for by the same kind of repetition;
-without dilation it is absent.
+is solved again until no more points break. With dilation, the gap less tan(dilation) |du_t| takes the gap's place. It
+is linear in the unknowns once the sense of the slip is known: the increment is solved again until no point slips the
+other way than it was taken to.
 """
 
 from __future__ import annotations
@@ -24,7 +25,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.contact.anderson import accelerated
 from crackgrow.contact.condensed import condensed, solved
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactProblem, complementarity_residual
 from crackgrow.contact.law import ContactMemory
@@ -47,11 +47,8 @@ Not so if it coheres and its gap is below the same fraction of the jump: the fac
 AT_LIMIT = 1e-9
 """Shear closer to the cohesion of faces that touch than this fraction of it has reached it: they slip."""
 
-MOST_PULLS = 60
-"""Solves after which what is found by repetition is given up."""
-
-SETTLED = 1e-12
-"""A change of the opening by dilation below this fraction of it, or smaller than an overlap, is none."""
+MOST_TURNS = 60
+"""Solves after which points whose slip still turns round are given up."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,16 +104,18 @@ def solve_increment(
     dilation = contact.law.dilation
     if dilation is None or not dilation.any():
         return trial.outcome(np.zeros(len(contact.weights)))
-    opened, changes = [dilation * np.abs(memory.slip if last is None else last.memory.slip)], []
-    for _ in range(MOST_PULLS):
-        outcome = trial.outcome(opened[-1])
-        changes.append(dilation * np.abs(outcome.memory.slip) - opened[-1])
-        if np.abs(changes[-1]).max() <= max(SETTLED * np.abs(opened[-1]).max(), OVERLAP * size):
+    sense = np.sign(memory.slip if last is None else last.memory.slip)
+    for _ in range(MOST_TURNS):
+        outcome = trial.outcome(dilation * sense)
+        slip = np.where(outcome.state == STICK, memory.slip, outcome.memory.slip)  # but for round-off
+        turned = (sense * slip < 0.0) | ((sense == 0.0) & (slip != 0.0))
+        turned &= dilation * np.abs(slip) > OVERLAP * size
+        if not turned.any():
             return outcome
-        opened.append(np.maximum(accelerated(opened, changes), 0.0))
-    change = float(np.abs(changes[-1]).max())
-    left = change / max(change, float(opened[-1].max()))
-    raise SolveError(f"the opening by dilation did not settle: it changes by {left:.2g}; use a smaller dilation angle")
+        sense[turned] = np.sign(slip[turned])
+    raise SolveError(
+        f"the opening by dilation did not settle: {turned.sum()} points slip to and fro; use a smaller dilation angle"
+    )
 
 
 class _Increment:
@@ -132,11 +131,11 @@ class _Increment:
         self._broken = memory.broken.copy()
         self._opened = np.zeros(len(contact.weights), dtype=bool)  # in this increment: they do not cohere in it
 
-    def outcome(self, dilation: Floats) -> ContactOutcome:
-        """The solution where slip has opened the faces by `dilation` (n,) m."""
+    def outcome(self, rise: Floats) -> ContactOutcome:
+        """The solution where slip s opens the faces by `rise` (n,) times s: the tangent of the dilation, signed."""
         contact, law, memory = self._contact, self._contact.law, self._memory
         n, taken, breakable = len(contact.weights), self._taken, law.breakable
-        free_gap, free_slip = self._gap - dilation, self._slip - memory.slip
+        free_gap, free_slip = self._gap - rise * self._slip, self._slip - memory.slip
         p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
         notes: set[str] = set()
         iterations, complementarity = 0, 0.0
@@ -152,8 +151,8 @@ class _Increment:
             sliding = rows if frictional[rows].any() else rows[:0]
             response = contact.columns.of(rows, sliding)
             free = np.concatenate([free_gap[rows], free_slip[sliding]])
-            problem = condensed(contact, response, free, friction, cohesion, rows, sliding)
-            solution, note = solved(problem, contact.weights[rows], contact.solver)
+            problem = condensed(contact, response, free, friction, cohesion, rows, sliding, rise)
+            solution, note = solved(problem, None if rise.any() else contact.weights[rows], contact.solver)
             notes.update([note] if note else [])
             iterations += solution.iterations
             complementarity = complementarity_residual(problem, solution.traction)
@@ -161,7 +160,7 @@ class _Increment:
             p_n[rows] = solution.traction[: len(rows)]
             p_t[sliding] = solution.traction[len(rows) :]
             u = self._u_free - response @ solution.traction
-            gap = contact.gap_of @ u - dilation
+            gap = contact.gap_of @ u - rise * (contact.slip_of @ u - law.compliance * p_t)
             unpressed = p_n[rows] >= -UNPRESSED * np.max(np.abs(free) / problem.compliance.diagonal())
             touching = (cohesion[rows] > 0.0) & (gap[rows] <= UNPRESSED * np.abs(free).max())
             held = np.where(np.abs(p_t[rows]) < (1.0 - AT_LIMIT) * cohesion[rows], STICK, SLIP)
@@ -179,6 +178,7 @@ class _Increment:
                 multipliers = multipliers - contact.columns.multipliers(rows, sliding) @ solution.traction
                 break
         slip = contact.slip_of @ u
+        dilation = rise * (slip - law.compliance * p_t)
         apart = (state == OPEN) & (gap > self._tolerance)
         return ContactOutcome(
             u=u,

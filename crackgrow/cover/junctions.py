@@ -39,11 +39,15 @@ def with_junctions(cracks: Sequence[CrackGeometry], interfaces: Sequence[CrackGe
 
 
 def sides_through_junctions(sides: Floats, lines: Sequence[CrackGeometry]) -> Floats:
-    """Sides (n, 2, 2) of a body, cut in two wherever a junction of the lines lies on them: (m, 2, 2).
+    """Sides (n, 2, 2) of a body, cut in two wherever a junction, or an end that is no tip, lies on them: (m, 2, 2).
 
-    A side and an interface along it that do not share their vertices would enclose slivers, by rounding to the grid.
+    A side and an interface along it that do not share their vertices would enclose slivers, by rounding to the grid;
+    and a crack would end beside a slanting side, not on it.
     """
-    places = np.concatenate([np.empty((0, 2)), *(line.points[line.junctions] for line in lines)])
+    on_sides = [line.junctions | _ends_without_tip(line) for line in lines]
+    places = np.concatenate(
+        [np.empty((0, 2)), *(line.points[some] for line, some in zip(lines, on_sides, strict=True))]
+    )
     found = [sides]
     which, hit = shapely.STRtree(shapely.linestrings(sides)).query(shapely.points(places), "dwithin", ON_LINE)
     for side in np.unique(hit):
@@ -55,6 +59,13 @@ def sides_through_junctions(sides: Floats, lines: Sequence[CrackGeometry]) -> Fl
         found.append(pieces[np.any(pieces[:, 0] != pieces[:, 1], axis=1)])
     found[0] = np.delete(sides, np.unique(hit), axis=0)
     return np.concatenate(found)
+
+
+def _ends_without_tip(line: CrackGeometry) -> Bools:
+    """Which corners (n,) of a line are ends of it, and no tips."""
+    ends = np.zeros(len(line.points), dtype=bool)
+    ends[0], ends[-1] = not line.tip_at_start, not line.tip_at_end
+    return ends
 
 
 def _on_interfaces(places: Floats, interfaces: Sequence[CrackGeometry]) -> Floats:

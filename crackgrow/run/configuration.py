@@ -29,6 +29,7 @@ from crackgrow.run.scene import Scene
 from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
+from crackgrow.solid.magnitude import LARGEST, LARGEST_STRAIN, check_magnitude
 from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs
 from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints, constraints, tied
@@ -83,11 +84,17 @@ class Configuration:
         `holding` is the share of the held loads. Raises SolveError where they can't be found to a small residual.
         """
         loads, given = self.loads(factor, holding), factor * self.held.given
+        farthest = LARGEST_STRAIN * self.scene.lattice.spacing
+        check_magnitude("loads", loads, LARGEST, "N/m")
+        check_magnitude("prescribed displacements", given, farthest, "m")
         if self.springs is None:
             outcome = solve_contact(self.contact, loads, given, memory, self._without_contact(factor, holding))
         else:
             outcome = solve_contact_of_pieces(self.contact, self.cover, self.springs, self.free, loads, given, memory)
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
+        check_magnitude("displacements", outcome.u, farthest, "m")
+        check_magnitude("contact tractions", outcome.normal_traction, LARGEST, "Pa")
+        check_magnitude("contact tractions", outcome.tangential_traction, LARGEST, "Pa")
         residual = _residual(self.matrix, self.contact, loads, outcome)
         if not residual <= WORST_RESIDUAL:
             raise SolveError(
@@ -125,9 +132,11 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         known = None if before is None else before.stiffness
         stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, known)
         matrix = stiffness.matrix
+        check_magnitude("stiffness", matrix.data, LARGEST, "Pa")
         faces = _faces(scene, cover)
         operators = contact_operators(cover, faces)
         held = tied(constraints(cover, case.bodies, case.supports), *_bonds(scene, cover))
+        check_magnitude("prescribed displacements", held.given, LARGEST, "m")
         bodies = [g.crack.body for g in growing]
         scaled, constant = (
             load_vector(cover, case.bodies, loads, case.numerics.quadrature) + face_load_vector(cover, bodies, loads)

@@ -144,7 +144,8 @@ class ConstrainedSystem:
             u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block])
         if given is not None and m:
             left = np.abs(self.constraints @ u - wanted).max()
-            if left > INCONSISTENT * displacement_size(loads, u.reshape(loads.shape), given):
+            round_off = ROUND_OFF * (abs(self.constraints) @ np.abs(u)).max()  # where loads act on what is held
+            if left > max(INCONSISTENT * displacement_size(loads, u.reshape(loads.shape), given), round_off):
                 raise SolveError(f"the supports contradict each other by {left:.3g} m")
         return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
 
@@ -171,7 +172,7 @@ class ConstrainedSystem:
         u, multipliers = self._step(loads, wanted)
         size = np.abs(loads).max(axis=0)
         sign = np.random.default_rng(0).choice([-1.0, 1.0], loads.shape[1])
-        sign = sign / np.where(size > 0.0, size, 1.0)
+        sign = sign / np.where(size >= np.finfo(float).tiny, size, 1.0)  # nothing is left to refine of what is smaller
         last = np.inf
         for done in range(REFINEMENTS):
             error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)

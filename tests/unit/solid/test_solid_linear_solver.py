@@ -89,6 +89,14 @@ def test_constraints_that_contradict_are_refused() -> None:
         system.solve(np.zeros(N), np.array([0.0, 1e-3]))
 
 
+@pytest.mark.parametrize("size", [0.0, 5e-324, 1e-310, 1e-290])
+def test_loads_may_be_as_small_as_numbers_are(size: float) -> None:
+    """Springs that give way leave such loads behind where nothing acts on the rock."""
+    u, m = ConstrainedSystem(definite(42), rows({0: 1.0})).solve(np.full(N, size))
+    assert np.abs(u).max() <= 100.0 * size
+    assert np.isfinite(m).all()
+
+
 def test_several_loads_at_once_are_solved_column_by_column() -> None:
     system = ConstrainedSystem(definite(45), rows({0: 1.0}, {9: 1.0}))
     loads = np.random.default_rng(46).normal(size=(N, 4))

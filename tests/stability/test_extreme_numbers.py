@@ -1,0 +1,182 @@
+"""Numbers that are not finite, too large or too small, in every place of a case: an error that names the place."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.errors import CaseError, CrackgrowError, SolveError
+from crackgrow.run import grow
+from crackgrow.solid.magnitude import check_magnitude
+from tests.stability.random_scenes import text_of
+
+Key = tuple[str | int, ...]
+
+CONTACT = {"friction": 0.3, "cohesion": 0.1, "residual_friction": 0.2, "dilation_angle": 5}
+
+EVERYTHING: dict[str, Any] = {
+    "title": "every key that takes a number",
+    "units": {"length": "mm", "stress": "MPa"},
+    "plane": "strain",
+    "bodies": {
+        "rock": {
+            "shape": {
+                "polygon": [[0, 0], [20, 0], [20, 22], [0, 24]],
+                "holes": [
+                    {"disk": {"center": [5, 18], "radius": 2}},
+                    {"rectangle": {"center": [15, 17], "width": 2, "height": 2}},
+                ],
+            },
+            "material": {"young": 10000, "poisson": 0.25, "density": 2500},
+            "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
+        },
+        "base": {
+            "shape": {"rectangle": {"center": [10, -5], "width": 20, "height": 10}},
+            "material": {"young": 20000, "poisson": 0.2, "density": 2500},
+        },
+    },
+    "cracks": {
+        "flaw": {"path": {"center": [10, 10], "length": 8, "angle": 30}, "contact": CONTACT},
+        "bent": {
+            "path": {"points": [[0, 8], [3, 7], [5, 5]]},
+            "tips": "end",
+            "contact": {"friction": 0.5, "cohesion": 0},
+        },
+    },
+    "interfaces": [{"between": ["rock", "base"], "contact": {**CONTACT, "dilation_angle": 1}}],
+    "supports": [
+        {"at": [0, -10], "displacement": {"x": 0}},
+        {
+            "on": {"body": "base", "edge": "bottom", "from": 1, "to": 19},
+            "contact": {"friction": 0.4, "cohesion": 0},
+        },
+        {"on": {"body": "base", "edge": "left"}, "displacement": {"x": "0.001*y", "y": 0.0001}},
+    ],
+    "loads": [
+        {"on": {"body": "rock", "edge": "2", "from": 1, "to": 15}, "traction": [1, -20]},
+        {"body": "rock", "gravity": [0.1, -9.81]},
+        {"crack": "bent", "pressure": 2},
+        {"body": "rock", "stress": [-2, -1, 0.3], "held": True},
+    ],
+    "loading": {"history": [0.5, 1.0]},
+    "growth": {
+        "steps": 1,
+        "increment": 2,
+        "advance": "all",
+        "criterion": "strength",
+        "tip_stress": {"radius": 2},
+    },
+    "numerics": {"spacing": 3, "support": 2.0, "quadrature": 4, "contact": {"stiffness": 100, "spacing": 1.25}},
+    "output": {"frames": "none", "figures": False},
+}
+
+
+def numbers(value: Any, key: Key = ()) -> Iterator[Key]:
+    """The keys of all numbers in a document."""
+    if isinstance(value, dict | list):
+        for inner, part in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from numbers(part, (*key, inner))
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield key
+
+
+KEYS = tuple(numbers(EVERYTHING))
+DISPLACEMENT: Key = ("supports", 2, "displacement", "y")
+
+
+def written(folder: Path, changes: dict[Key, str]) -> Path:
+    """The document as a file, with other numbers at some keys."""
+    document = copy.deepcopy(EVERYTHING)
+    for number, key in enumerate(changes):
+        place = document
+        for part in key[:-1]:
+            place = place[part]
+        place[key[-1]] = f"@{number}@"
+    text = text_of(document)
+    for number, value in enumerate(changes.values()):
+        text = text.replace(f"'@{number}@'", value)
+    path = folder / "scene.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def name_of(key: Key) -> str:
+    return ".".join(str(part) for part in key)
+
+
+def solved_to_the_end(path: Path) -> None:
+    """Every number of a result that must be one is finite."""
+    for result in grow(load_case(path)):
+        energy = result.energy
+        found = [result.residual, result.penetration, result.complementarity, result.overlap, result.load_displacement]
+        found += [energy.work, energy.strain, energy.dissipated, energy.released, energy.error, result.crack_length]
+        assert np.isfinite(found).all()
+        for values in (result.contact.normal_traction, result.contact.tangential_traction, result.contact.opening):
+            assert np.isfinite(values).all()
+
+
+def test_the_document_itself_is_solved(tmp_path: Path) -> None:
+    solved_to_the_end(written(tmp_path, {}))
+
+
+@pytest.mark.parametrize("key", KEYS, ids=name_of)
+def test_numbers_that_none_can_mean_are_refused_where_they_stand(tmp_path: Path, key: Key) -> None:
+    for value in (".nan", "-.inf", "1e400", "-1e300", "1e-300"):
+        with pytest.raises(CaseError) as caught:
+            load_case(written(tmp_path, {key: value}))
+        assert name_of(key) in {fault.key for fault in caught.value.faults}, value
+        assert any(value in fault.message for fault in caught.value.faults)
+
+
+@pytest.mark.parametrize("value", [".nan", ".inf", "1e400", "1e300", "1e-300"])
+def test_all_of_them_are_told_at_once(tmp_path: Path, value: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        load_case(written(tmp_path, dict.fromkeys(KEYS, value)))
+    assert {name_of(key) for key in KEYS} <= {fault.key for fault in caught.value.faults}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", KEYS, ids=name_of)
+def test_numbers_that_can_be_read_are_solved_or_refused(tmp_path: Path, key: Key) -> None:
+    """No warning and no other kind of error, whatever the size: `filterwarnings` makes errors of warnings."""
+    for value in ("1e50", "-1e50", "1e20", "1e-20", "1e-50"):
+        with contextlib.suppress(CrackgrowError):
+            solved_to_the_end(written(tmp_path, {key: value}))
+
+
+@pytest.mark.parametrize("formula", ["1/(x - x)", "log(-1 - y*y)", "exp(-1000*y)"])
+def test_formulas_without_a_finite_value_are_refused(tmp_path: Path, formula: str) -> None:
+    with pytest.raises(CaseError, match="has no finite value at") as caught:
+        load_case(written(tmp_path, {DISPLACEMENT: f'"{formula}"'}))
+    assert [fault.key for fault in caught.value.faults] == [name_of(DISPLACEMENT)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"),
+    [
+        ({("loads", 1, "gravity", 1): "-1e59", ("bodies", "rock", "material", "density"): "1e59"}, "loads"),
+        ({("loads", 0, "traction", 1): "-1e53", ("bodies", "base", "material", "young"): "1e-50"}, "displacements"),
+        ({DISPLACEMENT: "1e59", ("loading", "history", 0): "1e20"}, "prescribed displacements"),
+        ({DISPLACEMENT: '"1e300*y"', ("loading", "history", 0): "1e50"}, "prescribed displacements"),
+    ],
+    ids=["loads", "displacements", "prescribed displacements", "by a formula"],
+)
+def test_fields_that_leave_all_bounds_are_named(tmp_path: Path, changes: dict[Key, str], field: str) -> None:
+    with pytest.raises(SolveError, match=f"^{field}.*: a value is .*wanted: finite, at most"):
+        solved_to_the_end(written(tmp_path, changes))
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf, 1.1e100])
+def test_one_wrong_value_of_a_field_is_enough(wrong: float) -> None:
+    with pytest.raises(SolveError, match=r"^loads: a value is .* N/m"):
+        check_magnitude("loads", np.array([0.0, wrong, 1.0]), 1e100, "N/m")
+    check_magnitude("loads", np.array([0.0, 1.0, -1e100]), 1e100, "N/m")
+    check_magnitude("loads", np.empty(0), 1e100, "N/m")

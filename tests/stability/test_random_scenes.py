@@ -1,0 +1,134 @@
+"""Random scenes are solved, with equilibrium and every condition of contact, or refused with a reason that says why."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.errors import CaseError, CrackgrowError
+from crackgrow.run import grow
+from crackgrow.run.configuration import WORST_RESIDUAL
+from tests.stability.contact_conditions import Increment, recorded, violations
+from tests.stability.random_scenes import random_scene, text_of
+
+FEW, MANY = range(20), range(1000)
+
+RESIDUAL = 1e-9
+"""Relative equilibrium residual of an increment, but for ill-conditioned scenes: steps of these say so."""
+
+ILL_CONDITIONED = 0.03
+"""Of the scenes, at most. Their residual is below what the program refuses."""
+
+VIOLATION = 1e-8
+"""Relative violation of a condition of contact; or the residual of equilibrium, where that is larger."""
+
+LONGEST = 60.0
+"""Seconds."""
+
+NOT_READ = 0.01
+"""Of the scenes, at most: the generator makes what the reader accepts."""
+
+SOLVED = 0.7
+"""Of the scenes, at least; the others are mostly pieces that slide or rock off what contact alone holds."""
+
+REASONS = (
+    "is free to move",
+    "the criterion is met under the held loads alone",
+    "the contact problem of",
+    "the system is too ill conditioned",
+    "no critical load factor found",
+    "use a smaller dilation angle",
+    "supports contradict each other",
+)
+"""What a scene may be refused for after it was read; any other reason is a fault of the program."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """How one scene ended."""
+
+    reason: str  # empty where it was solved
+    read: bool  # whether the reader accepted it
+    seconds: float
+    increments: list[Increment]
+
+
+def attempt(folder: Path, seed: int) -> Trial:
+    """Read and run the scene; errors of any other kind than a refusal, and warnings, are let through."""
+    path = folder / "scene.yaml"
+    path.write_text(text_of(random_scene(seed)), encoding="utf-8")
+    start, reason, read = time.perf_counter(), "", True
+    with recorded() as increments:
+        try:
+            for result in grow(load_case(path)):
+                assert np.isfinite([result.residual, result.penetration, result.complementarity]).all()
+                told = any("the equilibrium residual is" in warning for warning in result.warnings)
+                assert told == (result.residual > RESIDUAL)
+        except CrackgrowError as error:
+            reason = str(error)
+            read = not isinstance(error, CaseError)
+    return Trial(reason, read, time.perf_counter() - start, increments)
+
+
+def check(folder: Path, seeds: range) -> Counter[str]:
+    """Check the scenes one by one; returns how many ended in which way."""
+    ends: Counter[str] = Counter()
+    for seed in seeds:
+        trial = attempt(folder, seed)
+        for increment in trial.increments:
+            assert np.isfinite(increment.outcome.u).all(), f"seed {seed}"
+            assert increment.residual <= WORST_RESIDUAL, f"seed {seed}"
+            limit = max(VIOLATION, increment.residual)
+            worst = {name: value for name, value in violations(increment).items() if not value < limit}
+            assert not worst, f"seed {seed}: {worst}"
+        known = [words for words in REASONS if words in trial.reason]
+        assert not trial.reason or not trial.read or known, f"seed {seed}: {trial.reason}"
+        assert trial.seconds < LONGEST, f"seed {seed}"
+        ends["ill conditioned"] += any(increment.residual > RESIDUAL for increment in trial.increments)
+        ends["solved" if not trial.reason else known[0] if trial.read else "not read"] += 1
+    return ends
+
+
+def test_a_few_scenes(tmp_path: Path) -> None:
+    ends = check(tmp_path, FEW)
+    assert ends["solved"] >= SOLVED * len(FEW), ends
+    assert ends["ill conditioned"] == 0
+
+
+@pytest.mark.slow
+def test_many_scenes(tmp_path: Path) -> None:
+    ends = check(tmp_path, MANY)
+    assert ends["solved"] >= SOLVED * len(MANY), ends
+    assert ends["ill conditioned"] <= ILL_CONDITIONED * len(MANY), ends
+    assert ends["not read"] <= NOT_READ * len(MANY), ends
+
+
+def test_the_same_seed_gives_the_same_scene() -> None:
+    assert text_of(random_scene(7)) == text_of(random_scene(7))
+    assert text_of(random_scene(7)) != text_of(random_scene(8))
+
+
+def test_scenes_are_of_every_kind() -> None:
+    """The generator leaves nothing of the case format out by mistake."""
+    scenes = [random_scene(seed) for seed in range(200)]
+    found = {word for scene in scenes for word in words_of(scene)}
+    wanted = {"rectangle", "polygon", "disk", "holes", "base", "bonded", "none", "c2", "start", "end", "both"}
+    wanted |= {"strain", "stress", "rigid", "gauss", "mortar", "newton", "lemke", "held", "critical", "history"}
+    wanted |= {"traction", "gravity", "pressure", "displacement", "dilation_angle", "residual_friction", "lost", "kept"}
+    wanted |= {"strength", "directional_strength", "max_hoop_stress", "implicit", "all", "most_critical", "in_turn"}
+    assert wanted <= found
+
+
+def words_of(value: object) -> set[str]:
+    """All keys and words in a document."""
+    if isinstance(value, dict):
+        return set(value) | {word for inner in value.values() for word in words_of(inner)}
+    if isinstance(value, list):
+        return {word for inner in value for word in words_of(inner)}
+    return {value} if isinstance(value, str) else set()
