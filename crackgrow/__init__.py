@@ -12,7 +12,7 @@ contact        crack faces: contact points, jump, Coulomb law, the contact solve
 fracture       tip stress, stress intensity, growth criteria, advance of a tip
 run            one step, and the loop over the steps
 results        tables, frames and figures on disk, made from the results alone
-study          what several runs tell: how far apart their crack paths are
+study          what several runs tell: how far apart their crack paths are, what extremes do to a scene
 cli            the command line, the only place that prints
 """
 
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from crackgrow.study.compare import compare_paths
     from crackgrow.study.comparison import Comparison
     from crackgrow.study.comparison_text import comparison_csv, comparison_text
+    from crackgrow.study.stability.runner import stability
+    from crackgrow.study.stability.table import stability_line
+    from crackgrow.study.stability.writer import write_stability
 
 __version__ = "0.1.0"
 
@@ -48,6 +51,9 @@ __all__ = [
     "grow",
     "load_case",
     "overview",
+    "stability",
+    "stability_line",
+    "write_stability",
 ]
 
 # Loaded on first use: importing crackgrow stays cheap, and the command line can set thread limits before numpy.
@@ -64,6 +70,9 @@ _HOMES = {
     "grow": "crackgrow.run",
     "load_case": "crackgrow.case",
     "overview": "crackgrow.results.overview",
+    "stability": "crackgrow.study.stability.runner",
+    "stability_line": "crackgrow.study.stability.table",
+    "write_stability": "crackgrow.study.stability.writer",
 }
 
 

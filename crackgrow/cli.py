@@ -1,7 +1,7 @@
 """The command line: the only place that prints.
 
 Exit codes: 0 done, 2 the case is wrong, 3 it can't be solved or written as asked, 130 interrupted, 1 a bug (which
-shows its traceback), or paths that `compare` finds further apart than the tolerance.
+shows its traceback), paths that `compare` finds further apart than the tolerance, or a NO of `stability`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from crackgrow.run.result import Event, RunEnd, StepResult
 
 EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
-EXIT_DIFFERENT = 1  # of compare, as of diff and cmp
+EXIT_DIFFERENT = 1  # of compare and stability, as of diff and cmp
 THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 BAR_WIDTH = 20
 MOST_WARNINGS = 5  # printed at the end; run.log has all
@@ -43,6 +43,21 @@ part of a path, such as one wing: then the part that both have is compared. Exit
 examples:
   crackgrow compare outputs/before outputs/after --tolerance "0.15 mm"
   crackgrow compare outputs/compression30 paper.csv --crack flaw --tip end --columns x_mm_fem,y_mm
+"""
+
+
+STABILITY_HELP = """\
+Take a scene to extremes, one axis at a time and some pairs, and hold the results against references and invariants:
+stability.csv, stability.md and stability.png. Without a case: the scenes of the folder `cases`, and all axes. With one:
+what holds for any scene, that is balance, units, where the lattice lies, the scene turned, mirrored and moved.
+"""
+STABILITY_EXAMPLES = """\
+verdicts: yes: within the tolerance; said: no good, or refused, and the program says so; NO: neither. Exit code 1: a NO.
+
+examples:
+  crackgrow stability --short
+  crackgrow stability --axis poisson contrast
+  crackgrow stability my_case.yaml --out outputs/my_stability
 """
 
 
@@ -125,6 +140,19 @@ def compare(arguments: argparse.Namespace) -> int:
     return EXIT_DONE if comparison.agrees else EXIT_DIFFERENT
 
 
+def stability(arguments: argparse.Namespace) -> int:
+    """`crackgrow stability`: a scene at the extremes."""
+    case = None if arguments.case is None else _load(arguments)
+    rows = []
+    for row in crackgrow.stability(case, arguments.axis, short=arguments.short):
+        rows.append(row)
+        _say(crackgrow.stability_line(row))
+    crackgrow.write_stability(arguments.out, rows)
+    good = all(row.verdict != "NO" for row in rows)
+    _say(f"{len(rows)} rows, {sum(row.verdict == 'NO' for row in rows)} NO\nresults in {arguments.out}")
+    return EXIT_DONE if good else EXIT_DIFFERENT
+
+
 class Progress:
     """How far a run is: one live line on a terminal, otherwise a line a step."""
 
@@ -193,6 +221,7 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("check", parents=[case], help="validate a case and say what it models")
     command.set_defaults(command=check)
     _add_compare(commands)
+    _add_stability(commands)
     return parser
 
 
@@ -214,6 +243,23 @@ def _add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     command.add_argument("--tip", choices=("start", "end"), help="compare what has grown at this tip alone")
     command.add_argument("--columns", type=_two_names, metavar="X,Y", help="columns of x and y of a CSV with several")
     command.set_defaults(command=compare)
+
+
+def _add_stability(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    command = commands.add_parser(
+        "stability",
+        help="take a scene to extremes and hold the results against references and invariants",
+        description=STABILITY_HELP,
+        epilog=STABILITY_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("case", type=Path, nargs="?", metavar="CASE.yaml", help="a case file of your own")
+    command.add_argument("--axis", nargs="+", default=[], metavar="NAME", help="these axes alone")
+    command.add_argument("--short", action="store_true", help="coarse scenes, and few values of every axis")
+    command.add_argument(
+        "--out", type=Path, default=Path("outputs/stability"), metavar="DIR", help="folder of the results"
+    )
+    command.set_defaults(command=stability, overrides=[])
 
 
 def _two_names(text: str) -> tuple[str, ...]:

@@ -51,5 +51,5 @@ class FreePieceError(SolveError):
     """A piece of rock that nothing holds; `what` says which piece and how it can move, the message adds the remedy."""
 
     def __init__(self, what: str, remedy: str) -> None:
-        self.what = what
+        self.what, self.remedy = what, remedy
         super().__init__(f"{what}; {remedy}")

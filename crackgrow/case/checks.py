@@ -9,7 +9,9 @@ from crackgrow.case.shapes import BodyShape
 
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
+LARGEST_POISSON = 0.4999  # in plane strain; beyond, K of cracks is off by tens of per cent
 SHORTEST = 1e-3  # least crack length and increment, in lattice spacings
+STIFFEST_GAUSS = 1e5  # numerics.contact.stiffness of gauss points; beyond, their tractions are nothing but waves
 
 
 def check_counts(scene: Scene) -> None:
@@ -24,12 +26,14 @@ def check_counts(scene: Scene) -> None:
 
 
 def check_material(scene: Scene) -> None:
-    """Poisson's ratio 1/2 has no plane strain stiffness; growth needs a strength, gravity a density."""
+    """Poisson's ratio near 1/2 is not for plane strain; growth needs a strength, gravity a density."""
     report = scene.report
     for name in named(scene.resolved, "bodies"):
         poisson = scene.get("bodies", name, "material", "poisson")
-        if scene.get("plane") == "strain" and poisson is not None and poisson >= 0.5:
-            message = f"{poisson:g} given; wanted in plane strain: a number > -1 and < 0.5 (0.5: incompressible)"
+        if scene.get("plane") == "strain" and poisson is not None and poisson > LARGEST_POISSON:
+            message = (
+                f"{poisson:g} given; wanted in plane strain: > -1 and <= {LARGEST_POISSON:g} (0.5: incompressible)"
+            )
             report.fault(("bodies", name, "material", "poisson"), message)
         strength = ("bodies", name, "strength")
         if _has_growing_cracks(scene, name) and report.sound(*strength) and scene.get(*strength) is None:
@@ -74,11 +78,13 @@ def check_numerics(scene: Scene) -> None:
         if increment is not None and increment < SHORTEST * spacing:
             limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
             report.fault(("growth", "increment"), f"{scene.length(increment)} is less than {limit}")
-    discretization = scene.get("numerics", "contact", "discretization")
-    if discretization == "gauss" and scene.get("numerics", "contact", "stiffness") == "rigid":
+    stiffness = scene.get("numerics", "contact", "stiffness")
+    rigid = stiffness == "rigid" or (isinstance(stiffness, float) and stiffness > STIFFEST_GAUSS)
+    if scene.get("numerics", "contact", "discretization") == "gauss" and rigid:
         message = (
-            "gauss with rigid contact has more contact points than the displacement can follow, so no unique traction; "
-            "use mortar, or give numerics.contact.stiffness a number such as 100"
+            f"gauss with contact that is rigid, or stiffer than {STIFFEST_GAUSS:g}, has more contact points than the "
+            "displacement can follow, so no unique traction; use mortar, or give numerics.contact.stiffness a number "
+            "such as 10"
         )
         report.fault(("numerics", "contact", "discretization"), message)
 

@@ -11,8 +11,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.contact.held_loosely import solve_contact_held_loosely
+from crackgrow.contact.law import ContactMemory
 from crackgrow.contact.limit import least_unbalanced
-from crackgrow.contact.solve import ContactMemory, ContactOutcome, ContactSystem, solve_contact_held_loosely
+from crackgrow.contact.solve import ContactOutcome
+from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import FreePieceError, SolveError
 from crackgrow.solid.dissection import places_of_unknowns
@@ -21,7 +24,7 @@ from crackgrow.solid.rigid_modes import FreePiece, Springs, free_motions
 
 Floats = NDArray[np.float64]
 
-STIFFER = (10.0, 100.0)
+STIFFER = (3.0, 10.0, 30.0, 100.0)
 """Times the usual stiffness of the springs. Still stiffer ones yield too slowly to tell a piece that is held."""
 
 UNBALANCED = 1e-6

@@ -7,8 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.faces import ContactFaces, points_at, stretch_ends
 from crackgrow.contact.jump import gap_and_slip
+from crackgrow.contact.law import ContactLaw
+from crackgrow.contact.solve import ContactOutcome
 from crackgrow.cover.cover import Cover
 
 Floats = NDArray[np.float64]
@@ -45,15 +48,28 @@ def _stretches(cover: Cover, faces: ContactFaces, surface: int, s: Floats) -> It
 
 
 def elastic_tractions(
-    cover: Cover, crack: int, s: Floats, u: Floats, compliance: float, tractions: tuple[Floats, Floats]
+    cover: Cover, faces: ContactFaces, crack: int, s: Floats, law: ContactLaw, outcome: ContactOutcome
 ) -> tuple[Floats, Floats]:
-    """Normal and tangential traction (n,) Pa at arc lengths s (n,) as the law p_n = gap / `compliance` (m/Pa) has them.
+    """Normal and tangential traction (n,) Pa at arc lengths s (n,) of a crack, from the jump there by the elastic law.
 
-    For contact points that are the points where the law holds: between them and on to the tip, where the gap vanishes
-    with the square root of the distance, the law says more than `tractions` (n,), interpolated, do. These give the
-    ratio of the two components.
+    For contact points that are the points where the law holds: between them and on to the tip, where the jump vanishes
+    with the square root of the distance, the law says more than their tractions, interpolated, do. With e the
+    compliance (m/Pa) and d the tangent of the dilation angle
+
+        p_n = (gap - d |slip - e p_t|) / e,    p_t = slip / e where the faces have never slipped.
+
+    Elsewhere p_t is in proportion to p_n, as at the contact points, but for the cohesion of faces that slip.
     """
-    gap, _ = gap_and_slip(cover, points_at(cover, crack, s), u)
-    normal, tangential = tractions
-    ratio = np.divide(np.minimum(gap, 0.0) / compliance, normal, out=np.zeros_like(normal), where=normal < 0.0)
-    return ratio * normal, ratio * tangential
+    nearest = nearest_contact_point(cover, faces, crack, s)
+    gap, slip = gap_and_slip(cover, points_at(cover, crack, s), outcome.u)
+    normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)
+    tangential = between_contact_points(cover, faces, crack, s, outcome.tangential_traction)
+    compliance, broken = law.compliance[nearest], outcome.memory.broken
+    if law.dilation is not None:
+        gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - compliance * tangential)
+    p_n = np.where(normal < 0.0, np.minimum(gap, 0.0) / compliance, 0.0)
+    ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal < 0.0)
+    _, cohesion = law.bound_of(broken)
+    cohesive = np.where(outcome.state == SLIP, np.copysign(cohesion, outcome.tangential_traction), 0.0)[nearest]
+    never_slipped = ((outcome.state == STICK) & ~broken)[nearest]
+    return p_n, np.where(never_slipped, slip / compliance, cohesive + ratio * (tangential - cohesive))

@@ -16,7 +16,7 @@ from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_on_lines, 
 from crackgrow.cover.junctions import sides_through_junctions
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.tiles import tile_edges, tile_lines, tiles_at, touched_tiles
+from crackgrow.cover.tiles import tile_lines, tile_outlines, tiles_at, touched_tiles
 from crackgrow.cover.tips import n_outward, reach_of_tips
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.arrangement import Edges, edges_between, faces_of, ring_vertices, vertex_ids
@@ -76,7 +76,7 @@ def cut_elements(lattice: Lattice, bodies: list[BodyGeometry], lines: list[Crack
     shapely.prepare(regions)
 
     whole_tiles, whole_body = _whole_tiles(lattice, touched, regions)
-    polygons = faces_of(shapely.linestrings(segments), tile_edges(lattice, touched))
+    polygons = faces_of(np.concatenate([tile_outlines(lattice, np.argwhere(touched)), shapely.linestrings(segments)]))
     inside_points = _inside_points(polygons)
     body = _bodies_at(regions, inside_points)
     tile = tiles_at(lattice, inside_points)

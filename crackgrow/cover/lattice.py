@@ -51,18 +51,21 @@ class Lattice:
         return np.asarray(points * self.spacing + self.origin)
 
 
-def place_lattice(lower: Floats, upper: Floats, spacing: float, support: float) -> Lattice:
+def place_lattice(
+    lower: Floats, upper: Floats, spacing: float, support: float, offset: tuple[float, float] = (0.0, 0.0)
+) -> Lattice:
     """Lattice of `spacing` (m) over the box from `lower` to `upper` (2,) (m).
 
     Its centre is a node or the centre of a cell, per axis, whichever leaves the box's sides nearer to the middle of
-    a cell: the scene's symmetries are the lattice's, and no patch overlaps the body by a sliver only.
+    a cell: the scene's symmetries are the lattice's, and no patch overlaps the body by a sliver only. `offset` moves
+    it from there, by parts of a spacing between -1/2 and 1/2: where it lies must not matter.
     """
     reach = math.ceil(support)
     half = 0.5 * (upper - lower) / spacing
     centre_offset = np.where(np.abs(half % 1.0 - 0.5) <= np.abs((half + 0.5) % 1.0 - 0.5), 0.0, 0.5)
     below = np.ceil(half - centre_offset).astype(int) + reach  # whole cells from the box's centre to the lattice's edge
     cells = 2 * below + (2 * centre_offset).astype(int)
-    origin = 0.5 * (lower + upper) - (below + centre_offset) * spacing
+    origin = 0.5 * (lower + upper) - (below + centre_offset - np.array(offset)) * spacing
     fraction = support % 1.0
     breaks = np.unique([0.0, fraction, 1.0 - fraction if fraction else 0.0, 1.0])
     return Lattice(spacing, support, origin, (int(cells[0]), int(cells[1])), breaks)

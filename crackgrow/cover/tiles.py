@@ -7,7 +7,6 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.cover.lattice import Lattice
-from crackgrow.geometry.arrangement import on_grid
 from crackgrow.geometry.tolerance import TOUCH
 
 Floats = NDArray[np.float64]
@@ -62,19 +61,9 @@ def crossings_and_middles(segment: Floats, x: Floats, y: Floats) -> Floats:
     return np.asarray(start + t[:, None] * step)
 
 
-def tile_edges(lattice: Lattice, tiles: Bools) -> NDArray[np.object_]:
-    """The edges of the tiles that are marked (tiles x, tiles y), each once, on the grid of the arrangement."""
+def tile_outlines(lattice: Lattice, tiles: Ints) -> NDArray[np.object_]:
+    """Closed outlines of tiles (n, 2), as line strings."""
     x, y = tile_lines(lattice)
-    # an edge across x lies below tile j, one across y on the left of tile i; the rows and columns at the ends have one
-    across_x, across_y = (np.pad(tiles, pad) for pad in (((0, 0), (0, 1)), ((0, 1), (0, 0))))
-    across_x[:, 1:] |= tiles
-    across_y[1:] |= tiles
-    i, j = np.nonzero(across_x)
-    k, m = np.nonzero(across_y)
-    edges = np.concatenate([_pairs(x[i], y[j], x[i + 1], y[j]), _pairs(x[k], y[m], x[k], y[m + 1])])
-    return np.asarray(shapely.linestrings(on_grid(edges)))
-
-
-def _pairs(x0: Floats, y0: Floats, x1: Floats, y1: Floats) -> Floats:
-    """Segments (n, 2, 2) from the coordinates (n,) of their ends."""
-    return np.stack([x0, y0, x1, y1], axis=1).reshape(-1, 2, 2)
+    i, j = tiles.T
+    corners = np.stack([(x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1]), (x[i], y[j])])
+    return np.asarray(shapely.linestrings(corners.transpose(2, 0, 1)))

@@ -27,6 +27,9 @@ LARGEST_KINK = np.deg2rad(110.0)
 """Rays further back than this run along the crack's own faces, whose stress says nothing of growth."""
 
 
+AT_STRENGTH = 1e-9
+"""A criticality this close below 1 is 1 but for round-off, as it is at a critical load."""
+
 LEAST_RESISTANCE = 1e-30
 """Pa: a resistance below this, or negative, is used up."""
 
@@ -47,7 +50,7 @@ class Verdict:
     @property
     def branch(self) -> Literal["tension", "shear", "none"]:
         """The part of the criterion that is met."""
-        return self.mode if self.criticality >= 1.0 else "none"
+        return self.mode if self.criticality >= 1.0 - AT_STRENGTH else "none"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

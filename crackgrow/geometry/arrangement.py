@@ -6,7 +6,6 @@ and edges are compared as whole numbers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,10 +18,6 @@ from crackgrow.geometry.tolerance import GRID
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Lines = Sequence[shapely.Geometry] | NDArray[np.object_]
-
-NEAR = 4.0 * GRID
-"""Rounding to the grid never joins a vertex to an edge further away than this."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,17 +35,10 @@ def on_grid(points: Floats) -> Floats:
     return np.asarray(np.rint(points / GRID) * GRID)
 
 
-def faces_of(lines: Lines, noded: Lines = ()) -> NDArray[np.object_]:
-    """Faces (polygons, counter-clockwise) that `lines` enclose together, all vertices on the grid.
-
-    The `noded` ones have their vertices on the grid and meet each other at their ends alone: of them only those that
-    others come near to are cut.
-    """
-    others = np.asarray(noded, dtype=object)
-    cut = np.zeros(len(others), dtype=bool)
-    cut[shapely.STRtree(others).query(lines, predicate="dwithin", distance=NEAR)[1]] = True
-    parts = shapely.union_all([*lines, *others[cut]], grid_size=GRID)
-    polygons = shapely.get_parts(shapely.polygonize([parts, *others[~cut]]))
+def faces_of(lines: list[shapely.Geometry] | NDArray[np.object_]) -> NDArray[np.object_]:
+    """Faces (polygons, counter-clockwise) that `lines` enclose, all vertices on the grid."""
+    noded = shapely.union_all(lines, grid_size=GRID)
+    polygons = shapely.get_parts(shapely.polygonize([noded]))
     return np.asarray(shapely.orient_polygons(polygons))
 
 

@@ -8,6 +8,8 @@ import shapely
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.run.contact_cautions import contact_cautions
+from crackgrow.run.reactions import imbalance
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
 from crackgrow.run.step import StepSolution
@@ -28,17 +30,30 @@ GOOD_SUPPORT = 2.0
 GOOD_CONTACT_SPACING = 1.25
 """Distance of the contact nodes, in spacings, from which tractions follow the displacement without oscillating."""
 
+GAUSS_LAYER = 0.25
+"""Least E'/(2k), in spacings, over which gauss points resolve how pressure falls to a closed tip: K_I is within 5 % of
+its own at 0.18, 20 % off at 0.05, and of the wrong sign or size far below."""
+
+NEARLY_INCOMPRESSIBLE = 0.49
+"""Poisson's ratio in plane strain up to which K is within 1 %, and, at a support of 1.5, the displacement."""
+
 CLOSE = 1.0
 """Spacings: things closer than this share all of their patches."""
 
 LARGE_OVERLAP = 0.05
 """Overlap of faces, as a fraction of the largest jump, from which a step carries a warning."""
 
+THINNEST_LAYER = 1e-4
+"""Length over which elastic contact gives way at a tip, over the distance of the nodes, from which it is as rigid."""
+
 NOISE = 1e-3
 """Jumps smaller than this fraction of the displacement are within the error of the discretization."""
 
 AT_CORNERS = 0.05
 """The same on interfaces and foundations: the corners of bodies make such overlaps on any lattice."""
+
+LARGE_IMBALANCE = 1e-8
+"""What may be missing of the balance of forces of the whole scene, by their magnitudes, before a step says so."""
 
 LARGE_RESIDUAL = 1e-9
 """Relative equilibrium residual from which a step carries a warning."""
@@ -73,6 +88,7 @@ def cautions(
     if step == 0:
         found.extend(_settings_warnings(scene, solution))
     found.extend(_overlapping(scene, solution, faces))
+    found.extend(contact_cautions(solution))
     close = [
         f"{first} is closer than a spacing to {second}: the cover does not resolve what is between"
         for first, second in _close(solution)
@@ -80,6 +96,9 @@ def cautions(
     found.extend(text for text in (*_short_of_room(solution), *_short_arms(solution), *close) if text not in told)
     if solution.residual > LARGE_RESIDUAL:
         found.append(f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned")
+    left = imbalance(solution)
+    if left > LARGE_IMBALANCE:
+        found.append(f"loads and reactions are out of balance by {left:.1g}: bodies of very unlike stiffness")
     return tuple(found)
 
 
@@ -121,17 +140,55 @@ def _settings_warnings(scene: Scene, solution: StepSolution) -> list[str]:
             f"numerics.contact.spacing is {contact.spacing:g}: below {GOOD_CONTACT_SPACING:g} contact tractions can "
             "oscillate from node to node, where faces stick up to their full size"
         )
-    if contact.discretization == "mortar" and contact.stiffness is not None and any(_layers(scene)):
-        found.append(
-            "elastic contact with mortar nodes: the pressure falls to a closed tip over E'/(2k), less than their "
-            "distance, and K_I there is not resolved; use numerics.contact.discretization gauss, or a rigid contact"
-        )
+    found.extend(_elastic_contact_warnings(scene))
+    found.extend(_incompressible_warnings(scene))
     for crack in solution.cover.cracks:
         length = arc_lengths(crack.points)[-1]
         if length < SHORT_CRACK and not _ends_on(crack, solution.cover.cracks):
             found.append(
                 f"crack '{crack.name}' is {length:.3g} spacings long: below {SHORT_CRACK:g} the cover does not resolve "
                 "it, and K can be off by 20 %"
+            )
+    return found
+
+
+def _elastic_contact_warnings(scene: Scene) -> list[str]:
+    """Tips at which faces give way over less than contact points resolve."""
+    contact = scene.case.numerics.contact
+    if contact.stiffness is None:
+        return []
+    if contact.discretization == "gauss":
+        layers, points, much = _layers(scene, GAUSS_LAYER), "gauss points", "a quarter of the spacing"
+        other = ""
+    else:
+        layers = _layers(scene, contact.spacing, THINNEST_LAYER * contact.spacing)
+        points, much, other = "mortar nodes", "their distance", "numerics.contact.discretization gauss with "
+    if not any(layers):
+        return []
+    return [
+        f"elastic contact with {points}: the pressure falls to a closed tip over E'/(2k), less than {much}, and K_I "
+        f"there is not resolved; use a rigid contact, or {other}a spacing of the size of E'/(2k)"
+    ]
+
+
+def _incompressible_warnings(scene: Scene) -> list[str]:
+    """What bodies that hardly change their volume cost in accuracy."""
+    if scene.case.plane == "stress":
+        return []
+    found = []
+    for index, body in enumerate(scene.case.bodies):
+        ratio = body.material.poisson
+        if ratio <= NEARLY_INCOMPRESSIBLE:
+            continue
+        if scene.case.numerics.support < GOOD_SUPPORT:
+            found.append(
+                f"body '{body.name}' has a Poisson's ratio of {ratio:g} and numerics.support is below {GOOD_SUPPORT:g}:"
+                " it locks, displacements can be 3 % too small at 0.499 and 7 % at 0.4999"
+            )
+        if index in scene.crack_bodies:
+            found.append(
+                f"body '{body.name}' has a Poisson's ratio of {ratio:g}: on a coarse lattice K can be off by 3 % at "
+                "0.499 and by 20 % at 0.4999; see the columns K_*_error of tips.csv"
             )
     return found
 
@@ -153,11 +210,14 @@ def _elastic_size(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces,
     return float(max(solution.displacement_size, 2.0 * scene.lattice.spacing * pressure / softest))
 
 
-def _layers(scene: Scene) -> list[bool]:
-    """Crack by crack: whether its elastic contact gives way at a tip over less than the distance of the nodes."""
-    distance = scene.case.numerics.contact.spacing * scene.lattice.spacing
+def _layers(scene: Scene, most: float, least: float = 0.0) -> list[bool]:
+    """Crack by crack: whether its elastic contact gives way at a tip over `least` to `most` spacings.
+
+    The K_I of that layer is the pressure times the root of its length: of the thinnest ones it is next to nothing.
+    """
     stiff = (scene.materials[body].young_prime for body in scene.crack_bodies)
-    return [0.5 * modulus * law.compliance < distance for modulus, law in zip(stiff, scene.laws, strict=False)]
+    lengths = (0.5 * modulus * law.compliance for modulus, law in zip(stiff, scene.laws, strict=False))
+    return [least < length / scene.lattice.spacing < most for length in lengths]
 
 
 def _short_arms(solution: StepSolution) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -17,13 +17,9 @@ from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
 from crackgrow.contact.hold import solve_contact_of_pieces
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.solve import (
-    ContactLaw,
-    ContactMemory,
-    ContactOutcome,
-    ContactSystem,
-    solve_contact,
-)
+from crackgrow.contact.law import ContactLaw, ContactMemory
+from crackgrow.contact.solve import ContactOutcome, solve_contact
+from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import SolveError
@@ -33,7 +29,7 @@ from crackgrow.run.scene import Scene
 from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs, named
+from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs
 from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints, constraints, tied
 
@@ -42,6 +38,9 @@ Ints = NDArray[np.int64]
 
 ON_OUTLINE = 1e-9
 """A crack end closer to an outline than this fraction of its length lies on it."""
+
+ON_GIVEN_FACES = 1e-6
+"""Spacings: contact points closer than this to the faces that were given lie on them. The cover rounds its vertices."""
 
 UNSTRESSED = 1e-6
 """Forces below this fraction of the terms that they are the sum of are no forces."""
@@ -65,24 +64,27 @@ class Configuration:
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
     seconds: dict[str, float]
+    solved: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)  # without contact, per unit
 
     @property
     def matrix(self) -> csc_array:
         """Stiffness (n_dofs, n_dofs) Pa."""
         return self.stiffness.matrix
 
-    def loads(self, factor: float) -> Floats:
-        """Loads (n_dofs,) N/m at a load factor."""
-        return self.constant + factor * self.scaled
+    def loads(self, factor: float, holding: float = 1.0) -> Floats:
+        """Loads (n_dofs,) N/m at a load factor, with a share of the held ones."""
+        return holding * self.constant + factor * self.scaled
 
-    def equilibrium(self, factor: float, memory: ContactMemory | None) -> tuple[ContactOutcome, float]:
-        """Displacements and tractions at a load factor after an increment that left `memory`, and the residual.
+    def equilibrium(
+        self, factor: float, memory: ContactMemory | None, holding: float = 1.0
+    ) -> tuple[ContactOutcome, float]:
+        """Displacements and tractions at a load factor after an increment from `memory` on, and the residual.
 
-        Raises SolveError where they can't be found to a small residual.
+        `holding` is the share of the held loads. Raises SolveError where they can't be found to a small residual.
         """
-        loads, given = self.loads(factor), factor * self.held.given
+        loads, given = self.loads(factor, holding), factor * self.held.given
         if self.springs is None:
-            outcome = solve_contact(self.contact, loads, given, memory)
+            outcome = solve_contact(self.contact, loads, given, memory, self._without_contact(factor, holding))
         else:
             outcome = solve_contact_of_pieces(self.contact, self.cover, self.springs, self.free, loads, given, memory)
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
@@ -93,6 +95,20 @@ class Configuration:
                 "conditioned" + ("; a tip may lie too close to another one or to an outline" if self.cover.tips else "")
             )
         return outcome, residual
+
+    def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
+        system, given = self.contact.system, self.held.given
+        u, multipliers = np.zeros(len(self.scaled)), np.zeros(len(given))
+        parts = ((factor, self.scaled, given), (holding, self.constant, np.zeros(len(given))))
+        for kind, (share, loads, displacements) in enumerate(parts):
+            if share == 0.0 or not (loads.any() or displacements.any()):
+                continue
+            if kind not in self.solved:
+                self.solved[kind] = system.solve(loads, displacements)
+            u += share * self.solved[kind][0]
+            multipliers += share * self.solved[kind][1]
+        return u, multipliers
 
 
 def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:
@@ -173,10 +189,7 @@ def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> li
     pressed, stuck = outcome.state != OPEN, outcome.state == STICK
     rows = [contact.system.constraints, contact.gap_of[pressed], contact.slip_of[stuck]]
     pieces = free_pieces(cover, csr_array(vstack(rows, format="csr")))
-    return [
-        f"{piece} may move without any resistance ({named(piece.motion)}): where it lies is arbitrary"
-        for piece in pieces
-    ]
+    return [f"{piece} may move without any resistance ({piece.motion}): where it lies is arbitrary" for piece in pieces]
 
 
 def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
@@ -199,7 +212,7 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
         if index < len(growing):
             crack = growing[index]
             given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.steps == 0]
-            new = mine & ((faces.s < given[0]) | (faces.s > given[-1]))
+            new = mine & ((faces.s < given[0] - ON_GIVEN_FACES) | (faces.s > given[-1] + ON_GIVEN_FACES))
             cohesion[new], friction[new] = 0.0, law.contact.residual_friction
     return ContactLaw(friction, cohesion, compliance, residual, kept, dilation if dilation.any() else None)
 

@@ -1,31 +1,31 @@
-"""Loads in increments on one configuration, with what contact points remember and where the energy goes.
+"""Loads in increments on one configuration, followed from change to change of its contact points.
 
-Of an increment from state 0 to state 1 (trapezoidal rule: exact as long as no point changes between stick, slip and
-open on the way, when everything is linear in the loads)
+Between two states everything is linear in the loads as long as no contact point changes between stick, slip and open.
+Then these are exact (trapezoidal rule):
 
     work        = (f_0 + f_1)/2 . (u_1 - u_0) + (m_0 + m_1)/2 . (g_1 - g_0)    of loads f and prescribed displacements g
-    dissipation = int (p_t0 + p_t1)/2 (s_1 - s_0) + (p_n0 + p_n1)/2 (d_1 - d_0) ds    with slip s and dilation d
+    dissipation = int (b_0 + b_1)/2 |s_1 - s_0| + (p_n0 + p_n1)/2 (d_1 - d_0) ds    of slip s and dilation d
 
-and the strain energy is u K u / 2, with that of elastic contact. Of points that change on the way more is known. One
-that sticks at first and slips at the end has slipped under friction's limit, not under the smaller shear that it began
-with: its p_t0 is the limit b_0, in the direction of p_t1. One that opens slips without shear. Pressure begins where the
-gap has closed and ends where it opens: it does no work on the gap. The work of the loads, whose displacement follows
-the jump, changes by as much.
+with b the shear that the law of friction allows, and the strain energy is u K u / 2, with that of elastic contact. What
+they miss of each other tells of changes on the way: the increment is then taken in parts, that end where a sticking
+point is foreseen to come to its limit, else in halves. So is one in which points break: friction does not take all that
+the loads and the rock give then, and the rest is released.
 """
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.contact.coulomb import OPEN, SLIP
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.contact.solve import ContactMemory, ContactOutcome
+from crackgrow.contact.law import ContactMemory
+from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Surface
 from crackgrow.run.configuration import Configuration
@@ -33,9 +33,25 @@ from crackgrow.run.result import Energy
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 ON_OLD_FACES = 1e-6
 """Spacings: points closer than this to the crack as it was lie on it."""
+
+BALANCED = 1e-5
+"""Energies that miss each other by less than this part of the largest are balanced."""
+
+MOST_HALVINGS = 12
+"""Times that an increment is halved."""
+
+MOST_PARTS = 500
+"""Parts of an increment, after which the rest of it is not divided."""
+
+BESIDE = 1e-10
+"""So far before and behind the factor at which a point should slip, as a fraction of it, a part ends."""
+
+ROUND_OFF = 1e-12
+"""Of the terms that the strain energy is the sum of: what it is good to."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +62,6 @@ class Remembered:
     normal: Floats  # (n,) Pa
     tangential: Floats  # (n,) Pa
     dilation: Floats  # (n,) m
-    gap: Floats  # (n,) m, less the dilation and the elastic part: zero at closed points
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,17 +70,20 @@ class LoadState:
 
     configuration: Configuration
     factor: float
+    holding: float  # how much of the loads that are held acts
     outcome: ContactOutcome
     residual: float
     energy: Energy
     conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
+    rate: tuple[Floats, Floats] | None  # (n,) Pa per load factor: change of tractions where everything was linear
     seconds: float  # of all increments
+    via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
 
     @property
     def remembered(self) -> Remembered:
         """What the next increment on this configuration needs."""
-        outcome, gap = self.outcome, _free_gap(self.configuration, self.outcome)
-        return Remembered(outcome.memory, outcome.normal_traction, outcome.tangential_traction, outcome.dilation, gap)
+        outcome = self.outcome
+        return Remembered(outcome.memory, outcome.normal_traction, outcome.tangential_traction, outcome.dilation)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,23 +91,29 @@ class Start:
     """Where an increment starts from: the unloaded state, or the state of another configuration carried over."""
 
     factor: float
-    holding: bool  # whether loads that are held act already
+    holding: float  # how much of the loads that are held acts already
     remembered: Remembered
     energy: Energy
     conjugates: Floats
-    grown: bool  # whether the configuration has changed on the way: what is missing was released by growth
+    grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
+    sticks: Bools | None = None  # (n,) which contact points stick, None where nothing is loaded
+    rate: tuple[Floats, Floats] | None = None  # as of a `LoadState`
 
 
 def unloaded(configuration: Configuration) -> Start:
     """Nothing has happened yet."""
     n = configuration.faces.n
-    remembered = Remembered(ContactMemory.fresh(n), *np.zeros((4, n)))
-    return Start(0.0, False, remembered, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3), False)
+    remembered = Remembered(ContactMemory.fresh(n), *np.zeros((3, n)))
+    holding = 0.0 if configuration.constant.any() else 1.0
+    return Start(0.0, holding, remembered, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3))
 
 
 def from_state(state: LoadState) -> Start:
     """Go on from a state of the same configuration."""
-    return Start(state.factor, True, state.remembered, state.energy, state.conjugates, False)
+    sticks = state.outcome.state == STICK
+    return Start(
+        state.factor, state.holding, state.remembered, state.energy, state.conjugates, False, sticks, state.rate
+    )
 
 
 def carried(state: LoadState, configuration: Configuration) -> Start:
@@ -101,8 +125,8 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     old, faces, outcome = state.configuration, configuration.faces, state.outcome
     n = faces.n
     jump = np.zeros(len(faces.lengths))  # at the integration points
-    elastic, normal, tangential, dilation, gap = np.zeros((5, n))
-    broken = np.zeros(n, dtype=bool)
+    elastic, normal, tangential, dilation = np.zeros((4, n))
+    broken, closed = np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
     for index, surface in enumerate(old.cover.surfaces):
         points, s = _on_old_faces(faces.points, index, surface)
         jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
@@ -112,14 +136,14 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
             (normal, outcome.normal_traction),
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),
-            (gap, state.remembered.gap),
         ):
             values[mine] = between_contact_points(old.cover, old.faces, index, s, found)
         nearest = nearest_contact_point(old.cover, old.faces, index, s)
         broken[mine] = np.append(outcome.memory.broken, False)[nearest]
+        closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
-    remembered = Remembered(ContactMemory(slip, broken), normal, tangential, dilation, gap)
-    return Start(state.factor, True, remembered, state.energy, state.conjugates, True)
+    remembered = Remembered(ContactMemory(slip, broken, closed | ~broken), normal, tangential, dilation)
+    return Start(state.factor, state.holding, remembered, state.energy, state.conjugates, grown=True)
 
 
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
@@ -131,14 +155,35 @@ def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Int
 
 
 def increment(configuration: Configuration, start: Start, factor: float) -> LoadState:
-    """The state at a load factor after one increment. Raises SolveError where there is none."""
+    """The state at a load factor, with all held loads. Raises SolveError where there is none."""
     began = time.perf_counter()
-    outcome, residual = configuration.equilibrium(factor, start.remembered.memory)
-    support_force = -float(outcome.multipliers @ configuration.held.given)
-    conjugates = np.array([configuration.scaled @ outcome.u, configuration.constant @ outcome.u, support_force])
-    energy = _balance(configuration, start, factor, outcome, conjugates)
-    seconds = time.perf_counter() - began
-    return LoadState(configuration, factor, outcome, residual, energy, conjugates, seconds)
+    if start.grown:
+        state = _booked(_part(configuration, start, factor, 1.0), start)
+        return replace(state, seconds=time.perf_counter() - began)
+    at = start
+    reached: list[LoadState] = []
+    ends = [(factor, 1.0, 0)]  # of the parts, the next one last: load factor, share of the held loads, halvings
+    while ends:
+        end, holding, halvings = ends[-1]
+        state = _part(configuration, at, end, holding)
+        size = max(abs(state.energy.work), state.energy.strain, abs(state.energy.dissipated))
+        breaks = (
+            state.outcome.memory.broken & ~at.remembered.memory.broken & configuration.contact.law.breakable
+        ).any()
+        changes = breaks or abs(_missing(state.energy) - _missing(at.energy)) > BALANCED * size
+        if changes and halvings < MOST_HALVINGS and len(reached) < MOST_PARTS:
+            limit = _foreseen(configuration, at, end, holding)
+            if limit is None:
+                ends[-1] = (end, holding, halvings + 1)
+                ends.append((0.5 * (at.factor + end), 0.5 * (at.holding + holding), halvings + 1))
+            else:
+                ends.append(limit)
+            continue
+        ends.pop()
+        reached.append(_booked(state, at) if breaks else state)
+        at = from_state(reached[-1])
+    *via, last = reached
+    return replace(last, seconds=time.perf_counter() - began, via=tuple(via))
 
 
 def held_loads(configuration: Configuration) -> Start:
@@ -153,50 +198,89 @@ def held_loads(configuration: Configuration) -> Start:
     return start
 
 
-def _balance(
-    configuration: Configuration, start: Start, factor: float, outcome: ContactOutcome, conjugates: Floats
-) -> Energy:
-    """The energies after an increment."""
-    before, change = start.energy, conjugates - start.conjugates
-    mean_factor, mean_holding = 0.5 * (start.factor + factor), 1.0 if start.holding else 0.5
-    mean_support = 0.5 * (start.conjugates[2] + conjugates[2])
-    work = mean_factor * change[0] + mean_holding * change[1] + mean_support * (factor - start.factor)
+def _part(configuration: Configuration, start: Start, factor: float, holding: float) -> LoadState:
+    """The state after one implicit increment: a point that slips at its end has slipped in all of it."""
+    outcome, residual = configuration.equilibrium(factor, start.remembered.memory, holding)
+    support_force = -float(outcome.multipliers @ configuration.held.given)
+    conjugates = np.array([configuration.scaled @ outcome.u, configuration.constant @ outcome.u, support_force])
+    before, change, mean = start.energy, conjugates - start.conjugates, 0.5 * (start.conjugates + conjugates)
+    step = factor - start.factor
+    work = 0.5 * (start.factor + factor) * change[0] + 0.5 * (start.holding + holding) * change[1] + mean[2] * step
+    strain, good_to = _strain_energy(configuration, outcome)
+    dissipated = before.dissipated + _dissipated(configuration, start.remembered, outcome)
+    energy = _checked(Energy(before.work + float(work), strain, dissipated, before.released, 0.0), good_to)
+    rate = None
+    if not start.grown and step != 0.0 and holding == start.holding:
+        was, sticks = start.remembered, outcome.state == STICK
+        stuck = sticks if start.sticks is None else start.sticks  # under no load at all the states say nothing
+        same = np.array_equal(outcome.memory.broken, was.memory.broken) and np.array_equal(sticks, stuck)
+        changes = (outcome.normal_traction - was.normal, outcome.tangential_traction - was.tangential)
+        rate = (changes[0] / step, changes[1] / step) if same else None
+    return LoadState(configuration, factor, holding, outcome, residual, energy, conjugates, rate, 0.0)
+
+
+def _foreseen(configuration: Configuration, at: Start, end: float, holding: float) -> tuple[float, float, int] | None:
+    """Where the next part ends: just before a sticking point comes to Coulomb's limit, or just behind; None if unknown.
+
+    The point comes to its limit on the line that its tractions have followed to the start.
+    """
+    if at.rate is None or at.sticks is None or holding != at.holding:
+        return None
+    was, (normal, tangential) = at.remembered, at.rate
+    friction, cohesion = configuration.contact.law.bound_of(was.memory.broken)
+    way = end - at.factor
+    nearest = np.inf
+    for sense in (-1.0, 1.0):
+        left = sense * was.tangential + friction * was.normal - cohesion  # negative: it sticks
+        rise = way * (sense * tangential + friction * normal)
+        rising = at.sticks & (rise > 0.0) & (left < 0.0)
+        nearest = min(nearest, float(np.min(-left[rising] / rise[rising], initial=np.inf)))
+    if not nearest < 1.0:
+        return None
+    limit = at.factor + nearest * way
+    beside = BESIDE * max(abs(limit), abs(way))
+    if nearest * abs(way) > 2.0 * beside:
+        return limit - np.copysign(beside, way), holding, 0
+    behind = limit + np.copysign(beside, way)
+    return (behind, holding, MOST_HALVINGS) if abs(end - behind) > beside else None
+
+
+def _strain_energy(configuration: Configuration, outcome: ContactOutcome) -> tuple[float, float]:
+    """Strain energy of the rock and of elastic contact, and what it is good to, J/m."""
+    product = configuration.matrix @ outcome.u
     weights, law = configuration.contact.weights, configuration.contact.law
-    strain = 0.5 * float(outcome.u @ (configuration.matrix @ outcome.u))
     tractions = outcome.normal_traction**2 + outcome.tangential_traction**2
-    strain += 0.5 * float(weights @ (law.compliance * tractions))
-    dissipated, more_work = _contact_work(configuration, start.remembered, outcome)
-    work += more_work
-    missing = float(work) - (strain - before.strain) - dissipated
-    total = Energy(
-        work=before.work + float(work),
-        strain=strain,
-        dissipated=before.dissipated + dissipated,
-        released=before.released + (missing if start.grown else 0.0),
-        error=0.0,
-    )
-    size = max(abs(total.work), strain, abs(total.dissipated))
-    left = total.work - total.strain - total.dissipated - total.released
-    return Energy(total.work, strain, total.dissipated, total.released, abs(left) / size if size > 0.0 else 0.0)
+    terms = configuration.contact.system.size @ np.abs(outcome.u)
+    good_to = ROUND_OFF * 0.5 * float(np.abs(outcome.u) @ terms)
+    return 0.5 * float(outcome.u @ product) + 0.5 * float(weights @ (law.compliance * tractions)), good_to
 
 
-def _contact_work(configuration: Configuration, was: Remembered, outcome: ContactOutcome) -> tuple[float, float]:
-    """What an increment dissipates (J/m), and by how much the loads' work is more than the trapezoidal rule says."""
+def _dissipated(configuration: Configuration, was: Remembered, outcome: ContactOutcome) -> float:
+    """What friction and dilation take between two states, by the law, J/m."""
     weights, law = configuration.contact.weights, configuration.contact.law
     friction, cohesion = law.bound_of(outcome.memory.broken)
-    limit = np.copysign(np.maximum(cohesion - friction * was.normal, 0.0), outcome.tangential_traction)
-    is_slip, is_open = outcome.state == SLIP, outcome.state == OPEN
-    shear_then = np.where(is_slip, limit, np.where(is_open, 0.0, was.tangential))
-    slipped = outcome.memory.slip - was.memory.slip
-    by_slip = 0.5 * weights @ ((shear_then + outcome.tangential_traction) * slipped)
-    pressed = 0.5 * weights * (was.normal + outcome.normal_traction)
-    by_dilation = pressed @ (outcome.dilation - was.dilation)
-    late = 0.5 * weights @ ((shear_then - was.tangential) * slipped)
-    on_gap = pressed @ (_free_gap(configuration, outcome) - was.gap)
-    return float(by_slip + by_dilation), float(late - on_gap)
+    bounds = [np.maximum(cohesion - friction * normal, 0.0) for normal in (was.normal, outcome.normal_traction)]
+    by_slip = (bounds[0] + bounds[1]) * np.abs(outcome.memory.slip - was.memory.slip)
+    by_dilation = (was.normal + outcome.normal_traction) * (outcome.dilation - was.dilation)
+    return 0.5 * float(
+        weights @ (np.where(outcome.state == SLIP, by_slip, 0.0) + np.where(outcome.state != OPEN, by_dilation, 0.0))
+    )
 
 
-def _free_gap(configuration: Configuration, outcome: ContactOutcome) -> Floats:
-    """Gap (n,) m less the dilation and the elastic part: zero at closed points."""
-    elastic = configuration.contact.law.compliance * outcome.normal_traction
-    return np.asarray(outcome.gap - outcome.dilation - elastic)
+def _missing(energy: Energy) -> float:
+    """What the energies miss of each other, J/m."""
+    return energy.work - energy.strain - energy.dissipated - energy.released
+
+
+def _checked(energy: Energy, good_to: float) -> Energy:
+    """The energies with their error, beyond what is round-off."""
+    size = max(abs(energy.work), energy.strain, abs(energy.dissipated))
+    left = max(abs(_missing(energy)) - good_to, 0.0)
+    return replace(energy, error=left / size if size > 0.0 else 0.0)
+
+
+def _booked(state: LoadState, start: Start) -> LoadState:
+    """A state with what is missing since the start booked as released."""
+    missing = _missing(state.energy) - _missing(start.energy)
+    released = replace(state.energy, released=state.energy.released + missing)
+    return replace(state, energy=_checked(released, _strain_energy(state.configuration, state.outcome)[1]))

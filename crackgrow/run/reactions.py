@@ -48,3 +48,16 @@ def total_load(solution: StepSolution) -> Floats:
     """Resultant (2,) N/m of all loads: the sum over the patches' own functions, which add up to one everywhere."""
     n_patches = len(solution.cover.patch_nodes)
     return np.asarray(solution.loads.reshape(-1, 2)[:n_patches].sum(axis=0))
+
+
+def imbalance(solution: StepSolution) -> float:
+    """What loads and the forces on the whole scene leave, by the sum of their magnitudes.
+
+    Rows of the system can each be in balance to round-off while their sum is not: where a stiff body is held by one
+    that is many times softer, and moves that many times further than it strains.
+    """
+    interfaces = {surface.name for surface in solution.configuration.scene.interfaces}
+    held = [np.array(reaction.force) for reaction in reactions(solution) if reaction.where not in interfaces]
+    size = float(np.abs(solution.loads).sum() + sum(np.hypot(*force) for force in held))
+    left = float(np.abs(sum(held, start=total_load(solution))).max())
+    return left / size if size > 0.0 else 0.0

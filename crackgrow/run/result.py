@@ -114,8 +114,8 @@ class Energy:
 
     work: float  # of loads and prescribed displacements
     strain: float  # of the rock and of elastic contact
-    dissipated: float  # by friction and dilation
-    released: float  # by growth that went on under load; zero where every step starts unloaded
+    dissipated: float  # by friction and dilation, as the law says
+    released: float  # by bonds that break, and by growth where steps do not start unloaded
     error: float  # relative: what the balance misses, by its largest term
 
 

@@ -75,10 +75,11 @@ def _share(load: Load, load_factor: float) -> float:
     return 1.0 if load.held else load_factor
 
 
-def make_scene(case: Case) -> Scene:
-    """Place the lattice and evaluate the materials of a case."""
+def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
+    """Place the lattice, moved by `offset` spacings for studies, and evaluate the materials of a case."""
     corners = np.concatenate([body.outline for body in case.bodies])
-    lattice = place_lattice(corners.min(axis=0), corners.max(axis=0), case.numerics.spacing, case.numerics.support)
+    numerics, box = case.numerics, (corners.min(axis=0), corners.max(axis=0))
+    lattice = place_lattice(*box, numerics.spacing, numerics.support, offset)
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
     laws = [SurfaceLaw(c.contact, False, _compliance(case, (c.body,))) for c in case.cracks]

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.contact.faces import ContactFaces
-from crackgrow.contact.solve import ContactOutcome, ContactSystem
+from crackgrow.contact.solve import ContactOutcome
+from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
@@ -164,14 +165,15 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
     configuration, outcome = state.configuration, state.outcome
     scene, cover, faces = configuration.scene, configuration.cover, configuration.faces
     pressure = scene.fluid_pressure(crack, state.factor)
-    compliance = scene.laws[crack].compliance
-    pointwise = compliance > 0.0 and scene.case.numerics.contact.discretization == "gauss"
+    law = configuration.contact.law
+    pointwise = scene.laws[crack].compliance > 0.0 and scene.case.numerics.contact.discretization == "gauss"
 
     def traction(s: Floats) -> tuple[Floats, Floats]:
-        normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)
-        tangential = between_contact_points(cover, faces, crack, s, outcome.tangential_traction)
         if pointwise:
-            normal, tangential = elastic_tractions(cover, crack, s, outcome.u, compliance, (normal, tangential))
+            normal, tangential = elastic_tractions(cover, faces, crack, s, law, outcome)
+        else:
+            normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)
+            tangential = between_contact_points(cover, faces, crack, s, outcome.tangential_traction)
         return normal - pressure, tangential
 
     return traction

@@ -121,6 +121,11 @@ class ConstrainedSystem:
         self._responses: Floats | None = None  # (n + m, m) to the constraints, found when they pay
 
     @property
+    def size(self) -> csc_array:
+        """The absolute values of the stiffness."""
+        return self._size
+
+    @property
     def note(self) -> str:
         """Why the matrix was not factorized as it should be; mostly empty."""
         return self._factorization.note

@@ -31,12 +31,29 @@ class FreePiece:
     """A piece of rock that the supports leave free to move."""
 
     functions: Ints  # physical patches
-    motion: Floats  # (3,) its part of a free motion: translation x, y and rotation
+    motions: (
+        Floats  # (k, 3) orthonormal, its free motions: translation x, y and rotation (1 at `reach` from the centre)
+    )
     centre: Floats  # (2,) m
+    reach: float  # m
 
     def __str__(self) -> str:
         """Say which piece it is."""
         return f"the piece of rock round ({self.centre[0]:.3g}, {self.centre[1]:.3g}) m"
+
+    @property
+    def motion(self) -> str:
+        """Its free motions in words."""
+        translations = _null_space(self.motions[:, 2:].T) @ self.motions
+        words = (
+            ["translation in x", "translation in y"] if len(translations) == 2 else [_along(t) for t in translations]
+        )
+        if len(translations) < len(self.motions):
+            turning = self.motions - self.motions @ translations.T @ translations
+            a, b, w = turning[np.argmax(np.abs(turning[:, 2]))]
+            x, y = self.centre + self.reach * np.array([-b, a]) / w
+            words.append("rotation" if len(translations) else f"rotation about ({x:.3g}, {y:.3g}) m")
+        return " and ".join(words)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,9 +76,10 @@ def free_pieces(cover: Cover, constraints: csr_array) -> tuple[FreePiece, ...]:
     moving = np.abs(free).max(axis=(0, 2), initial=0.0) > HOLDS_NOTHING
     result = []
     for index in np.flatnonzero(moving).tolist():
-        mine = free[:, index]
-        centre = cover.lattice.to_metres(cover.patch_nodes[found[index]].mean(axis=0))
-        result.append(FreePiece(found[index], mine[np.argmax(np.abs(mine).max(axis=1))], centre))
+        _, sizes, rows = np.linalg.svd(free[:, index], full_matrices=False)
+        nodes = cover.patch_nodes[found[index]]
+        centre, reach = cover.lattice.to_metres(nodes.mean(axis=0)), cover.lattice.spacing * _reach(nodes)
+        result.append(FreePiece(found[index], rows[sizes > HOLDS_NOTHING], centre, reach))
     return tuple(result)
 
 
@@ -87,7 +105,7 @@ def check_held(pieces: tuple[FreePiece, ...], touching: Ints) -> None:
     """Raise FreePieceError, naming the motion, for free pieces none of whose patches is among `touching` (k,)."""
     for piece in pieces:
         if not np.isin(piece.functions, touching).any():
-            raise FreePieceError(f"{piece} is free to move: {named(piece.motion)}", "it needs supports of its own")
+            raise FreePieceError(f"{piece} is free to move: {piece.motion}", "it needs supports of its own")
 
 
 def loose_springs(cover: Cover, stiffness: csc_array, pieces: tuple[FreePiece, ...]) -> Springs:
@@ -119,8 +137,7 @@ def all_pieces(cover: Cover) -> list[Ints]:
 def rigid_motions(cover: Cover, functions: Ints) -> Floats:
     """Unknowns (n_dofs, 3) of unit translations in x and y and of a rotation (1 at the rim) of physical patches."""
     nodes = cover.patch_nodes[functions]
-    arm = nodes - nodes.mean(axis=0)
-    arm = arm / max(np.abs(arm).max(), 1.0)
+    arm = (nodes - nodes.mean(axis=0)) / _reach(nodes)
     motions = np.zeros((cover.n_dofs, 3))
     motions[2 * functions, 0] = 1.0
     motions[2 * functions + 1, 1] = 1.0
@@ -128,9 +145,20 @@ def rigid_motions(cover: Cover, functions: Ints) -> Floats:
     return motions
 
 
-def named(motion: Floats) -> str:
-    """A rigid motion in words."""
-    if abs(motion[2]) > HOLDS_NOTHING:
-        return "rotation"
-    angle = np.round(np.rad2deg(np.arctan2(motion[1], motion[0])), 6) % 180.0
+def _reach(nodes: Floats) -> float:
+    """Spacings from the middle of nodes (n, 2) to the furthest, along an axis."""
+    return float(max(np.abs(nodes - nodes.mean(axis=0)).max(), 1.0))
+
+
+def _along(translation: Floats) -> str:
+    """A translation (3,) in words."""
+    angle = np.round(np.rad2deg(np.arctan2(translation[1], translation[0])), 6) % 180.0
+    if angle in (0.0, 90.0):
+        return "translation in y" if angle else "translation in x"
     return f"translation at {angle:.3g} degrees from x"
+
+
+def _null_space(row: Floats) -> Floats:
+    """Orthonormal combinations (n - 1 or n, n) that make a row (1, n) vanish."""
+    _, sizes, rows = np.linalg.svd(row, full_matrices=True)
+    return np.asarray(rows[int(np.sum(sizes > HOLDS_NOTHING)) :])

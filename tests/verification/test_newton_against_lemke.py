@@ -11,9 +11,9 @@ from scipy.sparse import csr_array, vstack
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import ContactProblem
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.scene import make_scene

@@ -115,7 +115,7 @@ def test_weighted_points_integrate_along_the_crack(build) -> None:
         assert faces.lengths @ (total - s) ** power == pytest.approx(total ** (power + 1) / (power + 1), rel=1e-7)
 
 
-@pytest.mark.parametrize(("kink", "n_stretches"), [(15.0, 1), (-19.0, 1), (21.0, 2), (-25.0, 2), (70.0, 2)])
+@pytest.mark.parametrize(("kink", "n_stretches"), [(5.0, 1), (-9.5, 1), (10.5, 2), (-25.0, 2), (70.0, 2)])
 def test_sharp_kinks_split_stretches_and_gentle_ones_do_not(build, kink: float, n_stretches: int) -> None:
     path = bent(4.0, 3.0, kink)
     cover = plate(build, path).cover

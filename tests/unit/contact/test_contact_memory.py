@@ -16,7 +16,9 @@ import pytest
 from scipy.sparse import block_diag, csc_array, csr_array, diags_array
 
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
-from crackgrow.contact.solve import ContactLaw, ContactOutcome, ContactSystem, solve_contact
+from crackgrow.contact.law import ContactLaw
+from crackgrow.contact.solve import ContactOutcome, solve_contact
+from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from tests.unit.contact.test_contact_solve import Block, uniform
@@ -292,3 +294,45 @@ def test_open_points_carry_no_shear_whatever_their_cohesion(solver: str, kept: b
     np.testing.assert_allclose(outcome.gap, [0.0, 0.7], atol=1e-12)
     np.testing.assert_allclose(outcome.tangential_traction, [0.3, 0.0], atol=1e-12)
     np.testing.assert_allclose(outcome.slip, [0.0, 0.3], atol=1e-12)
+
+
+def test_only_closed_points_begin_an_increment_bonded(solver: str) -> None:
+    """One point on a lever: its slip opens it, and only the bond keeps it from slipping.
+
+        gap = -P + T/2 - p_n - p_t/2,    slip = T - P/2 - p_t - p_n/2,    |p_t| <= 0.4 - p_n/2, kept
+
+    With P = 0.1 and T = 0.5 it slips by 0.05 under p_n = -1/15, with T = 0.45 it sticks there under p_t = 0.75 - 11/30;
+    without p it would be open by 0.15 and 0.125, and so it stays once tension has opened it.
+    """
+    K = block_diag([np.linalg.inv([[1.0, 0.5], [0.5, 1.0]]), np.eye(1)])
+    unknowns = csr_array(np.eye(3))
+    law = ContactLaw(*(np.full(1, value) for value in (0.5, 0.4, 0.0)), kept=np.ones(1, dtype=bool))
+    contact = ContactSystem(
+        ConstrainedSystem(csc_array(K), unknowns[2:]), unknowns[:1], unknowns[1:2], np.ones(1), law, solver
+    )
+    outcomes, memory = [], None
+    for pressure, shear in ((0.1, 0.35), (0.1, 0.5), (0.1, 0.45), (-1.0, 0.0), (0.1, 0.5)):
+        outcomes.append(solve_contact(contact, np.array([-pressure, shear, 0.0]), np.zeros(1), memory))
+        memory = outcomes[-1].memory
+    stuck, slipped, back, opened, still_open = outcomes
+    assert states(outcomes) == [STICK, SLIP, STICK, OPEN, OPEN]
+    np.testing.assert_allclose([*stuck.normal_traction, *stuck.tangential_traction], [-0.1, 0.35], rtol=1e-12)
+    np.testing.assert_allclose([*slipped.normal_traction, *slipped.slip], [-1.0 / 15.0, 0.05], rtol=1e-12)
+    np.testing.assert_allclose([*back.tangential_traction, *back.slip], [0.75 - 11.0 / 30.0, 0.05], rtol=1e-12)
+    np.testing.assert_allclose(opened.gap, 1.0, rtol=1e-12)
+    np.testing.assert_allclose(still_open.gap, 0.15, rtol=1e-12)
+    assert not still_open.tangential_traction.any()
+
+
+def test_faces_that_touch_without_pressure_cohere(solver: str) -> None:
+    """|p_t| <= c - mu p_n at p_n = 0: they stick up to the cohesion, slip beyond it and lose it."""
+    stuck, slipped = Springs(solver, cohesion=COHESION).follow(0.39, 0.41, pressure=0.0)
+    assert states([stuck, slipped]) == [STICK, OPEN]
+    np.testing.assert_allclose(stuck.tangential_traction, 0.39 * PRESSURE, rtol=1e-12)
+    assert not stuck.memory.broken.any()
+    assert slipped.memory.broken.all()
+    np.testing.assert_allclose(slipped.slip, 0.41 * PRESSURE / KT, rtol=1e-12)
+    (kept,) = Springs(solver, cohesion=COHESION, kept=True).follow(0.41, pressure=0.0)
+    assert states([kept]) == [SLIP]
+    np.testing.assert_allclose(kept.tangential_traction, COHESION * PRESSURE, rtol=1e-12)
+    np.testing.assert_allclose(kept.slip, 0.01 * PRESSURE / KT, rtol=1e-9)

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array, csr_array
 
-import crackgrow.contact.solve as module
+import crackgrow.contact.condensed as module
 from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactSolution
 from crackgrow.contact.faces import ContactFaces, mortar_faces
 from crackgrow.contact.jump import contact_operators, gap_and_slip
-from crackgrow.contact.solve import ContactLaw, ContactOutcome, ContactSystem, solve_contact
+from crackgrow.contact.law import ContactLaw
+from crackgrow.contact.solve import ContactOutcome, solve_contact
+from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector

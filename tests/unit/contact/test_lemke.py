@@ -7,8 +7,10 @@ import itertools
 import numpy as np
 import pytest
 
+from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactProblem
-from crackgrow.contact.lemke import _Table, lemke, solve_by_lemke
+from crackgrow.contact.lemke import lemke
+from crackgrow.contact.tableau import Tableau
 from crackgrow.errors import SolveError
 
 EXACT = 1e-12
@@ -56,8 +58,10 @@ def test_textbook_problem():
 def test_murty_exponential_example(n, upper):
     M = np.eye(n) + 2.0 * (np.triu(np.ones((n, n)), 1) if upper else np.tril(np.ones((n, n)), -1))
     q = -np.ones(n)
-    result = lemke(M, q, max_pivots=2**n + 1)
+    result = lemke(M, q, np.ones(n), max_pivots=2**n + 1)
     check_solved(M, q, result)
+    assert result.pivots == (2 if upper else 2**n)
+    assert lemke(M, q).pivots == 2  # scaled rows
     expected = np.zeros(n)
     expected[-1 if upper else 0] = 1.0
     np.testing.assert_allclose(result.z, expected, atol=EXACT)
@@ -67,8 +71,9 @@ def test_murty_exponential_example(n, upper):
 def test_fathi_example_needs_many_pivots_and_ends(n):
     L = np.eye(n) + 2.0 * np.tril(np.ones((n, n)), -1)
     M, q = L @ L.T, -np.ones(n)
-    result = lemke(M, q)
+    result = lemke(M, q, np.ones(n))
     assert result.status == "solved"
+    assert result.pivots == 2**n
     assert np.abs(np.minimum(result.z, M @ result.z + q)).max() <= 1e-10  # condition number up to 1e6
 
 
@@ -95,7 +100,7 @@ def test_leaving_row_is_the_lexicographic_minimum():
         rng = np.random.default_rng(seed)
         B = rng.integers(-1, 2, (5, 5))
         M, d = (B @ B.T + np.eye(5)).astype(float), np.ones(5)
-        table = _Table(M, -rng.integers(0, 2, 5).astype(float) - 1.0, d)
+        table = Tableau(M, -rng.integers(0, 2, 5).astype(float) - 1.0, d)
         columns = np.column_stack([np.eye(5), -M, -d])
         leaving = table.pivot(table.first_row(d), 5)
         while leaving != 10:
@@ -117,7 +122,8 @@ def test_leaving_row_is_the_lexicographic_minimum():
 
 @pytest.mark.parametrize(("rest", "status"), [(1e-11, "solved"), (1e-3, "ray")])
 def test_ray_with_next_to_no_artificial_variable_is_a_solution(rest, status):
-    result = lemke(np.diag([1.0, 0.0]), np.array([-1.0, -rest]))
+    """z = (1, any) but for w_2 = -rest."""
+    result = lemke(np.array([[1.0, 0.0], [1.0, 0.0]]), np.array([-1.0, -1.0 - rest]), np.array([1.0, 2.0]))
     assert result.status == status
 
 
@@ -138,7 +144,7 @@ def test_no_solution_is_a_ray():
 
 def test_limit_of_pivots():
     L = np.eye(6) + 2.0 * np.tril(np.ones((6, 6)), -1)
-    result = lemke(L @ L.T, -np.ones(6), max_pivots=3)
+    result = lemke(L @ L.T, -np.ones(6), np.ones(6), max_pivots=3)
     assert result.status == "limit"
     assert result.pivots == 3
 

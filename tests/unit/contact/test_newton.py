@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import (
     OPEN,
     SLIP,
@@ -15,7 +16,6 @@ from crackgrow.contact.coulomb import (
     jump,
     project,
 )
-from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import _through_stick, solve_by_newton, sweep
 from crackgrow.errors import SolveError
 

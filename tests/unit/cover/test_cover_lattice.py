@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import shapely
 
 from crackgrow.cover.lattice import place_lattice
-from crackgrow.cover.tiles import tile_edges, tile_lines, tiles_at, touched_tiles
+from crackgrow.cover.tiles import tile_lines, tile_outlines, tiles_at, touched_tiles
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 rng = np.random.default_rng(5)
@@ -80,18 +79,11 @@ def test_tile_of_a_point_holds_it(support: float) -> None:
     assert np.all((y[tiles[:, 1]] <= points[:, 1]) & (points[:, 1] < y[tiles[:, 1] + 1]))
 
 
-def test_tile_edges_enclose_the_rectangles_between_the_lines_and_come_once() -> None:
+def test_tile_outlines_are_the_rectangles_between_the_lines() -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 3.0), 1.0, 1.75)
-    x, y = tile_lines(lattice)
-    tiles = np.random.default_rng(0).random((len(x) - 1, len(y) - 1)) < 0.4
-    edges = tile_edges(lattice, tiles)
-    i, j = np.nonzero(tiles)
-    marked = shapely.union_all(shapely.box(x[i], y[j], x[i + 1], y[j + 1]))
-    assert shapely.length(edges).sum() == pytest.approx(shapely.union_all(edges).length, rel=1e-12)
-    faces = shapely.union_all(shapely.get_parts(shapely.polygonize(edges)))
-    assert marked.difference(faces).area == pytest.approx(0.0, abs=1e-12)
-    inner = [shapely.linestrings([[x[k], y[m]], [x[k + 1], y[m]]]) for k, m in zip(i, j, strict=True)]
-    assert all(any(edge.equals(other) for other in edges) for edge in inner)
+    outline = tile_outlines(lattice, np.array([[1, 3]]))[0]
+    assert outline.is_closed
+    assert outline.bounds == (0.25, 1.0, 0.75, 1.25)
 
 
 def test_segment_touches_the_tiles_it_crosses_and_no_others() -> None:

@@ -113,6 +113,23 @@ def test_a_full_overlap_is_told_in_plain_digits() -> None:
     assert "by 0.001 m between contact points, 100 % of their largest jump" in told
 
 
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ("{stiffness: 1, discretization: gauss}", []),  # E'/(2k) is half a spacing
+        ("{stiffness: 10, discretization: gauss}", ["elastic contact with gauss points"]),
+        ("{stiffness: 1, discretization: mortar}", ["K_I there is not resolved; use a rigid contact, or numerics"]),
+        ("{stiffness: 100, discretization: mortar}", ["elastic contact with mortar nodes"]),
+        ("{stiffness: 1e8, discretization: mortar}", []),  # as good as rigid
+        ("{stiffness: 10000, discretization: gauss}", ["contact tractions on 'flaw' oscillate", "gauss points"]),
+    ],
+)
+def test_what_elastic_contact_does_not_resolve_is_said(settings: str, words: list[str]) -> None:
+    warnings = first_step("compression30", f"numerics.contact={settings}").warnings
+    assert len(warnings) == len(words)
+    assert all(any(word in warning for warning in warnings) for word in words)
+
+
 def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None:
     result = first_step("compression30")
     (faces,) = result.faces

@@ -11,11 +11,11 @@ import pytest
 import crackgrow.run.critical_load as critical_load
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.errors import SolveError
+from crackgrow.errors import FreePieceError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
-from crackgrow.run.increments import held_loads, increment
+from crackgrow.run.increments import from_state, held_loads, increment
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step import StepSolution, judged, solve_step
@@ -120,6 +120,89 @@ def test_the_critical_load_of_a_closed_crack_is_the_first_that_meets_the_criteri
         assert found.outcome.memory.broken.all()
     else:
         assert criticality(found) == pytest.approx(1.0, abs=1e-9)
+
+
+def shielded(n_cracks: int) -> tuple[str, ...]:
+    """A crack with tips between bonded ones without friction, pressed and sheared: once these slip they shield it."""
+    bonded = "path: {center: [0, %g], length: 24, angle: 0}, tips: none, contact: {friction: 0, cohesion: 9}"
+    cracks = ["flaw: {path: {center: [0, 0], length: 10, angle: 0}, contact: none}"]
+    cracks += [f"b{number}: {{{bonded % y}}}" for number, y in enumerate((4, -4)[:n_cracks])]
+    loads = [f"{{on: {{body: rock, edge: {edge}}}, traction: {t}}}" for edge, t in SHEAR.items()]
+    loads += [f"{{on: {{body: rock, edge: {edge}}}, traction: [0, {t}], held: true}}" for edge, t in PRESSED.items()]
+    return (
+        "bodies.rock.shape.rectangle={center: [0, 0], width: 60, height: 60}",
+        "supports=[{at: [-30, -30], displacement: {x: 0, y: 0}}, {at: [30, -30], displacement: {y: 0}}]",
+        f"cracks={{{', '.join(cracks)}}}",
+        f"loads=[{', '.join(loads)}]",
+        "growth.criterion=max_hoop_stress",
+        "bodies.rock.strength.tension=4",
+        "numerics.spacing=2",
+    )
+
+
+SHEAR = {"right": [0, 6], "left": [0, -6], "top": [6, 0], "bottom": [-6, 0]}
+PRESSED = {"top": -2, "bottom": 2}
+
+
+def test_a_load_that_is_critical_before_bonds_break_is_found_from_any_guess() -> None:
+    configuration, cracks = ready(case_of("tension0", *shielded(2)))
+    found = [critical_load.critically_loaded(configuration, cracks, guess) for guess in (0.1, 1.0, 10.0)]
+    factors = [solution.state.factor for solution in found]
+    np.testing.assert_allclose(factors, factors[0], rtol=1e-8)
+    start = held_loads(configuration)
+    near, beyond = (judged(increment(configuration, start, share * factors[0])) for share in (1.01, 1.4))
+    flaw = [max(tip.verdict.criticality for tip in solution.tips[:2]) for solution in (near, beyond)]
+    assert flaw[0] > 1.0 > flaw[1]  # shielded by the bonds that have broken in between
+    assert found[0].outcome.memory.broken.sum() < 0.3 * beyond.outcome.memory.broken.sum()
+
+
+def test_the_critical_load_is_that_of_a_load_that_rises_step_by_step() -> None:
+    """Once the long bonded crack has slipped it shields the short one, which would break at a lower load alone."""
+    bonded = "contact: {friction: 0, cohesion: %g}"
+    long = f"a: {{path: {{center: [0, 3], length: 30, angle: 0}}, tips: none, {bonded % 8}}}"
+    short = f"b: {{path: {{center: [0, -1], length: 16, angle: 0}}, {bonded % 9}}}"
+    settings = (*shielded(0), f"cracks={{{long}, {short}}}", "bodies.rock.strength.tension=2")
+    configuration, cracks = ready(case_of("tension0", *settings))
+    found = critical_load.critically_loaded(configuration, cracks, 1.0)
+    start, factor = held_loads(configuration), 0.0
+    while True:
+        factor += 0.02 * found.state.factor
+        state = increment(configuration, start, factor)
+        if max(tip.verdict.criticality for tip in judged(state).tips[2:]) >= 1.0:  # those of the short crack
+            break
+        start = from_state(state)
+    assert found.state.factor == pytest.approx(factor, rel=0.025)
+    assert state.outcome.memory.broken.any()
+
+
+@pytest.mark.parametrize("push", [10.0, 25.0, 2000.0])
+def test_a_guess_beyond_what_friction_holds_does_not_end_the_search(push: float) -> None:
+    """A block on a rough foundation slides at a load that does not depend on the unit of the load factor."""
+    configuration, cracks = ready(case_of("tension0", *pushed(push)))
+    found = critical_load.critically_loaded(configuration, cracks, 1.0)
+    assert push * found.state.factor == pytest.approx(6.97, rel=1e-3)
+
+
+def test_a_block_that_slides_before_its_crack_grows_is_free() -> None:
+    configuration, cracks = ready(
+        case_of("tension0", *pushed(10.0), "bodies.rock.strength={tension: 50, cohesion: 100, friction_angle: 40}")
+    )
+    with pytest.raises(FreePieceError, match=r"free to move.* from a load factor of \d.*before the criterion is met"):
+        critical_load.critically_loaded(configuration, cracks, 1.0)
+
+
+def pushed(push: float) -> tuple[str, ...]:
+    """A block of 40 x 20 mm with a level crack, pressed on a foundation of friction 0.5 and pushed along it."""
+    return (
+        "bodies.rock.shape.rectangle={center: [0, 0], width: 40, height: 20}",
+        "supports=[{on: {body: rock, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}]",
+        "cracks={flaw: {path: {center: [0, 0], length: 10, angle: 0}, contact: none}}",
+        "loads=[{on: {body: rock, edge: top}, traction: [0, -10], held: true}, "
+        f"{{on: {{body: rock, edge: right}}, traction: [{push}, 0]}}]",
+        "growth.criterion=max_hoop_stress",
+        "bodies.rock.strength.tension=0.5",
+        "numerics.spacing=2",
+    )
 
 
 HELD = (

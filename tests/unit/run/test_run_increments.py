@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import crackgrow.run.increments as increments
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.faces import points_at
@@ -28,6 +29,12 @@ SMALL_SHEAR = (  # the sheared crack in a plate of five times its size
     "supports.0.at=[-50, -50]",
     "supports.1.at=[50, -50]",
     "numerics.spacing=4",
+)
+PULL = (  # pressed and sheared, then pulled apart as well
+    "loads=[{on: {body: rock, edge: top}, traction: [0, -6], held: true}, "
+    "{on: {body: rock, edge: bottom}, traction: [0, 6], held: true}, "
+    "{on: {body: rock, edge: top}, traction: [20, 12]}, {on: {body: rock, edge: bottom}, traction: [-20, -12]}, "
+    "{on: {body: rock, edge: right}, traction: [0, 20]}, {on: {body: rock, edge: left}, traction: [0, -20]}]"
 )
 PULLED = "{on: {body: rock, edge: top}, displacement: {y: -0.05, x: 0}}"
 PUSHED = f"supports=[{{on: {{body: rock, edge: bottom}}, displacement: {{x: 0, y: 0}}}}, {PULLED}]"
@@ -58,7 +65,6 @@ def through(configuration: Configuration, *factors: float) -> list[LoadState]:
         ("compression30", FRICTION, (1.0,)),
         ("compression30", FRICTION, tuple(np.linspace(0.1, 1.0, 10))),
         ("compression30", FRICTION, (1.0, 0.2, 0.9)),
-        ("compression30", (*FRICTION, "cracks.flaw.contact.cohesion=5"), (0.1, 0.5, 1.0)),
         ("compression30", (*FRICTION, "loads=[]", PUSHED), (0.5, 1.0, 0.2)),
         ("compression30", (*FRICTION, "numerics.contact.stiffness=5"), (0.5, 1.0, 0.2)),
         ("compression30", (*FRICTION, "cracks.flaw.contact.dilation_angle=8"), (0.5, 1.0, 0.2)),
@@ -75,12 +81,82 @@ def test_work_is_stored_or_dissipated(name: str, settings: tuple[str, ...], fact
     for state in states:
         energy = state.energy
         size = max(abs(energy.work), energy.strain, abs(energy.dissipated))
-        assert energy.released == 0.0
-        assert abs(energy.work - energy.strain - energy.dissipated) < 1e-9 * size
-        assert energy.error < 1e-9
+        assert energy.released == pytest.approx(0.0, abs=1e-9 * size)
+        assert abs(energy.work - energy.strain - energy.dissipated) < 2e-5 * size
+        assert energy.error < 2e-5
     dissipated = [0.0, *(state.energy.dissipated for state in states)]
     assert np.diff(dissipated).min() >= -1e-9 * max(*dissipated, states[0].energy.strain)
     assert (dissipated[-1] > 1e-4 * states[-1].energy.strain) == (name != "tension0")
+
+
+def test_friction_that_takes_more_than_the_law_says_is_seen_in_the_balance(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a tenth too much of it the balance misses a tenth: nothing else makes up for it."""
+    _, _, configuration = ready("compression30", *FRICTION)
+    true = increments._dissipated
+    (right,) = through(configuration, 1.0)
+    monkeypatch.setattr(increments, "_dissipated", lambda *state: 1.1 * true(*state))
+    (wrong,) = through(configuration, 1.0)
+    assert right.energy.error < 1e-9
+    assert wrong.energy.error == pytest.approx(0.1 * right.energy.dissipated / right.energy.work, rel=1e-6)
+    assert wrong.energy.error > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("breaks", "settings"),
+    [
+        (True, ("cracks.flaw.contact.cohesion=5",)),
+        (True, ("cracks.flaw.contact.cohesion=5", "cracks.flaw.contact.residual_friction=0.2")),
+        (False, ("cracks.flaw.contact.cohesion=5", "cracks.flaw.contact.cohesion_after_slip=kept")),
+        (False, ("cracks.flaw.contact.residual_friction=0.1",)),  # the first load makes it slip
+    ],
+)
+def test_energy_does_not_depend_on_how_often_the_load_pauses(breaks: bool, settings: tuple[str, ...]) -> None:
+    """What a bond that breaks releases is the same too: in one increment its break is found."""
+    _, _, configuration = ready("compression30", *FRICTION, *settings)
+    (once,) = through(configuration, 1.0)
+    *_, often = through(configuration, *np.linspace(0.04, 1.0, 25))
+    for part in ("work", "strain", "dissipated", "released"):
+        first, second = (getattr(state.energy, part) for state in (once, often))
+        assert first == pytest.approx(second, rel=1e-9, abs=1e-6 * once.energy.work), part  # balanced to 1e-5
+    np.testing.assert_allclose(once.outcome.u, often.outcome.u, atol=1e-9 * np.abs(often.outcome.u).max())
+    assert (once.energy.released > 0.04 * once.energy.dissipated) == breaks
+
+
+def test_a_bond_that_breaks_releases_half_of_its_strength_times_the_slip() -> None:
+    """Cohesion alone, lost at once: under a constant load the slip rises by delta while the shear falls from c to zero.
+
+    The energy that the rock and the loads give is c/2 per unit of slip, none of which friction takes.
+    """
+    law = ("cracks.flaw.contact.friction=0", "cracks.flaw.contact.cohesion=10")
+    _, _, configuration = ready("compression30", *COARSE, *law)
+    (state,) = through(configuration, 1.0)
+    behind = next(part for part in state.via if part.outcome.memory.broken.any())
+    weights, slip = configuration.contact.weights, behind.outcome.memory.slip
+    assert behind.outcome.memory.broken.all()
+    assert behind.factor == pytest.approx(10e6 / (100e6 * np.sqrt(3.0) / 4.0), rel=2e-3)
+    assert state.energy.released == pytest.approx(0.5 * 10e6 * weights @ np.abs(slip), rel=2e-3)
+    assert state.energy.dissipated == 0.0
+
+
+def test_faces_that_open_take_no_energy_back() -> None:
+    """Dilated faces that slip under pressure and are then pulled apart dissipate no less than nothing on the way."""
+    law = ("friction=0.6", "residual_friction=0.4", "dilation_angle=15")
+    _, _, configuration = ready("cyclic_friction", *SMALL_SHEAR, *(f"cracks.flaw.contact.{key}" for key in law), PULL)
+    states = through(configuration, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+    assert not states[-1].outcome.normal_traction.any()
+    assert np.diff([state.energy.dissipated for state in states]).min() >= -1e-9 * states[-1].energy.work
+    _, once = through(configuration, 0.0, 1.0)
+    assert once.energy.dissipated == pytest.approx(states[-1].energy.dissipated, abs=2e-5 * once.energy.work)
+    assert once.energy.dissipated > 0.2
+
+
+def test_a_body_at_rest_has_no_error() -> None:
+    """Moved without strain, the energies are round-off of large terms: they say nothing."""
+    held = "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0.3, y: 0.7}}]"
+    _, _, configuration = ready("tension0", *COARSE, "loads=[]", held)
+    (state,) = through(configuration, 1.0)
+    assert np.abs(state.outcome.u).max() == pytest.approx(7e-4)
+    assert state.energy.error == 0.0
 
 
 SHIPPED = sorted(path.stem for path in CASES.glob("*.yaml") if path.stem != "cyclic_friction")  # that one is above
@@ -166,7 +242,7 @@ def test_old_faces_remember_and_new_ones_know_nothing(
     assert not memory.broken[faces.s > length + 1e-6].any()
     for values in (memory.slip, start.remembered.normal, start.remembered.tangential):
         assert not values[new].any()
-    assert (start.factor, start.holding, start.grown) == (state.factor, True, True)
+    assert (start.factor, start.holding, start.grown) == (state.factor, 1.0, True)
 
 
 def test_stuck_faces_do_not_jump_back_when_the_crack_grows(sheared: tuple[Scene, GrowingCrack, LoadState]) -> None:

@@ -1,0 +1,95 @@
+"""The contact problem condensed onto some of the contact points, and its solution by one solver or the other."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.contact.contact_lcp import solve_by_lemke
+from crackgrow.contact.coulomb import ContactProblem, ContactSolution, complementarity_residual
+from crackgrow.contact.newton import solve_by_newton
+from crackgrow.contact.system import ContactSystem
+from crackgrow.contact.uniqueness import friction_limit
+from crackgrow.errors import SolveError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+UNSYMMETRIC = 1e-2
+"""A compliance of contact that is unsymmetric by more than this fraction of its largest entry is refused."""
+
+
+def condensed(
+    contact: ContactSystem,
+    response: Floats,
+    free: Floats,
+    friction: Floats,
+    cohesion: Floats,
+    rows: Ints,
+    sliding: Ints,
+) -> ContactProblem:
+    """The problem of the contact points `rows` (k,), with tangential rows of the points `sliding` (k,) or (0,).
+
+    Raises SolveError where round-off has spoilt the compliance of the rock.
+    """
+    law = contact.law
+    compliance = np.concatenate([contact.gap_of[rows] @ response, contact.slip_of[sliding] @ response])
+    _check_reciprocal(compliance, np.concatenate([contact.weights[rows], contact.weights[sliding]]))
+    compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
+    scale = None
+    if contact.loose:  # the few rigid motions are the largest eigenvalues
+        values = np.linalg.eigvalsh(0.5 * (compliance + compliance.T))
+        scale = np.full(len(free), np.median(np.abs(values)))
+    if not len(sliding):
+        return ContactProblem(compliance, free, scale=scale)
+    return ContactProblem(compliance, free, friction[rows], cohesion[rows], scale)
+
+
+def _check_reciprocal(compliance: Floats, weights: Floats) -> None:
+    """Raise SolveError unless the compliance S W (k, k) of the rock comes from a symmetric S that resists (Betti)."""
+    symmetric = compliance / weights
+    least, largest = float(symmetric.diagonal().min()), float(np.abs(symmetric).max())
+    off = float(np.abs(symmetric - symmetric.T).max())
+    if least <= 0.0 or off > UNSYMMETRIC * largest:
+        what = "not positive" if least <= 0.0 else f"unsymmetric by {off / largest:.1g} of its largest entry"
+        raise SolveError(
+            f"the system is ill conditioned: the compliance of the rock between contact points is {what}; a sliver of "
+            "rock or a crack's tip may lie too close to a lattice line: change numerics.spacing or the crack a little"
+        )
+
+
+def solved(problem: ContactProblem, weights: Floats, solver: Literal["newton", "lemke"]) -> tuple[ContactSolution, str]:
+    """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
+
+    `weights` (n,) m are the points' lengths. Raises SolveError where neither finds one.
+    """
+    failures = []
+    for name in (solver, "lemke" if solver == "newton" else "newton"):
+        try:
+            solution = solve_by_newton(problem) if name == "newton" else solve_by_lemke(problem)
+        except SolveError as error:
+            failures.append(f"{name}: {error}")
+            continue
+        if solution.status == "solved":
+            note = f"the contact problem was solved by {name} after {failures[0]}" if failures else ""
+            return solution, note
+        residual = complementarity_residual(problem, solution.traction)
+        failures.append(
+            f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
+        )
+    raise SolveError(
+        f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
+        f"try a coarser contact spacing or a softer contact stiffness{_less_friction(problem, weights)}"
+    )
+
+
+def _less_friction(problem: ContactProblem, weights: Floats) -> str:
+    """Advice where friction is large enough to be what the solvers fail at."""
+    if problem.friction is None:
+        return ""
+    largest, limit = float(problem.friction.max()), friction_limit(problem.compliance, weights)
+    if largest == 0.0 or largest < limit:
+        return ""
+    return f", or less friction: of {largest:.3g} it may leave several solutions, below {limit:.2g} exactly one"

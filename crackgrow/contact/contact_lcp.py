@@ -1,0 +1,114 @@
+"""The contact problem as a linear complementarity problem, solved by Lemke's method.
+
+It is the LCP (17) of Li, Zheng, Guo 2017, after Zhu 1995, in a form free of the cancellation of the published one:
+there the matrix is a difference of numbers of the size of the penalty stiffness; here the jump without traction,
+free, and the compliance A (which may be rigid) are inverted instead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from crackgrow.contact.coulomb import (
+    SOLVED_RESIDUAL,
+    ContactProblem,
+    ContactSolution,
+    Floats,
+    active_set,
+    complementarity_residual,
+    solve_active,
+)
+from crackgrow.contact.lemke import lemke
+from crackgrow.errors import SolveError
+
+SINGULAR: Final = 1e14  # condition number of the scaled compliance from which its inverse has no digits left
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _ContactLcp:
+    """LCP (17) of a contact problem in scaled variables: lambda = size z / root, v = size root w."""
+
+    M: Floats  # (k, k) with unit diagonal where friction does not couple: k = 3 n, or n without friction
+    q: Floats  # (k,)
+    d: Floats  # (k,) covering vector
+    root: Floats  # (k,) sqrt(Pa/m)
+    size: float  # sqrt(Pa m)
+
+
+def solve_by_lemke(problem: ContactProblem, max_pivots: int | None = None) -> ContactSolution:
+    """Tractions of the contact problem by Lemke's method; for comparison and as a second opinion on Newton's.
+
+    Status "solved", "limit", "ray", or "inaccurate" where the tractions violate the law by more than
+    SOLVED_RESIDUAL. The active set that Lemke ends with is solved once more for the tractions themselves.
+    Raises SolveError where the compliance is singular (rigid contact at more points than the displacement follows).
+    """
+    lcp = _contact_lcp(problem)
+    result = lemke(lcp.M, lcp.q, lcp.d, max_pivots)
+    p, du = _tractions(problem, lcp.size * result.z / lcp.root, lcp.size * lcp.root * result.w)
+    active = active_set(problem, p, du)
+    polished = solve_active(problem, active)
+    residual, polished_residual = (complementarity_residual(problem, x) for x in (p, polished))
+    if polished_residual <= residual:
+        p, residual = polished, polished_residual
+    status = result.status
+    if status in ("solved", "inaccurate"):
+        status = "solved" if residual <= SOLVED_RESIDUAL else "inaccurate"
+    return ContactSolution(p, status, result.pivots, active.states())
+
+
+def _contact_lcp(problem: ContactProblem) -> _ContactLcp:
+    """The LCP v = M lambda + q of (17), v = -f, in the form M = m_c' A^-1 m_g, q = -C - m_c' A^-1 free.
+
+    Per point lambda = (slip +, slip -, opening) and, with c the cohesion,
+    f = (p_t + friction p_n - c, -p_t + friction p_n - c, p_n); blocks of n rows in this order. The covering vector
+    has d_t >= friction d_n: with ones Lemke ends in a ray for most problems with friction above one.
+    """
+    n = problem.n_points
+    inverse = _inverse(problem.compliance)
+    stuck = inverse @ problem.free  # tractions with every point closed and sticking
+    root = np.sqrt(np.abs(inverse.diagonal()))
+    if problem.friction is None or problem.cohesion is None:
+        return _scaled(inverse, -stuck, root, root)
+    cross = problem.friction[:, None] * inverse[:n]
+    rows = np.vstack([inverse[n:] + cross, cross - inverse[n:], inverse[:n]])  # m_c' A^-1
+    M = np.hstack([rows[:, n:], -rows[:, n:], rows[:, :n]])
+    limit = problem.cohesion - problem.friction * stuck[:n]
+    q = np.concatenate([limit - stuck[n:], limit + stuck[n:], -stuck[:n]])
+    root_n, root_t = root[:n], root[n:]
+    d_t = (1.0 + problem.friction) * np.maximum(root_n, root_t)
+    return _scaled(M, q, np.concatenate([d_t, d_t, root_n]), np.concatenate([root_t, root_t, root_n]))
+
+
+def _inverse(A: Floats) -> Floats:
+    root = np.sqrt(A.diagonal())
+    scaled = A / np.outer(root, root)
+    try:
+        inverse: Floats = np.asarray(np.linalg.inv(scaled), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        inverse = np.full_like(A, np.inf)
+    condition = float(np.abs(scaled).sum(axis=0).max(initial=0.0) * np.abs(inverse).sum(axis=0).max(initial=0.0))
+    if condition > SINGULAR:
+        raise SolveError(
+            f"contact compliance: condition number is {condition:.1e}, at most {SINGULAR:.0e} can be inverted for "
+            f"Lemke's method: use fewer contact points, a finite contact stiffness or the Newton solver"
+        )
+    inverse /= np.outer(root, root)
+    return inverse
+
+
+def _scaled(M: Floats, q: Floats, d: Floats, root: Floats) -> _ContactLcp:
+    """Scale rows and columns so that the diagonal of M and the largest |q| are of order one."""
+    size = float(np.abs(q / root).max(initial=0.0)) or 1.0
+    return _ContactLcp(M / np.outer(root, root), q / (root * size), d / root, root, size)
+
+
+def _tractions(problem: ContactProblem, slip_opening: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """Tractions and jump (m,) of the variables of the LCP, both without subtracting large numbers."""
+    n = problem.n_points
+    if problem.friction is None:
+        return -v, slip_opening
+    p = np.concatenate([-v[2 * n :], (v[n : 2 * n] - v[:n]) / 2.0])
+    return p, np.concatenate([slip_opening[2 * n :], slip_opening[:n] - slip_opening[n : 2 * n]])

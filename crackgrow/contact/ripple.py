@@ -1,0 +1,74 @@
+"""Tractions that oscillate along a surface: contact points closer than the displacement can tell apart.
+
+Where contact points are denser than the functions of the displacement, some tractions do next to no work on it. Stiff
+contact leaves their size to round-off and to the smallest terms of the jump. They show as waves shorter than two
+spacings, the shortest that values one spacing apart can carry; no wave of the rock's stress is that short.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.contact.faces import ContactFaces
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SHORTEST_WAVE: Final = 2.0
+"""Spacings: length of the shortest wave that a lattice can carry."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ripple:
+    """The largest short wave of the tractions on a surface."""
+
+    surface: int
+    s: float  # arc length of its middle, spacings
+    part: float  # its swing as a part of the mean pressure where the surface is pressed
+
+
+def worst_ripple(faces: ContactFaces, normal: Floats, tangential: Floats) -> Ripple | None:
+    """The largest short wave of normal or tangential tractions (contact points,) Pa, by the pressure of its surface."""
+    found: list[Ripple] = []
+    for surface in np.unique(faces.surface).tolist():
+        pressed = (faces.surface == surface) & (normal < 0.0)
+        if not pressed.any():
+            continue
+        pressure = -float(np.average(normal[pressed], weights=faces.weights[pressed]))
+        for stretch in np.unique(faces.stretch[pressed]).tolist():
+            mine = np.flatnonzero((faces.surface == surface) & (faces.stretch == stretch))
+            mine = mine[np.argsort(faces.s[mine])]
+            for traction in (normal, tangential):
+                swing, s = ripple(faces.s[mine], traction[mine])
+                found.append(Ripple(surface, s, swing / pressure))
+    return max(found, key=lambda r: r.part, default=None)
+
+
+def ripple(s: Floats, p: Floats) -> tuple[float, float]:
+    """Largest swing of a traction p (n,) up, down and up again within short waves, and the place s of its middle.
+
+    `s` (n,) are arc lengths in lattice spacings, increasing. The swing is the least of the three, so that neither a
+    steep end, nor a step, nor a lone peak or trough is one; zero without such waves.
+    """
+    at = turning_points(p)
+    swing = np.abs(np.diff(p[at]))
+    short = s[at[2:]] - s[at[:-2]] < SHORTEST_WAVE
+    if len(at) < 4:
+        return 0.0, 0.0
+    least = np.where(short[:-1] & short[1:], np.minimum(np.minimum(swing[:-2], swing[1:-1]), swing[2:]), 0.0)
+    k = int(np.argmax(least))
+    return float(least[k]), float(0.5 * (s[at[k + 1]] + s[at[k + 2]]))
+
+
+def turning_points(p: Floats) -> Ints:
+    """Indices (k,) of the first and the last value and of those in between where p (n,) turns round."""
+    if len(p) == 0:
+        return np.empty(0, dtype=np.int64)
+    rises = np.diff(p)
+    moving = np.flatnonzero(rises)
+    turns = moving[1:][np.sign(rises[moving[1:]]) != np.sign(rises[moving[:-1]])]
+    return np.concatenate([[0], turns, [len(p) - 1]]).astype(np.int64)

@@ -1,0 +1,59 @@
+"""A second solution of a step's contact, where friction is beyond the range in which there is only one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.contact.coulomb import STICK, active_set, jump
+from crackgrow.contact.solve import OVERLAP, ContactOutcome
+from crackgrow.contact.system import ContactSystem
+from crackgrow.contact.uniqueness import friction_limit, other_solutions
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SecondSolution:
+    """Another state that meets the contact law under the same loads and the same memory."""
+
+    limit: float  # friction below which there is certainly none
+    points: Ints  # (k,) contact points, those whose jump changes most first
+    change: Floats  # (k,) m, how much farther or nearer the faces lie there, or how far along
+    states: Ints  # (k,) OPEN, STICK or SLIP
+
+
+def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
+    """A second solution, if there is one and some start leads to it; None below the limit at the cost of the bound.
+
+    Pieces that contact alone holds are not examined: the compliance of their springs is not that of the rock.
+    """
+    problem, rows = outcome.problem, outcome.rows
+    if problem is None or problem.friction is None or not problem.friction.any() or contact.loose:
+        return None
+    limit = friction_limit(problem.compliance, contact.weights[rows])
+    if problem.friction.max() < limit:
+        return None
+    known = np.concatenate([outcome.normal_traction[rows], outcome.tangential_traction[rows]])
+    for p in other_solutions(problem, known):
+        states = active_set(problem, p, jump(problem, p)).states()
+        whole = contact.law.breakable[rows] & ~outcome.memory.broken[rows]
+        breaks = bool((whole & (states != STICK)).any())  # then it is one of another law, with lost cohesion
+        if not breaks and not _closes_others(contact, outcome, p - known):
+            moved = problem.compliance @ (p - known)
+            change = np.hypot(*moved.reshape(2, -1))
+            order = np.argsort(-change, kind="stable")
+            return SecondSolution(limit, rows[order], change[order], states[order])
+    return None
+
+
+def _closes_others(contact: ContactSystem, outcome: ContactOutcome, change: Floats) -> bool:
+    """Whether a change (2 k,) Pa of the tractions lets points overlap that the solver did not have to deal with."""
+    rows = outcome.rows
+    u = outcome.u - contact.columns.of(rows, rows) @ change
+    gap = contact.gap_of @ u - outcome.dilation
+    gap[rows] = 0.0
+    return bool(gap.min() < -OVERLAP * np.abs(gap).max())

@@ -1,0 +1,216 @@
+"""A case in other places, sizes and units: turned, mirrored, moved, scaled. What it models stays the same."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.case.model import (
+    Body,
+    Case,
+    Component,
+    ContactSupport,
+    CoulombContact,
+    CrackPressure,
+    EdgeRegion,
+    EdgeSupport,
+    EdgeTraction,
+    Gravity,
+    InSituStress,
+    Interface,
+    Load,
+    PointSupport,
+    Ring,
+    Support,
+)
+
+Floats = NDArray[np.float64]
+Pair = tuple[Component | None, Component | None]
+
+STRAIGHT = 1e-12
+"""A direction this close to an axis is along it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placement:
+    """x -> size Q x + shift for places, with stresses and moduli multiplied; strengths go with the stresses."""
+
+    turn: Floats  # (2, 2) Q, orthogonal
+    shift: Floats  # (2,) m
+    size: float = 1.0
+    stress: float = 1.0
+    young: float = 1.0
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether left becomes right."""
+        return bool(np.linalg.det(self.turn) < 0.0)
+
+    @property
+    def displacement(self) -> float:
+        """What displacements are multiplied by."""
+        return self.size * self.stress / self.young
+
+    def points(self, points: Floats) -> Floats:
+        """Places (n, 2) m of points (n, 2) m."""
+        return np.asarray(self.size * points @ self.turn.T + self.shift)
+
+    def before(self, points: Floats) -> Floats:
+        """The points (n, 2) m whose places these are."""
+        return np.asarray((points - self.shift) @ self.turn / self.size)
+
+    def vector(self, vector: Sequence[float], factor: float) -> tuple[float, float]:
+        """A vector (2,) turned, and multiplied by a factor."""
+        x, y = (factor * (self.turn @ np.asarray(vector))).tolist()
+        return x, y
+
+
+@dataclass(frozen=True, slots=True)
+class _Moved:
+    """A formula of the displacement at places after a placement."""
+
+    component: Component
+    factor: float
+    placement: Placement
+
+    def __call__(self, points: Floats) -> Floats:
+        if callable(self.component):
+            return np.asarray(self.factor * self.component(self.placement.before(points)))
+        return np.full(len(points), self.factor * self.component)
+
+
+def scaled(size: float = 1.0, stress: float = 1.0, young: float = 1.0) -> Placement:
+    """Other units: the same scene with lengths, stresses and moduli multiplied."""
+    return Placement(np.eye(2), np.zeros(2), size, stress, young)
+
+
+def turned(degrees: float) -> Placement:
+    """Counter-clockwise about the origin; whole right angles are exact."""
+    angle = np.deg2rad(degrees)
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, -s], [s, c]])
+    return Placement(np.where(np.abs(turn) < STRAIGHT, 0.0, turn), np.zeros(2))
+
+
+def mirrored() -> Placement:
+    """Left becomes right."""
+    return Placement(np.diag([-1.0, 1.0]), np.zeros(2))
+
+
+def moved(x: float, y: float) -> Placement:
+    """Shifted by so many metres."""
+    return Placement(np.eye(2), np.array([x, y]))
+
+
+def placed(case: Case, placement: Placement) -> Case:
+    """The case after a placement. `resolved` stays that of the case given.
+
+    Raises ValueError for a support with one free component in a direction that is no longer along an axis.
+    """
+    numerics = replace(case.numerics, spacing=placement.size * case.numerics.spacing)
+    growth = case.growth
+    if growth is not None:
+        growth = replace(
+            growth, increment=placement.size * growth.increment, tip_radius=placement.size * growth.tip_radius
+        )
+    corners = {body.name: [len(ring.points) for ring in body.rings] for body in case.bodies}
+    return replace(
+        case,
+        bodies=tuple(_body(body, placement) for body in case.bodies),
+        cracks=tuple(
+            replace(
+                c, points=placement.points(c.points), contact=None if c.contact is None else _law(c.contact, placement)
+            )
+            for c in case.cracks
+        ),
+        interfaces=tuple(_interface(interface, placement) for interface in case.interfaces),
+        supports=tuple(_support(support, placement, corners) for support in case.supports),
+        loads=tuple(_load(load, placement, corners) for load in case.loads),
+        growth=growth,
+        numerics=numerics,
+    )
+
+
+def _body(body: Body, placement: Placement) -> Body:
+    strength = body.strength
+    if strength is not None:
+        strength = replace(
+            strength, tension=placement.stress * strength.tension, cohesion=placement.stress * strength.cohesion
+        )
+    material = replace(body.material, young=placement.young * body.material.young)
+    return replace(
+        body, rings=tuple(_ring(ring, placement) for ring in body.rings), material=material, strength=strength
+    )
+
+
+def _ring(ring: Ring, placement: Placement) -> Ring:
+    """Rock stays on the left: in the mirror the corners come in reversed order, and side i becomes n - 2 - i."""
+    points = placement.points(ring.points)
+    if not placement.mirrors:
+        return Ring(points, ring.edge_names)
+    n = len(points)
+    return Ring(points[::-1].copy(), tuple(ring.edge_names[(n - 2 - i) % n] for i in range(n)))
+
+
+def _region(region: EdgeRegion, placement: Placement, corners: dict[str, list[int]]) -> EdgeRegion:
+    if not placement.mirrors:
+        return region
+    starts = np.concatenate([[0], np.cumsum(corners[region.body])])
+    ring = np.searchsorted(starts, region.sides, side="right") - 1
+    n = np.asarray(corners[region.body])[ring]
+    sides = starts[ring] + (n - 2 - (region.sides - starts[ring])) % n
+    return replace(region, sides=sides[::-1].copy(), limits=1.0 - region.limits[::-1, ::-1])
+
+
+def _law(contact: CoulombContact, placement: Placement) -> CoulombContact:
+    return replace(contact, cohesion=placement.stress * contact.cohesion)
+
+
+def _interface(interface: Interface, placement: Placement) -> Interface:
+    """The first body stays on the left of the lines."""
+    order = -1 if placement.mirrors else 1
+    lines = tuple(placement.points(line)[::order].copy() for line in interface.lines)
+    contact = interface.contact
+    return replace(interface, lines=lines, contact=contact if contact == "bonded" else _law(contact, placement))
+
+
+def _support(support: Support, placement: Placement, corners: dict[str, list[int]]) -> Support:
+    if isinstance(support, ContactSupport):
+        return ContactSupport(_region(support.region, placement, corners), _law(support.contact, placement))
+    displacement = _components(support.displacement, placement)
+    if isinstance(support, PointSupport):
+        return replace(support, point=placement.points(support.point[None])[0], displacement=displacement)
+    return EdgeSupport(_region(support.region, placement, corners), displacement)
+
+
+def _components(displacement: Pair, placement: Placement) -> Pair:
+    """Prescribed components turned; those that are free stay so."""
+    found: list[Component | None] = []
+    for row in placement.turn:
+        along = np.flatnonzero(row)
+        if len(along) != 1:
+            raise ValueError("supports of single components can be turned by right angles only")
+        component = displacement[along[0]]
+        factor = float(row[along[0]]) * placement.displacement
+        if component is None:
+            found.append(None)
+        else:
+            found.append(_Moved(component, factor, placement) if callable(component) else factor * component)
+    return found[0], found[1]
+
+
+def _load(load: Load, placement: Placement, corners: dict[str, list[int]]) -> Load:
+    if isinstance(load, EdgeTraction):
+        traction = placement.vector(load.traction, placement.stress)
+        return replace(load, region=_region(load.region, placement, corners), traction=traction)
+    if isinstance(load, Gravity):
+        return replace(load, acceleration=placement.vector(load.acceleration, placement.stress / placement.size))
+    if isinstance(load, CrackPressure):
+        return replace(load, pressure=placement.stress * load.pressure)
+    assert isinstance(load, InSituStress)
+    xx, yy, xy = load.stress
+    stress = placement.stress * placement.turn @ np.array([[xx, xy], [xy, yy]]) @ placement.turn.T
+    return replace(load, stress=(float(stress[0, 0]), float(stress[1, 1]), float(stress[0, 1])))

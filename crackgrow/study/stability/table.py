@@ -1,0 +1,109 @@
+"""Rows as CSV and as Markdown: a summary axis by axis, then every row."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import fields
+from itertools import groupby
+
+from crackgrow.study.stability.trial import Row
+
+COLUMNS = (*(field.name for field in fields(Row) if field.name not in ("refusable",)), "verdict")
+
+LONGEST_REASON = 160  # characters in Markdown; the CSV has all of it
+
+Line = tuple[str, ...]
+
+
+def csv_text(rows: Sequence[Row]) -> str:
+    """All rows; numbers with all their digits, nothing where there is none."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for row in rows:
+        writer.writerow([_plain(getattr(row, name)) for name in COLUMNS])
+    return out.getvalue()
+
+
+def markdown_text(rows: Sequence[Row]) -> str:
+    """The summary and all rows."""
+    head: Line = (
+        "axis", "value", "held against", "deviation", "tolerance", "condition", "iterations", "residual", "status",
+        "seconds", "verdict", "reason",
+    )  # fmt: skip
+    lines = [
+        (
+            row.axis, row.value, row.compared, _number(row.deviation), _number(row.tolerance), _number(row.condition),
+            str(row.iterations) if row.iterations >= 0 else "", _number(row.residual), row.status,
+            f"{row.seconds:.1f}", row.verdict, _shortened(row.reason),
+        )
+        for row in rows
+    ]  # fmt: skip
+    return f"{summary_text(rows)}\n{_table(head, lines)}"
+
+
+def summary_text(rows: Sequence[Row]) -> str:
+    """One line an axis: how far the results that are good are off, and how the others ended."""
+    head: Line = (
+        "axis", "values", "largest deviation where good", "tolerance", "largest condition", "largest residual",
+        "good", "said no good", "NO",
+    )  # fmt: skip
+    lines = []
+    for axis, group in groupby(rows, key=lambda row: row.axis):
+        mine = list(group)
+        good = [row for row in mine if row.verdict == "yes"]
+        count = Counter(row.verdict for row in mine)
+        values = list(dict.fromkeys(row.value for row in mine))
+        lines.append(
+            (
+                axis,
+                values[0] if len(values) == 1 else f"{values[0]} ... {values[-1]}",
+                _largest([row.deviation for row in good]),
+                _range([row.tolerance for row in mine]),
+                _largest([row.condition for row in mine]),
+                _largest([row.residual for row in mine]),
+                str(count["yes"]),
+                str(count["said"]),
+                str(count["NO"]),
+            )
+        )
+    return _table(head, lines)
+
+
+def stability_line(row: Row) -> str:
+    """A row on a line of the terminal."""
+    return (
+        f"{row.verdict:4}  {row.axis:20} {row.value:28} {row.status:8} deviation {_number(row.deviation):8} "
+        f"of {_number(row.tolerance):8} condition {_number(row.condition):8} {row.seconds:5.1f} s"
+    ).rstrip()
+
+
+def _table(head: Line, lines: Sequence[Line]) -> str:
+    cells = [head, tuple("---" for _ in head), *lines]
+    return "".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |\n" for line in cells)
+
+
+def _largest(values: Sequence[float]) -> str:
+    found = [value for value in values if math.isfinite(value)]
+    return _number(max(found)) if found else ""
+
+
+def _range(values: Sequence[float]) -> str:
+    low, high = _number(min(values)), _number(max(values))
+    return low if low == high else f"{low} ... {high}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.2g}" if math.isfinite(value) else ""
+
+
+def _plain(value: object) -> object:
+    return "" if isinstance(value, float) and math.isnan(value) else value
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= LONGEST_REASON else f"{text[:LONGEST_REASON]}..."

@@ -1,0 +1,141 @@
+"""Nearly incompressible rock: exact displacement fields, K that must not depend on the elastic constants, what is said.
+
+In plane strain a Poisson's ratio near 1/2 makes volume changes cost far more than shear. Displacements that cannot keep
+their volume then lock. At a support of 2 they do not; at 1.5 they do, and the run warns.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.errors import CaseError
+from tests.verification.solutions import Floats, Solved, solve_case, solved_text
+
+CASES = Path(__file__).parents[2] / "cases"
+
+BODY = """
+title: Exact displacements on part of the outline
+units: {{length: mm, stress: MPa}}
+plane: {plane}
+bodies:
+  rock:
+    shape:
+      rectangle: {{center: [0, 0], width: 60, height: {height}}}
+{holes}
+    material: {{young: 10000, poisson: {poisson}}}
+supports:
+{supports}
+numerics: {{spacing: 3, support: {support}}}
+"""
+YOUNG = 1e4  # MPa
+HOLE, HALF, DEPTH = 10.0, 30.0, 20.0  # mm: radius of the hole, half width of both bodies, depth of the beam
+Formulas = tuple[str, str]
+
+
+def kirsch(poisson: float, plane: str) -> Formulas:
+    """u_x, u_y (mm) round a hole free of tractions under 1 MPa along x (Kirsch 1898)."""
+    kolosov = 3.0 - 4.0 * poisson if plane == "strain" else (3.0 - poisson) / (1.0 + poisson)
+    r_sq, a_sq, factor = "(x**2+y**2)", HOLE**2, (1.0 + poisson) / (2.0 * YOUNG)
+    cos, sin = f"((x**2-y**2)/{r_sq})", f"(2*x*y/{r_sq})"  # of the double angle
+    hole, far = f"{a_sq}/{r_sq}", f"{a_sq**2}/{r_sq}**2"
+    radial = f"({factor}*({(kolosov - 1) / 2}+{cos}+{hole}*(1+{1 + kolosov}*{cos})-{far}*{cos}))"  # over r
+    around = f"({-factor}*(1+{kolosov - 1}*{hole}+{far})*{sin})"
+    return f"{radial}*x-{around}*y", f"{radial}*y+{around}*x"
+
+
+def cantilever(poisson: float, plane: str) -> Formulas:
+    """u_x, u_y (mm) of a beam under a shear force of 1 N/mm at its end (Timoshenko, Goodier: Elasticity, art. 21)."""
+    E, nu = (YOUNG / (1 - poisson**2), poisson / (1 - poisson)) if plane == "strain" else (YOUNG, poisson)
+    factor, x, length = 2.0 / (E * DEPTH**3), f"(x+{HALF})", 2.0 * HALF
+    u_x = f"{-factor}*y*((6*{length}-3*{x})*{x}+{2 + nu}*(y**2-{DEPTH**2 / 4}))"
+    u_y = f"{factor}*({3 * nu}*y**2*({length}-{x})+{4 + 5 * nu}*{DEPTH**2 / 4}*{x}+(3*{length}-{x})*{x}**2)"
+    return u_x, u_y
+
+
+FIELDS = {"hole": kirsch, "beam": cantilever}
+
+
+def solved_field(field: str, poisson: float, plane: str, support: float) -> tuple[Solved, Formulas]:
+    """The body with the exact displacements prescribed: all round the plate, at both ends of the beam."""
+    formulas = FIELDS[field](poisson, plane)
+    hole = field == "hole"
+    line = '  - {{on: {{body: rock, edge: {}}}, displacement: {{x: "{}", y: "{}"}}}}'
+    edges = ("left", "right", "bottom", "top") if hole else ("left", "right")
+    text = BODY.format(
+        plane=plane,
+        height=2.0 * HALF if hole else DEPTH,
+        holes=f"      holes: [{{disk: {{center: [0, 0], radius: {HOLE}}}}}]" if hole else "",
+        poisson=poisson,
+        supports="\n".join(line.format(edge, *formulas) for edge in edges),
+        support=support,
+    )
+    return solved_text(text), formulas
+
+
+def displacement_error(found: Solved, formulas: Formulas) -> float:
+    """Relative L2 error of the displacement."""
+    lower, upper = (f(found.case.bodies[0].outline, axis=0) for f in (np.min, np.max))
+    points: Floats = np.random.default_rng(1).uniform(lower, upper, (5000, 2))
+    if len(found.case.bodies[0].rings) > 1:
+        points = points[np.hypot(*points.T) > 1.01e-3 * HOLE]
+    x, y = 1e3 * points.T
+    exact = 1e-3 * np.stack([eval(formula, {"x": x, "y": y}) for formula in formulas], axis=1)
+    return float(np.linalg.norm(found.displacement(points) - exact) / np.linalg.norm(exact))
+
+
+@pytest.mark.parametrize("field", FIELDS)
+@pytest.mark.parametrize(
+    ("poisson", "plane"), [(0.0, "strain"), (0.49, "strain"), (0.499, "strain"), (0.4999, "strain"), (0.5, "stress")]
+)
+def test_displacement_does_not_lock(field: str, poisson: float, plane: str) -> None:
+    """Measured at 0.499: 0.15 % and 3e-7; at 0.4999: 0.33 % and 1e-7."""
+    found, formulas = solved_field(field, poisson, plane, 2.0)
+    assert displacement_error(found, formulas) < 1e-2
+    assert found.result.warnings == ()
+    assert found.result.residual < 1e-10
+
+
+@pytest.mark.parametrize("field", FIELDS)
+def test_small_patches_lock_and_the_run_says_so(field: str) -> None:
+    found, formulas = solved_field(field, 0.4999, "strain", 1.5)
+    assert displacement_error(found, formulas) > 2e-2
+    assert any("it locks" in warning for warning in found.result.warnings)
+    fine, formulas = solved_field(field, 0.49, "strain", 1.5)
+    assert displacement_error(fine, formulas) < 1e-2
+    assert fine.result.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [("compression30", ("growth.tip_stress.radius=2",)), ("slant_tension", ("numerics.spacing=3 mm",))],
+)
+def test_K_does_not_depend_on_poissons_ratio(name: str, settings: tuple[str, ...]) -> None:
+    """Bodies loaded by tractions alone (Michell 1899). Where K is further off than 1 %, the run warns."""
+
+    def K(poisson: float, plane: str = "strain") -> tuple[Floats, tuple[str, ...]]:
+        ratio, spacing = f"bodies.{body}.material.poisson={poisson}", "numerics.spacing=3 mm"
+        result = solve_case(load_case(CASES / f"{name}.yaml", [*settings, spacing, ratio, f"plane={plane}"])).result
+        return np.array([(tip.K_I, tip.K_II) for tip in result.tips]), result.warnings
+
+    (body,) = (body.name for body in load_case(CASES / f"{name}.yaml").bodies)
+    expected, _ = K(0.25)
+    size = np.abs(expected).max()
+    for poisson, plane in ((0.0, "strain"), (0.49, "strain"), (0.5, "stress")):
+        found, warnings = K(poisson, plane)
+        assert np.abs(found - expected).max() < 1e-2 * size
+        assert not any("Poisson" in warning for warning in warnings)
+    for poisson, most in ((0.499, 0.04), (0.4999, 0.2)):
+        found, warnings = K(poisson)
+        assert np.abs(found - expected).max() < most * size
+        assert any("K can be off" in warning for warning in warnings)
+
+
+@pytest.mark.parametrize("poisson", ["0.49991", "0.5"])
+def test_what_is_incompressible_is_refused_in_plane_strain(poisson: str) -> None:
+    with pytest.raises(CaseError, match=f"{poisson} given; wanted in plane strain: > -1 and <= 0.4999"):
+        load_case(CASES / "compression30.yaml", [f"bodies.rock.material.poisson={poisson}"])
+    load_case(CASES / "compression30.yaml", [f"bodies.rock.material.poisson={poisson}", "plane=stress"])

@@ -1,0 +1,194 @@
+"""Lemke's method on problems that are hard for it: each answer is checked from the problem alone, row by row."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from crackgrow.contact.lemke import LcpResult, lemke
+from crackgrow.contact.tableau import Tableau
+
+RELATIVE = 1e-9
+"""Violation of a row of w = M z + q against the terms that it is the sum of."""
+
+
+def violation(M: np.ndarray, q: np.ndarray, result: LcpResult) -> float:
+    """Worst relative violation of w = M z + q, w >= 0, z >= 0, z w = 0; reads z and w of the result alone."""
+    z, w = result.z, result.w
+    terms = np.abs(M) @ np.abs(z) + np.abs(q)
+    size = np.where(terms > 0.0, terms, 1.0)
+    largest = max(float(np.abs(z).max()), np.finfo(float).tiny)
+    return max(
+        float((np.abs(w - M @ z - q) / size).max()),
+        float((-w / size).max()),
+        float((-z / largest).max()),
+        float((np.abs(w) / size * np.abs(z) / largest).max()),
+    )
+
+
+def check(M: np.ndarray, q: np.ndarray, result: LcpResult) -> None:
+    assert result.status == "solved"
+    assert violation(M, q, result) <= RELATIVE
+
+
+def murty(n: int) -> np.ndarray:
+    """P-matrix for which the rows' order makes complementary pivoting visit every basis (Murty 1978)."""
+    return np.eye(n) + 2.0 * np.tril(np.ones((n, n)), -1)
+
+
+@pytest.mark.parametrize("n", [11, 12])
+def test_murtys_example_is_solved_or_honestly_given_up(n: int) -> None:
+    M, q = murty(n), -np.ones(n)
+    whole = lemke(M, q, np.ones(n), max_pivots=2**n)
+    check(M, q, whole)
+    assert whole.pivots == 2**n
+    assert whole.z.tolist() == [1.0] + [0.0] * (n - 1)
+    given_up = lemke(M, q, np.ones(n))  # 1000 + 20 n pivots
+    assert given_up.status == "limit"
+    assert given_up.pivots == 1000 + 20 * n
+    check(M, q, lemke(M, q))
+
+
+@pytest.mark.parametrize("n", [8, 10])
+@pytest.mark.parametrize("power", [-1.0, 1.0])
+def test_no_order_of_scales_in_murtys_example_harms(n: int, power: float) -> None:
+    for M in (murty(n), murty(n).T):
+        d, q = 2.0 ** (power * np.arange(n)), -np.ones(n)
+        check(M, q, lemke(M, q, d, max_pivots=2**n))
+
+
+@pytest.mark.parametrize("n", [2, 3, 5, 8])
+def test_singular_submatrices_hide_the_solution_from_enumeration(n: int) -> None:
+    """Stacked copies of the same rows: every basis of two copies is singular, as for more points than dofs."""
+    rng = np.random.default_rng(n)
+    B = rng.normal(size=(n, n))
+    block = B @ B.T + 0.1 * np.eye(n)
+    M, q = np.tile(block, (3, 3)), np.tile(-block @ rng.random(n), 3)
+    singular = [J for J in itertools.combinations(range(3 * n), 2) if abs(np.linalg.det(M[np.ix_(J, J)])) < 1e-12]
+    assert len(singular) == 3 * n  # the pairs of copies
+    check(M, q, lemke(M, q))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_bisymmetric_problems_with_no_regular_diagonal(seed: int) -> None:
+    """Linear programmes as LCPs: M is skew, its diagonal zero, every principal submatrix of odd order singular."""
+    rng = np.random.default_rng(seed)
+    A = rng.integers(0, 4, (4, 6)).astype(float)
+    A[:, 0] += 1.0
+    A[0] += 1.0
+    c, b = rng.integers(1, 5, 6).astype(float), rng.integers(1, 5, 4).astype(float)
+    M = np.block([[np.zeros((6, 6)), -A.T], [A, np.zeros((4, 4))]])
+    q = np.concatenate([c, -b])  # min c x, A x >= b, x >= 0: feasible and bounded
+    A_has_support = (A.max(axis=1) > 0.0).all()
+    assert A_has_support
+    result = lemke(M, q)
+    check(M, q, result)
+    assert c @ result.z[:6] == pytest.approx(b @ result.z[6:])  # no duality gap
+
+
+@pytest.mark.parametrize("rank", [1, 2, 5])
+@pytest.mark.parametrize("seed", range(5))
+def test_one_of_infinitely_many_solutions(rank: int, seed: int) -> None:
+    """A positive semidefinite matrix: the solutions z + null space differ, M z does not."""
+    rng = np.random.default_rng(seed)
+    B = np.abs(rng.normal(size=(12, rank)))
+    M, z = B @ B.T, rng.random(12)
+    result = lemke(M, -M @ z)
+    check(M, -M @ z, result)
+    np.testing.assert_allclose(M @ result.z, M @ z, rtol=1e-9)
+    assert np.count_nonzero(result.z) <= rank
+
+
+@pytest.mark.parametrize("n", [2, 7, 30])
+def test_all_ratios_tie(n: int) -> None:
+    for M in (np.ones((n, n)), np.eye(n), np.eye(n) + np.ones((n, n)), 2.0 * np.eye(n) - np.eye(n, k=1)):
+        q = -np.ones(n)
+        result = lemke(M, q)
+        check(M, q, result)
+        assert result.pivots <= 2 * n + 1
+
+
+def test_artificial_variable_leaves_in_a_tie() -> None:
+    """x = 1 empties the rows of z_0 and of w_1 at once: the one that ends the method goes."""
+    table = Tableau(np.array([[1.0, 0.0], [2.0, 1.0]]), np.array([-1.0, -2.0]), np.ones(2))
+    row = table.first_row(np.ones(2))
+    assert row == 1
+    assert table.pivot(row, 2) == 1  # w_2 leaves for z_0
+    column = int(table.place[3])  # its complement z_2 enters
+    leaving = table.leaving_row(column)
+    table.pivot(leaving, column)
+    column = int(table.place[2])
+    entries = [float(table._column(column)[i]) for i in range(2)]
+    ratios = table.value / np.array(entries)
+    assert ratios[0] == pytest.approx(ratios[1])  # the tie
+    assert table.basic[table.leaving_row(column)] == 4
+
+
+@pytest.mark.parametrize("degenerate", [0.3, 0.9])
+@pytest.mark.parametrize("seed", range(20))
+def test_degenerate_integer_problems_end(seed: int, degenerate: float) -> None:
+    """Copositive-plus matrices of small integers and right-hand sides full of equal numbers."""
+    rng = np.random.default_rng(seed)
+    B = rng.integers(-1, 2, (10, 10))
+    S = rng.integers(-1, 2, (10, 10))
+    M = (B @ B.T + S - S.T + np.eye(10)).astype(float)
+    q = np.where(rng.random(10) < degenerate, -1.0, rng.integers(-1, 2, 10))
+    check(M, q, lemke(M, q, max_pivots=500))
+
+
+@pytest.mark.parametrize("spread", [6, 20, 60, 200])
+@pytest.mark.parametrize("which", ["rows", "columns", "both", "alike"])
+def test_badly_scaled_rows_and_columns(which: str, spread: int) -> None:
+    """Rows and columns in units that differ by `spread` powers of ten: the same problem, the same solution."""
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        n = 20
+        B = rng.normal(size=(n, n))
+        M = B @ B.T / n + 0.1 * np.eye(n)
+        z = np.where(rng.random(n) < 0.5, rng.random(n), 0.0)
+        q = np.where(z > 0.0, 0.0, rng.random(n)) - M @ z
+        row, column = 10.0 ** rng.uniform(-0.25 * spread, 0.25 * spread, (2, n))
+        row = np.ones(n) if which == "columns" else row
+        column = {"rows": np.ones(n), "alike": row}.get(which, column)
+        result = lemke(row[:, None] * M * column, row * q)
+        check(row[:, None] * M * column, row * q, result)
+        np.testing.assert_allclose(result.z * column, z, atol=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1e-150, 1.0, 1e150])
+def test_the_unit_of_a_problem_does_not_matter(scale: float) -> None:
+    M, q = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-5.0, -6.0])
+    for result in (lemke(scale * M, q), lemke(M, scale * q)):
+        assert result.status == "solved"
+    np.testing.assert_allclose(lemke(scale * M, scale * q).z, [4.0 / 3.0, 7.0 / 3.0], rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("M", "q"),
+    [
+        ([[0.0, 0.0], [0.0, 1.0]], [-1e-12, -1.0]),  # a row of zeros can't be made positive, however small q
+        ([[1.0, -1.0], [-1.0, 1.0]], [1.0, -2.0]),  # w_1 + w_2 = -1
+        ([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], [-1.0, -1.0, -1.0]),  # -z_1 - 1 >= 0
+    ],
+)
+def test_problems_without_a_solution_end_in_a_ray(M: list[list[float]], q: list[float]) -> None:
+    assert lemke(np.array(M), np.array(q)).status == "ray"
+
+
+@pytest.mark.parametrize("exponent", range(-14, 15, 4))
+def test_solved_is_never_said_of_a_wrong_solution(exponent: int) -> None:
+    """Random matrices of no class, near-singular ones among them: any status, but "solved" only if it is."""
+    statuses = set()
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        M = rng.normal(size=(8, 8))
+        M[:, 1] = M[:, 0] + 10.0**exponent * M[:, 1]
+        M[1] = M[0] + 10.0**exponent * M[1]
+        q = rng.normal(size=8)
+        result = lemke(M, q)
+        statuses.add(result.status)
+        if result.status == "solved":
+            assert violation(M, q, result) <= 1e-8
+    assert {"solved", "ray"} <= statuses

@@ -1,0 +1,56 @@
+"""What a step says of contact that is not to be trusted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import crackgrow.run.contact_cautions as module
+from crackgrow.case import load_case
+from crackgrow.contact.coulomb import STICK
+from crackgrow.contact.ripple import worst_ripple
+from crackgrow.contact.second_solution import SecondSolution
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.contact_cautions import contact_cautions
+from crackgrow.run.scene import make_scene
+from crackgrow.run.step import StepSolution, solve_step
+
+CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+
+
+def flaw(*overrides: str) -> StepSolution:
+    case = load_case(CASE, ["numerics.spacing=3", "growth.steps=0", *overrides])
+    return solve_step(make_scene(case), (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),), 1.0)
+
+
+def test_nothing_is_said_of_the_flaw() -> None:
+    assert not list(contact_cautions(flaw("cracks.flaw.contact.friction=0.3")))
+
+
+def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    solution = flaw("cracks.flaw.contact.friction=0.3")
+    last = solution.faces.n - 1
+    found = SecondSolution(0.25, np.array([last, 0]), np.array([3e-5, 1e-6]), np.array([STICK, STICK]))
+    monkeypatch.setattr(module, "second_solution", lambda contact, outcome: found)
+    (text,) = contact_cautions(solution)
+    x, y = solution.cover.lattice.to_metres(solution.faces.nodes.points[[last]])[0]
+    assert f"the point ({x:.4g}, {y:.4g}) m of 'flaw', which slips, sticks" in text
+    assert "below 0.25" in text
+    assert "3e-05 m" in text
+
+
+def test_the_ripple_of_a_surface_is_held_against_its_own_pressure() -> None:
+    solution = flaw("numerics.contact.discretization=gauss", "numerics.contact.stiffness=1")
+    n = solution.faces.n
+    calm = np.full(n, -75e6)
+    wave = calm + 15e6 * (-1.0) ** np.arange(n)
+    for factor in (1.0, 1e-9):
+        worst = worst_ripple(solution.faces, factor * wave, np.zeros(n))
+        assert worst is not None
+        assert worst.part == pytest.approx(30.0 / 75.0, rel=0.01)
+    sheared = worst_ripple(solution.faces, calm, wave)
+    assert sheared is not None
+    assert sheared.part == pytest.approx(30.0 / 75.0, rel=0.01)
+    assert worst_ripple(solution.faces, np.zeros(n), np.zeros(n)) is None
