@@ -24,7 +24,7 @@ from crackgrow.solid.rigid_modes import FreePiece, Springs, free_motions
 
 Floats = NDArray[np.float64]
 
-STIFFER = (10.0, 100.0)
+STIFFER = (3.0, 10.0, 30.0, 100.0)
 """Times the usual stiffness of the springs. Still stiffer ones yield too slowly to tell a piece that is held."""
 
 UNBALANCED = 1e-6
