@@ -18,6 +18,9 @@ from crackgrow.errors import SolveError
 
 Floats = NDArray[np.float64]
 
+AMPLE = 1e6
+"""Times the mean traction of the loads: more cohesion than that is as good as that."""
+
 
 def least_unbalanced(
     gap: Floats, slip: Floats, weights: Floats, pull: Floats, size: float, friction: Floats, cohesion: Floats
@@ -29,7 +32,10 @@ def least_unbalanced(
     programming fails.
     """
     n, k = gap.shape
+    if size == 0.0:
+        return 0.0, np.zeros(k)
     pressure = size / float(weights.sum())  # Pa, as a measure
+    cohesion = np.minimum(cohesion, AMPLE * pressure)
     forces = np.concatenate([gap.T * weights, slip.T * weights], axis=1) * (pressure / size)
     law = [np.concatenate([np.diag(friction), sign * np.eye(n), np.zeros((n, 2 * k))], axis=1) for sign in (1.0, -1.0)]
     found = linprog(

@@ -60,6 +60,8 @@ def elastic_tractions(
 
     Elsewhere p_t is in proportion to p_n, as at the contact points, but for the cohesion of faces that slip.
     """
+    if not (faces.surface == crack).any():  # it cannot touch
+        return np.zeros(len(s)), np.zeros(len(s))
     nearest = nearest_contact_point(cover, faces, crack, s)
     gap, slip = gap_and_slip(cover, points_at(cover, crack, s), outcome.u)
     normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)

@@ -62,7 +62,7 @@ def critically_loaded(configuration: Configuration, cracks: Sequence[GrowingCrac
     if search.rest.criticality >= 1.0:
         raise SolveError("the criterion is met under the held loads alone: no critical load factor; hold smaller loads")
     below, first, factor = search.rest, None, guess
-    while True:
+    while search.n_increments < MOST_TRIALS:
         trials = search.path(below, factor)
         first = first or trials[-1]
         below, above = _enclosing(below, trials)
@@ -70,8 +70,10 @@ def critically_loaded(configuration: Configuration, cracks: Sequence[GrowingCrac
             break
         if below.factor >= LARGEST_FACTOR:
             return replace(search.found(first), notes=(NEVER_CRITICAL,))
-        before = trials[-2] if len(trials) > 1 else search.rest
+        before = next((trial for trial in trials[-2::-1] if trial.factor < below.factor), search.rest)
         factor = search.beyond(before, below)
+    else:
+        raise SolveError(f"no critical load factor found up to {below.factor:.12g}")
     halved = 0  # times that one end has been replaced in turn, negative for the upper one
     while not above.meets and above.factor - below.factor > NARROW * above.factor:
         if search.n_increments == MOST_TRIALS:
@@ -117,6 +119,8 @@ class _Search:
         self._configuration, self._growth = configuration, growth
         self._start = held_loads(configuration)
         self._seconds: dict[str, float] = {}
+        self._unborne = np.inf  # the least load factor known to have no solution
+        self._why: SolveError | None = None  # it has none
         self.n_increments = 0
         ends = configuration.cover.tip_ends
         self.can_grow: Bools = np.array([cracks[index].can_grow(end) for index, end in ends], dtype=bool)
@@ -129,17 +133,24 @@ class _Search:
         """
         start = self._start if below.state is None else from_state(below.state)
         while True:
+            if factor >= self._unborne:
+                factor = 0.5 * (below.factor + self._unborne)
+                self._check_borne(below)
             try:
                 state = self._increment(start, factor)
             except (FreePieceError, SolveError) as error:
-                if factor - below.factor > NEAR_COLLAPSE * factor:
-                    factor = 0.5 * (below.factor + factor)
-                    continue
-                if isinstance(error, FreePieceError):
-                    what = f"{error.what}, from a load factor of {factor:.4g} on, before the criterion is met"
-                    raise FreePieceError(what, error.remedy) from error
-                raise
+                self._unborne, self._why = factor, error
+                continue
             return [self._judged(each) for each in (*state.via, state)]
+
+    def _check_borne(self, below: _Trial) -> None:
+        """Raise why there is no solution where hardly more than a trial is borne."""
+        if self._why is None or self._unborne - below.factor > NEAR_COLLAPSE * self._unborne:
+            return
+        if isinstance(self._why, FreePieceError):
+            what = f"{self._why.what}, from a load factor of {self._unborne:.4g} on, before the criterion is met"
+            raise FreePieceError(what, self._why.remedy) from self._why
+        raise self._why
 
     def found(self, trial: _Trial) -> StepSolution:
         """The solution of a trial that ends the search, with the time of all of them."""

@@ -134,8 +134,10 @@ def violations(increment: Increment) -> dict[str, float]:
     young = min(material.young_prime for material in configuration.scene.materials)
     stiffness = young / configuration.scene.lattice.spacing
     length = max(largest, displacement_size(loads, outcome.u, given))
-    noise = ROUND_OFF * float(np.abs(loads).max()) / young  # all that is left where loads act on held rock alone
-    most = max(float(np.abs(gap).max()), float(np.abs(slip).max()))
+    scale = max(float(np.abs(loads).max()), float(np.abs(configuration.loads(1.0)).max()))
+    noise = ROUND_OFF * scale / young  # all that is left without loads, or where they act on held rock alone
+    most = max(float(np.abs(jump).max()) for jump in (gap, slip, memory.slip))  # what the increment has undone counts
+    largest = max(largest, most)
     pressure = max(float(np.abs(p_n).max()), float(np.abs(p_t).max()), stiffness * most)
     length = max(length, pressure / stiffness)
     if length <= noise:
