@@ -254,9 +254,10 @@ def _pressed(solution: StepSolution, crack: int, at_end: bool) -> bool:
 def _left_out(scene: Scene) -> list[str]:
     """Cracks that were given with more vertices than they have."""
     found = []
-    given: Any = scene.case.resolved["cracks"]
+    given: Any = scene.case.resolved.get("cracks", {})  # nothing where the case was not read from a file
     for crack in scene.case.cracks:
-        n = len(given[crack.name]["path"].get("points", crack.points)) - len(crack.points)
+        path = given.get(crack.name, {}).get("path", {})
+        n = len(path.get("points", crack.points)) - len(crack.points)
         if n:
             found.append(f"crack '{crack.name}': {n} of its vertices repeat the one before them, and are left out")
     return found

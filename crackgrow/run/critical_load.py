@@ -46,6 +46,9 @@ NARROW = 1e-9
 NEAR_COLLAPSE = 1e-3
 """The last load factor that is borne is found to this fraction."""
 
+MOST_RETREATS = 12
+"""Load factors without a solution, each about half of the one before, after which that is how it ends."""
+
 NEVER_CRITICAL = f"no load factor up to {LARGEST_FACTOR:g} meets the criterion at any tip"
 
 
@@ -121,6 +124,7 @@ class _Search:
         self._seconds: dict[str, float] = {}
         self._unborne = np.inf  # the least load factor known to have no solution
         self._why: SolveError | None = None  # it has none
+        self._n_unborne = 0  # load factors known to have none
         self.n_increments = 0
         ends = configuration.cover.tip_ends
         self.can_grow: Bools = np.array([cracks[index].can_grow(end) for index, end in ends], dtype=bool)
@@ -140,12 +144,14 @@ class _Search:
                 state = self._increment(start, factor)
             except (FreePieceError, SolveError) as error:
                 self._unborne, self._why = factor, error
+                self._n_unborne += 1
                 continue
             return [self._judged(each) for each in (*state.via, state)]
 
     def _check_borne(self, below: _Trial) -> None:
         """Raise why there is no solution where hardly more than a trial is borne."""
-        if self._why is None or self._unborne - below.factor > NEAR_COLLAPSE * self._unborne:
+        near = self._unborne - below.factor <= NEAR_COLLAPSE * self._unborne
+        if self._why is None or not (near or self._n_unborne == MOST_RETREATS):
             return
         if isinstance(self._why, FreePieceError):
             what = f"{self._why.what}, from a load factor of {self._unborne:.4g} on, before the criterion is met"

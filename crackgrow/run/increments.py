@@ -44,7 +44,7 @@ BALANCED = 1e-5
 MOST_HALVINGS = 12
 """Times that an increment is halved."""
 
-MOST_PARTS = 500
+MOST_PARTS = 100
 """Parts of an increment, after which the rest of it is not divided."""
 
 BESIDE = 1e-10
@@ -162,15 +162,15 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         return replace(state, seconds=time.perf_counter() - began)
     at = start
     reached: list[LoadState] = []
+    size = 0.0  # of the largest energy so far
     ends = [(factor, 1.0, 0)]  # of the parts, the next one last: load factor, share of the held loads, halvings
     while ends:
         end, holding, halvings = ends[-1]
         state = _part(configuration, at, end, holding)
-        size = max(abs(state.energy.work), state.energy.strain, abs(state.energy.dissipated))
-        breaks = (
-            state.outcome.memory.broken & ~at.remembered.memory.broken & configuration.contact.law.breakable
-        ).any()
-        changes = breaks or abs(_missing(state.energy) - _missing(at.energy)) > BALANCED * size
+        size = max(size, abs(state.energy.work), state.energy.strain, abs(state.energy.dissipated))
+        breaks = state.outcome.memory.broken & ~at.remembered.memory.broken & configuration.contact.law.breakable
+        missing = abs(_missing(state.energy) - _missing(at.energy))
+        changes = missing + _at_stake(configuration, at.remembered, state.outcome, breaks) > BALANCED * size
         if changes and halvings < MOST_HALVINGS and len(reached) < MOST_PARTS:
             limit = _foreseen(configuration, at, end, holding)
             if limit is None:
@@ -180,7 +180,7 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
                 ends.append(limit)
             continue
         ends.pop()
-        reached.append(_booked(state, at) if breaks else state)
+        reached.append(_booked(state, at) if breaks.any() else state)
         at = from_state(reached[-1])
     *via, last = reached
     return replace(last, seconds=time.perf_counter() - began, via=tuple(via))
@@ -265,6 +265,17 @@ def _dissipated(configuration: Configuration, was: Remembered, outcome: ContactO
     return 0.5 * float(
         weights @ (np.where(outcome.state == SLIP, by_slip, 0.0) + np.where(outcome.state != OPEN, by_dilation, 0.0))
     )
+
+
+def _at_stake(configuration: Configuration, was: Remembered, outcome: ContactOutcome, breaks: Bools) -> float:
+    """What bonds that break (n,) would take of their slip between two states, J/m, if they still held."""
+    law = configuration.contact.law
+    lost = np.zeros(len(breaks))
+    for normal in (was.normal, outcome.normal_traction):
+        limits = (np.maximum(c - mu * normal, 0.0) for mu, c in map(law.bound_of, (np.zeros_like(breaks), breaks)))
+        lost += np.subtract(*limits)
+    slipped = np.abs(outcome.memory.slip - was.memory.slip)
+    return 0.5 * float(configuration.contact.weights[breaks] @ (lost * slipped)[breaks])
 
 
 def _missing(energy: Energy) -> float:
