@@ -44,7 +44,7 @@ UNPRESSED = 1e-6
 Not so if it coheres and its gap is below the same fraction of the jump: the faces touch.
 """
 
-TOUCHING = 1e-9
+TOUCHING = 1e-8
 """Of the jump without contact: faces that cohere and are less apart touch."""
 
 AT_LIMIT = 1e-9
@@ -165,8 +165,10 @@ class _Increment:
             u = self._u_free - response @ solution.traction
             gap = contact.gap_of @ u - rise * (contact.slip_of @ u - law.compliance * p_t)
             unpressed = p_n[rows] >= -UNPRESSED * np.max(np.abs(free) / problem.compliance.diagonal())
+            # where springs hold pieces, the jump without contact says nothing
+            noise = self._tolerance if contact.loose else TOUCHING * float(np.abs(free).max())
             jump = max(float(np.abs(gap[rows]).max()), float(np.abs(contact.slip_of[rows] @ u).max()))
-            apart = gap[rows] > max(UNPRESSED * jump, TOUCHING * float(np.abs(free).max()))
+            apart = gap[rows] > max(UNPRESSED * jump, noise)
             touching = (cohesion[rows] > 0.0) & ~apart
             held = np.where(np.abs(p_t[rows]) < (1.0 - AT_LIMIT) * cohesion[rows], STICK, SLIP)
             state[rows] = np.where(unpressed, np.where(touching, held, OPEN), solution.state)
