@@ -7,7 +7,7 @@ MAKEFLAGS += --no-print-directory
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-all verify lint check bench clean distclean
+.PHONY: help run case-exists test test-all verify stability lint check bench clean distclean
 .DELETE_ON_ERROR:
 
 help:
@@ -15,6 +15,7 @@ help:
 	@echo "make test                      tests without the slow ones"
 	@echo "make test-all                  all tests"
 	@echo "make verify                    references and exact solutions: a table and pictures in outputs/verification"
+	@echo "make stability [ARGS=--short]  extremes of all kinds: a table and a picture in outputs/stability"
 	@echo "make lint                      ruff and mypy"
 	@echo "make check                     lint and test"
 	@echo "make bench                     benchmarks"
@@ -53,6 +54,9 @@ test-all: $(STAMP)
 
 verify: $(STAMP)
 	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) -m tests.verification.verify $(ARGS)
+
+stability: $(STAMP)
+	@$(PY) -m crackgrow stability $(ARGS)
 
 lint: $(STAMP)
 	@$(PY) -m ruff check .
