@@ -79,7 +79,7 @@ def critically_loaded(configuration: Configuration, cracks: Sequence[GrowingCrac
         raise SolveError(f"no critical load factor found up to {below.factor:.12g}")
     halved = 0  # times that one end has been replaced in turn, negative for the upper one
     while not above.meets and above.factor - below.factor > NARROW * above.factor:
-        if search.n_increments == MOST_TRIALS:
+        if search.n_increments >= MOST_TRIALS:
             raise SolveError(f"no critical load factor found between {below.factor:.12g} and {above.factor:.12g}")
         share = search.share_met(below, above) if abs(halved) < LAZY else 0.5
         lower, upper = _enclosing(below, search.path(below, below.factor + share * (above.factor - below.factor)))

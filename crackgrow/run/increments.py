@@ -74,6 +74,7 @@ class LoadState:
     outcome: ContactOutcome
     residual: float
     energy: Energy
+    good_to: float  # J/m, of the energies: round-off
     conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
     rate: tuple[Floats, Floats] | None  # (n,) Pa per load factor: change of tractions where everything was linear
     seconds: float  # of all increments
@@ -216,7 +217,7 @@ def _part(configuration: Configuration, start: Start, factor: float, holding: fl
         same = np.array_equal(outcome.memory.broken, was.memory.broken) and np.array_equal(sticks, stuck)
         changes = (outcome.normal_traction - was.normal, outcome.tangential_traction - was.tangential)
         rate = (changes[0] / step, changes[1] / step) if same else None
-    return LoadState(configuration, factor, holding, outcome, residual, energy, conjugates, rate, 0.0)
+    return LoadState(configuration, factor, holding, outcome, residual, energy, good_to, conjugates, rate, 0.0)
 
 
 def _foreseen(configuration: Configuration, at: Start, end: float, holding: float) -> tuple[float, float, int] | None:
@@ -294,4 +295,4 @@ def _booked(state: LoadState, start: Start) -> LoadState:
     """A state with what is missing since the start booked as released."""
     missing = _missing(state.energy) - _missing(start.energy)
     released = replace(state.energy, released=state.energy.released + missing)
-    return replace(state, energy=_checked(released, _strain_energy(state.configuration, state.outcome)[1]))
+    return replace(state, energy=_checked(released, state.good_to))

@@ -113,9 +113,9 @@ class ConstrainedSystem:
         """`stiffness` (n, n) Pa, `constraints` (m, n), `places` (n, 2) of the unknowns, in any unit."""
         self.stiffness = stiffness
         self.constraints = constraints
-        share = abs(constraints)
-        total = np.maximum(share.sum(axis=1), np.finfo(float).tiny)
-        self._rho = share @ stiffness.diagonal() / total  # row by row, of the size of the entries it meets
+        self._share = abs(constraints)
+        total = np.maximum(self._share.sum(axis=1), np.finfo(float).tiny)
+        self._rho = self._share @ stiffness.diagonal() / total  # row by row, of the size of the entries it meets
         self._factorization = Factorization(self._held(), places)
         self._size = abs(stiffness)
         self._responses: Floats | None = None  # (n + m, m) to the constraints, found when they pay
@@ -144,7 +144,7 @@ class ConstrainedSystem:
             u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block])
         if given is not None and m:
             left = np.abs(self.constraints @ u - wanted).max()
-            round_off = ROUND_OFF * (abs(self.constraints) @ np.abs(u)).max()  # where loads act on what is held
+            round_off = ROUND_OFF * (self._share @ np.abs(u)).max()  # where loads act on what is held
             if left > max(INCONSISTENT * displacement_size(loads, u.reshape(loads.shape), given), round_off):
                 raise SolveError(f"the supports contradict each other by {left:.3g} m")
         return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
@@ -187,7 +187,7 @@ class ConstrainedSystem:
     def _backward_error(self, loads: Floats, u: Floats, multipliers: Floats) -> float:
         """The largest residual, row by row relative to the sum of the absolute terms (Oettli, Prager 1964)."""
         residual = np.abs(loads - self.stiffness @ u - self.constraints.T @ multipliers)
-        terms = np.abs(loads) + self._size @ np.abs(u) + abs(self.constraints.T) @ np.abs(multipliers)
+        terms = np.abs(loads) + self._size @ np.abs(u) + self._share.T @ np.abs(multipliers)
         return float(np.max(residual[terms > 0.0] / terms[terms > 0.0], initial=0.0))
 
     def _step(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
@@ -197,13 +197,12 @@ class ConstrainedSystem:
         solution = self._factorization.solve(np.concatenate([push, wanted]) if m else push)
         if m == 0:
             return solution, solution[n:]
-        share = abs(self.constraints)
         if self._responses is None and m <= max(FEW_CONSTRAINTS, loads.shape[1]):  # else one solve each is cheaper
             self._responses = self._pulled(np.eye(m))
         responses = self._responses
         for _ in range(HARDENINGS):
             missing = wanted - self.constraints @ solution[:n]
-            if np.all(np.abs(missing) <= SMALLEST * (share @ np.abs(solution[:n]) + np.abs(wanted))):
+            if np.all(np.abs(missing) <= SMALLEST * (self._share @ np.abs(solution[:n]) + np.abs(wanted))):
                 break
             solution += self._pulled(missing) if responses is None else responses @ missing
         return solution[:n], solution[n:]

@@ -13,12 +13,11 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import FreePieceError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import from_state, held_loads, increment
-from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step import StepSolution, judged, solve_step
+from tests.unit.run.test_run_loop import run
 
 CASES = Path(__file__).parents[3] / "cases"
 CRITICAL = ("loading=critical", "output.frames=none", "output.figures=false", "numerics.spacing=3")
@@ -33,15 +32,6 @@ def case_of(name: str, *settings: str) -> Case:
 def ready(case: Case) -> tuple[Configuration, tuple[GrowingCrack, ...]]:
     cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
     return assemble(make_scene(case), cracks), cracks
-
-
-def run(case: Case) -> tuple[list[StepResult], RunEnd]:
-    results, steps = [], grow(case)
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
 
 
 def criticality(solution: StepSolution) -> float:

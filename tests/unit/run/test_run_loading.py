@@ -6,8 +6,9 @@ import numpy as np
 
 from crackgrow.case import load_case
 from crackgrow.run import grow
-from tests.unit.run.test_run_critical_load import CASES, case_of, run
+from tests.unit.run.test_run_critical_load import CASES, case_of
 from tests.unit.run.test_run_increments import SMALL_SHEAR
+from tests.unit.run.test_run_loop import run
 
 
 def test_a_history_is_gone_through_on_one_factorization() -> None:
