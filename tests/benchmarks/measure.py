@@ -57,6 +57,7 @@ class Samples:
     """What steps are held against, again and again: CPU seconds."""
 
     configuration: Configuration
+    condensed: bool  # whether the contact points are condensed too
     factorize: list[float] = field(default_factory=list)
     solve: list[float] = field(default_factory=list)
     condensation: list[float] = field(default_factory=list)
@@ -67,7 +68,7 @@ class Samples:
         bare = floor(self.configuration)
         self.factorize.append(bare.factorize)
         self.solve.append(bare.solve)
-        self.condensation.append(condensation(self.configuration)[0] if self.configuration.faces.n else np.nan)
+        self.condensation.append(condensation(self.configuration)[0] if self.condensed else np.nan)
         self.yardstick.append(yardstick())
 
 
@@ -100,7 +101,8 @@ def measured(run: Run) -> Measurement:
     case = run.load()
     steps = timed_steps(case)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    samples = Samples(from_nothing(case))
+    configuration = from_nothing(case)
+    samples = Samples(configuration, run.part != "sizes" and configuration.faces.n > 0)
     passes = [timed_steps(case, samples.take) for _ in range(run.repeats)] or [steps]
     start = time.process_time()
     while len(samples.yardstick) < ENOUGH_SAMPLES:
@@ -117,8 +119,8 @@ def measured(run: Run) -> Measurement:
     return Measurement(
         part=run.part,
         run=run.name,
-        n_dofs=len(samples.configuration.scaled),
-        n_contact=samples.configuration.faces.n,
+        n_dofs=len(configuration.scaled),
+        n_contact=configuration.faces.n,
         steps=len(steps),
         first=float(np.median(firsts)),
         step=float(np.median([step.seconds for step in usual])),
