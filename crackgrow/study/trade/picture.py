@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from crackgrow.results.atomic import write_atomically
 from crackgrow.study.trade.pareto import pareto_front
-from crackgrow.study.trade.row import ERRORS, Row
+from crackgrow.study.trade.row import ERRORS, REFERENCE, Row
 
 TIME = "cpu_seconds"
 LABELS = {
@@ -41,7 +41,7 @@ COLOURS = colormaps["viridis"]
 
 def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
     """Draw all errors that any row has, and that are not zero in all of them, into a PNG. Raises OutputError."""
-    solved = [row for row in rows if row.solved]
+    solved = [row for row in rows if row.solved and row.name != REFERENCE]
     shown = [name for name in ERRORS if any(row.number(name) > LEAST for row in solved)]
     across = max(1, min(ACROSS, len(shown)))
     down = max(1, math.ceil(len(shown) / across))
@@ -61,7 +61,9 @@ def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
     write_atomically(path, lambda file: figure.savefig(file, dpi=DPI))
 
 
-def _panel(axes: Axes, name: str, rows: Sequence[Row], supports: Sequence[float], range_: tuple[float, float]) -> None:
+def _panel(
+    axes: Axes, name: str, rows: Sequence[Row], supports: Sequence[float], spacings: tuple[float, float]
+) -> None:
     cost = np.array([row.number(TIME) for row in rows])
     error = np.array([row.number(name) for row in rows])
     error = np.where(error < LEAST, LEAST, error)
@@ -70,7 +72,7 @@ def _panel(axes: Axes, name: str, rows: Sequence[Row], supports: Sequence[float]
         mark, size = PRESET_MARKS.get(row.preset, ""), 9
         if not mark:
             mark, size = SUPPORT_MARKS[supports.index(row.number("support")) % len(SUPPORT_MARKS)], 4
-            colour = COLOURS(_part(row.number("spacing"), range_))
+            colour = COLOURS(_part(row.number("spacing"), spacings))
         axes.plot(x, y, marker=mark, markersize=size, color=colour, linestyle="")
     front = pareto_front(cost, error)
     axes.step(cost[front], error[front], where="post", color="tab:blue", linewidth=1.2, zorder=0)
@@ -81,9 +83,9 @@ def _panel(axes: Axes, name: str, rows: Sequence[Row], supports: Sequence[float]
     axes.grid(color="0.9", which="both")
 
 
-def _part(value: float, range_: tuple[float, float]) -> float:
+def _part(value: float, limits: tuple[float, float]) -> float:
     """Where a value lies in a range, on a logarithmic scale: 0 to 1."""
-    low, high = range_
+    low, high = limits
     return math.log(value / low) / math.log(high / low) if high > low else 0.0
 
 
