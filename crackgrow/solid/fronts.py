@@ -44,7 +44,7 @@ class Fronts:
     starts: Ints  # (fronts + 1,)
     n_early: Ints  # (fronts,)
     n_placed: Ints  # (fronts,)
-    parent: Ints  # (fronts,), -1 for none
+    parent: Ints  # (fronts,), -1 for none, and for fronts without unknowns
     boundary: tuple[Ints, ...]  # front by front, ascending positions of later unknowns coupled to the subtree
     code: Ints  # (n + m,) node and number on it of the unknown at each position; or `MULTIPLIER`
     corner: Ints  # (fronts,) code of the first node of the front's box: codes less this are alike in boxes alike
@@ -101,7 +101,8 @@ def fronts_of(places: Places, constraints: csr_array) -> tuple[Fronts, Bools]:
     for fronts, multipliers in rows.passed:
         for front in np.unique(fronts).tolist():
             boundary[front] = np.union1d(boundary[front], position[n + multipliers[fronts == front]])
-    parent = np.searchsorted(starts, [b[0] if len(b) else -1 for b in boundary], side="right") - 1
+    first_later = [b[0] if len(b) and size else -1 for b, size in zip(boundary, np.diff(starts), strict=True)]
+    parent = np.searchsorted(starts, first_later, side="right") - 1
 
     code = np.full(n + m, MULTIPLIER)
     x, y = places.nodes[order].T
