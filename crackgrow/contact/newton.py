@@ -40,13 +40,14 @@ MAX_SWEEPS: Final = 200  # most sweeps after one cycle
 def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_iterations: int = 100) -> ContactSolution:
     """Tractions of the contact problem; status "solved", or "limit" with the best tractions found.
 
-    `start` (m,) Pa is a guess, such as the tractions of the previous step. An iteration is one linear solve. Where an
+    `start` (m,) Pa is a guess, `first_guess` if None. An iteration is one linear solve. Where an
     active set comes back without convergence, projected Gauss-Seidel sweeps (5, 10, 20, ...) lead out of the cycle.
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, or friction beyond the range in which a solution exists.
     Raises SolveError for a start of wrong shape or with a value that is not finite.
     """
-    p, solver = _first_guess(problem, start), ActiveSolver(problem)
+    p = first_guess(problem) if start is None else _checked(problem, start)
+    solver = ActiveSolver(problem)
     best, least = p, np.inf
     active = active_set(problem, p, jump(problem, p))
     seen: set[bytes] = set()
@@ -93,12 +94,15 @@ def sweep(problem: ContactProblem, p: Floats, n_sweeps: int) -> Floats:
     return p
 
 
-def _first_guess(problem: ContactProblem, start: Floats | None) -> Floats:
-    if start is None:
-        coarse = halved(problem) if problem.n_points > FEW_POINTS else None
-        if coarse is None:
-            return sweep(problem, np.zeros(problem.free.size), FIRST_SWEEPS)
-        return doubled(problem, solve_by_newton(coarse, max_iterations=COARSE_ITERATIONS).traction)
+def first_guess(problem: ContactProblem) -> Floats:
+    """(m,) Pa: tractions to start from, of a problem of half as many points, or of sweeps where there are few."""
+    coarse = halved(problem) if problem.n_points > FEW_POINTS else None
+    if coarse is None:
+        return sweep(problem, np.zeros(problem.free.size), FIRST_SWEEPS)
+    return doubled(problem, solve_by_newton(coarse, max_iterations=COARSE_ITERATIONS).traction)
+
+
+def _checked(problem: ContactProblem, start: Floats) -> Floats:
     if start.shape != problem.free.shape or not np.isfinite(start).all():
         raise SolveError(
             f"contact start: shape {start.shape} with {np.count_nonzero(~np.isfinite(start))} values that are not "

@@ -91,11 +91,11 @@ def _normalised(compliance: Floats, weights: Floats) -> Floats:
     n = len(weights)
     root = np.tile(np.sqrt(weights), 2)
     size = np.tile(np.sqrt(compliance.diagonal()[:n]), 2)
-    A = compliance * (root / size)[:, None]
+    A: Floats = compliance * (root / size)[:, None]
     A /= root * size
     A += A.T.copy()
     A *= 0.5
-    return bool(dpotrf(A.T, overwrite_a=True)[1] == 0)
+    return A
 
 
 def _least_eigenvalue(A: Floats) -> float:
