@@ -1,12 +1,14 @@
 """What a step is held against: one factorization from nothing and one solve of its matrix, by the program's own solver.
 
-`floor` and `condensation` are the only places that know how a configuration factorizes and how it condenses.
+`floor`, `forget` and `condensation` are the only places that know how a configuration factorizes, what is kept of that,
+and how it condenses.
 """
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from unittest import mock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,7 @@ from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.scene import make_scene
+from crackgrow.solid import fronts
 from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
 
@@ -47,11 +50,17 @@ def floor(configuration: Configuration) -> Floor:
     stiff = matrix if springs is None else springs.added_to(matrix)
     held, loads = configuration.held, configuration.loads(1.0)
 
-    start = time.process_time()
-    system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(configuration.cover))
-    factorized = time.process_time()
+    with mock.patch.object(fronts, "dissect", fronts.dissect.__wrapped__):  # the cache stays for the steps
+        start = time.process_time()
+        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(configuration.cover))
+        factorized = time.process_time()
     u, _ = system.solve(loads, held.given)
     return Floor(factorized - start, time.process_time() - factorized, u)
+
+
+def forget() -> None:
+    """Drop what the program keeps from one configuration to the next without handing it over."""
+    fronts.dissect.cache_clear()
 
 
 def condensation(configuration: Configuration) -> tuple[float, Floats]:
