@@ -30,16 +30,27 @@ class Edges:
     right: Ints  # (n,) face on the right, -1 where there is none
 
 
+_COMPLEX = np.array([1.0, 1.0j])
+
+
+def as_numbers(points: Floats) -> NDArray[np.complex128]:
+    """Points (n, 2) as one complex number each, exactly: sorted by x, then y."""
+    return np.asarray(points @ _COMPLEX)
+
+
 def on_grid(points: Floats) -> Floats:
     """Points (n, 2) rounded to the grid of the arrangement."""
     return np.asarray(np.rint(points / GRID) * GRID)
 
 
-def faces_of(lines: list[shapely.Geometry] | NDArray[np.object_]) -> NDArray[np.object_]:
-    """Faces (polygons, counter-clockwise) that `lines` enclose, all vertices on the grid."""
-    noded = shapely.union_all(lines, grid_size=GRID)
-    polygons = shapely.get_parts(shapely.polygonize([noded]))
-    return np.asarray(shapely.orient_polygons(polygons))
+def faces_of(arrangements: NDArray[np.object_] | list[shapely.MultiLineString]) -> tuple[NDArray[np.object_], Ints]:
+    """Faces (polygons, counter-clockwise) that the lines of each of `arrangements` (n,) enclose, and which it is (p,).
+
+    All vertices are on the grid. What one arrangement is cut into does not depend on the others.
+    """
+    noded = shapely.union_all(np.asarray(arrangements)[:, None], grid_size=GRID, axis=1)
+    polygons, owner = shapely.get_parts(shapely.polygonize(noded[:, None]), return_index=True)
+    return np.asarray(shapely.orient_polygons(polygons)), owner.astype(np.int64)
 
 
 def ring_vertices(polygons: NDArray[np.object_]) -> tuple[Floats, Ints, Ints]:
@@ -68,7 +79,7 @@ def vertex_ids(points: Floats) -> Ints:
 
 
 def connected(n: int, first: Ints, second: Ints) -> Ints:
-    """Component (n,), dense from 0, of n things that the links first[i] - second[i] join."""
+    """Component (n,) of n things that links first[i] - second[i] join, numbered in the order of their first ones."""
     graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
     return np.asarray(connected_components(graph.tocsr(), directed=False)[1], dtype=np.int64)
 
