@@ -208,4 +208,4 @@ def _leads_through(lattice: Lattice, elements: Elements, functions: Ints, patche
     tiles = tiles[np.all((tiles >= 0) & (tiles < elements.whole_of_tile.shape), axis=1)]
     whole = elements.whole_of_tile[tuple(tiles.T)]
     through = np.concatenate([cut, whole[whole >= 0]])
-    return bool(np.isin(functions[through], patches).any())
+    return bool((functions[through, :, None] == patches).any())

@@ -14,11 +14,15 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.cover.enrichment import entries
-from crackgrow.geometry.arrangement import as_numbers, faces_of, ring_vertices
+from crackgrow.geometry.arrangement import as_numbers, faces_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+
+
+_ROUND_TILE = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
+"""Corners of a tile, counter-clockwise, back to the first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,21 +59,22 @@ NOTHING = CutTiles(
 def content_of(touched: Bools, x: Floats, y: Floats, ends: Floats, points: Floats) -> Content:
     """The content of the `touched` tiles (tiles x, tiles y), from pieces `ends` (p, 2, 2) and ends of pieces (n, 2)."""
     middle = 0.5 * (ends[:, 0] + ends[:, 1])  # exact: all ends are on the grid
-    place, on_line = _places(middle, x, y)
-    inside = ~on_line.any(axis=1)
-    rim_place, on_line = _places(points, x, y)
-    on_rim = on_line[:, 0] != on_line[:, 1]
-    rim_place, across, rim = rim_place[on_rim], on_line[on_rim], points[on_rim]
-    places = np.concatenate([place[inside], rim_place, rim_place - across])
-    lines = np.concatenate([ends[inside], np.repeat(np.concatenate([rim, rim])[:, None], 2, axis=1)])
-    there = np.flatnonzero(np.all((places >= 0) & (places < touched.shape), axis=1))
-    there = there[touched[tuple(places[there].T)]]
-    tile = np.full(len(places), -1)
-    tile[there] = places[there, 0] * touched.shape[1] + places[there, 1]
-    order = there[np.argsort(tile[there], kind="stable")]
+    i, j, on_x, on_y = _places(np.concatenate([middle, points]), x, y)
+    n = len(middle)
+    inside = np.flatnonzero(~(on_x[:n] | on_y[:n]))
+    on_rim = n + np.flatnonzero(on_x[n:] != on_y[n:])
+    i = np.concatenate([i[inside], i[on_rim], (i - on_x)[on_rim]])
+    j = np.concatenate([j[inside], j[on_rim], (j - on_y)[on_rim]])
+    lines = np.empty((len(i), 2, 2))
+    lines[: len(inside)] = ends[inside]
+    lines[len(inside) :].reshape(2, -1, 2, 2)[:] = points[on_rim - n, None]
+    there = np.flatnonzero((i >= 0) & (j >= 0) & (i < len(x) - 1) & (j < len(y) - 1))
+    there = there[touched[i[there], j[there]]]
+    tile = i[there] * (len(y) - 1) + j[there]
+    order = np.argsort(tile, kind="stable")
     tiles = np.flatnonzero(touched)
     start = np.searchsorted(tile[order], np.append(tiles, touched.size))
-    return Content(tiles, start, lines[order])
+    return Content(tiles, start, lines[there[order]])
 
 
 def cut_tiles(
@@ -85,16 +90,21 @@ def cut_tiles(
     new = np.flatnonzero([known.get(tile) != key for tile, key in keys.items()])
     if len(new) == 0 and len(keys) == len(known):
         return before, np.empty((0, 2))
-    kept = np.isin(before.tile, np.delete(content.tile, new)) if len(before.tile) else np.empty(0, dtype=bool)
+    is_kept = np.zeros((len(x) - 1) * (len(y) - 1), dtype=bool)
+    is_kept[content.tile] = True
+    is_kept[content.tile[new]] = False
+    kept = is_kept[before.tile]
     arrangements, given = _arrangements(content, new, x, y)
     polygons, owner = faces_of(arrangements)
     reference = _inside_points(polygons)
     body = bodies_at(regions, reference)
     inside = body >= 0
     polygons, owner, reference, body = polygons[inside], new[owner[inside]], reference[inside], body[inside]
-    points = ring_vertices(polygons)[0]
-    on_line = _places(points, x, y)[1].any(axis=1)
-    extra = points[on_line][~np.isin(as_numbers(points[on_line]), as_numbers(given))]
+    points = shapely.get_coordinates(polygons)
+    _, _, on_x, on_y = _places(points, x, y)
+    points = points[on_x | on_y]
+    is_given = set(as_numbers(given).tolist())
+    extra = points[[point not in is_given for point in as_numbers(points).tolist()]]
     tile = np.concatenate([before.tile[kept], content.tile[owner]])
     order = np.argsort(tile, kind="stable")
     return CutTiles(
@@ -114,11 +124,11 @@ def bodies_at(regions: Sequence[shapely.Polygon], points: Floats) -> Ints:
     return body
 
 
-def _places(points: Floats, x: Floats, y: Floats) -> tuple[Ints, Bools]:
-    """Tiles (n, 2) of points (n, 2) on the grid, the upper right one of several, and if on a line in x and y (n, 2)."""
+def _places(points: Floats, x: Floats, y: Floats) -> tuple[Ints, Ints, Bools, Bools]:
+    """Tiles i, j (n,) of points (n, 2) on the grid, the upper right one of several, and if on a line in x, and in y."""
     i = np.searchsorted(x, points[:, 0], side="right") - 1
     j = np.searchsorted(y, points[:, 1], side="right") - 1
-    return np.stack([i, j], axis=1), np.stack([x[i] == points[:, 0], y[j] == points[:, 1]], axis=1)
+    return i, j, x[i] == points[:, 0], y[j] == points[:, 1]
 
 
 def _arrangements(content: Content, some: Ints, x: Floats, y: Floats) -> tuple[NDArray[np.object_], Floats]:
@@ -128,11 +138,12 @@ def _arrangements(content: Content, some: Ints, x: Floats, y: Floats) -> tuple[N
     lines = content.lines[row]
     is_point = np.all(lines[:, 0] == lines[:, 1], axis=1)
     i, j = np.divmod(content.tile[some], len(y) - 1)
-    low, high = np.stack([x[i], y[j]], axis=1), np.stack([x[i + 1], y[j + 1]], axis=1)
-    corners = [low, np.stack([high[:, 0], low[:, 1]], axis=1), high, np.stack([low[:, 0], high[:, 1]], axis=1), low]
     n = len(some)
+    corners = np.empty((5, n, 2))
+    corners[:, :, 0], corners[:, :, 1] = x[i + _ROUND_TILE[:, :1]], y[j + _ROUND_TILE[:, 1:]]
+    low, high = corners[0], corners[2]
     owner = np.concatenate([np.tile(np.arange(n), 5), which[is_point]])
-    points = np.concatenate([*corners, lines[is_point, 0]])
+    points = np.concatenate([corners.reshape(-1, 2), lines[is_point, 0]])
     along = np.concatenate([np.repeat(np.arange(5.0), n), _round_rim(points[5 * n :], low, high, owner[5 * n :])])
     order = np.lexsort((along, owner))
     points, owner, along = points[order], owner[order], along[order]

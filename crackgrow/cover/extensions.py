@@ -51,25 +51,23 @@ def _extension(lattice: Lattice, segment: Floats, least: float) -> Floats | None
     Where the lattice ends before, to its last tile line; None if there is none. It comes in pieces (n, 2, 2) that end
     on tile lines exactly, and on the corners of tiles that it only just misses, since a speck would be cut off there.
     """
-    start = segment[1]
-    direction = tip_direction(segment, at_end=True)
-    far = start + (least + 2.0) * direction
-    lines = tile_lines(lattice)
+    start, direction = segment[1].tolist(), tip_direction(segment, at_end=True).tolist()
     exits = []
-    for axis in range(2):
-        low, high = np.sort([start[axis], far[axis]])
-        for line in lines[axis][(lines[axis] > low) & (lines[axis] < high)]:
+    for axis, lines, others in zip((0, 1), tile_lines(lattice), tile_lines(lattice)[::-1], strict=True):
+        low, high = sorted((start[axis], start[axis] + (least + 2.0) * direction[axis]))
+        begin, end = lines.searchsorted(low, side="right"), lines.searchsorted(high, side="left")
+        for line in lines[begin:end].tolist():
             length = (line - start[axis]) / direction[axis]
-            end, other = start + length * direction, lines[1 - axis]
-            end[axis] = line
-            if length > ON_LINE and other[0] <= end[1 - axis] <= other[-1]:
-                near = other[np.abs(other - end[1 - axis]).argmin()]
-                end[1 - axis] = near if abs(near - end[1 - axis]) < TOUCH else end[1 - axis]
-                exits.append((length, end))
+            across = start[1 - axis] + length * direction[1 - axis]
+            if length > ON_LINE and others[0] <= across <= others[-1]:
+                place = others.searchsorted(across)
+                near = min(others[max(place - 1, 0) : place + 1].tolist(), key=lambda other: abs(other - across))
+                across = near if abs(near - across) < TOUCH else across
+                exits.append((length, (across, line) if axis else (line, across)))
     if not exits:
         return None
     exits.sort(key=lambda found: found[0])
     last = next((k for k, (length, _) in enumerate(exits) if length > least), len(exits) - 1)
     places = np.array([start, *(end for _, end in exits[: last + 1])])
-    places = places[np.append(True, np.any(np.diff(places, axis=0) != 0.0, axis=1))]
+    places = places[np.append(True, np.any(places[1:] != places[:-1], axis=1))]
     return np.stack([places[:-1], places[1:]], axis=1)

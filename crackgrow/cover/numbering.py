@@ -32,8 +32,11 @@ class Vertices:
     @property
     def points(self) -> Floats:
         """All vertices (i j + n, 2); corner (k, l) has the number k j + l."""
-        corners = np.stack(np.meshgrid(self.x, self.y, indexing="ij"), axis=-1).reshape(-1, 2)
-        return np.concatenate([corners, np.stack([self.others.real, self.others.imag], axis=1)])
+        n = len(self.x) * len(self.y)
+        points = np.empty((n + len(self.others), 2))
+        points[:n, 0], points[:n, 1] = np.repeat(self.x, len(self.y)), np.tile(self.y, len(self.x))
+        points[n:, 0], points[n:, 1] = self.others.real, self.others.imag
+        return points
 
     def at(self, points: Floats) -> Ints:
         """Numbers (n,) of the vertices at `points` (n, 2), -1 where there is none."""

@@ -5,6 +5,9 @@ A mathematical patch of whole tiles only is one physical patch. Ways are followe
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,10 +28,35 @@ Such patches a kink cuts off at their edge, where it peeks over a tile line, and
 compliance of contact lost its symmetry or was singular. Of 135 random kinks 2e-6 is the worst left."""
 
 
-def covered_tiles(lattice: Lattice) -> Bools:
-    """Whether the patch of a node covers a tile, along an axis: (parts of a cell, places of the node in the window)."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Windows:
+    """What the windows of all cells of a lattice have in common."""
+
+    offsets: Ints  # (window, 2) nodes, counted from that of the lattice's first cell that comes first
+    covers: Bools | None  # (parts, parts, window) which nodes cover each tile of a cell; None: all cover all
+    same_node: Ints  # (3, 3, window) place in the window of a cell of each node in that of one up to a cell further on
+    first_tile: int  # of a patch, along an axis, from that right above its node on
+    n_tiles: int  # of a patch, along an axis
+
+
+@lru_cache(maxsize=16)
+def _windows(lattice: Lattice) -> _Windows:
+    side, parts = 2 * lattice.reach, len(lattice.breaks) - 1
     middle = 0.5 * (lattice.breaks[1:] + lattice.breaks[:-1])
-    return np.asarray(np.abs(np.arange(1 - lattice.reach, lattice.reach + 1) - middle[:, None]) < lattice.support)
+    along = np.abs(np.arange(1 - lattice.reach, lattice.reach + 1) - middle[:, None]) < lattice.support
+    covers = (along[:, None, :, None] & along[None, :, None, :]).reshape(parts, parts, -1)
+    shift = np.arange(-1, 2)[:, None] + np.arange(side)
+    x, y = shift[:, None, :, None], shift[None, :, None, :]
+    inside = (x >= 0) & (x < side) & (y >= 0) & (y < side)
+    part, place = np.nonzero(along)
+    tile = part - (place + 1 - lattice.reach) * parts
+    return _Windows(
+        lattice.offsets + lattice.reach - 1,
+        None if covers.all() else covers,
+        np.where(inside, x * side + y, -1).reshape(3, 3, -1),
+        int(tile.min()),
+        int(np.ptp(tile)) + 1,
+    )
 
 
 def physical_patches(lattice: Lattice, elements: Elements) -> tuple[Ints, Ints]:
@@ -39,12 +67,11 @@ def physical_patches(lattice: Lattice, elements: Elements) -> tuple[Ints, Ints]:
     by their first elements.
     """
     cell, part = np.divmod(elements.tile, len(lattice.breaks) - 1)
-    along = covered_tiles(lattice)
-    patterns = (along[:, None, :, None] & along[None, :, None, :]).reshape(len(along), len(along), -1)
-    plain = _uncut_nodes(lattice, elements, along)
-    offset, rows = lattice.offsets + lattice.reach - 1, plain.shape[1]  # plain[0, 0] belongs to node 1 - reach
-    node = (cell[:, 0] * rows + cell[:, 1])[:, None] + (offset[:, 0] * rows + offset[:, 1])
-    covers = None if patterns.all() else patterns[part[:, 0], part[:, 1]]
+    windows = _windows(lattice)
+    plain = _uncut_nodes(lattice, elements)
+    rows = plain.shape[1]
+    node = (cell[:, 0] * rows + cell[:, 1])[:, None] + (windows.offsets[:, 0] * rows + windows.offsets[:, 1])
+    covers = None if windows.covers is None else windows.covers[part[:, 0], part[:, 1]]
     cut = ~plain.ravel()[node]
     if covers is not None:
         cut &= covers
@@ -80,20 +107,18 @@ def without_specks(lattice: Lattice, elements: Elements, patch: Ints, nodes: Int
     sure[patch[:skipped]] = True
     sure[-1] = True  # the last entry serves the index -1
     ring = slice(4 * skipped, None)
+    owner = np.concatenate([elements.ring_element[ring], np.arange(skipped, elements.n)])
+    points = np.concatenate([elements.vertices[elements.ring_start[ring]], elements.reference[skipped:]])
+    used = patch[owner]
+    which, slot = np.nonzero(~sure[used])
+    used = used[which, slot]
+    from_node = points[which] - nodes[used]
     low, high = np.full((2, 2, len(nodes)), np.inf)
     high, deepest = -high, np.zeros(len(nodes))
-    for owner, points in (
-        (elements.ring_element[ring], elements.vertices[elements.ring_start[ring]]),
-        (np.arange(skipped, elements.n), elements.reference[skipped:]),
-    ):
-        used = patch[owner]
-        which, slot = np.nonzero(~sure[used])
-        used = used[which, slot]
-        from_node = points[which] - nodes[used]
-        np.maximum.at(deepest, used, np.prod(np.maximum(1.0 - np.abs(from_node) / lattice.support, 0.0), axis=1) ** 3)
-        for axis in range(2):
-            np.minimum.at(low[axis], used, from_node[:, axis])
-            np.maximum.at(high[axis], used, from_node[:, axis])
+    np.maximum.at(deepest, used, np.prod(np.maximum(1.0 - np.abs(from_node) / lattice.support, 0.0), axis=1) ** 3)
+    for axis in range(2):
+        np.minimum.at(low[axis], used, from_node[:, axis])
+        np.maximum.at(high[axis], used, from_node[:, axis])
     kept = sure[:-1] | _is_kept(deepest, (high - low).max(axis=0, initial=0.0))
     if kept.all():
         return patch, nodes
@@ -106,7 +131,7 @@ def _is_kept(weight: Floats, size: Floats) -> Bools:
     return np.asarray((weight > SPECK) & ((weight * size > PEEK_WEIGHT) | (size > PEEK)))
 
 
-def _uncut_nodes(lattice: Lattice, elements: Elements, along: Bools) -> Bools:
+def _uncut_nodes(lattice: Lattice, elements: Elements) -> Bools:
     """Which nodes have patches of whole tiles only, `reach` - 1 rows round the lattice included: (nodes x, nodes y).
 
     Whole tiles beside each other belong to the same body: where bodies meet tiles are cut.
@@ -114,17 +139,14 @@ def _uncut_nodes(lattice: Lattice, elements: Elements, along: Bools) -> Bools:
     whole = elements.whole_of_tile >= 0
     count = np.zeros((whole.shape[0] + 1, whole.shape[1] + 1), dtype=np.int64)
     count[1:, 1:] = whole.cumsum(axis=0).cumsum(axis=1)
-    parts = len(along)
-    part, place = np.nonzero(along)
-    tile = part - (place + 1 - lattice.reach) * parts  # seen from the node
-    low, n = tile.min(), tile.max() + 1 - tile.min()
+    windows, parts = _windows(lattice), len(lattice.breaks) - 1
     ends = []
     for cells, tiles in zip(lattice.shape, whole.shape, strict=True):
-        start = np.arange(1 - lattice.reach, cells + lattice.reach) * parts + low
-        ends.append((np.clip(start, 0, tiles), np.clip(start + n, 0, tiles)))
+        start = np.arange(1 - lattice.reach, cells + lattice.reach) * parts + windows.first_tile
+        ends.append(np.minimum(np.maximum([start, start + windows.n_tiles], 0), tiles))
     (x0, x1), (y0, y1) = ends
-    inside = (count[x1] - count[x0])[:, y1] - (count[x1] - count[x0])[:, y0]
-    return np.asarray(inside == n * n)
+    along = count[x1] - count[x0]
+    return np.asarray(along[:, y1] - along[:, y0] == windows.n_tiles**2)
 
 
 def _pieces_in_patches(lattice: Lattice, elements: Elements, cell: Ints, cut: Bools, places: Ints) -> Ints:
@@ -137,17 +159,8 @@ def _pieces_in_patches(lattice: Lattice, elements: Elements, cell: Ints, cut: Bo
     first, second = left[chosen], right[chosen]
     shift = cell[first] - cell[second] + 1
     rows = first[:, None] * lattice.window + np.arange(lattice.window)
-    slot = _same_node(lattice)[shift[:, 0], shift[:, 1]]
+    slot = _windows(lattice).same_node[shift[:, 0], shift[:, 1]]
     columns = np.where(slot < 0, cut.size, second[:, None] * lattice.window + slot)
     rows, columns = number[rows], number[columns]
     joined = (rows >= 0) & (columns >= 0)
     return connected(len(places), rows[joined], columns[joined])
-
-
-def _same_node(lattice: Lattice) -> Ints:
-    """Place in the window of a cell of each node in that of a cell up to one further on, -1 if none: (3, 3, window)."""
-    side = 2 * lattice.reach
-    shift = np.arange(-1, 2)[:, None] + np.arange(side)
-    x, y = shift[:, None, :, None], shift[None, :, None, :]
-    inside = (x >= 0) & (x < side) & (y >= 0) & (y < side)
-    return np.where(inside, x * side + y, -1).reshape(3, 3, -1)

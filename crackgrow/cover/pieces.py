@@ -28,7 +28,7 @@ class Pieces:
     @property
     def ends(self) -> Floats:
         """Both ends (p, 2, 2)."""
-        return np.stack([self.points[self.first], self.points[self.first + 1]], axis=1)
+        return np.asarray(self.points[self.first[:, None] + np.arange(2)])
 
 
 def cut_in_pieces(segments: Floats, x: Floats, y: Floats) -> Pieces:

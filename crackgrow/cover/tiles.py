@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,10 +18,13 @@ Bools = NDArray[np.bool_]
 _TOUCHING = TOUCH * np.array([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)])
 
 
+@lru_cache(maxsize=16)
 def tile_lines(lattice: Lattice) -> tuple[Floats, Floats]:
     """Lattice coordinates of all tile lines in x and in y, on the grid of the arrangement."""
     inner = lattice.breaks[:-1]
     x, y = (on_grid(np.append((np.arange(n)[:, None] + inner).ravel(), float(n))) for n in lattice.shape)
+    for lines in (x, y):
+        lines.flags.writeable = False
     return x, y
 
 

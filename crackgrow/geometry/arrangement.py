@@ -11,8 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from crackgrow.geometry.tolerance import GRID
 
@@ -80,8 +78,16 @@ def vertex_ids(points: Floats) -> Ints:
 
 def connected(n: int, first: Ints, second: Ints) -> Ints:
     """Component (n,) of n things that links first[i] - second[i] join, numbered in the order of their first ones."""
-    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
-    return np.asarray(connected_components(graph.tocsr(), directed=False)[1], dtype=np.int64)
+    root = np.arange(n)  # of the tree that each thing hangs in, never above the thing itself
+    while len(first):
+        one, other = root[first], root[second]
+        apart = one != other
+        first, second = one[apart], other[apart]
+        np.minimum.at(root, np.maximum(first, second), np.minimum(first, second))
+        above = root[root]
+        while (above != root).any():
+            root, above = above, above[above]
+    return np.asarray((np.cumsum(root == np.arange(n)) - 1)[root])
 
 
 def edges_between(start: Ints, end: Ints, face: Ints) -> Edges:
