@@ -191,6 +191,21 @@ def test_two_points_that_know_nothing_of_each_other_have_nine_solutions() -> Non
     assert list(other_solutions(problem, found.traction))
 
 
+@pytest.mark.parametrize(("most", "times"), [(2, 1), (1, 0)])
+def test_lemke_is_not_asked_of_many_points(monkeypatch: pytest.MonkeyPatch, most: int, times: int) -> None:
+    asked = []
+
+    def counted(problem: ContactProblem) -> ContactSolution:
+        asked.append(problem.n_points)
+        return solve_by_lemke(problem)
+
+    monkeypatch.setattr("crackgrow.contact.uniqueness.solve_by_lemke", counted)
+    monkeypatch.setattr("crackgrow.contact.uniqueness.LEMKE_POINTS", most)
+    problem = random_problem(2, 0.3, 1)
+    list(other_solutions(problem, solve_by_newton(problem).traction))
+    assert len(asked) == times
+
+
 def test_points_that_share_a_load_in_any_way_are_no_second_solution() -> None:
     """Two points at one place: how they share the pressure is open, where the faces lie is not."""
     compliance = np.kron(np.diag([1.0, 1.0]), np.ones((2, 2)))
