@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, diags_array, vstack
+from scipy.sparse import csr_array, vstack
 
-from crackgrow.approximation.basis import value_matrix, values_at
-from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, PointSupport, Support
+from crackgrow.approximation.basis import values_at
+from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, EdgeSupport, PointSupport, Support
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import edges_of_region
@@ -41,32 +41,31 @@ def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support
 
     Raises GeometryError for a support outside of its body.
     """
-    rows: list[csr_array] = [csr_array((0, cover.n_dofs))]
-    given: list[Floats] = [np.empty(0)]
-    owner: list[Ints] = [np.empty(0, dtype=np.int64)]
-    components: list[Ints] = [np.empty(0, dtype=np.int64)]
-    for number, support in enumerate(supports):
-        if isinstance(support, ContactSupport):
-            continue
-        if isinstance(support, PointSupport):
-            average, points, elements = _at_point(cover, bodies, support)
-        else:
-            average, points, elements = _along_edge(cover, bodies, support.region)
-        values = csr_array(average @ value_matrix(values_at(cover, points, elements), cover.n_functions))
-        places = cover.lattice.to_metres(points)
+    prescribing = [(n, support) for n, support in enumerate(supports) if not isinstance(support, ContactSupport)]
+    if not prescribing:
+        none = np.empty(0, dtype=np.int64)
+        return Constraints(csr_array((0, cover.n_dofs)), np.empty(0), none, none, none)
+    averages = _averages(cover, bodies, [support for _, support in prescribing])
+    values = _averaged_values(cover, averages)
+    first = np.cumsum([0, *(average.shape[0] for average, _, _ in averages)])
+    rows, given, owner, components = [], [], [], []
+    for (number, support), start, (average, points, _) in zip(prescribing, first[:-1], averages, strict=True):
         for component, displacement in enumerate(support.displacement):
             if displacement is not None:
-                rows.append(component_matrix(values, component))
-                given.append(prescribed(displacement, average, places))
-                owner.append(np.full(len(given[-1]), number))
-                components.append(np.full(len(given[-1]), component))
-    owners = np.concatenate(owner)
+                n = average.shape[0]
+                rows.append(np.arange(start, start + n))
+                given.append(prescribed(displacement, average, cover.lattice.to_metres(points)))
+                owner.append(np.full(n, number))
+                components.append(np.full(n, component))
+    axes = np.concatenate(components)
+    matrix = csr_array(values[np.concatenate(rows)])
+    columns = 2 * matrix.indices + np.repeat(axes, np.diff(matrix.indptr))
     return Constraints(
-        csr_array(vstack(rows, format="csr")),
+        csr_array((matrix.data, columns, matrix.indptr), shape=(len(axes), cover.n_dofs)),
         np.concatenate(given),
-        owners,
-        np.concatenate(components),
-        np.full(len(owners), -1),
+        np.concatenate(owner),
+        axes,
+        np.full(len(axes), -1),
     )
 
 
@@ -89,24 +88,35 @@ def prescribed(displacement: Component, average: csr_array, points: Floats) -> F
     return np.full(average.shape[0], displacement)
 
 
-def component_matrix(values: csr_array, component: int) -> csr_array:
-    """The matrix (m, n_functions) of a scalar field as one (m, 2 n_functions) of a displacement component."""
-    return csr_array(
-        (values.data, 2 * values.indices + component, values.indptr), shape=(values.shape[0], 2 * values.shape[1])
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgePoints:
+    """Gauss points along a region of an edge."""
+
+    points: Floats  # (n, 2) lattice coordinates
+    lengths: Floats  # (n,) m
+    elements: Ints  # (n,)
+    s: Floats  # (n,) m, arc length from the part's start
+
+
+def edge_points(cover: Cover, bodies: Sequence[Body], regions: Sequence[EdgeRegion]) -> list[EdgePoints]:
+    """The points of each of the regions."""
+    if not regions:
+        return []
+    edges = []
+    for region in regions:
+        body = body_index(bodies, region.body)
+        sides = cover.bodies[body].sides
+        edges.append(edges_of_region(cover.elements.outlines, body, sides, region.sides, region.limits))
+    ends, elements, s = (
+        np.concatenate(arrays) for arrays in zip(*((e.points, e.plus, e.s) for e in edges), strict=True)
     )
-
-
-def edge_points(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> tuple[Floats, Floats, Ints, Floats]:
-    """Gauss points along a region of an edge.
-
-    Points (n, 2) in lattice coordinates, their lengths (n,) m, elements (n,), arc length (n,) m from the part's start.
-    """
-    body = body_index(bodies, region.body)
-    sides = cover.bodies[body].sides
-    edges = edges_of_region(cover.elements.outlines, body, sides, region.sides, region.limits)
-    edge, points, length = points_on_outlines(cover, edges.points, edges.plus, edges.edge)
-    s = edges.s[edge, 0] + np.hypot(*(points - edges.points[edge, 0]).T)
-    return points, length * cover.lattice.spacing, edges.plus[edge], s * cover.lattice.spacing
+    edge, points, lengths = points_on_outlines(cover, ends, elements, np.concatenate([e.edge for e in edges]))
+    s = s[edge, 0] + np.hypot(*(points - ends[edge, 0]).T)
+    spacing, owner = cover.lattice.spacing, np.repeat(np.arange(len(edges)), [len(e.edge) for e in edges])[edge]
+    return [
+        EdgePoints(points[mine], lengths[mine] * spacing, elements[edge[mine]], s[mine] * spacing)
+        for mine in (np.flatnonzero(owner == number) for number in range(len(edges)))
+    ]
 
 
 def body_index(bodies: Sequence[Body], name: str) -> int:
@@ -114,10 +124,37 @@ def body_index(bodies: Sequence[Body], name: str) -> int:
     return next(index for index, body in enumerate(bodies) if body.name == name)
 
 
-_Averages = tuple[csr_array, Floats, Ints]  # averages (rows, n) of values at points (n, 2) in elements (n,)
+_Average = tuple[csr_array, Floats, Ints]  # averages (rows, n) of values at points (n, 2) in elements (n,)
 
 
-def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _Averages:
+def _averages(cover: Cover, bodies: Sequence[Body], supports: Sequence[PointSupport | EdgeSupport]) -> list[_Average]:
+    """What each of the supports holds."""
+    regions = [support.region for support in supports if not isinstance(support, PointSupport)]
+    along_edges = (_along_edge(points, cover.lattice.spacing) for points in edge_points(cover, bodies, regions))
+    return [
+        _at_point(cover, bodies, support) if isinstance(support, PointSupport) else next(along_edges)
+        for support in supports
+    ]
+
+
+def _averaged_values(cover: Cover, averages: Sequence[_Average]) -> csr_array:
+    """The averages (rows, n_functions) of the values of all functions."""
+    points, elements = (np.concatenate(arrays) for arrays in zip(*((p, e) for _, p, e in averages), strict=True))
+    basis = values_at(cover, points, elements)
+    shapes = np.array([average.shape for average, _, _ in averages])
+    entries = [average.tocoo() for average, _, _ in averages]
+    start = np.cumsum(shapes, axis=0) - shapes
+    row, point = (
+        np.concatenate([entry.coords[axis] + first for entry, first in zip(entries, start[:, axis], strict=True)])
+        for axis in range(2)
+    )
+    ids, shares = basis.ids[point], np.concatenate([entry.data for entry in entries])[:, None] * basis.values[point]
+    used = ids >= 0
+    place = (np.broadcast_to(row[:, None], ids.shape)[used], ids[used])
+    return csr_array((shares[used], place), shape=(int(shapes[:, 0].sum()), cover.n_functions))
+
+
+def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _Average:
     at = cover.lattice.to_lattice(support.point[None])
     element = locate(cover.lattice, cover.elements, at, body_index(bodies, support.body))
     if element[0] < 0:
@@ -126,10 +163,13 @@ def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _A
     return csr_array(np.ones((1, 1))), at, element
 
 
-def _along_edge(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> _Averages:
+def _along_edge(edge: EdgePoints, spacing: float) -> _Average:
     """Averages weighted with hat functions whose nodes are about one spacing apart."""
-    points, length, elements, s = edge_points(cover, bodies, region)
-    n_pieces = max(1, int(length.sum() / cover.lattice.spacing))
-    position = (s - s.min()) / (s.max() - s.min()) * n_pieces
-    hats = np.maximum(0.0, 1.0 - np.abs(position[None] - np.arange(n_pieces + 1)[:, None])) * length
-    return csr_array(diags_array(1.0 / hats.sum(axis=1)) @ csr_array(hats)), points, elements
+    n_pieces = max(1, int(edge.lengths.sum() / spacing))
+    position = (edge.s - edge.s.min()) / (edge.s.max() - edge.s.min()) * n_pieces
+    left = np.minimum(position.astype(np.int64), n_pieces - 1)
+    share = position - left
+    rows, points = np.concatenate([left, left + 1]), np.tile(np.arange(len(left)), 2)
+    weights = np.concatenate([(1.0 - share) * edge.lengths, share * edge.lengths])
+    weights /= np.bincount(rows, weights, minlength=n_pieces + 1)[rows]
+    return csr_array((weights, (rows, points)), shape=(n_pieces + 1, len(left))), edge.points, edge.elements
