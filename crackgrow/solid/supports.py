@@ -47,16 +47,15 @@ def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support
         return Constraints(csr_array((0, cover.n_dofs)), np.empty(0), none, none, none)
     averages = _averages(cover, bodies, [support for _, support in prescribing])
     values = _averaged_values(cover, averages)
-    first = np.cumsum([0, *(average.shape[0] for average, _, _ in averages)])
+    first = np.cumsum([0, *(average.n for average in averages)])
     rows, given, owner, components = [], [], [], []
-    for (number, support), start, (average, points, _) in zip(prescribing, first[:-1], averages, strict=True):
+    for (number, support), start, average in zip(prescribing, first[:-1], averages, strict=True):
         for component, displacement in enumerate(support.displacement):
             if displacement is not None:
-                n = average.shape[0]
-                rows.append(np.arange(start, start + n))
-                given.append(prescribed(displacement, average, cover.lattice.to_metres(points)))
-                owner.append(np.full(n, number))
-                components.append(np.full(n, component))
+                rows.append(np.arange(start, start + average.n))
+                given.append(_prescribed(displacement, average, cover.lattice.to_metres(average.points)))
+                owner.append(np.full(average.n, number))
+                components.append(np.full(average.n, component))
     axes = np.concatenate(components)
     matrix = csr_array(values[np.concatenate(rows)])
     columns = 2 * matrix.indices + np.repeat(axes, np.diff(matrix.indptr))
@@ -79,13 +78,6 @@ def tied(constraints: Constraints, rows: csr_array, surface: Ints) -> Constraint
         np.concatenate([constraints.component, none]),
         np.concatenate([constraints.surface, surface]),
     )
-
-
-def prescribed(displacement: Component, average: csr_array, points: Floats) -> Floats:
-    """Averages (m,) m of a prescribed displacement, from its values at points (n, 2) m by `average` (m, n)."""
-    if callable(displacement):
-        return np.asarray(average @ displacement(points))
-    return np.full(average.shape[0], displacement)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,10 +116,27 @@ def body_index(bodies: Sequence[Body], name: str) -> int:
     return next(index for index, body in enumerate(bodies) if body.name == name)
 
 
-_Average = tuple[csr_array, Floats, Ints]  # averages (rows, n) of values at points (n, 2) in elements (n,)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Averages:
+    """Averages of values at points: n sums of terms, each a share of the value at a point."""
+
+    n: int
+    row: Ints  # (terms,) the average that a term belongs to
+    point: Ints  # (terms,)
+    share: Floats  # (terms,)
+    points: Floats  # (p, 2) lattice coordinates
+    elements: Ints  # (p,)
 
 
-def _averages(cover: Cover, bodies: Sequence[Body], supports: Sequence[PointSupport | EdgeSupport]) -> list[_Average]:
+def _prescribed(displacement: Component, average: _Averages, places: Floats) -> Floats:
+    """Averages (n,) m of a prescribed displacement, whose points lie at `places` (p, 2) m."""
+    if callable(displacement):
+        terms = average.share * displacement(places)[average.point]
+        return np.asarray(np.bincount(average.row, terms, minlength=average.n), dtype=np.float64)
+    return np.full(average.n, displacement)
+
+
+def _averages(cover: Cover, bodies: Sequence[Body], supports: Sequence[PointSupport | EdgeSupport]) -> list[_Averages]:
     """What each of the supports holds."""
     regions = [support.region for support in supports if not isinstance(support, PointSupport)]
     along_edges = (_along_edge(points, cover.lattice.spacing) for points in edge_points(cover, bodies, regions))
@@ -137,33 +146,35 @@ def _averages(cover: Cover, bodies: Sequence[Body], supports: Sequence[PointSupp
     ]
 
 
-def _averaged_values(cover: Cover, averages: Sequence[_Average]) -> csr_array:
+def _averaged_values(cover: Cover, averages: Sequence[_Averages]) -> csr_array:
     """The averages (rows, n_functions) of the values of all functions."""
-    points, elements = (np.concatenate(arrays) for arrays in zip(*((p, e) for _, p, e in averages), strict=True))
-    basis = values_at(cover, points, elements)
-    shapes = np.array([average.shape for average, _, _ in averages])
-    entries = [average.tocoo() for average, _, _ in averages]
-    start = np.cumsum(shapes, axis=0) - shapes
-    row, point = (
-        np.concatenate([entry.coords[axis] + first for entry, first in zip(entries, start[:, axis], strict=True)])
-        for axis in range(2)
+    basis = values_at(
+        cover, np.concatenate([a.points for a in averages]), np.concatenate([a.elements for a in averages])
     )
-    ids, shares = basis.ids[point], np.concatenate([entry.data for entry in entries])[:, None] * basis.values[point]
+    sizes = np.array([(a.n, len(a.points)) for a in averages])
+    start = np.cumsum(sizes, axis=0) - sizes
+    row, point = (
+        np.concatenate([part + first for part, first in zip(parts, firsts, strict=True)])
+        for parts, firsts in zip(([a.row for a in averages], [a.point for a in averages]), start.T, strict=True)
+    )
+    ids = basis.ids[point]
     used = ids >= 0
+    shares = (np.concatenate([a.share for a in averages])[:, None] * basis.values[point])[used]
     place = (np.broadcast_to(row[:, None], ids.shape)[used], ids[used])
-    return csr_array((shares[used], place), shape=(int(shapes[:, 0].sum()), cover.n_functions))
+    return csr_array((shares, place), shape=(int(sizes[:, 0].sum()), cover.n_functions))
 
 
-def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _Average:
+def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _Averages:
     at = cover.lattice.to_lattice(support.point[None])
     element = locate(cover.lattice, cover.elements, at, body_index(bodies, support.body))
     if element[0] < 0:
         x, y = support.point
         raise GeometryError(f"the support at ({x:g}, {y:g}) m lies outside of body '{support.body}'")
-    return csr_array(np.ones((1, 1))), at, element
+    first = np.zeros(1, dtype=np.int64)
+    return _Averages(1, first, first, np.ones(1), at, element)
 
 
-def _along_edge(edge: EdgePoints, spacing: float) -> _Average:
+def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
     """Averages weighted with hat functions whose nodes are about one spacing apart."""
     n_pieces = max(1, int(edge.lengths.sum() / spacing))
     position = (edge.s - edge.s.min()) / (edge.s.max() - edge.s.min()) * n_pieces
@@ -172,4 +183,4 @@ def _along_edge(edge: EdgePoints, spacing: float) -> _Average:
     rows, points = np.concatenate([left, left + 1]), np.tile(np.arange(len(left)), 2)
     weights = np.concatenate([(1.0 - share) * edge.lengths, share * edge.lengths])
     weights /= np.bincount(rows, weights, minlength=n_pieces + 1)[rows]
-    return csr_array((weights, (rows, points)), shape=(n_pieces + 1, len(left))), edge.points, edge.elements
+    return _Averages(n_pieces + 1, rows, points, weights, edge.points, edge.elements)
