@@ -192,6 +192,8 @@ def _faces(scene: Scene, cover: Cover) -> ContactFaces:
 def _bonds(scene: Scene, cover: Cover) -> tuple[csr_array, Ints]:
     """Gap and slip (k, n_dofs) of bonded interfaces, averaged at mortar nodes, and the surface (k,) of each."""
     bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
+    if not bonded:
+        return csr_array((0, cover.n_dofs)), np.empty(0, dtype=np.int64)
     faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing)
     return csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2)
 
