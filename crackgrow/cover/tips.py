@@ -50,7 +50,7 @@ def reach_of_tips(support: float) -> float:
 def n_outward(points_from_tip: Floats) -> int:
     """Number of segments of a crack (n, 2), from its tip on, along which the distance from the tip grows."""
     local = points_from_tip - points_from_tip[0]
-    outward = np.sum(local[:-1] * np.diff(local, axis=0), axis=1) >= 0.0
+    outward = np.sum(local[:-1] * (local[1:] - local[:-1]), axis=1) >= 0.0
     return len(outward) if outward.all() else int(np.argmin(outward))
 
 

@@ -129,10 +129,11 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     seconds: dict[str, float] = {}
     with timed(seconds, "cover"):
         cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
-        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
+        known = None if before is None else before.cover
+        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, known)
     with timed(seconds, "assembly"):
-        known = None if before is None else before.stiffness
-        stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, known)
+        stiff_before = None if before is None else before.stiffness
+        stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, stiff_before)
         matrix = stiffness.matrix
         check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
         faces = _faces(scene, cover)
