@@ -11,7 +11,7 @@ from pathlib import Path
 
 from crackgrow import __version__
 from crackgrow.case.model import Case
-from crackgrow.run.result import Event, RunEnd, StepResult
+from crackgrow.run.result import Event, RunEnd, StepResult, event_record
 
 CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
 
@@ -69,7 +69,7 @@ def summarize(case: Case, tally: Tally, end: RunEnd, wall_seconds: float) -> dic
             check: {"value": value if math.isfinite(value) else None, "step": step}
             for check, (value, step) in tally.worst.items()
         },
-        "events": [_event(event) for event in (*tally.events, *end.events)],
+        "events": [event_record(event) for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
     }
 
@@ -98,19 +98,6 @@ def git_state(root: Path) -> tuple[str | None, bool | None]:
     except (OSError, subprocess.SubprocessError):
         return None, None
     return answer.removesuffix("-dirty"), answer.endswith("-dirty")
-
-
-def _event(event: Event) -> dict[str, object]:
-    x, y = (float(coordinate) for coordinate in event.point)
-    return {
-        "step": int(event.step),
-        "kind": event.kind,
-        "crack": event.crack,
-        "tip": event.tip,
-        "x": x,
-        "y": y,
-        "met": event.met,
-    }
 
 
 def _badness(value: float) -> float:
