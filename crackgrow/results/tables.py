@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from zlib import crc32
 
-from crackgrow.results.atomic import write_text
+from crackgrow.results.atomic import write_bytes
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, StepResult
 
 Value = str | bool | int | float
@@ -23,11 +24,16 @@ STEPS = ("step", "n_dofs", "n_contact", "contact_iterations", "factorizations", 
          "released_energy", "energy_error", "load_displacement", "crack_length")  # fmt: skip
 
 
+Mark = tuple[int, int]
+"""How far a table goes: number of bytes, and their CRC-32."""
+
+
 class Table:
     """Rows in memory, the file on disk rewritten as a whole: it is complete after every `write`."""
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
         self.path = path
+        self.mark: Mark = (0, 0)  # of the file as it was written last
         self._lines = [",".join(columns)]
 
     def extend(self, rows: Iterable[Sequence[Value]]) -> None:
@@ -40,7 +46,20 @@ class Table:
 
     def write(self) -> None:
         """Bring the file up to date; raises OutputError."""
-        write_text(self.path, "\n".join(self._lines) + "\n")
+        data = ("\n".join(self._lines) + "\n").encode()
+        write_bytes(self.path, data)
+        self.mark = (len(data), crc32(data))
+
+    def cut(self, mark: Sequence[int]) -> None:
+        """Take over what the file has up to a mark that fits, and drop the rest; raises OutputError."""
+        self._lines = self.path.read_bytes()[: mark[0]].decode().removesuffix("\n").split("\n")
+        self.write()
+
+
+def fits(path: Path, mark: Sequence[int]) -> bool:
+    """Whether a file begins as a table did that had this mark."""
+    data = path.read_bytes()[: mark[0]] if path.is_file() else b""
+    return (len(data), crc32(data)) == tuple(mark)
 
 
 def format_value(value: Value) -> str:
