@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,13 +24,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.lib.npyio import NpzFile
+from numpy.typing import NDArray
 
 from crackgrow import __version__
 from crackgrow.results.atomic import OutputError, write_atomically
 from crackgrow.run.result import Checkpoint
 
 FORMAT = 1
-KEPT = 2  # the newest ones: the last but one is kept until the next is whole, and longer
+FLUSHED_EVERY = 1.0  # s: so often a checkpoint is flushed to the disk, which can take longer than a small step
 NAME = re.compile(r"step_(\d{4,})\.npz")
 HALF_WRITTEN = re.compile(r"\.step_\d{4,}\.tmp\.npz")
 
@@ -50,31 +53,48 @@ class StoredCheckpoint:
     results: Mapping[str, Any]  # how far the result files went
 
 
-def write_checkpoint(folder: Path, stored: StoredCheckpoint) -> None:
-    """Write the checkpoint to the run's folder, onto the disk itself; then remove all but the newest ones before it.
+class CheckpointWriter:
+    """Writes the checkpoints of one run, and removes old ones.
 
-    Raises OutputError.
+    A killed program leaves each of them whole; a loss of power too leaves those that were flushed to the disk.
     """
-    checkpoint = stored.checkpoint
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._flushed = -1  # the step of the last one that was
+        self._when = -FLUSHED_EVERY  # s
+
+    def write(self, stored: StoredCheckpoint) -> None:
+        """Write a checkpoint; then remove all but this one, the one before and the last that was flushed.
+
+        Raises OutputError.
+        """
+        step, now = stored.checkpoint.step, time.monotonic()
+        flush = now - self._when >= FLUSHED_EVERY
+        arrays: dict[str, Any] = {"header": _header(stored), **stored.checkpoint.arrays}
+
+        def write(temporary: Path) -> None:
+            with temporary.open("wb") as file:
+                np.savez(file, **arrays)
+
+        write_atomically(_folder(self._folder) / f"step_{step:04d}.npz", write, durable=flush)
+        if flush:
+            self._flushed, self._when = step, now
+        before = [older for older in steps_with_checkpoint(self._folder) if older < step][:1]
+        remove_checkpoints(self._folder, {step, *before, self._flushed})
+
+
+def _header(stored: StoredCheckpoint) -> NDArray[np.uint8]:
+    """All that is no array, as JSON."""
     header = {
         "format": FORMAT,
         "program": {"version": stored.version, "commit": stored.commit},
         "case": {"name": stored.case_name, "settings": stored.settings},
-        "step": checkpoint.step,
-        "run": dict(checkpoint.values),
+        "step": stored.checkpoint.step,
+        "run": dict(stored.checkpoint.values),
         "results": dict(stored.results),
     }
-    text = np.frombuffer(json.dumps(header, ensure_ascii=False).encode(), dtype=np.uint8)
-    arrays: dict[str, Any] = {"header": text, **checkpoint.arrays}
-    path = _folder(folder) / f"step_{checkpoint.step:04d}.npz"
-
-    def write(temporary: Path) -> None:
-        with temporary.open("wb") as file:
-            np.savez(file, **arrays)
-
-    write_atomically(path, write, durable=True)
-    older = [step for step in steps_with_checkpoint(folder) if step < checkpoint.step]
-    remove_checkpoints(folder, {checkpoint.step, *older[: KEPT - 1]})
+    return np.frombuffer(json.dumps(header, ensure_ascii=False).encode(), dtype=np.uint8)
 
 
 def steps_with_checkpoint(folder: Path) -> list[int]:
@@ -87,7 +107,7 @@ def read_checkpoint(folder: Path, step: int) -> StoredCheckpoint:
     """The checkpoint of a step. Raises DamagedError, and OutputError where the system refuses."""
     path = _folder(folder) / f"step_{step:04d}.npz"
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        with path.open("rb") as file, NpzFile(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
         header = json.loads(arrays.pop("header").tobytes())
         if header["format"] != FORMAT:

@@ -13,7 +13,7 @@ from crackgrow.case import dump_case
 from crackgrow.case.model import Case
 from crackgrow.results import tables
 from crackgrow.results.atomic import write_text
-from crackgrow.results.checkpoint_file import StoredCheckpoint, write_checkpoint
+from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.leftovers import (
     cracks_name,
     frame_name,
@@ -49,6 +49,7 @@ class RunWriter:
         self.case = case
         self.folder = folder
         self._log = RunLog(folder / "run.log")
+        self._checkpoints = CheckpointWriter(folder)
         self._tally = Tally()
         self._tips = tables.Table(folder / "tips.csv", tables.TIPS)
         self._contact = tables.Table(folder / "contact.csv", tables.CONTACT)
@@ -163,9 +164,7 @@ class RunWriter:
             "resumed": self._resumed,
         }
         case = self.case.name, self._settings
-        write_checkpoint(
-            self.folder, StoredCheckpoint(result.checkpoint, __version__, program_commit(), *case, results)
-        )
+        self._checkpoints.write(StoredCheckpoint(result.checkpoint, __version__, program_commit(), *case, results))
 
     def _cut_series(self, name: str, files: Sequence[tuple[int, str]]) -> list[tuple[int, str]]:
         """The files of a series up to where the run goes on; what lists them lists no others."""
