@@ -46,8 +46,8 @@ def overview(case: Case) -> str:
         *_support_lines(case),
         f"loads: {_loads(case)}, {_loading(case)}",
         _growth_line(case, scale, unit),
-        f"lattice: spacing {case.numerics.spacing * scale:g} {unit}, support {case.numerics.support:g} spacings, "
-        f"about {nodes} nodes, {2 * nodes} dofs before cracks",
+        f"lattice: spacing {case.numerics.spacing * scale:g} {unit}{_rule(case)}, "
+        f"support {case.numerics.support:g} spacings, about {nodes} nodes, {2 * nodes} dofs before cracks",
         f"contact: {contact.discretization}, {stiffness}, solver {contact.solver}",
     ]
     return "\n".join(lines)
@@ -193,6 +193,12 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
         return f"growth: none, {growth.criterion} is judged, {radius}"
     steps = f"{_count(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
     return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}, {radius}{memory}"
+
+
+def _rule(case: Case) -> str:
+    """Say what gave an automatic spacing."""
+    rule = case.numerics.auto_rule
+    return f" (auto, {case.numerics.accuracy}: {rule})" if rule else ""
 
 
 def _length_unit(case: Case) -> tuple[float, str]:

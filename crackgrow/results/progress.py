@@ -41,8 +41,8 @@ class Progress:
         self._warnings.update(dict.fromkeys(result.warnings))
         if self._width is None:
             self._say(step_line(result, self._n_steps), "\n")
-        advances = f"{self._n_advances} tip advances, " if self._n_steps is not None else ""
-        self._show_live(result.step, f"{advances}{result.contact_iterations} contact iterations, ")
+        advances = f", {self._n_advances} tip advances" if self._n_steps is not None else ""
+        self._show_live(result.step, f"{advances}, {result.contact_iterations} contact iterations")
         self.tell(result.events)
 
     def tell(self, events: Sequence[Event]) -> None:
@@ -68,16 +68,17 @@ class Progress:
             return
         filled = round(BAR_WIDTH * max(step, 0) / self._last_step) if self._last_step else BAR_WIDTH * (step + 1)
         label = step_label(max(step, 0), self._last_step)
-        bar = f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] {label}, {what}{self._clock(self._last_step - step)}"
-        self._say(f"\r{bar[: self._width]}{CLEAR}", "")
-
-    def _clock(self, n_left: int) -> str:
-        """The time that has passed, and about how much is left for a number of steps at most."""
         passed = f"{self._times[-1] - self._times[0]:.1f} s"
+        text = f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] {label}{self._left(step)}{what}, {passed}"
+        self._say(f"\r{text[: self._width]}{CLEAR}", "")
+
+    def _left(self, step: int) -> str:
+        """About how long the steps after one take, if nothing ends the run before."""
         recent = self._times[-RECENT - 1 :]
+        n_left = self._last_step - step
         if len(recent) < 2 or n_left == 0:
-            return passed
-        return f"{passed}, {duration(n_left * (recent[-1] - recent[0]) / (len(recent) - 1))} left"
+            return ""
+        return f", {duration(n_left * (recent[-1] - recent[0]) / (len(recent) - 1))} left"
 
 
 def duration(seconds: float) -> str:

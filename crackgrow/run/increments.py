@@ -264,7 +264,7 @@ def _strain_energy(configuration: Configuration, outcome: ContactOutcome) -> tup
     product = configuration.matrix @ outcome.u
     weights, law = configuration.contact.weights, configuration.contact.law
     tractions = outcome.normal_traction**2 + outcome.tangential_traction**2
-    terms = configuration.contact.system.size @ np.abs(outcome.u)
+    terms = configuration.matrix.sizes(outcome.u)
     good_to = ROUND_OFF * 0.5 * float(np.abs(outcome.u) @ terms)
     return 0.5 * float(outcome.u @ product) + 0.5 * float(weights @ (law.compliance * tractions)), good_to
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array, csr_array
 
+from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.condensed import solved
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import (
@@ -17,7 +18,6 @@ from crackgrow.contact.coulomb import (
     ContactProblem,
     ContactSolution,
     complementarity_residual,
-    solve_active,
 )
 from crackgrow.contact.law import ContactLaw, ContactMemory
 from crackgrow.contact.newton import solve_by_newton

@@ -9,18 +9,37 @@ from scipy.sparse import block_diag, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import spsolve
 
 from crackgrow.solid import multifrontal as module
-from crackgrow.solid.dissection import LEAF, dissect, places_of_unknowns
+from crackgrow.solid.dissection import Places, dissect, places_of_unknowns
+from crackgrow.solid.fronts import LEAF, fronts_of
 from crackgrow.solid.linear_solver import ConstrainedSystem, Factorization
+from crackgrow.solid.matrix import symmetric
 from crackgrow.solid.multifrontal import Multifrontal, NotQuasiDefiniteError
 
 Floats = NDArray[np.float64]
 
 
-def lattice(n: int, seed: int, reach: int = 2) -> tuple[csc_array, Floats]:
-    """A random positive definite matrix of two unknowns per node of an n x n lattice, and their places."""
+REACH = 2
+
+
+def places_at(nodes: Floats) -> Places:
+    """Places on a lattice that is just large enough."""
+    return Places(nodes, tuple((nodes.max(axis=0) + 1).tolist()), REACH)
+
+
+def free(matrix: csc_array) -> csr_array:
+    """No constraints."""
+    return csr_array((0, matrix.shape[0]))
+
+
+def factorized(matrix: csc_array, nodes: Floats) -> Factorization:
+    return Factorization(symmetric(matrix), fronts_of(places_at(nodes), free(matrix))[0])
+
+
+def lattice(n: int, seed: int, reach: int = REACH) -> tuple[csc_array, Floats]:
+    """A random positive definite matrix of two unknowns per node of an n x n lattice, and their nodes."""
     rng = np.random.default_rng(seed)
     nodes = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), axis=2).reshape(-1, 2)
-    places = np.repeat(nodes, 2, axis=0).astype(float)
+    places = np.repeat(nodes, 2, axis=0)
     near = np.abs(places[:, None] - places).max(axis=2) <= reach
     dense = np.where(np.triu(near, 1), rng.uniform(-1.0, 1.0, near.shape), 0.0)
     dense += dense.T
@@ -33,7 +52,7 @@ def lattice(n: int, seed: int, reach: int = 2) -> tuple[csc_array, Floats]:
 def test_solutions_are_those_of_scipy(n: int) -> None:
     matrix, places = lattice(n, n)
     right = np.random.default_rng(1).normal(size=(len(places), 7))
-    factorization = Factorization(matrix, places)
+    factorization = factorized(matrix, places)
     assert factorization.note == ""
     expected = np.column_stack([spsolve(matrix, column) for column in right.T])
     np.testing.assert_allclose(factorization.solve(right), expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max())
@@ -41,23 +60,24 @@ def test_solutions_are_those_of_scipy(n: int) -> None:
 
 
 def test_one_unknown() -> None:
-    factorization = Factorization(csc_array([[4.0]]), np.zeros((1, 2)))
+    factorization = factorized(csc_array([[4.0]]), np.zeros((1, 2), dtype=np.int64))
     assert factorization.note == ""
     np.testing.assert_allclose(factorization.solve(np.array([2.0])), [0.5], rtol=1e-15)
 
 
 def test_entries_given_in_parts_are_summed() -> None:
     twice = csc_array((np.full(4, 2.0), [0, 0, 1, 1], [0, 2, 4]), shape=(2, 2))
-    np.testing.assert_allclose(Factorization(twice, np.zeros((2, 2))).solve(np.ones(2)), 0.25, rtol=1e-15)
+    np.testing.assert_allclose(factorized(twice, np.zeros((2, 2), dtype=np.int64)).solve(np.ones(2)), 0.25, rtol=1e-15)
 
 
 def test_unknowns_at_one_place_are_not_split() -> None:
     n = 2 * LEAF
     a = np.random.default_rng(2).normal(size=(n, n))
     matrix = csc_array(a @ a.T + np.eye(n))
-    assert dissect(matrix, np.zeros((n, 2))).n == 1
+    nodes = np.zeros((n, 2), dtype=np.int64)
+    assert fronts_of(places_at(nodes), free(matrix))[0].n == 1
     x = np.random.default_rng(3).normal(size=n)
-    np.testing.assert_allclose(Factorization(matrix, np.zeros((n, 2))).solve(matrix @ x), x, rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(factorized(matrix, nodes).solve(matrix @ x), x, rtol=1e-6, atol=1e-8)
 
 
 def test_solution_does_not_depend_on_the_numbering() -> None:
@@ -65,41 +85,40 @@ def test_solution_does_not_depend_on_the_numbering() -> None:
     x = np.random.default_rng(5).normal(size=len(places))
     right = matrix @ x
     order = np.random.default_rng(6).permutation(len(places))
-    shuffled = Factorization(csc_array(matrix[order][:, order]), places[order]).solve(right[order])
-    straight = Factorization(matrix, places).solve(right)
+    shuffled = factorized(csc_array(matrix[order][:, order]), places[order]).solve(right[order])
+    straight = factorized(matrix, places).solve(right)
     np.testing.assert_allclose(shuffled, straight[order], rtol=1e-9, atol=1e-12)
 
 
-def test_places_only_change_the_order() -> None:
-    """Also places that have nothing to do with the couplings, where separators are large."""
-    matrix, places = lattice(14, 7)
-    x = np.random.default_rng(8).normal(size=len(places))
-    for wrong in (np.random.default_rng(9).uniform(size=places.shape), places[:, :1] * [1.0, 0.0]):
-        np.testing.assert_allclose(Factorization(matrix, wrong).solve(matrix @ x), x, rtol=1e-8)
+def test_places_that_the_couplings_reach_beyond_are_refused() -> None:
+    matrix, places = lattice(30, 7)
+    wrong = np.random.default_rng(9).permutation(places)
+    with pytest.raises(ValueError, match="further apart than couplings reach"):
+        factorized(matrix, wrong)
 
 
 def test_results_are_the_same_twice() -> None:
     matrix, places = lattice(16, 10)
     right = np.random.default_rng(11).normal(size=(len(places), 3))
-    first = Factorization(matrix, places).solve(right)
-    np.testing.assert_array_equal(Factorization(matrix, places).solve(right), first)
+    first = factorized(matrix, places).solve(right)
+    np.testing.assert_array_equal(factorized(matrix, places).solve(right), first)
 
 
 def test_separate_pieces() -> None:
     """Two lattices in one another, not coupled, and a third one far away."""
     places = lattice(12, 12)[1]
     matrix = csc_array(block_diag([lattice(12, seed)[0] for seed in (12, 13, 14)], format="csc"))
-    everywhere = np.concatenate([places, places, places + 1000.0])
+    everywhere = np.concatenate([places, places, places + 40])
     x = np.random.default_rng(15).normal(size=len(everywhere))
-    factorization = Factorization(matrix, everywhere)
+    factorization = factorized(matrix, everywhere)
     assert factorization.note == ""
     np.testing.assert_allclose(factorization.solve(matrix @ x), x, rtol=1e-8)
 
 
 def test_fronts_cover_all_couplings() -> None:
     """Every unknown is eliminated once; a column's later entries lie in its front or in the boundary of that."""
-    matrix, places = lattice(24, 16)
-    fronts = dissect(matrix, places)
+    matrix, places = lattice(42, 16)
+    fronts = fronts_of(places_at(places), free(matrix))[0]
     assert fronts.n > 10
     np.testing.assert_array_equal(np.sort(fronts.order), np.arange(len(places)))
     position = np.argsort(fronts.order)
@@ -117,10 +136,29 @@ def test_fronts_cover_all_couplings() -> None:
             assert np.isin(boundary, inside).all()
 
 
+@pytest.mark.parametrize(("shape", "reach"), [((1, 1), 2), ((7, 40), 3), ((50, 33), 2), ((3, 5), 6), ((60, 61), 3)])
+def test_nodes_of_a_dissection_are_coupled_to_later_ones_alone_beyond_their_boxes(
+    shape: tuple[int, int], reach: int
+) -> None:
+    """A box's ranks follow each other; all nodes within reach outside of it have higher ranks, those of its ring."""
+    tree = dissect(shape, reach)
+    np.testing.assert_array_equal(np.sort(tree.rank.ravel()), np.arange(tree.rank.size))
+    x, y = np.indices(shape)
+    for number, box in enumerate(tree.boxes):
+        inside = (tree.rank >= box.begin) & (tree.rank < box.end)
+        if not inside.any():
+            continue
+        low_x, high_x, low_y, high_y = x[inside].min(), x[inside].max(), y[inside].min(), y[inside].max()
+        near = (x >= low_x - reach) & (x <= high_x + reach) & (y >= low_y - reach) & (y <= high_y + reach)
+        outside = tree.rank[near & ~inside]
+        assert (outside >= box.end).all()
+        np.testing.assert_array_equal(tree.ring(number), np.sort(outside))
+
+
 def test_separators_of_a_lattice_are_as_wide_as_the_couplings_reach() -> None:
     """40 x 40 nodes with two unknowns that reach 2 nodes far: two columns of nodes separate, 160 unknowns."""
     matrix, places = lattice(40, 17)
-    fronts = dissect(matrix, places)
+    fronts = fronts_of(places_at(places), free(matrix))[0]
     assert fronts.starts[-1] - fronts.starts[-2] == 160
     entries = sum(p * (p + len(b)) for p, b in zip(np.diff(fronts.starts).tolist(), fronts.boundary, strict=True))
     assert entries < 0.15 * len(places) ** 2
@@ -137,7 +175,7 @@ def constrained(n: int, seed: int) -> tuple[ConstrainedSystem, csc_array, csr_ar
         row[rng.integers(len(places), size=10)] = rng.uniform(0.0, 0.1, 10)
     rows[9:] = rows[[0, 5, 5]]
     constraints = csr_array(rows)
-    return ConstrainedSystem(matrix, constraints, places), matrix, constraints
+    return ConstrainedSystem(matrix, constraints, places_at(places)), matrix, constraints
 
 
 @pytest.mark.parametrize("k", [1, 3, 30])
@@ -173,7 +211,7 @@ def test_singular_stiffness_is_held_by_constraints() -> None:
     net.setdiag(-net.sum(axis=1))
     held = csr_array(([1.0], ([0], [0])), shape=(1, len(places)))
     loads = np.random.default_rng(24).normal(size=len(places))
-    system = ConstrainedSystem(net, held, places)
+    system = ConstrainedSystem(net, held, places_at(places))
     u, m = system.solve(loads, np.array([3.0]))
     assert system.note == ""
     assert u[0] == pytest.approx(3.0, rel=1e-13)
@@ -190,7 +228,7 @@ def test_nearly_singular_matrix_leaves_a_small_residual(small: float) -> None:
     none = csr_array((0, len(places)))
     x = np.random.default_rng(26).normal(size=len(places))
     loads = net @ x
-    u, _ = ConstrainedSystem(net, none, places).solve(loads)
+    u, _ = ConstrainedSystem(net, none, places_at(places)).solve(loads)
     np.testing.assert_allclose(net @ u, loads, atol=1e-12 * (abs(net) @ np.abs(u)).max())
 
 
@@ -198,9 +236,9 @@ def test_indefinite_matrix_is_left_to_lu() -> None:
     matrix, places = lattice(12, 27)
     matrix = csc_array(matrix - diags_array(np.where(np.arange(len(places)) == 77, 1.5 * matrix.diagonal(), 0.0)))
     with pytest.raises(NotQuasiDefiniteError):
-        Multifrontal(matrix, places)
+        Multifrontal(symmetric(matrix), fronts_of(places_at(places), free(matrix))[0])
     x = np.random.default_rng(28).normal(size=len(places))
-    factorization = Factorization(matrix, places)
+    factorization = factorized(matrix, places)
     assert "wrong sign" in factorization.note
     np.testing.assert_allclose(factorization.solve(matrix @ x), x, rtol=1e-8)
 
@@ -211,20 +249,21 @@ def test_refinement_takes_away_an_error_of_the_factorization(monkeypatch: pytest
     exact = module.Multifrontal.solve
     monkeypatch.setattr(module.Multifrontal, "solve", lambda self, right: exact(self, right) * (1.0 + 1e-5))
     x = np.random.default_rng(30).normal(size=(len(places), 300))
-    u, _ = ConstrainedSystem(matrix, csr_array((0, len(places))), places).solve(matrix @ x)
+    u, _ = ConstrainedSystem(matrix, csr_array((0, len(places))), places_at(places)).solve(matrix @ x)
     np.testing.assert_allclose(u, x, rtol=1e-8)
 
 
 def test_body_with_tips_is_solved_by_fronts(build) -> None:
     sample = build.field_of_cracks(3)
     places = places_of_unknowns(sample.cover)
-    assert len(places) == sample.cover.n_dofs
+    assert len(places.nodes) == sample.cover.n_dofs
     matrix = sample.stiffness()
-    held = csr_array((np.ones(6), (np.arange(6), [0, 1, 20, 21, 40, 41])), shape=(6, len(places)))
+    held = csr_array((np.ones(6), (np.arange(6), [0, 1, 20, 21, 40, 41])), shape=(6, len(places.nodes)))
     system = ConstrainedSystem(matrix, held, places)
     assert system.note == ""
-    loads = matrix @ np.random.default_rng(31).normal(size=len(places))
+    loads = matrix @ np.random.default_rng(31).normal(size=len(places.nodes))
     u, m = system.solve(loads)
     np.testing.assert_allclose(matrix @ u + held.T @ m - loads, 0.0, atol=1e-12 * (abs(matrix) @ np.abs(u)).max())
-    together = np.isin(matrix[:, :2].indices, np.flatnonzero(np.abs(places - places[0]).max(axis=1) <= 4.0))
+    near = np.abs(places.nodes - places.nodes[0]).max(axis=1) <= places.reach
+    together = np.isin(matrix[:, :2].indices, np.flatnonzero(near))
     assert together.all()  # coupled unknowns are near each other: places are where they are said to be

@@ -1,0 +1,135 @@
+"""`crackgrow run` and `crackgrow check`."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import shlex
+import shutil
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import crackgrow
+from crackgrow.cli.case_file import load_case_file
+from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say
+from crackgrow.errors import CrackgrowError
+from crackgrow.results.atomic import OutputError
+from crackgrow.results.progress import Progress
+
+if TYPE_CHECKING:
+    from crackgrow.case.model import Case
+    from crackgrow.results.writer import RunWriter
+    from crackgrow.run.result import RunEnd, StepResult
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run, and can be gone on from."""
+    case = load_case_file(arguments)
+    folder = arguments.out or Path("outputs") / case.name
+    found = crackgrow.find_resumption(case, folder) if arguments.resume else None
+    if found is not None and found.finished is not None:
+        if not arguments.quiet:
+            say(f"{found.finished}\nnothing is left to do, results in {folder}")
+        return EXIT_DONE
+    steps = crackgrow.grow(case, None if found is None else found.checkpoint)  # starts with its first step
+    writer = crackgrow.RunWriter(case, folder)
+    for remark in () if found is None else found.remarks:
+        complain(f"warning: {remark}")
+    with _uninterrupted():
+        writer.begin() if found is None else writer.resume(found)
+    progress = _progress(case, arguments, 0 if found is None else found.checkpoint.step)
+    try:
+        end = _write_steps(steps, writer, progress)
+    except OutputError as error:
+        with contextlib.suppress(OutputError), _uninterrupted():  # a small file may still fit
+            writer.fail(str(error))
+        raise OutputError(f"{error}; then go on with: {_resuming(arguments, folder)}") from error
+    except KeyboardInterrupt:
+        _break_off(writer.interrupt, "interrupted")
+        complain(f"crackgrow: interrupted; go on with: {_resuming(arguments, folder)}")
+        return EXIT_INTERRUPTED
+    except CrackgrowError as error:
+        _break_off(writer.fail, str(error))
+        raise
+    except Exception as error:
+        _break_off(writer.fail, f"internal error: {type(error).__name__}: {error}")
+        raise
+    finally:
+        progress.close()
+    if end.status == "failed":
+        complain(f"crackgrow: {end.reason}")
+        return EXIT_UNSOLVED
+    if not arguments.quiet:
+        say(f"{end.status}: {end.reason}\nresults in {folder}")
+    return EXIT_DONE
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """`crackgrow check`: validate a case and say what it models."""
+    say(crackgrow.overview(load_case_file(arguments)))
+    return EXIT_DONE
+
+
+def _progress(case: Case, arguments: argparse.Namespace, first: int) -> Progress:
+    """What tells of a run that begins with step `first`."""
+    if arguments.quiet:
+        return Progress(case, lambda text, end: None, width=None, first=first)
+    live = sys.stdout is not None and sys.stdout.isatty()
+    return Progress(case, say, width=shutil.get_terminal_size().columns - 1 if live else None, first=first)
+
+
+def _write_steps(steps: Iterator[StepResult], writer: RunWriter, progress: Progress) -> RunEnd:
+    """Write each step as it comes, then the end, and return it."""
+    while True:
+        try:
+            result = next(steps)
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            break
+        with _uninterrupted():
+            writer.add(result)
+        progress.show(result)
+    progress.tell(end.events)
+    with _uninterrupted():
+        writer.finish(end)
+    return end
+
+
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits until the block is done: what is written of a step is all of it."""
+    ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else somebody else sees to it
+    if not ours or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pressed: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if pressed:
+        raise KeyboardInterrupt
+
+
+def _break_off(end: Callable[[str], None], reason: str) -> None:
+    """End a run and keep what was solved; a disk that refuses now doesn't hide the first error."""
+    try:
+        with _uninterrupted():
+            end(reason)
+    except CrackgrowError as error:
+        complain(f"crackgrow: {error}")
+
+
+def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
+    """The command that goes on with a run."""
+    script = Path(sys.argv[0]).name == "crackgrow"
+    program = [sys.argv[0]] if script else [sys.executable, "-m", "crackgrow"]
+    settings = [word for setting in arguments.overrides for word in ("--set", setting)]
+    quiet = ["--quiet"] if arguments.quiet else []
+    command = [*program, "run", str(arguments.case), "--out", str(folder), *settings, *quiet, "--resume"]
+    return shlex.join(command)
