@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from zlib import crc32
 
-from crackgrow.results.atomic import write_bytes
+from crackgrow.results.atomic import append_text, write_text
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, StepResult
 
 Value = str | bool | int | float
@@ -29,12 +29,13 @@ Mark = tuple[int, int]
 
 
 class Table:
-    """Rows in memory, the file on disk rewritten as a whole: it is complete after every `write`."""
+    """Rows in memory and on disk: the file is complete after every `write`, which appends what is new."""
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
         self.path = path
         self.mark: Mark = (0, 0)  # of the file as it was written last
         self._lines = [",".join(columns)]
+        self._n_written = 0  # lines on disk as they are here
 
     def extend(self, rows: Iterable[Sequence[Value]]) -> None:
         """Append rows, values in the order of the columns."""
@@ -43,16 +44,24 @@ class Table:
     def replace_last(self, row: Sequence[Value]) -> None:
         """Replace the last row."""
         self._lines[-1] = ",".join(format_value(value) for value in row)
+        self._n_written = 0
 
     def write(self) -> None:
         """Bring the file up to date; raises OutputError."""
-        data = ("\n".join(self._lines) + "\n").encode()
-        write_bytes(self.path, data)
-        self.mark = (len(data), crc32(data))
+        new = "".join(f"{line}\n" for line in self._lines[self._n_written :])
+        if self._n_written and append_text(self.path, new):
+            before = self.mark
+        else:
+            before, new = (0, 0), "\n".join(self._lines) + "\n"
+            write_text(self.path, new)
+        self._n_written = len(self._lines)
+        data = new.encode()
+        self.mark = (before[0] + len(data), crc32(data, before[1]))
 
     def cut(self, mark: Sequence[int]) -> None:
         """Take over what the file has up to a mark that fits, and drop the rest; raises OutputError."""
         self._lines = self.path.read_bytes()[: mark[0]].decode().removesuffix("\n").split("\n")
+        self._n_written = 0
         self.write()
 
 

@@ -151,8 +151,8 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),
         ):
-            values[mine] = between_contact_points(old.cover, old.faces, index, s, found)
-        nearest = nearest_contact_point(old.cover, old.faces, index, s)
+            (values[mine],) = between_contact_points(old.faces, index, s, found)
+        nearest = nearest_contact_point(old.faces, index, s)
         broken[mine] = np.append(outcome.memory.broken, False)[nearest]
         closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic

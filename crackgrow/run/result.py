@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -97,6 +97,21 @@ class Frame:
     body: Ints  # (t + q,) index of the body
 
 
+class FrameOnDemand:
+    """A frame that is made when it is first asked for, and kept: of most steps nobody wants one."""
+
+    def __init__(self, make: Callable[[], Frame]) -> None:
+        self._make: Callable[[], Frame] | None = make
+        self._frame: Frame | None = None
+
+    def __call__(self) -> Frame:
+        """Return the frame."""
+        if self._frame is None:
+            assert self._make is not None
+            self._frame, self._make = self._make(), None  # lets go of what it was made of
+        return self._frame
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Event:
     """A tip has met something in its advance: it ends there."""
@@ -156,7 +171,7 @@ class StepResult:
     contact: ContactPoints
     faces: tuple[CrackFaces, ...]  # cracks, then interfaces, then foundations
     reactions: tuple[Reaction, ...]
-    frame: Frame | None
+    mesh: Callable[[], Frame] | None  # makes the frame; None where nothing can want one
     n_dofs: int
     n_contact: int  # contact unknowns that the solver saw
     contact_iterations: int
@@ -173,6 +188,11 @@ class StepResult:
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     warnings: tuple[str, ...]
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
+
+    @property
+    def frame(self) -> Frame | None:
+        """The specimen as a mesh."""
+        return None if self.mesh is None else self.mesh()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
