@@ -104,6 +104,11 @@ class Configuration:
             )
         return outcome, residual
 
+    def solve_loads(self) -> None:
+        """Solve for the loads without contact before anything else is: what comes later then finds the same bits."""
+        if self.springs is None:
+            self._without_contact(1.0, 1.0)
+
     def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
         """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
         system, given = self.contact.system, self.held.given
