@@ -18,7 +18,10 @@ from scipy.linalg.lapack import dgetrf, dgetrs
 from crackgrow.contact.coulomb import ActiveSet, Bools, ContactProblem, Floats, Ints
 
 FEW_ROWS: Final = 100
-"""Up to so many unknown rows a factorization costs less than what goes with corrections."""
+"""Up to so many unknown rows a factorization costs less than what goes with corrections ..."""
+
+FEW_OF_ALL: Final = 1 / 3
+"""... and so it does up to this part of all rows, which corrections multiply by."""
 
 MOST_CHANGED: Final = 0.2
 """Part of the unknown rows: where more change the equations are factorized anew."""
@@ -119,7 +122,7 @@ class ActiveSolver:
         if not np.isfinite(p[rows]).all():
             factors, p[rows] = None, np.linalg.lstsq(equations.matrix(A, rows), right_of_K)[0]
         equations.slide(p, right)
-        keep = factors if len(rows) > FEW_ROWS else None
+        keep = factors if len(rows) > max(FEW_ROWS, FEW_OF_ALL * len(A)) else None
         self._factors, self._factorized, self._rows, self._responses = keep, equations, rows, {}
         return p
 

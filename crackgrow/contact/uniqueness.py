@@ -40,6 +40,7 @@ Floats = NDArray[np.float64]
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions
 INVERSE_ITERATIONS: Final = 10  # for an estimate of an eigenvalue
 NEARLY: Final = 0.8  # of that estimate: what the eigenvalue is proven to exceed
+LEMKE_POINTS: Final = 300  # of more, Lemke's method would cost several times what everything else of a step does
 ITERATIONS: Final = 40  # of Newton's method from a start that is but one of several
 
 
@@ -121,12 +122,14 @@ def other_solutions(problem: ContactProblem, known: Floats) -> Iterator[Floats]:
 
 
 def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
-    """Newton's method from all points stuck and all slipping one way or the other, and Lemke's."""
+    """Newton's method from all points stuck and all slipping one way or the other, and Lemke's where they are few."""
     n = problem.n_points
     for slip in (0, 1, -1):
         closed = ActiveSet(np.ones(n, dtype=bool), np.full(n, slip, dtype=np.int64))
         yield solve_by_newton(problem, solve_active(problem, closed), ITERATIONS)
     yield solve_by_newton(problem)
+    if n > LEMKE_POINTS:
+        return
     try:
         yield solve_by_lemke(problem)
     except SolveError:  # the compliance has no inverse: Newton's attempts are all there are

@@ -253,6 +253,30 @@ def tilting(build) -> Block:
     return make(build, supports, {}, 0.0)
 
 
+def test_open_faces_cost_no_solve_and_smooth_ones_one_a_pressed_point(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Right-hand sides that the rock is solved for: the load, and those of the tractions that are unknown."""
+    solved: list[int] = []
+    solve = ConstrainedSystem.solve
+
+    def counted(self, loads, given=None):
+        solved.append(1 if loads.ndim == 1 else loads.shape[1])
+        return solve(self, loads, given)
+
+    monkeypatch.setattr(ConstrainedSystem, "solve", counted)
+    for block, friction, per_point in (
+        (pressed(build, -0.02), 0.4, 0),
+        (pressed(build, 0.02), 0.0, 1),
+        (pressed(build, 0.02), 0.4, 2),
+        (tilting(build), 0.0, 1),
+        (tilting(build), 0.4, 2),
+    ):
+        solved.clear()
+        outcome = block.solve(friction)
+        assert sum(solved) == 1 + outcome.n_unknowns == 1 + per_point * len(outcome.rows)
+        assert set(np.flatnonzero(outcome.state != OPEN)) <= set(outcome.rows)
+        assert outcome.iterations <= 2
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 @pytest.mark.parametrize("solver", ["newton", "lemke"])
 def test_points_that_stay_open_are_left_out(build, solver: str, friction: float) -> None:
