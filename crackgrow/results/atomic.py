@@ -1,7 +1,9 @@
-"""Files that a reader never sees half written: a temporary name in the same folder, then a rename."""
+"""Files that are never left half written: a temporary name beside them, then a rename; or one write at the end."""
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,10 +21,11 @@ def temporary_path(path: Path) -> Path:
     return path.with_name(f".{path.stem}.tmp{path.suffix}")
 
 
-def write_atomically(path: Path, write: Callable[[Path], None]) -> None:
+def write_atomically(path: Path, write: Callable[[Path], None], *, durable: bool = False) -> None:
     """Let `write` fill a temporary file and rename it to `path`; makes the folder where it is missing.
 
-    If `write` raises, `path` stays as it was and the temporary file is removed.
+    If `write` raises, `path` stays as it was and the temporary file is removed. A `durable` file is on the disk itself
+    when this returns: it outlives a loss of power.
     Raises OutputError where the system refuses; what else `write` raises passes through.
     """
     temporary = temporary_path(path)
@@ -30,19 +33,59 @@ def write_atomically(path: Path, write: Callable[[Path], None]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             write(temporary)
+            if durable:
+                _flush(temporary)
             temporary.replace(path)
+            if durable:
+                _flush(path.parent)  # its new name
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
     except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}; free or choose another folder") from error
+        raise _refused(path, error) from error
+
+
+def _flush(path: Path) -> None:
+    """Have the system bring a file or folder to the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def write_text(path: Path, text: str) -> None:
     """Write `text` (UTF-8, line ends as given) to `path` atomically; raises OutputError."""
 
     def write(temporary: Path) -> None:
-        with temporary.open("w", encoding="utf-8", newline="") as file:
-            file.write(text)
+        temporary.write_bytes(text.encode())
 
     write_atomically(path, write)
+
+
+def append_text(path: Path, text: str) -> bool:
+    """Append `text` (UTF-8) to a file in one write, all of it or nothing; return whether there is such a file.
+
+    A table that grows is not written anew at every step. Raises OutputError where the system refuses.
+    """
+    data = text.encode()
+    try:
+        file = os.open(path, os.O_WRONLY | os.O_APPEND)
+    except FileNotFoundError:
+        return False
+    except OSError as error:
+        raise _refused(path, error) from error
+    try:
+        size = os.fstat(file).st_size
+        if os.write(file, data) < len(data):
+            os.ftruncate(file, size)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    except OSError as error:
+        raise _refused(path, error) from error
+    finally:
+        os.close(file)
+    return True
+
+
+def _refused(path: Path, error: OSError) -> OutputError:
+    return OutputError(f"cannot write {path}: {error.strerror or error}; make room there or choose another folder")

@@ -7,7 +7,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crackgrow.results.atomic import write_text
+from crackgrow.results.atomic import append_text, write_text
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.run.result import Event, StepResult
@@ -25,10 +25,21 @@ class RunLog:
         """Write the first line, with date and time; raises OutputError."""
         self.write(f"{text}, {datetime.now().astimezone().isoformat(timespec='seconds')}")
 
+    def go_on(self, text: str, seconds: float) -> None:
+        """Write a line below those of a run that was broken off `seconds` after it began; raises OutputError."""
+        if self.path.is_file():
+            lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines()
+            self._lines = [f"{line}\n" for line in lines]  # the last one may have been cut off
+            write_text(self.path, "".join(self._lines))
+        self._began -= seconds
+        self.begin(text)
+
     def write(self, text: str) -> None:
         """Append a line; raises OutputError."""
-        self._lines.append(f"{self.seconds:10.2f} s  {text}\n")
-        write_text(self.path, "".join(self._lines))
+        line = f"{self.seconds:10.2f} s  {text}\n"
+        self._lines.append(line)
+        if len(self._lines) == 1 or not append_text(self.path, line):
+            write_text(self.path, "".join(self._lines))
 
     @property
     def seconds(self) -> float:

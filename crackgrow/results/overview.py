@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from crackgrow.case.accuracy import STANDARD
 from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import (
     Body,
@@ -196,9 +197,11 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
 
 
 def _rule(case: Case) -> str:
-    """Say what gave an automatic spacing."""
-    rule = case.numerics.auto_rule
-    return f" (auto, {case.numerics.accuracy}: {rule})" if rule else ""
+    """Say what gave an automatic spacing, or that a preset which asks for another one does not."""
+    rule, accuracy = case.numerics.auto_rule, case.numerics.accuracy
+    if rule is not None:
+        return f" (auto, {accuracy}: {rule})"
+    return "" if accuracy == STANDARD else f" (given, not that of {accuracy})"
 
 
 def _length_unit(case: Case) -> tuple[float, str]:

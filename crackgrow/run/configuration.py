@@ -114,6 +114,11 @@ class Configuration:
         strain, strain_terms = 0.5 * float(outcome.u @ internal), 0.5 * float(np.abs(outcome.u) @ terms)
         return Equilibrium(outcome, residual, strain, strain_terms)
 
+    def solve_loads(self) -> None:
+        """Solve for the loads without contact before anything else is: what comes later then finds the same bits."""
+        if self.springs is None:
+            self._without_contact(1.0, 1.0)
+
     def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
         """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
         system, given = self.contact.system, self.held.given
@@ -139,15 +144,16 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     seconds: dict[str, float] = {}
     with timed(seconds, "cover"):
         cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
-        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
+        known = None if before is None else before.cover
+        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, known)
     with timed(seconds, "assembly"):
-        known = None if before is None else before.stiffness
-        stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, known)
+        stiff_before = None if before is None else before.stiffness
+        stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, stiff_before)
         matrix = stiffness.matrix
         check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
         faces = _faces(scene, cover)
         operators = contact_operators(cover, faces)
-        held = tied(constraints(cover, case.bodies, case.supports), *_bonds(scene, cover))
+        held = _tied_by_bonds(scene, cover, constraints(cover, case.bodies, case.supports))
         check_magnitude("prescribed displacements", held.given, LARGEST, "m")
         bodies = [g.crack.body for g in growing]
         scaled, constant = (
@@ -199,11 +205,13 @@ def _faces(scene: Scene, cover: Cover) -> ContactFaces:
     return mortar_faces(cover, touching, settings.spacing)
 
 
-def _bonds(scene: Scene, cover: Cover) -> tuple[csr_array, Ints]:
-    """Gap and slip (k, n_dofs) of bonded interfaces, averaged at mortar nodes, and the surface (k,) of each."""
+def _tied_by_bonds(scene: Scene, cover: Cover, held: Constraints) -> Constraints:
+    """The constraints with those of bonded interfaces: no gap and no slip, averaged at mortar nodes."""
     bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
+    if not bonded:
+        return held
     faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing)
-    return csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2)
+    return tied(held, csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2))
 
 
 def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> list[str]:

@@ -101,6 +101,19 @@ class Start:
     rate: tuple[Floats, Floats] | None = None  # as of a `LoadState`
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Origin:
+    """What a step goes on from besides its cracks: with both it can be solved again, to the same bits."""
+
+    guess: float = 1.0  # load factor that a search for the critical one tries first
+    start: Start | None = None  # None: the case's loads come one after the other, from the unloaded state on
+    batches: tuple[tuple[Ints, Ints], ...] = ()  # `_Columns.batches` of a configuration that others were loaded on
+
+
+FROM_REST = Origin()
+"""The first step."""
+
+
 def unloaded(configuration: Configuration) -> Start:
     """Nothing has happened yet."""
     n = configuration.faces.n
@@ -138,8 +151,8 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),
         ):
-            values[mine] = between_contact_points(old.cover, old.faces, index, s, found)
-        nearest = nearest_contact_point(old.cover, old.faces, index, s)
+            (values[mine],) = between_contact_points(old.faces, index, s, found)
+        nearest = nearest_contact_point(old.faces, index, s)
         broken[mine] = np.append(outcome.memory.broken, False)[nearest]
         closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic

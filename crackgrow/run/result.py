@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,6 +97,21 @@ class Frame:
     body: Ints  # (t + q,) index of the body
 
 
+class FrameOnDemand:
+    """A frame that is made when it is first asked for, and kept: of most steps nobody wants one."""
+
+    def __init__(self, make: Callable[[], Frame]) -> None:
+        self._make: Callable[[], Frame] | None = make
+        self._frame: Frame | None = None
+
+    def __call__(self) -> Frame:
+        """Return the frame."""
+        if self._frame is None:
+            assert self._make is not None
+            self._frame, self._make = self._make(), None  # lets go of what it was made of
+        return self._frame
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Event:
     """A tip has met something in its advance: it ends there."""
@@ -106,6 +122,30 @@ class Event:
     tip: Literal["start", "end"]
     point: Floats  # (2,) m
     met: str  # "crack 'b'", "its own path", "hole0 of body 'rock'", "the outline of body 'rock'", "interface 'a/b'"
+
+
+def event_record(event: Event) -> dict[str, Any]:
+    """The event in numbers and words."""
+    x, y = (float(coordinate) for coordinate in event.point)
+    return {
+        "step": int(event.step), "kind": event.kind, "crack": event.crack, "tip": event.tip, "x": x, "y": y,
+        "met": event.met,
+    }  # fmt: skip
+
+
+def event_of(record: Mapping[str, Any]) -> Event:
+    """The event of an `event_record`."""
+    point = np.array([record["x"], record["y"]])
+    return Event(record["step"], record["kind"], record["crack"], record["tip"], point, record["met"])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checkpoint:
+    """All that the run can go on from: its step, to be solved again, in plain data. See `run.checkpoint`."""
+
+    step: int
+    values: Mapping[str, Any]  # whatever JSON can hold
+    arrays: Mapping[str, NDArray[Any]]  # of numbers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,7 +171,7 @@ class StepResult:
     contact: ContactPoints
     faces: tuple[CrackFaces, ...]  # cracks, then interfaces, then foundations
     reactions: tuple[Reaction, ...]
-    frame: Frame | None
+    mesh: Callable[[], Frame] | None  # makes the frame; None where nothing can want one
     n_dofs: int
     n_contact: int  # contact unknowns that the solver saw
     contact_iterations: int
@@ -147,13 +187,19 @@ class StepResult:
     effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     warnings: tuple[str, ...]
+    checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
+
+    @property
+    def frame(self) -> Frame | None:
+        """The specimen as a mesh."""
+        return None if self.mesh is None else self.mesh()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunEnd:
-    """Why a run ended."""
+    """Why a run ended, or that it has not."""
 
-    status: Literal["completed", "arrested", "broke_through", "failed"]
+    status: Literal["completed", "arrested", "broke_through", "failed", "interrupted", "running"]
     reason: str
     cracks: tuple[CrackPath, ...]  # the final paths, the last advance included
     events: tuple[Event, ...] = ()  # of an advance that was not solved any more

@@ -19,7 +19,7 @@ from crackgrow.fracture.interaction_integral import FaceTraction, StressIntensit
 from crackgrow.fracture.stress_intensity import from_face_displacements
 from crackgrow.fracture.tip_stress import TipField, tip_fields
 from crackgrow.run.configuration import Configuration, assemble, timed
-from crackgrow.run.increments import LoadState, increment, unloaded
+from crackgrow.run.increments import FROM_REST, LoadState, Origin, increment, unloaded
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.linear_solver import displacement_size
@@ -55,6 +55,7 @@ class StepSolution:
     seconds: dict[str, float]
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
+    origin: Origin = FROM_REST
 
     @property
     def cover(self) -> Cover:
@@ -172,8 +173,8 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
         if pointwise:
             normal, tangential = elastic_tractions(cover, faces, crack, s, law, outcome)
         else:
-            normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)
-            tangential = between_contact_points(cover, faces, crack, s, outcome.tangential_traction)
+            known = (outcome.normal_traction, outcome.tangential_traction)
+            normal, tangential = between_contact_points(faces, crack, s, *known)
         return normal - pressure, tangential
 
     return traction

@@ -6,7 +6,7 @@ The key is a hash of all that in the front's own numbering: fronts with the same
 from __future__ import annotations
 
 from dataclasses import dataclass
-from hashlib import blake2b
+from hashlib import sha256
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,11 +67,11 @@ class Contents:
             if not len(mine):
                 continue
             dofs = (self.local(front, mine)[:, :, None] + np.arange(2)).reshape(len(mine), -1)
-            row, column = dofs[:, :, None], dofs[:, None, :]
+            first, second = np.tril_indices(dofs.shape[1])
+            row, column = np.maximum(dofs[:, first], dofs[:, second]), np.minimum(dofs[:, first], dofs[:, second])
             at = np.where(column < p, row * p + column, (p + b) * p + (row - p) * b + column - p)
-            lower = row >= column
-            terms = np.broadcast_to(part.alike.matrix, lower.shape)[lower]
-            total += np.bincount(at[lower], terms, len(total))
+            terms = np.tile(part.alike.matrix[first, second], len(dofs))
+            total += np.bincount(at.ravel(), terms, len(total))
         start = int(fronts.starts[front])
         pointers = self._columns.indptr[start : start + p + 1]
         entries = slice(pointers[0], pointers[-1])
@@ -98,7 +98,7 @@ class Contents:
             own, begin, end = slice(starts[front], starts[front + 1]), pointers[front], pointers[front + 1]
             parts = [shape[front], self._relative(fronts.code[own], corner)]
             parts.append(self._relative(fronts.code[boundary], corner))
-            digest = blake2b(digest_size=20)
+            digest = sha256()
             for element, codes in elements:
                 first, last = element.starts[front : front + 2].tolist()
                 if last > first:

@@ -196,10 +196,11 @@ class ConstrainedSystem:
         sign = sign / np.where(size >= np.finfo(float).tiny, size, 1.0)  # nothing is left to refine of what is smaller
         last = np.inf
         for done in range(REFINEMENTS):
-            error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
-            if (error <= ROUND_OFF and (done or loads.shape[1] > FEW)) or error > 0.5 * last:
-                break
-            last = error
+            if done or loads.shape[1] > FEW:
+                error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
+                if error <= ROUND_OFF or error > 0.5 * last:
+                    break
+                last = error
             force = loads - self.stiffness @ u - self.constraints.T @ multipliers
             du, dm = self._step(force, wanted - self.constraints @ u)
             u, multipliers = u + du, multipliers + dm

@@ -88,6 +88,13 @@ def test_explicit_keys_win(tmp_path: Path):
     assert "auto_rule" not in listed
 
 
+def test_overview_tells_that_a_given_spacing_is_not_the_presets():
+    assert "spacing 1.5 mm, support" in overview(shipped("compression30"))
+    assert "spacing 1.5 mm (given, not that of fine), support" in overview(
+        shipped("compression30", "numerics.accuracy=fine")
+    )
+
+
 def test_one_explicit_key_leaves_the_others_to_the_preset(tmp_path: Path):
     whole = numerics(load_case(without_numerics(tmp_path, "accuracy: draft")))
     part = numerics(load_case(without_numerics(tmp_path, "accuracy: draft", "support: 3")))

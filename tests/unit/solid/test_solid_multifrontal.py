@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -10,10 +12,12 @@ from scipy.sparse.linalg import spsolve
 
 from crackgrow.solid import multifrontal as module
 from crackgrow.solid.dissection import Places, dissect, places_of_unknowns
-from crackgrow.solid.fronts import LEAF, fronts_of
+from crackgrow.solid.fronts import LEAF, Fronts, fronts_of
 from crackgrow.solid.linear_solver import ConstrainedSystem, Factorization
-from crackgrow.solid.matrix import symmetric
+from crackgrow.solid.matrix import SymmetricMatrix, symmetric
 from crackgrow.solid.multifrontal import Multifrontal, NotQuasiDefiniteError
+from crackgrow.solid.stiffness import stiffness_after
+from tests.conftest import Build
 
 Floats = NDArray[np.float64]
 
@@ -218,6 +222,23 @@ def test_singular_stiffness_is_held_by_constraints() -> None:
     assert m[0] == pytest.approx(loads.sum(), abs=1e-8 * np.abs(net.data * u[net.indices]).max())
 
 
+@pytest.mark.parametrize("n", [6, 31])
+def test_singular_stiffness_is_held_by_averages_that_reach_across_many_fronts(n: int) -> None:
+    """A net of springs without ground, held by its average along two sides, which no front has all unknowns of."""
+    matrix, places = lattice(n, 33)
+    net = csc_array(-abs(matrix))
+    net.setdiag(0.0)
+    net.setdiag(-net.sum(axis=1))
+    held = csr_array(np.stack([(places[:, axis] == 0) / np.sum(places[:, axis] == 0) for axis in (0, 1)]))
+    loads = np.sqrt(net.diagonal()) * np.random.default_rng(34).normal(size=len(places))
+    system = ConstrainedSystem(net, held, places_at(places))
+    u, m = system.solve(loads, np.array([3.0, 3.5]))
+    assert system.note == ""
+    np.testing.assert_allclose(held @ u, [3.0, 3.5], rtol=1e-12)
+    terms = abs(net) @ np.abs(u) + abs(held).T @ np.abs(m) + np.abs(loads)
+    assert np.abs(net @ u + held.T @ m - loads).max() <= 1e-12 * terms.max()
+
+
 @pytest.mark.parametrize("small", [1e-6, 1e-10, 1e-13])
 def test_nearly_singular_matrix_leaves_a_small_residual(small: float) -> None:
     """Springs, tied to the ground by a small part of their stiffness."""
@@ -267,3 +288,60 @@ def test_body_with_tips_is_solved_by_fronts(build) -> None:
     near = np.abs(places.nodes - places.nodes[0]).max(axis=1) <= places.reach
     together = np.isin(matrix[:, :2].indices, np.flatnonzero(near))
     assert together.all()  # coupled unknowns are near each other: places are where they are said to be
+
+
+def plate(build: type[Build], n: int) -> tuple[SymmetricMatrix, Fronts]:
+    """The stiffness of an n x n block, held to the ground by weak springs, and its fronts."""
+    sample = build.block((n, n), support=2.0)
+    matrix = stiffness_after(sample.cover, [sample.material], 4).matrix
+    grounded = matrix.with_diagonal(np.arange(matrix.shape[0]), np.full(matrix.shape[0], 1e-3))
+    return grounded, fronts_of(places_of_unknowns(sample.cover), csr_array((0, matrix.shape[0])))[0]
+
+
+def test_boxes_that_are_alike_share_their_factors(build: type[Build]) -> None:
+    """Of those in a plate of 100 x 100 spacings, most see the rim; the others are of a few kinds."""
+    matrix, fronts = plate(build, 100)
+    factorization = Multifrontal(matrix, fronts)
+    assert factorization.n_fronts == fronts.n > 120
+    assert factorization.n_factorized == len(factorization.factors) < 0.65 * fronts.n
+    x = np.random.default_rng(35).normal(size=matrix.shape[0])
+    np.testing.assert_allclose(factorization.solve(matrix @ x), x, atol=1e-9)
+
+
+def test_a_local_change_is_factorized_along_one_path_of_fronts(build: type[Build]) -> None:
+    """What depends on the changed unknown is its front and those above; all else is taken over, to the last bit."""
+    matrix, fronts = plate(build, 60)
+    before = Multifrontal(matrix, fronts)
+    assert Multifrontal(matrix, fronts, before.factors).n_factorized == 0
+    dof = matrix.shape[0] // 3
+    front = int(np.searchsorted(fronts.starts, fronts.position[dof], side="right") - 1)
+    path = 0
+    while front >= 0:
+        front, path = int(fronts.parent[front]), path + 1
+    changed = matrix.with_diagonal(np.array([dof]), np.array([0.5]))
+    after = Multifrontal(changed, fronts, before.factors)
+    assert after.n_factorized == path < 0.3 * fronts.n
+    x = np.random.default_rng(36).normal(size=matrix.shape[0])
+    np.testing.assert_array_equal(after.solve(x), Multifrontal(changed, fronts).solve(x))
+
+
+def test_all_that_a_front_holds_is_in_its_key(build: type[Build]) -> None:
+    """With other elements, entries or constraints a solution is that of a factorization without what was known."""
+    matrix = plate(build, 20)[0]
+    places, n = places_of_unknowns(build.block((20, 20), support=2.0).cover), matrix.shape[0]
+    middle = int(np.argmin(np.abs(places.nodes - 12).sum(axis=1)))
+    row = csr_array(([1.0], ([0], [middle])), shape=(1, n))
+    known = ConstrainedSystem(matrix, row, places).factors
+    stiffer = replace(matrix.elements[0], matrix=2.0 * matrix.elements[0].matrix, key=b"stiffer")
+    others = (
+        (replace(matrix, elements=(stiffer, *matrix.elements[1:])), row, places),
+        (replace(matrix, rest=matrix.rest * 1.0000001), row, places),
+        (matrix, 2.0 * row, places),
+        (matrix, csr_array(([1.0], ([0], [middle + 1])), shape=(1, n)), places),
+    )
+    loads = matrix @ np.random.default_rng(37).normal(size=n)
+    for other in others:
+        taken_over, fresh = ConstrainedSystem(*other, known), ConstrainedSystem(*other)
+        assert taken_over.factors.keys() == fresh.factors.keys() != known.keys()
+        for ours, alone in zip(taken_over.solve(loads), fresh.solve(loads), strict=True):
+            np.testing.assert_array_equal(ours, alone)
