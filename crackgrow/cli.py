@@ -110,6 +110,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise
     finally:
         progress.close()
+    if writer.error_line and not arguments.quiet:
+        _say(writer.error_line)
     if end.status == "failed":
         _complain(f"crackgrow: {end.reason}")
         return EXIT_UNSOLVED

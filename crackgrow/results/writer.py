@@ -14,7 +14,7 @@ from crackgrow.results.atomic import write_text
 from crackgrow.results.leftovers import cracks_name, frame_name, remove_leftovers, series_names
 from crackgrow.results.load_point import LoadPoint, load_point
 from crackgrow.results.log import RunLog, event_line, step_line
-from crackgrow.results.summary import Tally, summarize, summary_text
+from crackgrow.results.summary import Tally, error_line, summarize, summary_text
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
 
@@ -34,6 +34,7 @@ class RunWriter:
         self._reactions = tables.Table(folder / "reactions.csv", tables.REACTIONS)
         self._steps = tables.Table(folder / "steps.csv", tables.STEPS)
         self._events = tables.Table(folder / "events.csv", tables.EVENTS)
+        self.error_line = ""  # what `finish` knows of the error of the run
         self._curve: list[LoadPoint] = []
         self._first: StepResult | None = None
         self._last: StepResult | None = None
@@ -82,6 +83,9 @@ class RunWriter:
         finally:  # a figure that fails doesn't take the summary with it
             summary = summarize(self.case, self._tally, end, self._log.seconds)
             write_text(self.folder / "summary.json", summary_text(summary))
+            self.error_line = error_line(self._tally, end)
+            if self.error_line:
+                self._log.write(self.error_line)
             self._log.write(f"{end.status}: {end.reason}")
 
     def fail(self, reason: str) -> None:

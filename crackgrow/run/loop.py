@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -14,6 +15,7 @@ from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import TIE, GrowingCrack, growing_tips
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import advance_tips
+from crackgrow.run.error import estimated_error
 from crackgrow.run.loading import load, load_history
 from crackgrow.run.report import step_result
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
@@ -31,13 +33,31 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
     With growth a step is a configuration of the cracks under the last of its loads; without, it is a load factor of the
     history. Raises GeometryError or SolveError where step 0 (without growth: any) can't be solved. A later one ends the
     run: `broke_through` where a piece of rock comes loose that nothing holds, else `failed`; the end has the cracks and
-    the events of that step.
+    the events of that step, and the estimated error of the last one that was solved.
     """
     scene = make_scene(case)
     cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
-    if case.growth is None:
-        return (yield from _static(scene, cracks))
-    n_steps = case.growth.steps
+    steps = _static(scene, cracks) if case.growth is None else _growth(scene, case.growth, cracks)
+    last: tuple[StepResult, StepSolution] | None = None
+    while True:
+        try:
+            last = next(steps)
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            return end if last is None else replace(end, energy_error=_last_error(*last))
+        yield last[0]
+
+
+def _last_error(result: StepResult, solution: StepSolution) -> float:
+    """Estimated error, percent, of the last step, which is known to be the last only now."""
+    return estimated_error(solution).relative if np.isnan(result.energy_error) else result.energy_error
+
+
+def _growth(
+    scene: Scene, growth: Growth, cracks: tuple[GrowingCrack, ...]
+) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
+    """The steps of a run with growth."""
+    n_steps = growth.steps
     told: frozenset[str] = frozenset()
     known: StepSolution | None = None
     before: StepSolution | None = None
@@ -55,10 +75,10 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
                 raise
             return RunEnd("failed", f"step {step}: {error}", _paths(cracks), events)
         n_pieces = n_pieces or len(all_pieces(solution.cover))
-        chosen = _choose(case.growth, cracks, solution, last=step == n_steps)
+        chosen = _choose(growth, cracks, solution, last=step == n_steps)
         result = _reported(scene, cracks, events, solution, step, chosen, told)
         told |= frozenset(result.warnings)
-        yield result
+        yield result, solution
         if step == n_steps > 0 and _criticality(cracks, solution).max(initial=-np.inf) == -np.inf:
             return _without_tips(cracks, solution, step, n_pieces)
         if len(chosen) == 0 and step < n_steps:
@@ -71,7 +91,7 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
     return RunEnd("completed", done, _paths(cracks))
 
 
-def _static(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Generator[StepResult, None, RunEnd]:
+def _static(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     """The load factors of the history in turn, without growth."""
     assert isinstance(scene.case.loading, LoadHistory)  # critical loads need a criterion: the case was checked
     told: frozenset[str] = frozenset()
@@ -79,7 +99,7 @@ def _static(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Generator[StepRes
     for step, solution in enumerate(load_history(scene, cracks)):
         result = _reported(scene, cracks, (), solution, step, chosen, told)
         told |= frozenset(result.warnings)
-        yield result
+        yield result, solution
     n = len(scene.case.loading.factors)
     return RunEnd(
         "completed", "the static solve is done" if n == 1 else f"all {n} load factors are done", _paths(cracks)

@@ -14,6 +14,7 @@ from crackgrow.contact.tractions import between_contact_points, nearest_contact_
 from crackgrow.fracture.criteria import effective_toughness
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap
+from crackgrow.run.error import estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, Event, StepResult, TipResult
@@ -46,7 +47,8 @@ def step_result(
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
     faces = tuple(_faces(solution, scene, index) for index in range(len(solution.cover.surfaces)))
     overlap = largest_overlap(scene, faces)
-    frame = make_frame(solution.cover, solution.materials, outcome.u) if with_frame else None
+    error = estimated_error(solution) if with_frame or step == 0 else None
+    frame = make_frame(solution.cover, solution.materials, outcome.u, error) if with_frame else None
     return StepResult(
         step=step,
         load_factor=solution.state.factor,
@@ -72,6 +74,7 @@ def step_result(
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
         warnings=cautions(scene, solution, faces, step, told),
+        energy_error=error.relative if error else float("nan"),
     )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import basis_at, values_at
+from crackgrow.approximation.basis import Basis, basis_at, values_at
 from crackgrow.cover.cover import Cover
 from crackgrow.solid.elasticity import PlaneElasticity
 
@@ -24,7 +24,11 @@ def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> 
 
 def gradient_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
     """Displacement gradient du_c/dx_d (n, 2, 2) [point, c, d] at points (n, 2), in lattice coordinates."""
-    basis = basis_at(cover, points, elements)
+    return gradient_of(basis_at(cover, points, elements), u)
+
+
+def gradient_of(basis: Basis, u: Floats) -> Floats:
+    """Displacement gradient (n, 2, 2) [point, c, d] at the points of a basis; `u` (n_dofs,) m."""
     by_x, by_y = basis.gradients.transpose(2, 1, 0)
     rows = [np.stack([np.sum(by_x * c, axis=0), np.sum(by_y * c, axis=0)]) for c in _coefficients(u, basis.ids)]
     return np.stack(rows).transpose(2, 0, 1)
