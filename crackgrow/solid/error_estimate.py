@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from crackgrow.approximation.basis import basis_at
 from crackgrow.approximation.mls import mls
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.enrichment import list_starts
 from crackgrow.quadrature.everywhere import all_points
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -131,20 +132,23 @@ def _free(
     everywhere = all_points(cover, N_POINTS)
     these = chosen[everywhere.element]
     points, weights, element = everywhere.points[these], everywhere.weights[these], everywhere.element[these]
-    basis, body = basis_at(cover, points, element), cover.elements.body[element]
-    values = energy_components(materials, stress_of(materials, gradient_of(basis, u), body), body)
-    rows, parts, where = (
-        [np.empty(0, dtype=np.int64)],
-        [np.empty((0, 3))],
-        [np.empty((0, patches.shape[1]), dtype=bool)],
-    )
+    body, window = cover.elements.body[element], cover.lattice.window
+    gradient, phi = np.empty((len(points), 2, 2)), np.empty((len(points), window))
+    enriched = cover.enrichment.tips.any[element]
+    for some in (enriched, ~enriched):  # apart: those with tip functions have many more columns
+        basis = basis_at(cover, points[some], element[some])
+        gradient[some], phi[some] = gradient_of(basis, u), np.maximum(basis.values[:, :window], 0.0)
+    phi[cover.functions[element] < 0] = 0.0
+    values = energy_components(materials, stress_of(materials, gradient, body), body)
+    rows, parts, where = [np.empty(0, dtype=np.int64)], [np.empty((0, 3))], [np.empty((0, window), dtype=bool)]
     for part, in_patches in zip(singular, acting, strict=True):
         sees = in_patches[patches]
         mine = np.flatnonzero(sees.any(axis=1)[element])
         rows.append(mine)
         parts.append(energy_components(materials, part.at(points[mine], element[mine]), body[mine]))
         where.append(sees[element[mine]])
-    phi = np.where(cover.functions[element] < 0, 0.0, np.maximum(basis.values[:, : cover.lattice.window], 0.0))
+    row = np.concatenate(rows)
+    order = np.argsort(row, kind="stable")
     samples = FreeSamples(
         element,
         patches[element],
@@ -152,8 +156,8 @@ def _free(
         points,
         weights[:, None] * phi,
         values,
-        np.concatenate(rows),
-        np.concatenate(parts),
-        np.concatenate(where),
+        list_starts(row[order], len(points)),
+        np.concatenate(parts)[order],
+        np.concatenate(where)[order],
     )
     return samples, float(weights @ np.sum(values**2, axis=1))

@@ -43,17 +43,15 @@ class FreeSamples:
     points: Floats  # (n, 2)
     weights: Floats  # (n, window)
     common: Floats  # (n, 3) values, less, patch by patch,
-    rows: Ints  # (m,) at these points
+    start: Ints  # (n + 1,) at point i, from start[i] to start[i + 1],
     parts: Floats  # (m, 3) these parts,
     acting: NDArray[np.bool_]  # (m, window) in these patches
 
     def column(self, slot: int) -> tuple[Floats, Floats]:
         """Monomials (n, 6) and values (n, 3) of one column of patches."""
-        values = self.common
-        mine = np.flatnonzero(self.acting[:, slot])
-        if len(mine):
-            values = values.copy()
-            np.subtract.at(values, self.rows[mine], self.parts[mine])
+        n, m = len(self.common), len(self.parts)
+        acting = csr_array((self.acting[:, slot].astype(float), np.arange(m), self.start), shape=(n, m))
+        values = self.common - acting @ self.parts
         return monomials(self.points - self.nodes[self.patches[:, slot]]), values
 
 
