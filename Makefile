@@ -18,7 +18,7 @@ help:
 	@echo "make stability [ARGS=--short]  extremes of all kinds: a table and a picture in outputs/stability"
 	@echo "make lint                      ruff and mypy"
 	@echo "make check                     lint and test"
-	@echo "make bench                     benchmarks"
+	@echo "make bench [ARGS=--quick]      benchmarks: ratios against a baseline, tables in tests/benchmarks"
 	@echo "make clean | distclean         remove outputs and caches | and .venv"
 
 # Without the stamp the environment is new or half made: start afresh. With it, only bring the versions up to date.
@@ -65,7 +65,7 @@ lint: $(STAMP)
 check: lint test
 
 bench: $(STAMP)
-	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) tests/benchmarks/run.py
+	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) -m tests.benchmarks.run $(ARGS)
 
 clean:
 	@find outputs -mindepth 1 ! -name .gitkeep -delete

@@ -12,7 +12,8 @@ contact        crack faces: contact points, jump, Coulomb law, the contact solve
 fracture       tip stress, stress intensity, growth criteria, advance of a tip
 run            one step, and the loop over the steps
 results        tables, frames and figures on disk, made from the results alone
-study          what several runs tell: how far apart their crack paths are, what extremes do to a scene
+study          what several runs tell: how far apart their crack paths are, what extremes do to a scene,
+               what accuracy costs
 cli            the command line, the only place that prints
 """
 
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
     from crackgrow.study.stability.runner import stability
     from crackgrow.study.stability.table import stability_line
     from crackgrow.study.stability.writer import write_stability
+    from crackgrow.study.trade.plan import plan_trade
+    from crackgrow.study.trade.row import trade_line
+    from crackgrow.study.trade.runner import trade
 
 __version__ = "0.1.0"
 
@@ -51,8 +55,11 @@ __all__ = [
     "grow",
     "load_case",
     "overview",
+    "plan_trade",
     "stability",
     "stability_line",
+    "trade",
+    "trade_line",
     "write_stability",
 ]
 
@@ -70,8 +77,11 @@ _HOMES = {
     "grow": "crackgrow.run",
     "load_case": "crackgrow.case",
     "overview": "crackgrow.results.overview",
+    "plan_trade": "crackgrow.study.trade.plan",
     "stability": "crackgrow.study.stability.runner",
     "stability_line": "crackgrow.study.stability.table",
+    "trade": "crackgrow.study.trade.runner",
+    "trade_line": "crackgrow.study.trade.row",
     "write_stability": "crackgrow.study.stability.writer",
 }
 

@@ -138,7 +138,14 @@ def _numerics(numerics: Resolved) -> Numerics:
     contact = dict(numerics["contact"])
     if contact["stiffness"] == "rigid":
         contact["stiffness"] = None
-    return Numerics(numerics["spacing"], numerics["support"], numerics["quadrature"], ContactNumerics(**contact))
+    return Numerics(
+        spacing=numerics["spacing"],
+        support=numerics["support"],
+        quadrature=numerics["quadrature"],
+        contact=ContactNumerics(**contact),
+        accuracy=numerics["accuracy"],
+        auto_rule=numerics.get("auto_rule"),
+    )
 
 
 def _output(output: Resolved) -> Output:

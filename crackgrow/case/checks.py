@@ -109,5 +109,6 @@ def _check_spacing(scene: Scene, spacing: float) -> None:
     margin = 2 * (scene.get("numerics", "support") or 0.0) + 1
     n_nodes = float(np.prod((scene.box[1] - scene.box[0]) / spacing + margin))
     if n_nodes > MAX_NODES:
-        message = f"{scene.length(spacing)} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed"
-        scene.report.fault(key, message)
+        rule = scene.get("numerics", "auto_rule")
+        given = scene.length(spacing) + (f" (auto: {rule})" if rule else "")
+        scene.report.fault(key, f"{given} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed")

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from shapely import LineString
 
+from crackgrow.case.accuracy import AUTO, PRESETS, Lengths, automatic_spacing
 from crackgrow.case.model import EdgeRegion, Floats
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines, with_common_corners
 from crackgrow.case.report import Path, Report
@@ -96,6 +97,7 @@ def scene_of(resolved: dict[str, Any], report: Report, units: Units) -> Scene:
         shape = shape_of(name, body, report, units) if report.sound("bodies", name, "shape") else None
         if shape is not None:
             scene.bodies[name] = shape
+    _settle_spacing(scene)
     for name, crack in named(resolved, "cracks").items():
         if report.sound("cracks", name, "path"):
             spacing = scene.get("numerics", "spacing")
@@ -123,6 +125,40 @@ def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
     if len(kept) > 1:
         kept[-1] = len(points) - 1
     return frozen(points[kept])
+
+
+def _length(points: Floats) -> float:
+    """Length (m) of a polyline, 0 of fewer than two points."""
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())
+
+
+def _settle_spacing(scene: Scene) -> None:
+    """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds."""
+    given = scene.get("numerics", "spacing")
+    accuracy = scene.get("numerics", "accuracy")
+    if given is None or accuracy is None:
+        return
+    if not (scene.bodies and all(scene.report.sound(key) for key in ("bodies", "cracks", "growth"))):
+        if given == AUTO:
+            scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
+        return
+    cracks = {name: _length(points_of(crack["path"])) for name, crack in named(scene.resolved, "cracks").items()}
+    spacing, rule = automatic_spacing(
+        PRESETS[accuracy],
+        Lengths(
+            cracks={name: length for name, length in cracks.items() if length > 0.0},
+            widths={name: float(body.extent.min()) for name, body in scene.bodies.items()},
+            increment=scene.get("growth", "increment"),
+            radius=scene.get("growth", "tip_stress", "radius"),
+        ),
+    )
+    numerics = scene.resolved["numerics"]
+    if given == AUTO:
+        numerics["spacing"] = spacing
+    followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
+    rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
+    first = {"accuracy": accuracy, "spacing": numerics["spacing"], **({"auto_rule": rule} if followed else {})}
+    scene.resolved["numerics"] = {**first, **rest}
 
 
 def _place(scene: Scene) -> None:

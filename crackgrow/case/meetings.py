@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from crackgrow.case.layout import ON_OUTLINE
 from crackgrow.case.model import Case, Floats
@@ -23,8 +23,9 @@ def meeting_places(case: Case) -> Floats:
     places = places_between(segments, pairs)
     if not len(places):
         return places
-    same = KDTree(places).query_pairs(SAME_MEETING * tolerance, output_type="ndarray")
-    links = coo_array((np.ones(len(same)), same.T), shape=(len(places), len(places)))
+    points = shapely.points(places)
+    same = shapely.STRtree(points).query(points, predicate="dwithin", distance=SAME_MEETING * tolerance)
+    links = coo_array((np.ones(same.shape[1]), tuple(same)), shape=(len(places), len(places)))
     _, groups = connected_components(links, directed=False)
     return places[np.unique(groups, return_index=True)[1]]
 

@@ -220,6 +220,8 @@ class Numerics:
     support: float  # half width of a patch, in spacings
     quadrature: int  # Gauss points per direction on an uncut cell
     contact: ContactNumerics
+    accuracy: str = "standard"  # the preset of what the case leaves out
+    auto_rule: str | None = None  # what gave an automatic spacing; None: it was given
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from scipy.spatial import KDTree
 
 from crackgrow.case.model import Floats
 from crackgrow.case.shapes import BodyShape, body_shape, frozen
@@ -19,10 +18,11 @@ def with_common_corners(bodies: list[BodyShape], tolerance: float) -> list[BodyS
     for body in bodies:
         if done:
             known = np.concatenate([other.corners for other in done])
-            tree = KDTree(known)
+            tree = shapely.STRtree(shapely.points(known))
             rings = []
             for ring in body.rings:
-                distance, nearest = tree.query(ring.points)
+                nearest = tree.nearest(shapely.points(ring.points))
+                distance = np.hypot(*(known[nearest] - ring.points).T)
                 points = np.where((distance <= tolerance)[:, None], known[nearest], ring.points)
                 rings.append(replace(ring, points=frozen(points)))
             body = body_shape(body.name, rings)

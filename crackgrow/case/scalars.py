@@ -11,9 +11,9 @@ from crackgrow.case.reader import Broken, Listing, Node, Scalar
 from crackgrow.case.report import Path, Report, did_you_mean, quoted
 from crackgrow.case.units import UNITS, QuantityError, Units, is_number, parse_number, parse_quantity
 
-INVALID: Final = object()  # stands for a value whose fault is in the report
+_BEGIN_OF_NUMBER: Final = tuple("+-.0123456789")
 
-NOT_YET: Final = "is not supported in this version"
+INVALID: Final = object()  # stands for a value whose fault is in the report
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,6 +232,8 @@ class WordOr:
         if node.text in self.words:
             return node.text
         if node.plain and is_number(node.text) and isinstance(self.other, Number | Integer | Quantity):
+            return self.other.read(node, path, context)
+        if isinstance(self.other, Quantity) and node.text.strip()[:1] in _BEGIN_OF_NUMBER:
             return self.other.read(node, path, context)
         hint = did_you_mean(node.text, self.words)
         context.report.fault(path, f"{given(node)} given; wanted: {self.describe()}{hint}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from crackgrow.case.accuracy import AUTO, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import LengthOrFormula
 from crackgrow.case.outline_file import OutlineFile, with_file_holes, without_file
@@ -21,11 +22,20 @@ from crackgrow.case.scalars import (
     Text,
     WordOr,
 )
-from crackgrow.case.schema import BY_PARTS, OPTIONAL, Converted, Field, ListOf, Mapping, Named, OneOf, OneOrList
+from crackgrow.case.schema import (
+    BY_PARTS,
+    OPTIONAL,
+    REQUIRED,
+    Chosen,
+    Converted,
+    Field,
+    ListOf,
+    Mapping,
+    Named,
+    OneOf,
+    OneOrList,
+)
 from crackgrow.case.units import UNITS
-
-# Keys of the format that this version refuses as not supported. The only such list.
-LATER: Final = {"numerics": ("accuracy",)}
 
 LENGTH: Final = Quantity("length")
 POINT: Final = ListOf(LENGTH, 2)
@@ -228,23 +238,39 @@ GROWTH: Final = Mapping(
     }
 )
 
-CONTACT_NUMERICS: Final = Mapping(
-    {
-        "stiffness": Field(WordOr(("rigid",), Number(POSITIVE)), "rigid, or kappa in k = kappa E / h", "rigid"),
-        "discretization": Field(Choice(("mortar", "gauss")), "where contact is enforced", "mortar"),
-        "solver": Field(Choice(("newton", "lemke")), "how the contact problem is solved", "newton"),
-        "spacing": Field(Number(Bounds(at_least=0.5, at_most=4)), "least distance of contact nodes, in h", 1.25),
-    }
-)
+_CONTACT_STIFFNESS: Final = WordOr(("rigid",), Number(POSITIVE))
+_SUPPORT_WIDTH: Final = Number(Bounds(at_least=1.25, at_most=4), 0.25)
+_GAUSS_POINTS: Final = Integer(Bounds(at_least=2, at_most=10))
 
-NUMERICS: Final = Mapping(
-    {
-        "spacing": Field(Quantity("length", POSITIVE), "lattice spacing h"),
-        "support": Field(Number(Bounds(at_least=1.25, at_most=4), 0.25), "half width of a patch, in spacings", 2.0),
-        "quadrature": Field(Integer(Bounds(at_least=2, at_most=10)), "Gauss points per direction on an uncut cell", 4),
-        "contact": Field(CONTACT_NUMERICS, "how contact is discretized and solved", BY_PARTS),
-    },
-    LATER["numerics"],
+
+def _numerics(preset: Preset, spacing: object) -> Mapping:
+    """The settings of the discretization with the defaults of a preset, `spacing` being that of the spacing."""
+    contact = Mapping(
+        {
+            "stiffness": Field(_CONTACT_STIFFNESS, "rigid, or kappa in k = kappa E / h", "rigid"),
+            "discretization": Field(Choice(("mortar", "gauss")), "where contact is enforced", "mortar"),
+            "solver": Field(Choice(("newton", "lemke")), "how the contact problem is solved", "newton"),
+            "spacing": Field(
+                Number(Bounds(at_least=0.5, at_most=4)), "least distance of contact nodes, in h", preset.contact_spacing
+            ),
+        }
+    )
+    return Mapping(
+        {
+            "accuracy": Field(Choice(tuple(PRESETS)), "preset of what is left out here", STANDARD),
+            "spacing": Field(WordOr((AUTO,), Quantity("length", POSITIVE)), "lattice spacing h", spacing),
+            "auto_rule": Field(Text(), "what gave an automatic spacing; written by the program", OPTIONAL),
+            "support": Field(_SUPPORT_WIDTH, "half width of a patch, in spacings", preset.support),
+            "quadrature": Field(_GAUSS_POINTS, "Gauss points per direction on an uncut cell", preset.quadrature),
+            "contact": Field(contact, "how contact is discretized and solved", BY_PARTS),
+        }
+    )
+
+
+NUMERICS: Final = Chosen(
+    "accuracy",
+    {name: _numerics(preset, AUTO) for name, preset in PRESETS.items()},
+    _numerics(PRESETS[STANDARD], REQUIRED),
 )
 
 OUTPUT: Final = Mapping(

@@ -9,9 +9,9 @@ from copy import deepcopy
 from dataclasses import dataclass
 from typing import Final
 
-from crackgrow.case.reader import Listing, Node, Table
+from crackgrow.case.reader import Listing, Node, Scalar, Table
 from crackgrow.case.report import Path, did_you_mean, nearest, quoted
-from crackgrow.case.scalars import INVALID, NOT_YET, Context, Spec, refuse
+from crackgrow.case.scalars import INVALID, Context, Spec, refuse
 
 _NAME = re.compile(r"\w[\w-]{0,63}")
 
@@ -34,12 +34,10 @@ class Mapping:
     """A mapping with known keys.
 
     fields: what each key takes, in the order of the resolved case.
-    later: keys of the format that this version cannot do.
     at_least_one: whether an empty mapping is a fault although no key is required.
     """
 
     fields: AnyMapping[str, Field]
-    later: tuple[str, ...] = ()
     at_least_one: bool = False
 
     def describe(self) -> str:
@@ -80,10 +78,8 @@ class Mapping:
         """Report keys that the mapping does not take; return the keys that were probably meant."""
         guesses = set()
         for key, entry in node.entries.items():
-            if key in self.later:
-                context.report.fault((*path, key), f"{quoted(key)} {NOT_YET}", entry.place)
-            elif key not in self.fields:
-                free = [known for known in (*self.fields, *self.later) if known not in node.entries]
+            if key not in self.fields:
+                free = [known for known in self.fields if known not in node.entries]
                 hint = did_you_mean(key, free) or did_you_mean(key, self.fields)
                 message = f"unknown key; allowed: {', '.join(self.fields)}{hint}"
                 context.report.fault((*path, key), message, entry.place)
@@ -125,6 +121,27 @@ class OneOf:
                 context.report.fault((*path, key), message, entry.place)
         context.report.fault(path, f"give either {' or '.join(form.form() for form in self.forms)}")
         return INVALID
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """A mapping whose defaults a word in it chooses."""
+
+    key: str  # of the word
+    forms: AnyMapping[str, Mapping]  # by word; they differ in their defaults alone
+    otherwise: Mapping  # where the word is not given
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return self.otherwise.describe()
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return what the chosen form reads; a word that is none is that form's fault to report."""
+        form = self.otherwise
+        if isinstance(node, Table) and self.key in node.entries:
+            word = node.entries[self.key].node
+            form = self.forms.get(word.text if isinstance(word, Scalar) else "", next(iter(self.forms.values())))
+        return form.read(node, path, context)
 
 
 @dataclass(frozen=True, slots=True)

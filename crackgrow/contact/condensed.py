@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import ContactProblem, ContactSolution, complementarity_residual
@@ -16,6 +17,9 @@ from crackgrow.errors import SolveError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+FEW_POINTS = 64
+"""Up to so many points their jumps are all computed at once."""
 
 UNSYMMETRIC = 1e-2
 """A compliance of contact that is unsymmetric by more than this fraction of its largest entry is refused."""
@@ -37,7 +41,7 @@ def condensed(
     leaves a point without resistance, and where round-off has spoilt the compliance of the rock.
     """
     law = contact.law
-    compliance = np.concatenate([contact.gap_of[rows] @ response, contact.slip_of[sliding] @ response])
+    compliance = np.concatenate([_jumps(contact.gap_of, rows, response), _jumps(contact.slip_of, sliding, response)])
     _check_reciprocal(compliance, np.concatenate([contact.weights[rows], contact.weights[sliding]]))
     compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
     n = len(rows)
@@ -58,6 +62,13 @@ def condensed(
     return ContactProblem(compliance, free, friction[rows], cohesion[rows], scale)
 
 
+def _jumps(operator: csr_array, rows: Ints, response: Floats) -> Floats:
+    """Jumps (k, l) of the points `rows` (k,) in the displacements `response` (n_dofs, l)."""
+    if operator.shape[0] <= FEW_POINTS and len(rows):  # then taking rows out of a sparse matrix is what takes time
+        return np.asarray((operator @ response)[rows])
+    return np.asarray(operator[rows] @ response)
+
+
 def _check_reciprocal(compliance: Floats, weights: Floats) -> None:
     """Raise SolveError unless the compliance S W (k, k) of the rock comes from a symmetric S that resists (Betti)."""
     symmetric = compliance / weights
@@ -72,17 +83,20 @@ def _check_reciprocal(compliance: Floats, weights: Floats) -> None:
 
 
 def solved(
-    problem: ContactProblem, weights: Floats | None, solver: Literal["newton", "lemke"]
+    problem: ContactProblem,
+    weights: Floats | None,
+    solver: Literal["newton", "lemke"],
+    start: Floats | None = None,
 ) -> tuple[ContactSolution, str]:
     """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
 
-    `weights` (n,) m are the points' lengths, None where dilation makes the compliance asymmetric. Raises SolveError
-    where neither finds one.
+    `weights` (n,) m are the points' lengths, None where dilation makes the compliance asymmetric; `start` (m,) Pa are
+    tractions that may be close. Raises SolveError where neither finds one.
     """
     failures = []
     for name in (solver, "lemke" if solver == "newton" else "newton"):
         try:
-            solution = solve_by_newton(problem) if name == "newton" else solve_by_lemke(problem)
+            solution = _by_newton(problem, start) if name == "newton" else solve_by_lemke(problem)
         except SolveError as error:
             failures.append(f"{name}: {error}")
             continue
@@ -97,6 +111,15 @@ def solved(
         f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
         f"try a coarser contact spacing or a softer contact stiffness{_less_friction(problem, weights)}"
     )
+
+
+def _by_newton(problem: ContactProblem, start: Floats | None) -> ContactSolution:
+    """Newton's solution from a start, or from its own first guess where the start leads to none."""
+    if start is not None:
+        solution = solve_by_newton(problem, start)
+        if solution.status == "solved":
+            return solution
+    return solve_by_newton(problem)
 
 
 def _less_friction(problem: ContactProblem, weights: Floats | None) -> str:

@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 
+from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.coulomb import (
     SOLVED_RESIDUAL,
     ContactProblem,
@@ -19,7 +20,6 @@ from crackgrow.contact.coulomb import (
     Floats,
     active_set,
     complementarity_residual,
-    solve_active,
 )
 from crackgrow.contact.lemke import lemke
 from crackgrow.errors import SolveError

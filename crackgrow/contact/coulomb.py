@@ -1,4 +1,4 @@
-"""The condensed contact problem with Coulomb friction: data, law, residual and the linear solve of one active set.
+"""The condensed contact problem with Coulomb friction: data, law and residual.
 
 Unknown are the tractions p of n contact points, all normals first, then all tangentials (no tangential rows
 without friction). With free the jump without contact traction, the jump of the displacement is
@@ -17,7 +17,7 @@ solvers (`newton`, `lemke`) both solve exactly this problem.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -49,6 +49,7 @@ class ContactProblem:
     friction: Floats | None = None  # (n,) coefficient, or None where there are no tangential rows
     cohesion: Floats | None = None  # (n,) Pa, None for zero; without meaning where friction is None
     scale: Floats | None = None  # (m,) m/Pa: compliance that weighs jumps against tractions, None for the diagonal
+    reach: Floats = field(init=False, repr=False)  # (m,) m/Pa: sum of every row's absolute values
 
     def __post_init__(self) -> None:
         for name in ("compliance", "free", "friction", "cohesion"):
@@ -74,6 +75,7 @@ class ContactProblem:
             "positive: the system is too ill conditioned, for cracks, tips or outlines too close to each other",
         )
         object.__setattr__(self, "scale", _read_only("scale", diagonal if self.scale is None else self.scale))
+        object.__setattr__(self, "reach", _read_only("reach", np.abs(self.compliance).sum(axis=1)))
 
     @property
     def n_points(self) -> int:
@@ -150,29 +152,6 @@ def shear_bound(problem: ContactProblem, p_n: Floats) -> Floats:
     return bound
 
 
-def solve_active(problem: ContactProblem, active: ActiveSet) -> Floats:
-    """(m,) Pa: tractions with the equations of one active set, by a dense solve for the unknown rows only.
-
-    Unknown are p_n of closed and p_t of sticking points; p_t = slip (cohesion - friction p_n) elsewhere. A singular
-    system (rigid contact, more points than the displacement can follow) gets its least-squares solution.
-    """
-    A, n = problem.compliance, problem.n_points
-    p = np.zeros(problem.free.size)
-    closed = np.flatnonzero(active.closed)
-    if problem.friction is None or problem.cohesion is None:
-        p[closed] = _solve(A[np.ix_(closed, closed)], problem.free[closed])
-        return p
-    rows = np.concatenate([closed, n + np.flatnonzero(active.slip == 0)])
-    K = A[np.ix_(rows, rows)]
-    position = np.flatnonzero(active.slip[closed] != 0)  # columns of closed, slipping points
-    points = closed[position]
-    K[:, position] -= A[np.ix_(rows, n + points)] * (active.slip * problem.friction)[points]
-    p[n:] = active.slip * problem.cohesion
-    p[rows] = _solve(K, (problem.free - A @ p)[rows])
-    p[n + points] -= active.slip[points] * problem.friction[points] * p[points]
-    return p
-
-
 def complementarity_residual(problem: ContactProblem, p: Floats) -> float:
     """Worst relative violation of the contact law by tractions p (m,): zero for a solution, order one for a wrong one.
 
@@ -187,7 +166,7 @@ def complementarity_residual(problem: ContactProblem, p: Floats) -> float:
     n, A = problem.n_points, problem.compliance
     largest_free = float(np.abs(problem.free).max())
     length = max(largest_free, float((A.diagonal() * np.abs(p)).max()))
-    traction = max(float(np.abs(p).max()), largest_free / float(np.abs(A).sum(axis=1).max()))
+    traction = max(float(np.abs(p).max()), largest_free / float(problem.reach.max()))
     if length == 0.0:
         return 0.0
     du = jump(problem, p) / length
@@ -200,17 +179,6 @@ def complementarity_residual(problem: ContactProblem, p: Floats) -> float:
         below_backward = np.minimum(np.maximum(-du[n:], 0.0), np.abs(b + p[n:]) / traction)
         worst = max(worst, float(beyond.max()), float(below_forward.max()), float(below_backward.max()))
     return worst
-
-
-def _solve(K: Floats, right: Floats) -> Floats:
-    """Solution of K x = right, the least-squares one where K is singular."""
-    try:
-        x: Floats = np.asarray(np.linalg.solve(K, right), dtype=np.float64)
-        if np.isfinite(x).all():
-            return x
-    except np.linalg.LinAlgError:
-        pass
-    return np.asarray(np.linalg.lstsq(K, right)[0], dtype=np.float64)
 
 
 def _read_only(name: str, value: Floats) -> Floats:

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import block_diag, csr_array
+from scipy.sparse import csr_array
 
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
@@ -67,6 +67,7 @@ class ContactFaces:
     functions: csr_array  # (contact points, n) N_k
     nodes: FacePoints  # the contact points themselves
     stretch: Ints  # (contact points,) number of the stretch on its surface
+    ends: dict[int, Floats]  # surface by surface the arc lengths (m + 1,) at which its m stretches begin and end
 
     @property
     def surface(self) -> Ints:
@@ -114,13 +115,14 @@ def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFa
     sharp kinks and rims. There, and at junctions, the end pieces are constant: no node lies there. At junctions of
     cracks they are half as long.
     """
-    parts = [_mortar_on_surface(cover, surface, spacing) for surface in touching]
-    return _joined(cover, touching, parts)
+    ends = {surface: stretch_ends(cover.surfaces[surface]) for surface in touching}
+    return _joined(cover, ends, [_mortar_on_surface(cover, surface, spacing, ends[surface]) for surface in touching])
 
 
 def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
     """The paper's contact points: Gauss points on ten parts of each straight stretch of surfaces `touching`."""
     parts = []
+    ends = {surface: stretch_ends(cover.surfaces[surface]) for surface in touching}
     x, w = gauss(GAUSS_POINTS)
     for surface in touching:
         path = cover.surfaces[surface].points
@@ -131,9 +133,9 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
         s = (start[:, None] + size[:, None] * x).ravel()
         n = len(s)
         functions = csr_array((np.ones(n), np.arange(n), np.arange(n + 1)), shape=(n, n))
-        stretch = np.searchsorted(stretch_ends(cover.surfaces[surface])[1:-1], s, side="right")
+        stretch = np.searchsorted(ends[surface][1:-1], s, side="right")
         parts.append((points_at(cover, surface, s), (size[:, None] * w).ravel(), functions, s, stretch))
-    return _joined(cover, touching, parts)
+    return _joined(cover, ends, parts)
 
 
 def face_vertices(cover: Cover, surface: int) -> FacePoints:
@@ -146,9 +148,8 @@ def face_vertices(cover: Cover, surface: int) -> FacePoints:
 _Part = tuple[FacePoints, Floats, csr_array, Floats, Ints]  # integration points, lengths, N_k, s and stretch of nodes
 
 
-def _mortar_on_surface(cover: Cover, index: int, spacing: float) -> _Part:
+def _mortar_on_surface(cover: Cover, index: int, spacing: float, ends: Floats) -> _Part:
     surface = cover.surfaces[index]
-    ends = stretch_ends(surface)
     on_rim = (
         not (surface.tip_at_start or surface.junctions[0]),
         not (surface.tip_at_end or surface.junctions[-1]),
@@ -173,12 +174,26 @@ def _mortar_on_surface(cover: Cover, index: int, spacing: float) -> _Part:
     all_nodes, all_stretch = np.concatenate(nodes), np.concatenate(stretch)
     points, lengths = integration_points(cover, index, np.concatenate([ends[1:-1], all_nodes]))
     stretch_of_point = np.searchsorted(ends[1:-1], points.s, side="right")
-    functions = np.zeros((len(all_nodes), len(points.s)))
-    for number in range(len(ends) - 1):
-        mine, there = np.flatnonzero(all_stretch == number), np.flatnonzero(stretch_of_point == number)
-        for row, unit in zip(mine, np.eye(len(mine)), strict=True):
-            functions[row, there] = np.interp(points.s[there], all_nodes[mine], unit)
-    return points, lengths, csr_array(functions), all_nodes, all_stretch
+    left, right, share = neighbours(all_nodes, all_stretch, points.s, stretch_of_point)
+    there, between = np.arange(len(points.s)), share > 0.0
+    rows, columns = np.concatenate([left, right[between]]), np.concatenate([there, there[between]])
+    values = np.concatenate([1.0 - share, share[between]])
+    functions = csr_array((values, (rows, columns)), shape=(len(all_nodes), len(points.s)))
+    return points, lengths, functions, all_nodes, all_stretch
+
+
+def neighbours(nodes: Floats, stretch: Ints, s: Floats, stretch_of: Ints) -> tuple[Ints, Ints, Floats]:
+    """The nodes on both sides of places s (n,) on their stretches, and how far (0 to 1) each is from the left.
+
+    `nodes` (k,) ascend, stretch by stretch, as `stretch` (k,) tells. Next to an end both are the last of the stretch.
+    """
+    first = np.searchsorted(stretch, stretch_of)
+    last = np.searchsorted(stretch, stretch_of, side="right") - 1
+    right = np.searchsorted(nodes, s)
+    left, right = np.clip(right - 1, first, last), np.clip(right, first, last)
+    way = nodes[right] - nodes[left]
+    share = np.divide(s - nodes[left], way, out=np.zeros(len(s)), where=way > 0.0)
+    return left, right, share
 
 
 def integration_points(cover: Cover, index: int, breaks: Floats) -> tuple[FacePoints, Floats]:
@@ -220,7 +235,7 @@ def _on_edges(cover: Cover, surface: int, owner: Ints, s: Floats) -> FacePoints:
     )
 
 
-def _joined(cover: Cover, touching: list[int], parts: list[_Part]) -> ContactFaces:
+def _joined(cover: Cover, ends: dict[int, Floats], parts: list[_Part]) -> ContactFaces:
     """All surfaces' contact points as one set."""
     if not parts:
         return _NO_FACES
@@ -228,14 +243,33 @@ def _joined(cover: Cover, touching: list[int], parts: list[_Part]) -> ContactFac
     return ContactFaces(
         points=joined(points),
         lengths=np.concatenate(lengths),
-        functions=csr_array(block_diag(functions)),
-        nodes=joined([points_at(cover, index, s) for index, s in zip(touching, nodes, strict=True)]),
+        functions=_block_diagonal(functions),
+        nodes=joined([points_at(cover, index, s) for index, s in zip(ends, nodes, strict=True)]),
         stretch=np.concatenate(stretches),
+        ends=ends,
     )
+
+
+def _block_diagonal(blocks: Sequence[csr_array]) -> csr_array:
+    """One matrix with `blocks` along its diagonal."""
+    if len(blocks) == 1:
+        return blocks[0]
+    sizes = np.array([(*block.shape, block.nnz) for block in blocks])
+    start = np.cumsum(sizes, axis=0) - sizes
+    indices = [block.indices + first for block, first in zip(blocks, start[:, 1], strict=True)]
+    row_ends = [block.indptr[1:] + first for block, first in zip(blocks, start[:, 2], strict=True)]
+    parts = (
+        np.concatenate([block.data for block in blocks]),
+        np.concatenate(indices),
+        np.concatenate([[0], *row_ends]),
+    )
+    return csr_array(parts, shape=tuple(sizes[:, :2].sum(axis=0)))
 
 
 def joined(parts: Sequence[FacePoints]) -> FacePoints:
     """Face points of several sets as one set."""
+    if len(parts) == 1:
+        return parts[0]
     return FacePoints(
         surface=np.concatenate([p.surface for p in parts]),
         s=np.concatenate([p.s for p in parts]),
@@ -248,4 +282,4 @@ def joined(parts: Sequence[FacePoints]) -> FacePoints:
 
 _NO_NUMBERS, _NO_PLACES, _NO_IDS = np.empty(0), np.empty((0, 2)), np.empty(0, dtype=np.int64)
 _NO_POINTS = FacePoints(_NO_IDS, _NO_NUMBERS, _NO_PLACES, _NO_PLACES, _NO_IDS, _NO_IDS)
-_NO_FACES = ContactFaces(_NO_POINTS, _NO_NUMBERS, csr_array((0, 0)), _NO_POINTS, _NO_IDS)
+_NO_FACES = ContactFaces(_NO_POINTS, _NO_NUMBERS, csr_array((0, 0)), _NO_POINTS, _NO_IDS, {})

@@ -51,7 +51,9 @@ def solve_contact_of_pieces(
             stiff = replace(springs, stiffness=stiffer * springs.stiffness)
             more = replace(springs, stiffness=(stiffer - 1.0) * springs.stiffness)
             matrix = more.added_to(contact.system.stiffness)
-            solver = ConstrainedSystem(matrix, contact.system.constraints, places_of_unknowns(cover))
+            solver = ConstrainedSystem(
+                matrix, contact.system.constraints, places_of_unknowns(cover), contact.system.factors
+            )
             system = replace(contact, system=solver)
         try:
             return solve_contact_held_loosely(system, stiff, pieces, loads, given, memory)

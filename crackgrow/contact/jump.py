@@ -4,42 +4,64 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, diags_array, hstack
+from scipy.sparse import csr_array
 
-from crackgrow.approximation.basis import value_matrix, values_at
+from crackgrow.approximation.basis import values_at
+from crackgrow.approximation.field import field_values
 from crackgrow.contact.faces import ContactFaces, FacePoints
 from crackgrow.cover.cover import Cover
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 def jump_matrix(cover: Cover, points: FacePoints) -> csr_array:
     """Scalar jump (n, n_functions): value on the plus face minus value on the minus face, zero on a foundation."""
-    plus = value_matrix(values_at(cover, points.points, points.plus), cover.n_functions)
-    rock = points.minus >= 0
-    minus = value_matrix(values_at(cover, points.points[rock], points.minus[rock]), cover.n_functions)
-    number = csr_array((np.ones(rock.sum()), (np.flatnonzero(rock), np.arange(rock.sum()))), (len(rock), rock.sum()))
-    return csr_array(plus - number @ minus)
+    n, (rock, places, elements) = len(points.s), _both_faces(points)
+    basis = values_at(cover, places, elements)
+    ids, values = np.full((n, 2 * basis.ids.shape[1]), -1), np.zeros((n, 2 * basis.ids.shape[1]))
+    plus, minus = np.split(np.arange(2 * basis.ids.shape[1]), 2)
+    ids[:, plus], values[:, plus] = basis.ids[:n], basis.values[:n]
+    ids[rock[:, None], minus], values[rock[:, None], minus] = basis.ids[n:], -basis.values[n:]
+    used = ids >= 0
+    row_ends = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
+    return csr_array((values[used], ids[used], row_ends), shape=(n, cover.n_functions))
 
 
 def gap_and_slip(cover: Cover, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
     """Gap (n,) and slip (n,), m, at points: the jump along the normal and along the surface; `u` (n_dofs,)."""
-    jump = jump_matrix(cover, points) @ u.reshape(-1, 2)
+    n, (rock, places, elements) = len(points.s), _both_faces(points)
+    both = field_values(cover, u.reshape(-1, 2), places, elements)
+    jump = both[:n].copy()
+    jump[rock] -= both[n:]
     nx, ny = points.normal.T
     return jump[:, 0] * nx + jump[:, 1] * ny, jump[:, 0] * ny - jump[:, 1] * nx
 
 
 def contact_operators(cover: Cover, faces: ContactFaces) -> tuple[csr_array, csr_array]:
     """Matrices (contact points, n_dofs) that give the average gap and the average slip, m, of every contact point."""
-    jump = jump_matrix(cover, faces.points)
-    average = csr_array(diags_array(1.0 / faces.weights) @ faces.functions @ diags_array(faces.lengths))
+    if faces.n == 0:
+        return csr_array((0, cover.n_dofs)), csr_array((0, cover.n_dofs))
     nx, ny = faces.points.normal.T
-    along_x, along_y = (csr_array(average @ diags_array(n) @ jump) for n in (nx, ny))
-    return _interleaved(along_x, along_y), _interleaved(along_y, csr_array(-along_x))
+    average = faces.functions.tocsr()
+    per_node = np.repeat(1.0 / faces.weights, np.diff(average.indptr))
+    along = (nx + 1j * ny) * faces.lengths  # both components in one product
+    averaged = csr_array(
+        (per_node * average.data * along[average.indices], average.indices, average.indptr), average.shape
+    )
+    found = csr_array(averaged @ jump_matrix(cover, faces.points))
+    found.sort_indices()
+    return _interleaved(found, found.data.real, found.data.imag), _interleaved(found, found.data.imag, -found.data.real)
 
 
-def _interleaved(x: csr_array, y: csr_array) -> csr_array:
-    """One matrix (m, 2 n) for displacements from those of the x and y components (m, n)."""
-    n = x.shape[1]
-    order = np.arange(2 * n).reshape(2, n).T.ravel()  # column k of x goes to 2 k, of y to 2 k + 1
-    return csr_array(csr_array(hstack([x, y], format="csc")[:, order]))
+def _both_faces(points: FacePoints) -> tuple[Ints, Floats, Ints]:
+    """Which of the points (r,) have rock on their minus face; places and elements of the plus faces, then of those."""
+    rock = np.flatnonzero(points.minus >= 0)
+    return rock, np.concatenate([points.points, points.points[rock]]), np.concatenate([points.plus, points.minus[rock]])
+
+
+def _interleaved(pattern: csr_array, x: Floats, y: Floats) -> csr_array:
+    """A matrix (m, 2 n) for displacements from the entries of the x and y components in the pattern of one (m, n)."""
+    m, n = pattern.shape
+    columns = 2 * pattern.indices[:, None] + np.arange(2)  # column k of x goes to 2 k, of y to 2 k + 1
+    return csr_array((np.stack([x, y], axis=1).ravel(), columns.ravel(), 2 * pattern.indptr), shape=(m, 2 * n))

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from crackgrow.errors import SolveError
 
@@ -31,6 +30,8 @@ def least_unbalanced(
     what the loads do on these, and `size` (N/m) that of the loads. Raises SolveError where linear
     programming fails.
     """
+    from scipy.optimize import linprog  # here: loading it takes a tenth of a second, and few scenes need it
+
     n, k = gap.shape
     if size == 0.0:
         return 0.0, np.zeros(k)

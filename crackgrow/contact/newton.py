@@ -1,5 +1,8 @@
 """Semismooth Newton method for the condensed contact problem, with projected Gauss-Seidel sweeps against cycling.
 
+Many points start from the solution of a problem of half as many (nested iteration, Hackbusch 1985, chapter 5), few
+from sweeps: then it takes two or three steps, however many points there are.
+
 The contact law is the fixed point p = project(p + r du) (`coulomb.project`). Its generalised derivative is that of
 the branch every point is on, including the dependence of the shear bound on the normal traction; all branches are
 linear, so that one Newton step is one linear solve with the current active set (Hintermueller, Ito, Kunisch 2002;
@@ -12,6 +15,8 @@ from typing import Final
 
 import numpy as np
 
+from crackgrow.contact.active_solver import ActiveSolver
+from crackgrow.contact.coarse import doubled, halved
 from crackgrow.contact.coulomb import (
     ActiveSet,
     ContactProblem,
@@ -20,7 +25,6 @@ from crackgrow.contact.coulomb import (
     active_set,
     jump,
     project,
-    solve_active,
 )
 from crackgrow.errors import SolveError
 
@@ -28,30 +32,31 @@ ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p
 REPEATED_ROUND_OFF: Final = 1e-10  # the same where the active set repeats: another step cannot lower it
 UNIT: Final = 1e-15  # round-off of a term of A p; its sum, weighed by r, is as far as a repeated set can come down
 FIRST_SWEEPS: Final = 3  # Gauss-Seidel sweeps before the first step
+FEW_POINTS: Final = 32  # up to so many points start from sweeps alone
+COARSE_ITERATIONS: Final = 20  # of a problem that is but a start
 MAX_SWEEPS: Final = 200  # most sweeps after one cycle
 
 
 def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_iterations: int = 100) -> ContactSolution:
     """Tractions of the contact problem; status "solved", or "limit" with the best tractions found.
 
-    `start` (m,) Pa is a guess, such as the tractions of the previous step. An iteration is one linear solve. Where an
+    `start` (m,) Pa is a guess, `first_guess` if None. An iteration is one linear solve. Where an
     active set comes back without convergence, projected Gauss-Seidel sweeps (5, 10, 20, ...) lead out of the cycle.
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, or friction beyond the range in which a solution exists.
     Raises SolveError for a start of wrong shape or with a value that is not finite.
     """
-    p = _first_guess(problem, start)
+    p = first_guess(problem) if start is None else _checked(problem, start)
+    solver = ActiveSolver(problem)
     best, least = p, np.inf
     active = active_set(problem, p, jump(problem, p))
     seen: set[bytes] = set()
     n_sweeps = 5
     assert problem.scale is not None
-    as_far = max(
-        REPEATED_ROUND_OFF, UNIT * float((np.abs(problem.compliance).sum(axis=1) / problem.scale).max(initial=0.0))
-    )
+    as_far = max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
     for iteration in range(1, max_iterations + 1):
         seen.add(active.key())
-        p = solve_active(problem, active)
+        p = solver.solve(active)
         du = jump(problem, p)
         residual = _change(problem, p, du)
         following = _through_stick(active, active_set(problem, p, du))
@@ -89,9 +94,15 @@ def sweep(problem: ContactProblem, p: Floats, n_sweeps: int) -> Floats:
     return p
 
 
-def _first_guess(problem: ContactProblem, start: Floats | None) -> Floats:
-    if start is None:
+def first_guess(problem: ContactProblem) -> Floats:
+    """(m,) Pa: tractions to start from, of a problem of half as many points, or of sweeps where there are few."""
+    coarse = halved(problem) if problem.n_points > FEW_POINTS else None
+    if coarse is None:
         return sweep(problem, np.zeros(problem.free.size), FIRST_SWEEPS)
+    return doubled(problem, solve_by_newton(coarse, max_iterations=COARSE_ITERATIONS).traction)
+
+
+def _checked(problem: ContactProblem, start: Floats) -> Floats:
     if start.shape != problem.free.shape or not np.isfinite(start).all():
         raise SolveError(
             f"contact start: shape {start.shape} with {np.count_nonzero(~np.isfinite(start))} values that are not "

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from crackgrow.contact.coulomb import STICK, active_set, jump
 from crackgrow.contact.solve import OVERLAP, ContactOutcome
 from crackgrow.contact.system import ContactSystem
-from crackgrow.contact.uniqueness import friction_limit, other_solutions
+from crackgrow.contact.uniqueness import below_friction_limit, friction_limit, other_solutions
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -37,8 +37,11 @@ def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSo
         return None
     if contact.loose or contact.law.dilation is not None:
         return None
-    limit = friction_limit(problem.compliance, contact.weights[rows])
-    if problem.friction.max() < limit:
+    largest, weights = float(problem.friction.max()), contact.weights[rows]
+    if below_friction_limit(largest, problem.compliance, weights):
+        return None
+    limit = friction_limit(problem.compliance, weights)
+    if largest < limit:
         return None
     known = np.concatenate([outcome.normal_traction[rows], outcome.tangential_traction[rows]])
     for p in other_solutions(problem, known):

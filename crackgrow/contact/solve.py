@@ -103,7 +103,7 @@ def solve_increment(
     """One increment; `last` is the outcome under nearly the same loads, if there is one."""
     u_free, multipliers = contact.system.solve(loads, given) if without is None else without
     size = displacement_size(loads, u_free if last is None else last.u, given)
-    trial = _Increment(contact, u_free, multipliers, memory, OVERLAP * size)
+    trial = _Increment(contact, u_free, multipliers, memory, OVERLAP * size, last)
     dilation = contact.law.dilation
     if dilation is None or not dilation.any():
         return trial.outcome(np.zeros(len(contact.weights)))
@@ -122,10 +122,19 @@ def solve_increment(
 
 
 class _Increment:
-    """An increment: contact points are taken in and break until the law holds; they stay so for further solves."""
+    """An increment: contact points are taken in and break until the law holds; they stay so for further solves.
+
+    Every solve starts from the tractions of the one before.
+    """
 
     def __init__(
-        self, contact: ContactSystem, u_free: Floats, multipliers: Floats, memory: ContactMemory, tolerance: float
+        self,
+        contact: ContactSystem,
+        u_free: Floats,
+        multipliers: Floats,
+        memory: ContactMemory,
+        tolerance: float,
+        last: ContactOutcome | None,
     ) -> None:
         self._contact, self._memory, self._tolerance = contact, memory, tolerance
         self._u_free, self._multipliers = u_free, multipliers
@@ -133,6 +142,7 @@ class _Increment:
         self._taken = memory.coheres(contact.law)
         self._broken = memory.broken.copy()
         self._opened = np.zeros(len(contact.weights), dtype=bool)  # in this increment: they do not cohere in it
+        self._last = None if last is None else (last.normal_traction, last.tangential_traction)
 
     def outcome(self, rise: Floats) -> ContactOutcome:
         """The solution where slip s opens the faces by `rise` (n,) times s: the tangent of the dilation, signed."""
@@ -143,7 +153,7 @@ class _Increment:
         notes: set[str] = set()
         iterations, complementarity = 0, 0.0
         u, multipliers = self._u_free, self._multipliers
-        gap = free_gap
+        gap, slip = free_gap, self._slip
         problem: ContactProblem | None = None
         taken |= gap < -self._tolerance
         while taken.any():
@@ -155,19 +165,23 @@ class _Increment:
             response = contact.columns.of(rows, sliding)
             free = np.concatenate([free_gap[rows], free_slip[sliding]])
             problem = condensed(contact, response, free, friction, cohesion, rows, sliding, rise)
-            solution, note = solved(problem, None if rise.any() else contact.weights[rows], contact.solver)
+            start = None if self._last is None else np.concatenate([self._last[0][rows], self._last[1][sliding]])
+            weights = None if rise.any() else contact.weights[rows]
+            solution, note = solved(problem, weights, contact.solver, start)
             notes.update([note] if note else [])
             iterations += solution.iterations
             complementarity = complementarity_residual(problem, solution.traction)
             p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
             p_n[rows] = solution.traction[: len(rows)]
             p_t[sliding] = solution.traction[len(rows) :]
+            self._last = p_n, p_t
             u = self._u_free - response @ solution.traction
-            gap = contact.gap_of @ u - rise * (contact.slip_of @ u - law.compliance * p_t)
+            slip = contact.slip_of @ u
+            gap = contact.gap_of @ u - rise * (slip - law.compliance * p_t)
             unpressed = p_n[rows] >= -UNPRESSED * np.max(np.abs(free) / problem.compliance.diagonal())
             # where springs hold pieces, the jump without contact says nothing
             noise = self._tolerance if contact.loose else TOUCHING * float(np.abs(free).max())
-            jump = max(float(np.abs(gap[rows]).max()), float(np.abs(contact.slip_of[rows] @ u).max()))
+            jump = max(float(np.abs(gap[rows]).max()), float(np.abs(slip[rows]).max()))
             apart = gap[rows] > max(UNPRESSED * jump, noise)
             touching = (cohesion[rows] > 0.0) & ~apart
             held = np.where(np.abs(p_t[rows]) < (1.0 - AT_LIMIT) * cohesion[rows], STICK, SLIP)
@@ -184,7 +198,6 @@ class _Increment:
             else:
                 multipliers = multipliers - contact.columns.multipliers(rows, sliding) @ solution.traction
                 break
-        slip = contact.slip_of @ u
         dilation = rise * (slip - law.compliance * p_t)
         apart = (state == OPEN) & (gap > self._tolerance)
         return ContactOutcome(

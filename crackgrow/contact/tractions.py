@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.contact.coulomb import SLIP, STICK
-from crackgrow.contact.faces import ContactFaces, points_at, stretch_ends
+from crackgrow.contact.faces import ContactFaces, neighbours, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.law import ContactLaw
 from crackgrow.contact.solve import ContactOutcome
@@ -18,33 +16,31 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def between_contact_points(cover: Cover, faces: ContactFaces, surface: int, s: Floats, values: Floats) -> Floats:
-    """Values (n,) at arc lengths s (n,) of a surface from those of all contact points (contact points,).
+def between_contact_points(faces: ContactFaces, surface: int, s: Floats, *values: Floats) -> list[Floats]:
+    """Each of `values` (contact points,) at arc lengths s (n,) of a surface: (n,).
 
     Constant towards the ends of a stretch, zero on a surface without contact points.
     """
-    found = np.zeros(len(s))
-    for there, nodes in _stretches(cover, faces, surface, s):
-        found[there] = np.interp(s[there], faces.s[nodes], values[nodes])
-    return found
+    if surface not in faces.ends:
+        return [np.zeros(len(s)) for _ in values]
+    left, right, share = _neighbours(faces, surface, s)
+    return [found[left] + share * (found[right] - found[left]) for found in values]
 
 
-def nearest_contact_point(cover: Cover, faces: ContactFaces, surface: int, s: Floats) -> Ints:
+def nearest_contact_point(faces: ContactFaces, surface: int, s: Floats) -> Ints:
     """Number (n,) of the contact point nearest to arc lengths s (n,) of a surface on the same stretch; -1 for none."""
-    found = np.full(len(s), -1, dtype=np.int64)
-    for there, nodes in _stretches(cover, faces, surface, s):
-        found[there] = nodes[np.abs(s[there, None] - faces.s[nodes]).argmin(axis=1)]
-    return found
+    if surface not in faces.ends:
+        return np.full(len(s), -1, dtype=np.int64)
+    left, right, share = _neighbours(faces, surface, s)
+    return np.where(share > 0.5, right, left)
 
 
-def _stretches(cover: Cover, faces: ContactFaces, surface: int, s: Floats) -> Iterator[tuple[Ints, Ints]]:
-    """Stretch by stretch: which of s (n,) lie on it, and the numbers of its contact points."""
-    mine = np.flatnonzero(faces.surface == surface)
-    if len(mine) == 0:
-        return
-    stretch = np.searchsorted(stretch_ends(cover.surfaces[surface])[1:-1], s, side="right")
-    for number in np.unique(stretch):
-        yield np.flatnonzero(stretch == number), mine[faces.stretch[mine] == number]
+def _neighbours(faces: ContactFaces, surface: int, s: Floats) -> tuple[Ints, Ints, Floats]:
+    """Numbers (n,) of the contact points on both sides of arc lengths s (n,), and how far from the left."""
+    mine = slice(*np.searchsorted(faces.surface, (surface, surface + 1)).tolist())
+    stretch = np.searchsorted(faces.ends[surface][1:-1], s, side="right")
+    left, right, share = neighbours(faces.s[mine], faces.stretch[mine], s, stretch)
+    return mine.start + left, mine.start + right, share
 
 
 def elastic_tractions(
@@ -60,12 +56,11 @@ def elastic_tractions(
 
     Elsewhere p_t is in proportion to p_n, as at the contact points, but for the cohesion of faces that slip.
     """
-    if not (faces.surface == crack).any():  # it cannot touch
+    if crack not in faces.ends:  # it cannot touch
         return np.zeros(len(s)), np.zeros(len(s))
-    nearest = nearest_contact_point(cover, faces, crack, s)
+    nearest = nearest_contact_point(faces, crack, s)
     gap, slip = gap_and_slip(cover, points_at(cover, crack, s), outcome.u)
-    normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)
-    tangential = between_contact_points(cover, faces, crack, s, outcome.tangential_traction)
+    normal, tangential = between_contact_points(faces, crack, s, outcome.normal_traction, outcome.tangential_traction)
     compliance, broken = law.compliance[nearest], outcome.memory.broken
     if law.dilation is not None:
         gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - compliance * tangential)

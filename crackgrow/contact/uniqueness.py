@@ -27,15 +27,20 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
+from scipy.linalg.lapack import dpotrf, dpotrs
 
+from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import ActiveSet, ContactProblem, ContactSolution, solve_active
+from crackgrow.contact.coulomb import ActiveSet, ContactProblem, ContactSolution
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.errors import SolveError
 
 Floats = NDArray[np.float64]
 
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions
+INVERSE_ITERATIONS: Final = 10  # for an estimate of an eigenvalue
+NEARLY: Final = 0.8  # of that estimate: what the eigenvalue is proven to exceed
+LEMKE_POINTS: Final = 300  # of more, Lemke's method would cost several times what everything else of a step does
 ITERATIONS: Final = 40  # of Newton's method from a start that is but one of several
 
 
@@ -48,20 +53,62 @@ def friction_limit(compliance: Floats, weights: Floats) -> float:
     n = len(weights)
     if n == 0:
         return float("inf")
-    root = np.tile(np.sqrt(weights), 2)
-    A = compliance * root[:, None] / root
-    size = np.tile(np.sqrt(A.diagonal()[:n]), 2)  # any size a point, the same for both of its rows
-    A = 0.5 * (A + A.T) / np.outer(size, size)
+    A = _normalised(compliance, weights)
     try:
         normal, tangential = np.linalg.cholesky(A[:n, :n]), np.linalg.cholesky(A[n:, n:])
     except np.linalg.LinAlgError:
         return 0.0
     half = solve_triangular(normal, A[:n, n:], lower=True)
-    gamma = float(np.linalg.norm(solve_triangular(tangential, half.T, lower=True), 2))
-    if gamma == 0.0:
+    coupling = solve_triangular(tangential, half.T, lower=True)
+    gamma_sq = float(np.linalg.eigvalsh(coupling @ coupling.T)[-1])
+    if gamma_sq <= 0.0:
         return float("inf")
-    uncoupled = np.sqrt(np.linalg.eigvalsh(A[:n, :n])[0] / np.linalg.eigvalsh(A[n:, n:])[-1])
-    return float(np.sqrt(max(1.0 - gamma**2, 0.0)) / gamma * uncoupled)
+    uncoupled = np.linalg.eigvalsh(A[:n, :n])[0] / np.linalg.eigvalsh(A[n:, n:])[-1]
+    return float(np.sqrt(max(1.0 - gamma_sq, 0.0) / gamma_sq * uncoupled))
+
+
+def below_friction_limit(friction: float, compliance: Floats, weights: Floats) -> bool:
+    """Whether `friction` is certainly below `friction_limit`: proven by three Cholesky factorizations, or not known.
+
+    The least eigenvalue of A_nn exceeds a number if A_nn less that on its diagonal is positive definite, the largest of
+    A_tt is at most its largest sum of a row, and gamma is less than g if A with diagonal blocks g A_nn and g A_tt is.
+    """
+    n = len(weights)
+    if n == 0:
+        return True
+    A = _normalised(compliance, weights)
+    least = NEARLY * _least_eigenvalue(A[:n, :n])
+    if least <= 0.0 or dpotrf((A[:n, :n] - least * np.eye(n)).T, overwrite_a=True)[1]:
+        return False
+    largest = float(np.abs(A[n:, n:]).sum(axis=0).max())
+    g = np.sqrt(least / (least + friction**2 * largest))
+    A[:n, :n] *= g
+    A[n:, n:] *= g
+    return not dpotrf(A.T, overwrite_a=True)[1]
+
+
+def _normalised(compliance: Floats, weights: Floats) -> Floats:
+    """The symmetric A (2 n, 2 n) without a unit: forces for pressures, and any size a point, the same for its rows."""
+    n = len(weights)
+    root = np.tile(np.sqrt(weights), 2)
+    size = np.tile(np.sqrt(compliance.diagonal()[:n]), 2)
+    A: Floats = compliance * (root / size)[:, None]
+    A /= root * size
+    A += A.T.copy()
+    A *= 0.5
+    return A
+
+
+def _least_eigenvalue(A: Floats) -> float:
+    """An estimate from above by inverse iteration; zero where A (n, n) is not positive definite."""
+    factor, failed = dpotrf(A, lower=True)
+    if failed:
+        return 0.0
+    v = np.random.default_rng(0).normal(size=len(A))
+    for _ in range(INVERSE_ITERATIONS):
+        v /= np.linalg.norm(v)
+        previous, v = v, dpotrs(factor, v, lower=True)[0]
+    return 1.0 / float(previous @ v)
 
 
 def other_solutions(problem: ContactProblem, known: Floats) -> Iterator[Floats]:
@@ -75,12 +122,14 @@ def other_solutions(problem: ContactProblem, known: Floats) -> Iterator[Floats]:
 
 
 def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
-    """Newton's method from all points stuck and all slipping one way or the other, and Lemke's."""
+    """Newton's method from all points stuck and all slipping one way or the other, and Lemke's where they are few."""
     n = problem.n_points
     for slip in (0, 1, -1):
         closed = ActiveSet(np.ones(n, dtype=bool), np.full(n, slip, dtype=np.int64))
         yield solve_by_newton(problem, solve_active(problem, closed), ITERATIONS)
     yield solve_by_newton(problem)
+    if n > LEMKE_POINTS:
+        return
     try:
         yield solve_by_lemke(problem)
     except SolveError:  # the compliance has no inverse: Newton's attempts are all there are

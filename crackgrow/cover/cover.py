@@ -15,23 +15,16 @@ from crackgrow.cover.enrichment import Enrichment, enrichment_of
 from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import Lattice
-from crackgrow.cover.patches import physical_patches
+from crackgrow.cover.patches import physical_patches, without_specks
+from crackgrow.cover.pieces import cut_in_pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.tiles import crossings_and_middles, tile_lines, tiles_at
+from crackgrow.cover.tiles import tile_lines, tiles_at
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, carrying_nodes, make_tip, reach_of_tips
 from crackgrow.geometry.arrangement import on_grid
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
-
-SPECK = 1e-15
-"""A patch whose weight is nowhere larger than this contributes less than round-off."""
-
-PEEK, PEEK_WEIGHT = 0.03, 1e-10
-"""Nor has a patch functions whose rock is smaller than `PEEK` spacings, with no larger weight times size than this.
-Such patches a kink cuts off at their edge, where it peeks over a tile line, and they nearly depend on each other: the
-compliance of contact lost its symmetry or was singular. Of 135 random kinks 2e-6 is the worst left."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,23 +93,25 @@ def build_cover(
     cracks: Sequence[CrackGeometry],
     interfaces: Sequence[CrackGeometry] = (),
     foundations: Sequence[Foundation] = (),
+    before: Cover | None = None,
 ) -> Cover:
     """Cover of bodies, cracks, interfaces (lines without tips) and foundations, all in lattice coordinates.
 
-    Raises GeometryError where the cover cannot represent a crack.
+    What is cut as in the cover `before` is taken over; the result is the same without it. Raises GeometryError where
+    the cover cannot represent a crack.
     """
     bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings)) for body in bodies]
     lines = with_junctions(_on_grid(cracks), _on_grid(interfaces))
     cracks = lines[: len(cracks)]
-    elements = cut_elements(lattice, bodies, lines)
+    known = before.elements if before is not None and _same_bodies(before, lattice, bodies) else None
+    elements = cut_elements(lattice, bodies, lines, known)
     surfaces = [
         Surface(line.name, line.points, edges, line.tip_at_start, line.tip_at_end, line.junctions)
         for line, edges in zip(lines, elements.lines, strict=True)
     ]
     surfaces.extend(_on_foundation(elements, bodies, foundation) for foundation in foundations)
-    functions, nodes = physical_patches(lattice, elements)
-    functions, nodes = _without_specks(lattice, elements, functions, nodes)
-    crumbs = find_crumbs(elements, _elements_at_tips(elements, cracks))
+    functions, nodes = without_specks(lattice, elements, *physical_patches(lattice, elements))
+    crumbs = find_crumbs(lattice, elements, _elements_at_tips(elements, cracks))
     functions, patch_nodes = with_crumbs(crumbs, functions, nodes)
     reach = reach_of_tips(lattice.support)
     tips, tip_ends, tip_function_ids = [], [], []
@@ -125,9 +120,9 @@ def build_cover(
         for at_end in crack.tips():
             singular = _singular_patches(lattice, elements, functions, patch_nodes, index, crack, at_end)
             from_tip = crack.points[::-1] if at_end else crack.points
-            far_end_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
-            seen = np.asarray(np.isin(functions, singular).any(axis=1))
-            ends_inside = far_end_is_tip or _leads_through(lattice, elements, seen, beyond_far_end(from_tip, reach))
+            ends_inside = (crack.tip_at_start if at_end else crack.tip_at_end) or _leads_through(
+                lattice, elements, functions, singular, beyond_far_end(from_tip, reach)
+            )
             tip = make_tip(from_tip, reach, ends_inside)
             singular = singular[carrying_nodes(tip, patch_nodes[singular])]
             tips.append(tip)
@@ -155,6 +150,16 @@ def build_cover(
     )
 
 
+def _same_bodies(before: Cover, lattice: Lattice, bodies: Sequence[BodyGeometry]) -> bool:
+    """Whether a cover has the same lattice and bodies."""
+    rings = [[ring for body in some for ring in body.rings] for some in (before.bodies, bodies)]
+    return (
+        before.lattice is lattice
+        and [len(body.rings) for body in before.bodies] == [len(body.rings) for body in bodies]
+        and all(np.array_equal(one, other) for one, other in zip(*rings, strict=True))
+    )
+
+
 def _elements_at_tips(elements: Elements, cracks: Sequence[CrackGeometry]) -> Ints:
     """An element (tips,) at every tip."""
     ends = zip(cracks, elements.lines, strict=False)  # interfaces follow the cracks
@@ -177,28 +182,6 @@ def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundatio
     return Surface(foundation.name, points, edges, False, False, np.zeros(len(points), dtype=bool))
 
 
-def _without_specks(lattice: Lattice, elements: Elements, functions: Ints, nodes: Ints) -> tuple[Ints, Ints]:
-    """Leave out physical patches that would give rows of zeros, or rows that depend on others but for round-off.
-
-    The weight of a patch grows as the cube of the depth inside of the patch, per axis.
-    """
-    deepest, low, high = np.zeros(len(nodes)), np.full(nodes.shape, np.inf), np.full(nodes.shape, -np.inf)
-    for owner, points in (
-        (elements.ring_element, elements.vertices[elements.ring_start]),
-        (np.arange(elements.n), elements.reference),
-    ):
-        used = functions[owner]
-        from_node = points[:, None, :] - nodes[used]
-        weight = np.prod(np.maximum(1.0 - np.abs(from_node) / lattice.support, 0.0), axis=2) ** 3
-        np.maximum.at(deepest, used[used >= 0], weight[used >= 0])
-        np.minimum.at(low, used[used >= 0], from_node[used >= 0])
-        np.maximum.at(high, used[used >= 0], from_node[used >= 0])
-    size = (high - low).max(axis=1)
-    kept = (deepest > SPECK) & ((deepest * size > PEEK_WEIGHT) | (size > PEEK))
-    number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)  # the last entry serves the index -1
-    return number[functions], nodes[kept]
-
-
 def _singular_patches(
     lattice: Lattice,
     elements: Elements,
@@ -217,10 +200,12 @@ def _singular_patches(
     return np.asarray(candidates[inside])
 
 
-def _leads_through(lattice: Lattice, elements: Elements, seen: Bools, segment: Floats) -> bool:
-    """Whether a segment (2, 2) leads through one of the elements that `seen` (elements,) marks."""
+def _leads_through(lattice: Lattice, elements: Elements, functions: Ints, patches: Ints, segment: Floats) -> bool:
+    """Whether a segment (2, 2) leads through an element with one of `patches`."""
     cut = elements.tree.query(shapely.linestrings(segment), predicate="intersects") + elements.n_whole
-    tiles = tiles_at(lattice, crossings_and_middles(segment, *tile_lines(lattice)))
+    pieces = cut_in_pieces(segment[None], *tile_lines(lattice))
+    tiles = tiles_at(lattice, np.concatenate([pieces.points, pieces.ends.mean(axis=1)]))
     tiles = tiles[np.all((tiles >= 0) & (tiles < elements.whole_of_tile.shape), axis=1)]
     whole = elements.whole_of_tile[tuple(tiles.T)]
-    return bool(seen[cut].any() or seen[whole[whole >= 0]].any())
+    through = np.concatenate([cut, whole[whole >= 0]])
+    return bool((functions[through, :, None] == patches).any())

@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.cover.elements import Elements
+from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.arrangement import connected
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 LARGEST_CRUMB = 1.0
 """Spacings: side of the box round a crumb."""
@@ -46,28 +48,50 @@ class Crumbs:
         return 1.0 / 3.0 + np.einsum("nkd,nd->nk", gradients, points - centre), gradients
 
 
-def find_crumbs(elements: Elements, at_tips: Ints) -> Crumbs:
+def find_crumbs(lattice: Lattice, elements: Elements, at_tips: Ints) -> Crumbs:
     """The pieces of rock that are small enough.
 
     One that holds a tip is none, linear functions don't see it: `at_tips` (k,) are elements at the tips.
     """
-    edges, passable = elements.edges, elements.passable
-    label = connected(elements.n, edges.left[passable], edges.right[passable])
+    large = np.zeros(elements.n + 1, dtype=bool)  # the last entry serves the index -1
+    large[elements.whole_of_tile[_in_long_rows(lattice, elements.whole_of_tile >= 0)]] = True
+    number = np.where(large[:-1], 0, np.cumsum(~large[:-1]))
+    edges = elements.edges
+    links = np.flatnonzero(~(large[edges.left] & large[edges.right]) & elements.passable)
+    label = connected(int(number.max(initial=0)) + 1, number[edges.left[links]], number[edges.right[links]])[number]
     n = int(label.max(initial=-1)) + 1
-    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
-    points, piece = elements.vertices[elements.ring_start], label[elements.ring_element]
-    np.minimum.at(low, piece, points)
-    np.maximum.at(high, piece, points)
-    small = (high - low).max(axis=1) <= LARGEST_CRUMB
+    low, high = np.full((2, 2, n), np.inf)
+    high = -high
+    corner = np.flatnonzero(~large[elements.ring_element])
+    points, piece = elements.vertices[elements.ring_start[corner]], label[elements.ring_element[corner]]
+    for axis in range(2):
+        np.minimum.at(low[axis], piece, points[:, axis])
+        np.maximum.at(high[axis], piece, points[:, axis])
+    size = (high - low).max(axis=0)
+    small = size <= LARGEST_CRUMB
+    small[0] = False  # that of all large ones
     small[label[at_tips]] = False
     number = np.where(small, np.cumsum(small) - 1, -1)
-    size = (high - low)[small].max(axis=1, initial=0.0)
-    corners = 0.5 * (low + high)[small][:, None] + AROUND * size[:, None, None]
+    corners = 0.5 * (low[:, small] + high[:, small]).T[:, None] + AROUND * size[small, None, None]
     return Crumbs(number[label], corners.reshape(-1, 3, 2))
+
+
+def _in_long_rows(lattice: Lattice, whole: Bools) -> Bools:
+    """Which whole tiles (tiles x, tiles y) are one of a row, or of a column, of whole tiles longer than a spacing."""
+    n = len(lattice.breaks)  # as many parts as a cell has, and one more
+    found = np.zeros(whole.shape, dtype=bool)
+    for tiles, marks in ((whole, found), (whole.T, found.T)):
+        n_starts = max(len(tiles) + 1 - n, 0)
+        starts = np.logical_and.reduce([tiles[k : k + n_starts] for k in range(n)])
+        for k in range(n):
+            marks[k : k + n_starts] |= starts
+    return found
 
 
 def with_crumbs(crumbs: Crumbs, functions: Ints, nodes: Ints) -> tuple[Ints, Floats]:
     """Physical patches (n, window) of the elements and their nodes (p, 2), those of crumbs replaced by three each."""
+    if crumbs.n == 0:
+        return functions, nodes.astype(np.float64)
     inside = crumbs.of_element >= 0
     kept = np.ones(len(nodes), dtype=bool)
     dropped = functions[inside]

@@ -78,7 +78,9 @@ def enrichment_of(functions: Ints, tip_function_ids: Sequence[Ints]) -> Enrichme
         [tip_function_ids[t][p] for t, p in zip(tip.tolist(), patch.tolist(), strict=True)], dtype=np.int64
     )
 
-    element, slot = np.nonzero(functions >= 0)
+    acted_on = np.zeros(int(functions.max(initial=-1)) + 2, dtype=bool)  # the last entry serves the index -1
+    acted_on[patch] = True
+    element, slot = np.nonzero(acted_on[functions])
     seen = functions[element, slot]
     which, entry = entries(list_starts(patch, int(seen.max(initial=-1)) + 1), seen)
     element, slot, tip, number = element[which], slot[which], tip[entry], number[entry]

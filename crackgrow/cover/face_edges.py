@@ -5,6 +5,7 @@ They know the elements on their two sides; nothing else decides on which side of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,40 +50,52 @@ class OutlineEdges:
 
 
 def edges_on_lines(
-    cracks: list[CrackGeometry], vertices: Floats, edges: Edges, n_whole: int
+    lines: Sequence[CrackGeometry], traces: Sequence[tuple[Ints, Ints]], vertices: Floats, edges: Edges, n_whole: int
 ) -> tuple[tuple[FaceEdges, ...], Bools]:
-    """The edges along each crack or interface, sorted and turned along it, and which of all edges they are."""
+    """The edges along each crack or interface, sorted and turned along it, and which of all edges they are.
+
+    `traces` are, line by line, the edges (p,) on its pieces, in order and -1 where a piece is no edge but several, and
+    the segments (p,) they lie on.
+    """
     is_crack = np.zeros(len(edges.a), dtype=bool)
+    found = []
+    for line, (edge, segment) in zip(lines, traces, strict=True):
+        if len(edge) == 0 or not np.all((edge >= 0) & (edges.right[edge] >= 0)):
+            edge, segment = _searched(line, vertices, edges, n_whole)
+        is_crack[edge] = True
+        found.append(_along(line, edge, segment, vertices, edges))
+    return tuple(found), is_crack
+
+
+def _along(line: CrackGeometry, edge: Ints, segment: Ints, vertices: Floats, edges: Edges) -> FaceEdges:
+    """Edges (n,) on segments (n,) of a line, turned along it."""
+    along = segment_directions(line.points)[segment]
+    forward = np.sum((vertices[edges.b[edge]] - vertices[edges.a[edge]]) * along, axis=1) > 0
+    start = vertices[np.where(forward, edges.a[edge], edges.b[edge])]
+    end = vertices[np.where(forward, edges.b[edge], edges.a[edge])]
+    offset = np.sum((start - line.points[segment]) * along, axis=1)
+    lengths = np.sum((end - start) * along, axis=1)
+    s = arc_lengths(line.points)[segment] + offset
+    return FaceEdges(
+        s=np.stack([s, s + lengths], axis=1),
+        points=np.stack([start, end], axis=1),
+        segment=segment,
+        plus=np.where(forward, edges.left[edge], edges.right[edge]),
+        minus=np.where(forward, edges.right[edge], edges.left[edge]),
+        edge=edge,
+    )
+
+
+def _searched(line: CrackGeometry, vertices: Floats, edges: Edges, n_whole: int) -> tuple[Ints, Ints]:
+    """Edges (n,) along a line, in order, and the segments (n,) they lie on, where pieces have been cut again."""
     candidates = np.flatnonzero((edges.right >= n_whole) & (edges.left >= n_whole))
     middles = shapely.points(0.5 * (vertices[edges.a[candidates]] + vertices[edges.b[candidates]]))
-    tree = shapely.STRtree(middles)
-    places = KDTree(vertices)
-    found = []
-    for crack in cracks:
-        lines = shapely.linestrings(np.stack([crack.points[:-1], crack.points[1:]], axis=1))
-        segment, hit = tree.query(lines, predicate="dwithin", distance=ON_LINE)
-        corners = places.query(crack.points)[1]
-        chain = _chain(vertices, corners, edges.a[candidates[hit]], edges.b[candidates[hit]], segment, crack)
-        edge, segment = candidates[hit[chain]], segment[chain]
-        along = segment_directions(crack.points)[segment]
-        forward = np.sum((vertices[edges.b[edge]] - vertices[edges.a[edge]]) * along, axis=1) > 0
-        start = np.where(forward, edges.a[edge], edges.b[edge])
-        end = np.where(forward, edges.b[edge], edges.a[edge])
-        offset = np.sum((vertices[start] - crack.points[segment]) * along, axis=1)
-        lengths = np.sum((vertices[end] - vertices[start]) * along, axis=1)
-        s = arc_lengths(crack.points)[segment] + offset
-        is_crack[edge] = True
-        found.append(
-            FaceEdges(
-                s=np.stack([s, s + lengths], axis=1),
-                points=np.stack([vertices[start], vertices[end]], axis=1),
-                segment=segment,
-                plus=np.where(forward, edges.left[edge], edges.right[edge]),
-                minus=np.where(forward, edges.right[edge], edges.left[edge]),
-                edge=edge,
-            )
-        )
-    return tuple(found), is_crack
+    segments = shapely.linestrings(np.stack([line.points[:-1], line.points[1:]], axis=1))
+    segment, hit = shapely.STRtree(middles).query(segments, predicate="dwithin", distance=ON_LINE)
+    used = np.unique(np.concatenate([edges.a[candidates], edges.b[candidates]]))
+    corners = used[KDTree(vertices[used]).query(line.points)[1]]
+    chain = _chain(vertices, corners, edges.a[candidates[hit]], edges.b[candidates[hit]], segment, line)
+    return candidates[hit[chain]], segment[chain]
 
 
 def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, crack: CrackGeometry) -> Ints:
@@ -115,10 +128,19 @@ def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, cra
     return np.array(chain[::-1], dtype=np.int64)
 
 
-def edges_on_outlines(sides: list[Floats], vertices: Floats, edges: Edges, body: Ints) -> OutlineEdges:
-    """The edges along the rims of the bodies (sides (n, 2, 2)), with the side that each lies on."""
-    between = (edges.right < 0) | (body[edges.left] != body[edges.right])
-    shared = between & (edges.right >= 0)
+def edges_on_outlines(
+    sides: Sequence[Floats], traces: Sequence[tuple[Ints, Ints]], vertices: Floats, edges: Edges, body: Ints
+) -> OutlineEdges:
+    """The edges along the rims of the bodies (sides (n, 2, 2)), with the side that each lies on.
+
+    `traces` are, body by body, the edges (p,) on the pieces of its sides, -1 where a piece is no edge but several, and
+    the sides (p,).
+    """
+    inner = np.flatnonzero(edges.right >= 0)
+    shared = inner[body[edges.left[inner]] != body[edges.right[inner]]]
+    is_between = edges.right < 0
+    is_between[shared] = True
+    between = np.flatnonzero(is_between)
     points = np.concatenate(
         [
             np.stack([vertices[edges.a[between]], vertices[edges.b[between]]], axis=1),
@@ -126,17 +148,28 @@ def edges_on_outlines(sides: list[Floats], vertices: Floats, edges: Edges, body:
         ]
     )
     element = np.concatenate([edges.left[between], edges.right[shared]])
-    middles = shapely.points(points.mean(axis=1))
+    number = np.concatenate([between, shared])
     side = np.full(len(element), -1, dtype=np.int64)
-    for index, ends in enumerate(sides):
-        mine = np.flatnonzero(body[element] == index)
-        tree = shapely.STRtree(shapely.linestrings(ends))
-        (which, hit), distance = tree.query_nearest(middles[mine], all_matches=False, return_distance=True)
-        side[mine[which]] = hit
-        if distance.max(initial=0.0) > ON_LINE:
-            raise GeometryError("an element has a side that is neither shared nor on an outline")
-    number = np.concatenate([np.flatnonzero(between), np.flatnonzero(shared)])
+    known = np.full(len(edges.a), -1, dtype=np.int64)
+    for index, (ends, (edge, on_side)) in enumerate(zip(sides, traces, strict=True)):
+        known[edge[edge >= 0]] = on_side[edge >= 0]
+        mine = body[element] == index
+        side[mine] = known[number[mine]]
+        known[edge] = -1
+        _search_sides(side, np.flatnonzero(mine & (side < 0)), points, ends)
     return OutlineEdges(points, body[element], side, element, number)
+
+
+def _search_sides(side: Ints, unknown: Ints, points: Floats, ends: Floats) -> None:
+    """Fill in the nearest of the sides with `ends` (n, 2, 2) for the `unknown` ones of edges with ends `points`."""
+    if len(unknown) == 0:
+        return
+    tree = shapely.STRtree(shapely.linestrings(ends))
+    middles = shapely.points(points[unknown].mean(axis=1))
+    (which, hit), distance = tree.query_nearest(middles, all_matches=False, return_distance=True)
+    side[unknown[which]] = hit
+    if distance.max(initial=0.0) > ON_LINE:
+        raise GeometryError("an element has a side that is neither shared nor on an outline")
 
 
 def edges_of_region(outlines: OutlineEdges, body: int, ends: Floats, sides: Ints, limits: Floats) -> FaceEdges:

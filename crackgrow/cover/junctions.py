@@ -18,6 +18,7 @@ from crackgrow.geometry.arrangement import connected, on_grid
 from crackgrow.geometry.tolerance import ON_LINE, TOUCH
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 
@@ -38,9 +39,10 @@ def with_junctions(cracks: Sequence[CrackGeometry], interfaces: Sequence[CrackGe
     return [_joined(line, places, tree) for line in lines]
 
 
-def sides_through_junctions(sides: Floats, lines: Sequence[CrackGeometry]) -> Floats:
-    """Sides (n, 2, 2) of a body, cut in two wherever a junction, or an end that is no tip, lies on them: (m, 2, 2).
+def sides_through_junctions(sides: Floats, lines: Sequence[CrackGeometry]) -> tuple[Floats, Ints]:
+    """Sides (n, 2, 2) of a body, cut in two wherever a junction, or an end that is no tip, lies on them.
 
+    Returns the parts (m, 2, 2), and the side (m,) that each belongs to.
     A side and an interface along it that do not share their vertices would enclose slivers, by rounding to the grid;
     and a crack would end beside a slanting side, not on it.
     """
@@ -48,7 +50,10 @@ def sides_through_junctions(sides: Floats, lines: Sequence[CrackGeometry]) -> Fl
     places = np.concatenate(
         [np.empty((0, 2)), *(line.points[some] for line, some in zip(lines, on_sides, strict=True))]
     )
-    found = [sides]
+    every = np.arange(len(sides))
+    if len(places) == 0:
+        return sides, every
+    found, owner = [sides], [every]
     which, hit = shapely.STRtree(shapely.linestrings(sides)).query(shapely.points(places), "dwithin", ON_LINE)
     for side in np.unique(hit):
         start, step = sides[side, 0], np.diff(sides[side], axis=0)[0]
@@ -57,8 +62,9 @@ def sides_through_junctions(sides: Floats, lines: Sequence[CrackGeometry]) -> Fl
         corners = np.concatenate([sides[side, :1], along, sides[side, 1:]])
         pieces = np.stack([corners[:-1], corners[1:]], axis=1)
         found.append(pieces[np.any(pieces[:, 0] != pieces[:, 1], axis=1)])
-    found[0] = np.delete(sides, np.unique(hit), axis=0)
-    return np.concatenate(found)
+        owner.append(np.full(len(found[-1]), side))
+    found[0], owner[0] = np.delete(sides, np.unique(hit), axis=0), np.delete(every, np.unique(hit))
+    return np.concatenate(found), np.concatenate(owner)
 
 
 def _ends_without_tip(line: CrackGeometry) -> Bools:
@@ -92,6 +98,8 @@ def _meeting_places(lines: Sequence[CrackGeometry]) -> Floats:
     first, second = shapely.STRtree(segments).query(segments, predicate="dwithin", distance=TOUCH)
     neighbours = (owner[first] == owner[second]) & (second - first == 1)
     pairs = np.flatnonzero((first < second) & ~neighbours)
+    if len(pairs) == 0:
+        return np.empty((0, 2))
     found: list[Floats] = []  # vertices first: of the points of one place the first one stands for all
     crossings: list[Floats] = []
     for a, b in zip(first[pairs].tolist(), second[pairs].tolist(), strict=True):

@@ -50,7 +50,7 @@ def reach_of_tips(support: float) -> float:
 def n_outward(points_from_tip: Floats) -> int:
     """Number of segments of a crack (n, 2), from its tip on, along which the distance from the tip grows."""
     local = points_from_tip - points_from_tip[0]
-    outward = np.sum(local[:-1] * np.diff(local, axis=0), axis=1) >= 0.0
+    outward = np.sum(local[:-1] * (local[1:] - local[:-1]), axis=1) >= 0.0
     return len(outward) if outward.all() else int(np.argmin(outward))
 
 
@@ -101,11 +101,19 @@ def tip_angle(tip: Tip, points: Floats, reference: Floats) -> tuple[Floats, Floa
 
     The reference lies off the crack; the point may lie on it.
     """
-    local = (points - tip.point) @ tip.rotation.T
+    return polar_beside(tip, points, side_angle(tip, reference))
+
+
+def side_angle(tip: Tip, reference: Floats) -> Floats:
+    """Angle t (n,) of points (n, 2) that lie off the crack."""
     seen = (reference - tip.point) @ tip.rotation.T
-    side = np.arctan2(seen[:, 1], seen[:, 0])
     alpha = crack_angle(tip, np.hypot(seen[:, 0], seen[:, 1]))
-    side = alpha - np.mod(alpha - side, 2.0 * np.pi)
+    return np.asarray(alpha - np.mod(alpha - np.arctan2(seen[:, 1], seen[:, 0]), 2.0 * np.pi))
+
+
+def polar_beside(tip: Tip, points: Floats, side: Floats) -> tuple[Floats, Floats]:
+    """Distance r and angle t (n,) of points (n, 2), each on the side of the crack that has the angles `side` (n,)."""
+    local = (points - tip.point) @ tip.rotation.T
     angle = np.arctan2(local[:, 1], local[:, 0])
     angle += 2.0 * np.pi * np.round((side - angle) / (2.0 * np.pi))
     return np.hypot(local[:, 0], local[:, 1]), angle

@@ -7,6 +7,7 @@ a least-squares fit over the last straight stretch.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,15 +38,21 @@ def from_face_displacements(
     """
     if not tips:
         return []
-    x = (np.arange(FIT_POINTS) + 0.5) / FIT_POINTS
+    x, weights = _fit()
     lengths, samples = zip(*(_samples(cover, tip, x) for tip in tips), strict=True)
     jumps = np.split(np.stack(gap_and_slip(cover, joined(samples), u), axis=1), len(tips))
     found = []
     for modulus, length, jump in zip(young_prime, lengths, jumps, strict=True):
-        powers = (x[:, None] ** np.arange(FIT_TERMS)) * np.sqrt(length * x)[:, None]
-        fit = np.linalg.lstsq(powers, jump)[0][0] * modulus / 8.0 * np.sqrt(2.0 * np.pi / cover.lattice.spacing)
+        fit = weights @ jump * modulus / 8.0 * np.sqrt(2.0 * np.pi / (length * cover.lattice.spacing))
         found.append((float(fit[0]), float(fit[1])))
     return found
+
+
+@cache
+def _fit() -> tuple[Floats, Floats]:
+    """Places x (n,) on a unit length, and weights (n,) of values there for the factor of sqrt(x) in their best fit."""
+    x = (np.arange(FIT_POINTS) + 0.5) / FIT_POINTS
+    return x, np.linalg.pinv((x[:, None] ** np.arange(FIT_TERMS)) * np.sqrt(x)[:, None])[0]
 
 
 def _samples(cover: Cover, tip: int, x: Floats) -> tuple[float, FacePoints]:

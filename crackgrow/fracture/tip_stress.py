@@ -33,6 +33,9 @@ NEXT_TO_TIP = 1e-3
 N_RADIAL = 6
 """Points on a ray."""
 
+ON_SEGMENT = 1e-12
+"""Parts of a segment of a crack: a ray that passes its end by less than this meets it."""
+
 TIPS_AT_ONCE = 8
 """Tips whose points are evaluated together: a call costs as much as some hundred points."""
 
@@ -55,7 +58,7 @@ def tip_fields(
     for first in range(0, len(tips), TIPS_AT_ONCE):
         some = tips[first : first + TIPS_AT_ONCE]
         rules = [_rule(cover, tip, radius) for tip in some]
-        points = np.concatenate([rule.points for rule in rules])
+        points = np.concatenate([rule.points(cover.tips[tip].point) for tip, rule in zip(some, rules, strict=True)])
         body = np.repeat([_body(cover, tip) for tip in some], N_RAYS * N_RADIAL)
         elements = locate(cover.lattice, cover.elements, points, body)
         inside = elements >= 0
@@ -72,26 +75,30 @@ class _Rule:
 
     direction: float  # rad from +x: outward direction of the tip
     angles: Floats  # (rays,) rad
-    points: Floats  # (rays * points on a ray, 2) ray by ray
+    toward: Floats  # (rays, 2) unit directions
+    r: Floats  # (points on a ray,) distances from the tip, spacings
     weight: Floats  # (points on a ray,) area / distance, up to a factor
+
+    def points(self, tip: Floats) -> Floats:
+        """All points (rays * points on a ray, 2), ray by ray."""
+        return np.asarray((tip + self.toward[:, None] * self.r[None, :, None]).reshape(-1, 2))
 
 
 def _rule(cover: Cover, tip: int, radius: float) -> _Rule:
-    point, rotation = cover.tips[tip].point, cover.tips[tip].rotation
+    rotation = cover.tips[tip].rotation
     direction = float(np.arctan2(rotation[0, 1], rotation[0, 0]))
     angles = np.pi * (2.0 * np.arange(N_RAYS) + 1.0 - N_RAYS) / N_RAYS
     x, w = gauss(N_RADIAL)
     r = x**2 * radius / cover.lattice.spacing  # r^(-1/2) dr is a polynomial in x
     toward = np.stack([np.cos(direction + angles), np.sin(direction + angles)], axis=1)
-    points = (point + toward[:, None] * r[None, :, None]).reshape(-1, 2)
-    return _Rule(direction, angles, points, 2.0 * x * w)  # area / distance = dr dt
+    return _Rule(direction, angles, toward, r, 2.0 * x * w)  # area / distance = dr dt
 
 
 def _averaged(cover: Cover, tip: int, rule: _Rule, inside: Bools, values: Floats) -> TipField:
     """The field of a tip from the stress `values` (n, 3) at the points of its rule that are `inside` (n,)."""
     stress = values.reshape(N_RAYS, -1, 3)
     weights = inside.reshape(N_RAYS, -1) * rule.weight
-    seen = weights * _in_sight(cover, tip, rule.points).reshape(weights.shape)
+    seen = weights * _in_sight(cover, tip, rule)
     along = np.einsum("nr,nrc->nc", seen, stress)
     total = seen.sum(axis=1)
     # a ray that sees only a part R_c of R would see a singular field larger by sqrt(R / R_c)
@@ -107,11 +114,17 @@ def _body(cover: Cover, tip: int) -> int:
     return int(cover.elements.body[cover.elements.lines[crack].plus[-1 if at_end else 0]])
 
 
-def _in_sight(cover: Cover, tip: int, points: Floats) -> Floats:
-    """1 for points (n, 2) that a straight line from tip number `tip` reaches without crossing a crack, else 0 (n,)."""
-    start = cover.tips[tip].point
-    lines = shapely.linestrings(np.stack([start + NEXT_TO_TIP * (points - start), points], axis=1))
-    near = np.sort(cover.crack_tree.query(shapely.box(*points.min(axis=0), *points.max(axis=0))))
-    cracks = shapely.MultiLineString(cover.crack_tree.geometries[near].tolist())
-    shapely.prepare(cracks)
-    return np.where(shapely.intersects(cracks, lines), 0.0, 1.0)
+def _in_sight(cover: Cover, tip: int, rule: _Rule) -> Bools:
+    """Which points (rays, points on a ray) of a rule a straight line from the tip reaches without crossing a crack."""
+    start, reach = cover.tips[tip].point, rule.r[-1]
+    near = np.sort(cover.crack_tree.query(shapely.box(*(start - reach), *(start + reach))))
+    paths = [cover.cracks[number].points for number in near.tolist()]
+    x, y = (np.concatenate([path[:-1] for path in paths]) - start).T
+    step_x, step_y = np.concatenate([np.diff(path, axis=0) for path in paths]).T
+    toward_x, toward_y = rule.toward.T[:, :, None]
+    across = toward_x * step_y - toward_y * step_x  # (rays, segments)
+    across[across == 0.0] = np.nan  # side by side: they don't cross
+    distance, part = (x * step_y - y * step_x) / across, (x * toward_y - y * toward_x) / across
+    distance[~(np.abs(part - 0.5) <= 0.5 + ON_SEGMENT)] = np.nan
+    r = rule.r[:, None]
+    return np.asarray(~np.any((distance[:, None] >= NEXT_TO_TIP * r) & (distance[:, None] <= r), axis=2))

@@ -14,33 +14,38 @@ from crackgrow.solid.elasticity import PlaneElasticity
 
 Floats = NDArray[np.float64]
 
+RATES = np.array([0.5, 1.5, 0.5, 1.5])
+"""Of the angles t/2 and 3t/2."""
+
 
 def williams_displacement(material: PlaneElasticity, r: Floats, t: Floats) -> Floats:
     """Displacement (n, 2, 2) [point, mode, component] of K_I = 1 and K_II = 1 at polar coordinates r, t (n,)."""
     shape, _ = _shapes(material, t)
-    return np.asarray(np.sqrt(r)[:, None, None] * shape)
+    return (np.sqrt(r) * shape).transpose(2, 0, 1)
 
 
 def williams_gradient(material: PlaneElasticity, r: Floats, t: Floats) -> Floats:
-    """Displacement gradient du_c/dx_d (n, 2, 2, 2) [point, mode, c, d] of K_I = 1 and K_II = 1 at r, t (n,)."""
+    """Displacement gradient du_c/dx_d (n, 2, 2, 2) [point, mode, c, d] of K_I = 1 and K_II = 1 at r, t (n,).
+
+    In memory the points run last.
+    """
     shape, slope = _shapes(material, t)
-    over_root = 1.0 / np.sqrt(r)[:, None, None]
+    over_root = 1.0 / np.sqrt(r)
     by_r, by_t = 0.5 * over_root * shape, over_root * slope  # d/dr and (1/r) d/dt
-    c, s = np.cos(t)[:, None, None], np.sin(t)[:, None, None]
-    return np.stack([c * by_r - s * by_t, s * by_r + c * by_t], axis=3)
+    c, s = np.cos(t), np.sin(t)
+    return np.stack([c * by_r - s * by_t, s * by_r + c * by_t], axis=2).transpose(3, 0, 1, 2)
 
 
 def _shapes(material: PlaneElasticity, t: Floats) -> tuple[Floats, Floats]:
-    """g(t) / (2 shear modulus sqrt(2 pi)) and its derivative, (n, 2, 2) [point, mode, component] each."""
+    """g(t) / (2 shear modulus sqrt(2 pi)) and its derivative, (2, 2, n) [mode, component, point] each."""
     kappa = 8.0 * material.c33 / material.young_prime - 1.0
-    arguments = np.stack([0.5 * t, 1.5 * t], axis=1)
+    arguments = np.stack([0.5 * t, 1.5 * t])
     cos, sin = np.cos(arguments), np.sin(arguments)
-    functions = np.concatenate([cos, sin], axis=1)
-    rates = np.concatenate([-sin, cos], axis=1) * (0.5, 1.5, 0.5, 1.5)
+    functions, rates = np.concatenate([cos, sin]), np.concatenate([-sin, cos]) * RATES[:, None]
     coefficients = np.array(  # of cos t/2, cos 3t/2, sin t/2, sin 3t/2
         [
             [[kappa - 0.5, -0.5, 0.0, 0.0], [0.0, 0.0, kappa + 0.5, -0.5]],
             [[0.0, 0.0, kappa + 1.5, 0.5], [1.5 - kappa, -0.5, 0.0, 0.0]],
         ]
     ) / (2.0 * material.c33 * np.sqrt(2.0 * np.pi))
-    return np.einsum("mck,nk->nmc", coefficients, functions), np.einsum("mck,nk->nmc", coefficients, rates)
+    return coefficients @ functions, coefficients @ rates

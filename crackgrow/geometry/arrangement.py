@@ -11,8 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from crackgrow.geometry.tolerance import GRID
 
@@ -30,16 +28,27 @@ class Edges:
     right: Ints  # (n,) face on the right, -1 where there is none
 
 
+_COMPLEX = np.array([1.0, 1.0j])
+
+
+def as_numbers(points: Floats) -> NDArray[np.complex128]:
+    """Points (n, 2) as one complex number each, exactly: sorted by x, then y."""
+    return np.asarray(points @ _COMPLEX)
+
+
 def on_grid(points: Floats) -> Floats:
     """Points (n, 2) rounded to the grid of the arrangement."""
     return np.asarray(np.rint(points / GRID) * GRID)
 
 
-def faces_of(lines: list[shapely.Geometry] | NDArray[np.object_]) -> NDArray[np.object_]:
-    """Faces (polygons, counter-clockwise) that `lines` enclose, all vertices on the grid."""
-    noded = shapely.union_all(lines, grid_size=GRID)
-    polygons = shapely.get_parts(shapely.polygonize([noded]))
-    return np.asarray(shapely.orient_polygons(polygons))
+def faces_of(arrangements: NDArray[np.object_] | list[shapely.MultiLineString]) -> tuple[NDArray[np.object_], Ints]:
+    """Faces (polygons, counter-clockwise) that the lines of each of `arrangements` (n,) enclose, and which it is (p,).
+
+    All vertices are on the grid. What one arrangement is cut into does not depend on the others.
+    """
+    noded = shapely.union_all(np.asarray(arrangements)[:, None], grid_size=GRID, axis=1)
+    polygons, owner = shapely.get_parts(shapely.polygonize(noded[:, None]), return_index=True)
+    return np.asarray(shapely.orient_polygons(polygons)), owner.astype(np.int64)
 
 
 def ring_vertices(polygons: NDArray[np.object_]) -> tuple[Floats, Ints, Ints]:
@@ -68,9 +77,17 @@ def vertex_ids(points: Floats) -> Ints:
 
 
 def connected(n: int, first: Ints, second: Ints) -> Ints:
-    """Component (n,), dense from 0, of n things that the links first[i] - second[i] join."""
-    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
-    return np.asarray(connected_components(graph.tocsr(), directed=False)[1], dtype=np.int64)
+    """Component (n,) of n things that links first[i] - second[i] join, numbered in the order of their first ones."""
+    root = np.arange(n)  # of the tree that each thing hangs in, never above the thing itself
+    while len(first):
+        one, other = root[first], root[second]
+        apart = one != other
+        first, second = one[apart], other[apart]
+        np.minimum.at(root, np.maximum(first, second), np.minimum(first, second))
+        above = root[root]
+        while (above != root).any():
+            root, above = above, above[above]
+    return np.asarray((np.cumsum(root == np.arange(n)) - 1)[root])
 
 
 def edges_between(start: Ints, end: Ints, face: Ints) -> Edges:

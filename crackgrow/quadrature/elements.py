@@ -80,16 +80,29 @@ class PlainKind:
 
 def plain_kinds(cover: Cover) -> list[PlainKind]:
     """All kinds of plain elements."""
-    elements = np.flatnonzero(plain_elements(cover))
+    elements, per_cell = np.flatnonzero(plain_elements(cover)), len(cover.lattice.breaks) - 1
+    if not len(elements):
+        return []
     body, covers = cover.elements.body[elements], cover.functions[elements] >= 0
-    low, size = rectangles(cover, elements)
-    low = low - cover.elements.tile[elements] // (len(cover.lattice.breaks) - 1)
-    _, pattern = np.unique(covers, axis=0, return_inverse=True)
-    kinds = np.column_stack([low, size, body, pattern])
-    _, first, kind = np.unique(kinds, axis=0, return_index=True, return_inverse=True)
+    pattern = np.unique(np.packbits(covers, axis=1).view(f"V{-(-covers.shape[1] // 8)}"), return_inverse=True)[
+        1
+    ].ravel()
+    tile = cover.elements.tile[elements]
+    part = (tile[:, 0] % per_cell) * per_cell + tile[:, 1] % per_cell
+    whole = int(np.searchsorted(elements, cover.elements.n_whole))  # those before are alike in one part of their cells
+    alike = np.concatenate([part[:whole], per_cell**2 + np.arange(len(elements) - whole)])
+    alike = (alike * (int(body.max()) + 1) + body) * (int(pattern.max()) + 1) + pattern
+    _, first, group = np.unique(alike, return_index=True, return_inverse=True)
+    low, size = rectangles(cover, elements[first])
+    low = low - tile[first] // per_cell
+    kinds = np.column_stack([low, size, body[first], pattern[first]])
+    _, example, kind = np.unique(kinds, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(kind.ravel()[group], kind="stable")
+    ends = np.cumsum(np.bincount(kind.ravel()[group]))
+    members = np.split(elements[order], ends[:-1])
     return [
-        PlainKind(elements[kind == number], int(body[example]), low[example], size[example], covers[example])
-        for number, example in enumerate(first)
+        PlainKind(mine, int(body[first[at]]), low[at], size[at], covers[first[at]])
+        for mine, at in zip(members, example.tolist(), strict=True)
     ]
 
 

@@ -1,7 +1,9 @@
-"""Files that a reader never sees half written: a temporary name in the same folder, then a rename."""
+"""Files that are never left half written: a temporary name beside them, then a rename; or one write at the end."""
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -35,7 +37,7 @@ def write_atomically(path: Path, write: Callable[[Path], None]) -> None:
             temporary.unlink(missing_ok=True)
             raise
     except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}; free or choose another folder") from error
+        raise _refused(path, error) from error
 
 
 def write_text(path: Path, text: str) -> None:
@@ -46,3 +48,31 @@ def write_text(path: Path, text: str) -> None:
             file.write(text)
 
     write_atomically(path, write)
+
+
+def append_text(path: Path, text: str) -> bool:
+    """Append `text` (UTF-8) to a file in one write, all of it or nothing; return whether there is such a file.
+
+    A table that grows is not written anew at every step. Raises OutputError where the system refuses.
+    """
+    data = text.encode()
+    try:
+        file = os.open(path, os.O_WRONLY | os.O_APPEND)
+    except FileNotFoundError:
+        return False
+    except OSError as error:
+        raise _refused(path, error) from error
+    try:
+        size = os.fstat(file).st_size
+        if os.write(file, data) < len(data):
+            os.ftruncate(file, size)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    except OSError as error:
+        raise _refused(path, error) from error
+    finally:
+        os.close(file)
+    return True
+
+
+def _refused(path: Path, error: OSError) -> OutputError:
+    return OutputError(f"cannot write {path}: {error.strerror or error}; free or choose another folder")

@@ -7,7 +7,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crackgrow.results.atomic import write_text
+from crackgrow.results.atomic import append_text, write_text
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.run.result import Event, StepResult
@@ -27,8 +27,10 @@ class RunLog:
 
     def write(self, text: str) -> None:
         """Append a line; raises OutputError."""
-        self._lines.append(f"{self.seconds:10.2f} s  {text}\n")
-        write_text(self.path, "".join(self._lines))
+        line = f"{self.seconds:10.2f} s  {text}\n"
+        self._lines.append(line)
+        if len(self._lines) == 1 or not append_text(self.path, line):
+            write_text(self.path, "".join(self._lines))
 
     @property
     def seconds(self) -> float:

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from crackgrow.case.accuracy import STANDARD
 from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import (
     Body,
@@ -46,8 +47,8 @@ def overview(case: Case) -> str:
         *_support_lines(case),
         f"loads: {_loads(case)}, {_loading(case)}",
         _growth_line(case, scale, unit),
-        f"lattice: spacing {case.numerics.spacing * scale:g} {unit}, support {case.numerics.support:g} spacings, "
-        f"about {nodes} nodes, {2 * nodes} dofs before cracks",
+        f"lattice: spacing {case.numerics.spacing * scale:g} {unit}{_rule(case)}, "
+        f"support {case.numerics.support:g} spacings, about {nodes} nodes, {2 * nodes} dofs before cracks",
         f"contact: {contact.discretization}, {stiffness}, solver {contact.solver}",
     ]
     return "\n".join(lines)
@@ -193,6 +194,14 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
         return f"growth: none, {growth.criterion} is judged, {radius}"
     steps = f"{_count(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
     return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}, {radius}{memory}"
+
+
+def _rule(case: Case) -> str:
+    """Say what gave an automatic spacing, or that a preset which asks for another one does not."""
+    rule, accuracy = case.numerics.auto_rule, case.numerics.accuracy
+    if rule is not None:
+        return f" (auto, {accuracy}: {rule})"
+    return "" if accuracy == STANDARD else f" (given, not that of {accuracy})"
 
 
 def _length_unit(case: Case) -> tuple[float, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from crackgrow.results.atomic import write_text
+from crackgrow.results.atomic import append_text, write_text
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, StepResult
 
 Value = str | bool | int | float
@@ -24,11 +24,12 @@ STEPS = ("step", "n_dofs", "n_contact", "contact_iterations", "factorizations", 
 
 
 class Table:
-    """Rows in memory, the file on disk rewritten as a whole: it is complete after every `write`."""
+    """Rows in memory and on disk: the file is complete after every `write`, which appends what is new."""
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
         self.path = path
         self._lines = [",".join(columns)]
+        self._n_written = 0  # lines on disk as they are here
 
     def extend(self, rows: Iterable[Sequence[Value]]) -> None:
         """Append rows, values in the order of the columns."""
@@ -37,10 +38,14 @@ class Table:
     def replace_last(self, row: Sequence[Value]) -> None:
         """Replace the last row."""
         self._lines[-1] = ",".join(format_value(value) for value in row)
+        self._n_written = 0
 
     def write(self) -> None:
         """Bring the file up to date; raises OutputError."""
-        write_text(self.path, "\n".join(self._lines) + "\n")
+        new = "".join(f"{line}\n" for line in self._lines[self._n_written :])
+        if self._n_written == 0 or not append_text(self.path, new):
+            write_text(self.path, "\n".join(self._lines) + "\n")
+        self._n_written = len(self._lines)
 
 
 def format_value(value: Value) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array, vstack
+from scipy.sparse import csr_array, vstack
 
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.face_loads import face_load_vector
@@ -30,6 +30,7 @@ from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.magnitude import LARGEST, LARGEST_STRAIN, check_magnitude
+from crackgrow.solid.matrix import SymmetricMatrix
 from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs
 from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints, constraints, tied
@@ -68,7 +69,7 @@ class Configuration:
     solved: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)  # without contact, per unit
 
     @property
-    def matrix(self) -> csc_array:
+    def matrix(self) -> SymmetricMatrix:
         """Stiffness (n_dofs, n_dofs) Pa."""
         return self.stiffness.matrix
 
@@ -121,21 +122,23 @@ class Configuration:
 def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:
     """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made.
 
-    What has not changed since the configuration `before` is not integrated again; the result is the same without it.
+    What has not changed since the configuration `before` is neither integrated nor factorized again; the result is the
+    same without it.
     """
     case = scene.case
     seconds: dict[str, float] = {}
     with timed(seconds, "cover"):
         cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
-        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
+        known = None if before is None else before.cover
+        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, known)
     with timed(seconds, "assembly"):
-        known = None if before is None else before.stiffness
-        stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, known)
+        stiff_before = None if before is None else before.stiffness
+        stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, stiff_before)
         matrix = stiffness.matrix
-        check_magnitude("stiffness", matrix.data, LARGEST, "Pa")
+        check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
         faces = _faces(scene, cover)
         operators = contact_operators(cover, faces)
-        held = tied(constraints(cover, case.bodies, case.supports), *_bonds(scene, cover))
+        held = _tied_by_bonds(scene, cover, constraints(cover, case.bodies, case.supports))
         check_magnitude("prescribed displacements", held.given, LARGEST, "m")
         bodies = [g.crack.body for g in growing]
         scaled, constant = (
@@ -147,7 +150,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     with timed(seconds, "factorize"):
         springs = loose_springs(cover, matrix, free) if free else None
         stiff = matrix if springs is None else springs.added_to(matrix)
-        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover))
+        factors = None if before is None else before.contact.system.factors
+        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors)
     weights = faces.weights * scene.lattice.spacing
     law = _law(scene, faces, growing)
     contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))
@@ -186,11 +190,13 @@ def _faces(scene: Scene, cover: Cover) -> ContactFaces:
     return mortar_faces(cover, touching, settings.spacing)
 
 
-def _bonds(scene: Scene, cover: Cover) -> tuple[csr_array, Ints]:
-    """Gap and slip (k, n_dofs) of bonded interfaces, averaged at mortar nodes, and the surface (k,) of each."""
+def _tied_by_bonds(scene: Scene, cover: Cover, held: Constraints) -> Constraints:
+    """The constraints with those of bonded interfaces: no gap and no slip, averaged at mortar nodes."""
     bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
+    if not bonded:
+        return held
     faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing)
-    return csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2)
+    return tied(held, csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2))
 
 
 def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> list[str]:
@@ -226,7 +232,7 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
     return ContactLaw(friction, cohesion, compliance, residual, kept, dilation if dilation.any() else None)
 
 
-def _residual(matrix: csc_array, contact: ContactSystem, loads: Floats, outcome: ContactOutcome) -> float:
+def _residual(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, outcome: ContactOutcome) -> float:
     """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts.
 
     Where nothing is stressed all parts are round-off of K u, whose terms then give the size.
@@ -237,6 +243,6 @@ def _residual(matrix: csc_array, contact: ContactSystem, loads: Floats, outcome:
     tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)
     parts = (internal, reactions, tractions, loads)
     size = max(np.abs(part).max(initial=0.0) for part in parts)
-    size = max(size, UNSTRESSED * (abs(matrix) @ np.abs(outcome.u)).max(initial=0.0))
+    size = max(size, UNSTRESSED * matrix.sizes(outcome.u).max(initial=0.0))
     residual = np.abs(internal + reactions + tractions - loads).max(initial=0.0)
     return float(residual / size) if size > 0.0 else 0.0

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from crackgrow.errors import FreePieceError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
@@ -174,12 +173,12 @@ class _Search:
         while share < farthest:
             nearer, share = share, min(STRIDE * share, farthest)
             if excess(share) >= 0.0:
-                return low + float(brentq(excess, nearer, share, xtol=1e-16, rtol=1e-14)) * (high - low)
+                return low + _root(excess, nearer, share) * (high - low)
         return min(STRIDE * high, LARGEST_FACTOR)
 
     def share_met(self, below: _Trial, above: _Trial) -> float:
         """Where, from 0 to 1, the criterion is just met if everything is linear between two states."""
-        return float(brentq(self._excess(below, above), 0.0, 1.0, xtol=1e-16, rtol=1e-14))
+        return _root(self._excess(below, above), 0.0, 1.0)
 
     def _increment(self, start: Start, factor: float) -> LoadState:
         self.n_increments += 1
@@ -224,3 +223,10 @@ class _Search:
             ),
             default=0.0,
         )
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function changes its sign between two places, to round-off."""
+    from scipy.optimize import brentq  # here: loading it takes a tenth of a second that other loads save
+
+    return float(brentq(function, low, high, xtol=1e-16, rtol=1e-14))

@@ -138,8 +138,8 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),
         ):
-            values[mine] = between_contact_points(old.cover, old.faces, index, s, found)
-        nearest = nearest_contact_point(old.cover, old.faces, index, s)
+            (values[mine],) = between_contact_points(old.faces, index, s, found)
+        nearest = nearest_contact_point(old.faces, index, s)
         broken[mine] = np.append(outcome.memory.broken, False)[nearest]
         closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
@@ -251,7 +251,7 @@ def _strain_energy(configuration: Configuration, outcome: ContactOutcome) -> tup
     product = configuration.matrix @ outcome.u
     weights, law = configuration.contact.weights, configuration.contact.law
     tractions = outcome.normal_traction**2 + outcome.tangential_traction**2
-    terms = configuration.contact.system.size @ np.abs(outcome.u)
+    terms = configuration.matrix.sizes(outcome.u)
     good_to = ROUND_OFF * 0.5 * float(np.abs(outcome.u) @ terms)
     return 0.5 * float(outcome.u @ product) + 0.5 * float(weights @ (law.compliance * tractions)), good_to
 

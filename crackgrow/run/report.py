@@ -3,23 +3,37 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.contact.coulomb import OPEN
-from crackgrow.contact.faces import points_at
+from crackgrow.contact.faces import FacePoints, joined, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
+from crackgrow.cover.cover import Cover
 from crackgrow.fracture.criteria import effective_toughness
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap
-from crackgrow.run.error import estimated_error
+from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.reactions import reactions
-from crackgrow.run.result import ContactPoints, CrackFaces, CrackPath, Event, StepResult, TipResult
+from crackgrow.run.result import (
+    ContactPoints,
+    CrackFaces,
+    CrackPath,
+    Event,
+    Frame,
+    FrameOnDemand,
+    StepResult,
+    TipResult,
+)
 from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution
+from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.error_estimate import ErrorEstimate
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -45,20 +59,20 @@ def step_result(
     """
     outcome = solution.outcome
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
-    faces = tuple(_faces(solution, scene, index) for index in range(len(solution.cover.surfaces)))
-    overlap = largest_overlap(scene, faces)
-    error = estimated_error(solution) if with_frame or step == 0 else None
-    frame = make_frame(solution.cover, solution.materials, outcome.u, error) if with_frame else None
+    contact, faces = _along_surfaces(solution, scene)
+    error = estimated_error(solution) if step == 0 else None
+    K = [tip.K for tip in solution.tips]
+    make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error)
     return StepResult(
         step=step,
         load_factor=solution.state.factor,
         cracks=paths,
         events=events,
         tips=tips,
-        contact=_contact(solution, scene),
+        contact=contact,
         faces=faces,
         reactions=reactions(solution),
-        frame=frame,
+        mesh=FrameOnDemand(make) if with_frame else None,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.n_unknowns,
         contact_iterations=outcome.iterations,
@@ -67,7 +81,7 @@ def step_result(
         residual=solution.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
-        overlap=overlap,
+        overlap=largest_overlap(scene, faces),
         energy=solution.state.energy,
         load_displacement=_load_displacement(solution),
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
@@ -76,6 +90,17 @@ def step_result(
         warnings=cautions(scene, solution, faces, step, told),
         energy_error=error.relative if error else float("nan"),
     )
+
+
+def _frame(
+    cover: Cover,
+    materials: Sequence[PlaneElasticity],
+    u: Floats,
+    K: Sequence[tuple[float, float]],
+    error: ErrorEstimate | None,
+) -> Frame:
+    """The mesh of a solution, its error estimated if it is not known."""
+    return make_frame(cover, materials, u, estimate_with(cover, materials, u, K) if error is None else error)
 
 
 def _load_displacement(solution: StepSolution) -> float:
@@ -112,38 +137,51 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene) -> TipR
     )
 
 
-def _contact(solution: StepSolution, scene: Scene) -> ContactPoints:
-    """Tractions and states as solved; opening and slip are the jump of displacement at the points themselves."""
+def _along_surfaces(solution: StepSolution, scene: Scene) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
+    """Contact points and samples of all surfaces; opening and slip are the jump of displacement at the points."""
+    cover, nodes = solution.cover, solution.faces.nodes
+    samples = [_samples(solution, index) for index in range(len(cover.surfaces))]
+    jumps = np.stack(gap_and_slip(cover, joined([nodes, *samples]), solution.outcome.u))
+    at_nodes, *along = np.split(jumps, np.cumsum([len(part.s) for part in (nodes, *samples)])[:-1], axis=1)
+    faces = [_faces(solution, scene, *each) for each in zip(range(len(samples)), samples, along, strict=True)]
+    return _contact(solution, scene, at_nodes), tuple(faces)
+
+
+def _contact(solution: StepSolution, scene: Scene, jump: Floats) -> ContactPoints:
+    """Tractions and states as solved, with the `jump` (2, n) m at the points."""
     faces, outcome = solution.faces, solution.outcome
-    opening, slip = gap_and_slip(solution.cover, faces.nodes, outcome.u)
     return ContactPoints(
         crack=tuple(solution.cover.surfaces[index].name for index in faces.surface.tolist()),
         s=faces.s * scene.lattice.spacing,
         points=scene.lattice.to_metres(faces.nodes.points),
         normal_traction=outcome.normal_traction,
         tangential_traction=outcome.tangential_traction,
-        opening=opening,
-        slip=slip,
+        opening=jump[0],
+        slip=jump[1],
         state=outcome.state,
     )
 
 
-def _faces(solution: StepSolution, scene: Scene, index: int) -> CrackFaces:
-    """Jump, tractions and state of one surface at the ends of all its edges and its contact points, each place once."""
-    cover, faces, outcome = solution.cover, solution.faces, solution.outcome
+def _samples(solution: StepSolution, index: int) -> FacePoints:
+    """The ends of all edges of a surface and its contact points, each place once."""
+    cover, faces = solution.cover, solution.faces
     places = np.sort(np.concatenate([cover.surfaces[index].edges.s.ravel(), faces.s[faces.surface == index]]))
-    s = places[np.diff(places, prepend=-np.inf) > SAME_PLACE]
-    samples = points_at(cover, index, s)
-    gap, slip = gap_and_slip(cover, samples, outcome.u)
-    nearest = nearest_contact_point(cover, faces, index, s)
+    return points_at(cover, index, places[np.diff(places, prepend=-np.inf) > SAME_PLACE])
+
+
+def _faces(solution: StepSolution, scene: Scene, index: int, samples: FacePoints, jump: Floats) -> CrackFaces:
+    """Jump (2, n) m, tractions and state of one surface at its samples."""
+    faces, outcome, s = solution.faces, solution.outcome, samples.s
+    nearest = nearest_contact_point(faces, index, s)
+    normal, tangential = between_contact_points(faces, index, s, outcome.normal_traction, outcome.tangential_traction)
     return CrackFaces(
-        crack=cover.surfaces[index].name,
+        crack=solution.cover.surfaces[index].name,
         s=s * scene.lattice.spacing,
         points=scene.lattice.to_metres(samples.points),
-        opening=gap,
-        slip=slip,
-        normal_traction=between_contact_points(cover, faces, index, s, outcome.normal_traction),
-        tangential_traction=between_contact_points(cover, faces, index, s, outcome.tangential_traction),
+        opening=jump[0],
+        slip=jump[1],
+        normal_traction=normal,
+        tangential_traction=tangential,
         state=np.append(outcome.state, OPEN)[nearest],  # the last entry serves the index -1
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -97,6 +98,21 @@ class Frame:
     energy_error: Floats | None = None  # (t + q,) root of the error's energy density over the mean one of the rock
 
 
+class FrameOnDemand:
+    """A frame that is made when it is first asked for, and kept: of most steps nobody wants one."""
+
+    def __init__(self, make: Callable[[], Frame]) -> None:
+        self._make: Callable[[], Frame] | None = make
+        self._frame: Frame | None = None
+
+    def __call__(self) -> Frame:
+        """Return the frame."""
+        if self._frame is None:
+            assert self._make is not None
+            self._frame, self._make = self._make(), None  # lets go of what it was made of
+        return self._frame
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Event:
     """A tip has met something in its advance: it ends there."""
@@ -132,7 +148,7 @@ class StepResult:
     contact: ContactPoints
     faces: tuple[CrackFaces, ...]  # cracks, then interfaces, then foundations
     reactions: tuple[Reaction, ...]
-    frame: Frame | None
+    mesh: Callable[[], Frame] | None  # makes the frame; None where nothing can want one
     n_dofs: int
     n_contact: int  # contact unknowns that the solver saw
     contact_iterations: int
@@ -148,7 +164,12 @@ class StepResult:
     effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     warnings: tuple[str, ...]
-    energy_error: float = float("nan")  # percent of the energy norm, estimated; nan where it was not wanted
+    energy_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
+
+    @property
+    def frame(self) -> Frame | None:
+        """The specimen as a mesh."""
+        return None if self.mesh is None else self.mesh()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

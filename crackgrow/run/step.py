@@ -172,8 +172,8 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
         if pointwise:
             normal, tangential = elastic_tractions(cover, faces, crack, s, law, outcome)
         else:
-            normal = between_contact_points(cover, faces, crack, s, outcome.normal_traction)
-            tangential = between_contact_points(cover, faces, crack, s, outcome.tangential_traction)
+            known = (outcome.normal_traction, outcome.tangential_traction)
+            normal, tangential = between_contact_points(faces, crack, s, *known)
         return normal - pressure, tangential
 
     return traction

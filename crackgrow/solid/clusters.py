@@ -139,13 +139,14 @@ def _gathered(cover: Cover) -> tuple[Ints, Ints]:
     """
     cut = np.flatnonzero(~plain_elements(cover))
     acting, parts = cover.enrichment.tips, len(cover.lattice.breaks) - 1
-    tips = np.split(acting.tip, acting.start[1:-1])
-    block = cover.elements.tile[cut] // (BLOCK * parts)
+    ends = acting.start.tolist()
+    block = (cover.elements.tile[cut] // (BLOCK * parts)).tolist()
     x, y = cover.elements.reference[cut].T
     numbers: dict[tuple[object, ...], int] = {}
     cluster = np.empty(len(cut), dtype=np.int64)
     for place, (element, body) in enumerate(zip(cut.tolist(), cover.elements.body[cut].tolist(), strict=True)):
-        where = tuple(tips[element].tolist()) or (None, *block[place].tolist())
+        tips = acting.tip[ends[element] : ends[element + 1]].tolist()
+        where = tuple(tips) if tips else (None, *block[place])
         cluster[place] = numbers.setdefault((body, where), len(numbers))
     order = np.lexsort((y, x, cluster))
     return cut[order], list_starts(cluster[order], len(numbers))

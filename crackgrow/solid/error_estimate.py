@@ -19,8 +19,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import basis_at
-from crackgrow.approximation.mls import mls
+from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import list_starts
 from crackgrow.quadrature.everywhere import all_points
@@ -28,7 +27,7 @@ from crackgrow.quadrature.rules import square
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.energy_norm import energy_components
 from crackgrow.solid.patch_fits import FreeSamples, RegularSamples, fit, misfits
-from crackgrow.solid.recovery import gradient_of, stress_of
+from crackgrow.solid.recovery import stress_at, stress_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -133,13 +132,11 @@ def _free(
     these = chosen[everywhere.element]
     points, weights, element = everywhere.points[these], everywhere.weights[these], everywhere.element[these]
     body, window = cover.elements.body[element], cover.lattice.window
-    gradient, phi = np.empty((len(points), 2, 2)), np.empty((len(points), window))
-    enriched = cover.enrichment.tips.any[element]
-    for some in (enriched, ~enriched):  # apart: those with tip functions have many more columns
-        basis = basis_at(cover, points[some], element[some])
-        gradient[some], phi[some] = gradient_of(basis, u), np.maximum(basis.values[:, :window], 0.0)
-    phi[cover.functions[element] < 0] = 0.0
-    values = energy_components(materials, stress_of(materials, gradient, body), body)
+    values = energy_components(materials, stress_at(cover, materials, u, points, element), body)
+    cell = cover.elements.tile[element] // (len(cover.lattice.breaks) - 1)
+    phi = np.maximum(mls_values(points - cell, cover.lattice.support, cover.lattice.reach), 0.0)
+    # no fits on crumbs, whose stress is uniform
+    phi[(cover.functions[element] < 0) | (cover.crumbs.of_element[element] >= 0)[:, None]] = 0.0
     rows, parts, where = [np.empty(0, dtype=np.int64)], [np.empty((0, 3))], [np.empty((0, window), dtype=bool)]
     for part, in_patches in zip(singular, acting, strict=True):
         sees = in_patches[patches]

@@ -3,13 +3,15 @@
 K u + C' m = f, C u = g. With constraints K alone may be singular, so K0 = K + C' rho C takes its place (the constraints
 add the same amount to both sides, the answer does not depend on rho). The matrix [[K0, C'], [C, -d]] with a small d is
 quasi-definite: it has a symmetric factorization without pivoting in any order (Vanderbei 1995), also where constraints
-repeat each other. What C u then misses of g, as a right-hand side of its
-own, takes the effect of d away.
+repeat each other. What C u then misses of g, as a right-hand side of its own, takes the effect of d away.
+
+Constraints that act further than the couplings of K reach have no rho, which would couple all that they act on. Their
+multipliers are eliminated after a part of that and before the rest of it, and so stiffen the rest.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +19,10 @@ from scipy.sparse import block_array, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 from crackgrow.errors import SolveError
-from crackgrow.solid.multifrontal import Multifrontal, NotQuasiDefiniteError
+from crackgrow.solid.dissection import Places
+from crackgrow.solid.fronts import Fronts, fronts_of
+from crackgrow.solid.matrix import SymmetricMatrix, symmetric
+from crackgrow.solid.multifrontal import Factor, Multifrontal, NotQuasiDefiniteError
 
 Floats = NDArray[np.float64]
 
@@ -61,74 +66,91 @@ def displacement_size(loads: Floats, u: Floats, given: Floats) -> float:
 
 
 class Factorization:
-    """A factorized symmetric matrix, definite or quasi-definite, scaled to a diagonal of plus or minus one."""
+    """A factorized symmetric matrix, definite or quasi-definite."""
 
     note: str
-    """Why not the multifrontal factorization but SuperLU was used where places were given; else empty."""
+    """Why not the multifrontal factorization but SuperLU was used where there are fronts; else empty."""
 
-    def __init__(self, matrix: csc_array, places: Floats | None = None) -> None:
-        """Factorize `matrix` (n, n); `places` (k, 2) are those of its unknowns but the last n - k, the multipliers.
+    factors: Mapping[bytes, Factor]
+    """What another factorization may have in common with this one."""
 
-        Without places SuperLU factorizes. Raises SolveError where the matrix is not finite, or singular in an obvious
-        way.
+    solve: Callable[[Floats], Floats]
+    """Gives the solution (n,) or (n, m), unrefined, for right-hand sides."""
+
+    def __init__(
+        self, matrix: SymmetricMatrix, fronts: Fronts | None = None, known: Mapping[bytes, Factor] | None = None
+    ) -> None:
+        """Factorize `matrix` (n, n) by `fronts`, taking over what is `known`; without fronts SuperLU factorizes.
+
+        Raises SolveError where the matrix is not finite, or singular in an obvious way.
         """
         diagonal = matrix.diagonal()
-        if not np.isfinite(matrix.data).all():
+        if not np.isfinite(matrix.largest()):
             raise SolveError("the stiffness matrix has entries that are not finite")
         if not np.all(diagonal != 0.0):
             raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
-        if not matrix.has_canonical_format:
-            matrix = matrix.copy()
-            matrix.sum_duplicates()
-        self._scale = 1.0 / np.sqrt(np.abs(diagonal))
-        across = np.repeat(self._scale, np.diff(matrix.indptr))
-        scaled = csc_array((matrix.data * self._scale[matrix.indices] * across, matrix.indices, matrix.indptr))
-        self._solve, self.note = _factorized(scaled, places)
-
-    def solve(self, right: Floats) -> Floats:
-        """Solution (n,) or (n, m) for the right-hand sides `right`, unrefined."""
-        scale = self._scale if right.ndim == 1 else self._scale[:, None]
-        return np.asarray(scale * self._solve(scale * right))
+        self.note, self.factors = "", {}
+        if fronts is not None:
+            try:
+                by_fronts = Multifrontal(matrix, fronts, known)
+            except NotQuasiDefiniteError as error:
+                self.note = f"factorized by SuperLU: {error}"
+            else:
+                self.factors, self.solve = by_fronts.factors, by_fronts.solve
+                return
+        self.solve = _by_superlu(matrix.tocsc(), diagonal)
 
 
-def _factorized(matrix: csc_array, places: Floats | None) -> tuple[Callable[[Floats], Floats], str]:
-    """What solves for right-hand sides (n,) or (n, m), and why it is not the multifrontal factorization."""
-    note = ""
-    if places is not None:
-        try:
-            return Multifrontal(matrix, places).solve, note
-        except NotQuasiDefiniteError as error:
-            note = f"factorized by SuperLU: {error}"
+def _by_superlu(matrix: csc_array, diagonal: Floats) -> Callable[[Floats], Floats]:
+    """What solves for right-hand sides (n,) or (n, m), by SuperLU with the matrix scaled to a diagonal of one."""
+    scale = 1.0 / np.sqrt(np.abs(diagonal))
+    across = np.repeat(scale, np.diff(matrix.indptr))
+    scaled = csc_array((matrix.data * scale[matrix.indices] * across, matrix.indices, matrix.indptr))
     try:
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        factors = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
         raise SolveError(f"the stiffness matrix is singular ({error}): is a body free to move?") from error
-    return factors.solve, note
+
+    def solve(right: Floats) -> Floats:
+        by_row = scale if right.ndim == 1 else scale[:, None]
+        return np.asarray(by_row * factors.solve(by_row * right))
+
+    return solve
 
 
 class ConstrainedSystem:
     """K with constraints C u = g, factorized once for many loads."""
 
-    def __init__(self, stiffness: csc_array, constraints: csr_array, places: Floats | None = None) -> None:
-        """`stiffness` (n, n) Pa, `constraints` (m, n), `places` (n, 2) of the unknowns, in any unit."""
-        self.stiffness = stiffness
+    def __init__(
+        self,
+        stiffness: csc_array | SymmetricMatrix,
+        constraints: csr_array,
+        places: Places | None = None,
+        known: Mapping[bytes, Factor] | None = None,
+    ) -> None:
+        """`stiffness` (n, n) Pa, `constraints` (m, n), `places` of the n unknowns; without them SuperLU factorizes.
+
+        `known` are the `factors` of another system, that may be in common with this one.
+        """
+        self.stiffness = symmetric(stiffness)
         self.constraints = constraints
         self._share = abs(constraints)
         total = np.maximum(self._share.sum(axis=1), np.finfo(float).tiny)
-        self._rho = self._share @ stiffness.diagonal() / total  # row by row, of the size of the entries it meets
-        self._factorization = Factorization(self._held(), places)
-        self._size = abs(stiffness)
+        size = self._share @ self.stiffness.diagonal() / total  # row by row, of the size of the entries it meets
+        fronts, coupling = (None, np.ones(len(size), dtype=bool)) if places is None else fronts_of(places, constraints)
+        self._rho = np.where(coupling, size, 0.0)
+        self._factorization = Factorization(self._held(YIELDING / size), fronts, known)
         self._responses: Floats | None = None  # (n + m, m) to the constraints, found when they pay
-
-    @property
-    def size(self) -> csc_array:
-        """The absolute values of the stiffness."""
-        return self._size
 
     @property
     def note(self) -> str:
         """Why the matrix was not factorized as it should be; mostly empty."""
         return self._factorization.note
+
+    @property
+    def factors(self) -> Mapping[bytes, Factor]:
+        """What another system may have in common with this one."""
+        return self._factorization.factors
 
     def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
@@ -149,20 +171,19 @@ class ConstrainedSystem:
                 raise SolveError(f"the supports contradict each other by {left:.3g} m")
         return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
 
-    def _held(self) -> csc_array:
-        """The quasi-definite matrix (n + m, n + m)."""
+    def _held(self, yielding: Floats) -> SymmetricMatrix:
+        """The quasi-definite matrix (n + m, n + m), with constraints that yield by `yielding` (m,)."""
         n, m = self.constraints.shape[1], self.constraints.shape[0]
         if m == 0:
-            return csc_array(self.stiffness)
+            return self.stiffness
+        rest = self.stiffness.rest
         held = csc_array(
-            (self.stiffness.data, self.stiffness.indices, np.append(self.stiffness.indptr, [self.stiffness.nnz] * m)),
+            (rest.data, rest.indices, np.append(rest.indptr, [rest.nnz] * m)),
             shape=(n + m, n + m),
         )
         penalty = self.constraints.T @ diags_array(self._rho) @ self.constraints
-        yielding = diags_array(-YIELDING / self._rho)
-        return csc_array(
-            held + block_array([[penalty, self.constraints.T], [self.constraints, yielding]], format="csc")
-        )
+        corner = block_array([[penalty, self.constraints.T], [self.constraints, diags_array(-yielding)]], format="csc")
+        return SymmetricMatrix(self.stiffness.elements, csc_array(held + corner))
 
     def _refined(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k).
@@ -175,10 +196,11 @@ class ConstrainedSystem:
         sign = sign / np.where(size >= np.finfo(float).tiny, size, 1.0)  # nothing is left to refine of what is smaller
         last = np.inf
         for done in range(REFINEMENTS):
-            error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
-            if (error <= ROUND_OFF and (done or loads.shape[1] > FEW)) or error > 0.5 * last:
-                break
-            last = error
+            if done or loads.shape[1] > FEW:
+                error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
+                if error <= ROUND_OFF or error > 0.5 * last:
+                    break
+                last = error
             force = loads - self.stiffness @ u - self.constraints.T @ multipliers
             du, dm = self._step(force, wanted - self.constraints @ u)
             u, multipliers = u + du, multipliers + dm
@@ -187,7 +209,7 @@ class ConstrainedSystem:
     def _backward_error(self, loads: Floats, u: Floats, multipliers: Floats) -> float:
         """The largest residual, row by row relative to the sum of the absolute terms (Oettli, Prager 1964)."""
         residual = np.abs(loads - self.stiffness @ u - self.constraints.T @ multipliers)
-        terms = np.abs(loads) + self._size @ np.abs(u) + self._share.T @ np.abs(multipliers)
+        terms = np.abs(loads) + self.stiffness.sizes(u) + self._share.T @ np.abs(multipliers)
         return float(np.max(residual[terms > 0.0] / terms[terms > 0.0], initial=0.0))
 
     def _step(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:

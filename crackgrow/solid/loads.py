@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import value_matrix, values_at
+from crackgrow.approximation.basis import Values, values_at
 from crackgrow.approximation.mls import mls_values
 from crackgrow.case.model import Body, EdgeTraction, Gravity, InSituStress, Load
 from crackgrow.cover.cover import Cover
@@ -24,13 +24,9 @@ def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: 
 
     `n` Gauss points per direction, as for the stiffness.
     """
-    f = np.zeros((cover.n_functions, 2))
+    f = _edge_tractions(cover, bodies, [load for load in loads if isinstance(load, EdgeTraction)])
     for load in loads:
-        if isinstance(load, EdgeTraction):
-            points, length, elements, _ = edge_points(cover, bodies, load.region)
-            values = value_matrix(values_at(cover, points, elements), cover.n_functions)
-            f += np.outer(values.T @ length, load.traction)
-        elif isinstance(load, Gravity):
+        if isinstance(load, Gravity):
             body = body_index(bodies, load.body)
             density = bodies[body].material.density
             assert density is not None  # the case was checked
@@ -38,6 +34,24 @@ def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: 
         elif isinstance(load, InSituStress):
             f -= _rim_tractions(cover, body_index(bodies, load.body), np.asarray(load.stress))
     return f.ravel()
+
+
+def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeTraction]) -> Floats:
+    """Integral of phi t (n_functions, 2) N/m of all tractions along edges."""
+    if not loads:
+        return np.zeros((cover.n_functions, 2))
+    edges = edge_points(cover, bodies, [load.region for load in loads])
+    points, elements = (np.concatenate(arrays) for arrays in zip(*((e.points, e.elements) for e in edges), strict=True))
+    forces = [edge.lengths[:, None] * np.asarray(load.traction) for edge, load in zip(edges, loads, strict=True)]
+    return _weighted_sum(values_at(cover, points, elements), np.concatenate(forces), cover.n_functions)
+
+
+def _weighted_sum(basis: Values, weights: Floats, n_functions: int) -> Floats:
+    """Sums (n_functions, m) over points of the values of every function times `weights` (n, m) of the points."""
+    used = basis.ids >= 0
+    ids, point = basis.ids[used], np.nonzero(used)[0]
+    values = basis.values[used]
+    return np.stack([np.bincount(ids, values * w[point], minlength=n_functions) for w in weights.T], axis=1)
 
 
 def _rim_tractions(cover: Cover, body: int, stress: Floats) -> Floats:
@@ -50,12 +64,12 @@ def _rim_tractions(cover: Cover, body: int, stress: Floats) -> Floats:
     mine = np.flatnonzero(outlines.body == body)
     ends, element = outlines.points[mine], outlines.element[mine]
     edge, points, length = points_on_outlines(cover, ends, element, outlines.edge[mine])
-    values = value_matrix(values_at(cover, points, element[edge]), cover.n_functions)
     step = ends[:, 1] - ends[:, 0]
     outward = np.stack([step[:, 1], -step[:, 0]], axis=1) / np.hypot(step[:, 0], step[:, 1])[:, None]
     xx, yy, xy = stress
     traction = outward[edge] @ np.array([[xx, xy], [xy, yy]])
-    return np.asarray(values.T @ (length[:, None] * cover.lattice.spacing * traction))
+    forces = length[:, None] * cover.lattice.spacing * traction
+    return _weighted_sum(values_at(cover, points, element[edge]), forces, cover.n_functions)
 
 
 def _volume_of_functions(cover: Cover, body: int, n: int) -> Floats:
@@ -72,5 +86,5 @@ def _volume_of_functions(cover: Cover, body: int, n: int) -> Floats:
     points = element_points(cover, n)
     mine = cover.elements.body[points.element] == body
     values = values_at(cover, points.points[mine], points.element[mine])
-    total += value_matrix(values, cover.n_functions).T @ points.weights[mine]
+    total += _weighted_sum(values, points.weights[mine, None], cover.n_functions)[:, 0]
     return total * lattice.spacing**2

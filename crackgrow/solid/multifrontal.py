@@ -1,13 +1,15 @@
 """Multifrontal factorization L D L' of a sparse symmetric quasi-definite matrix, with dense kernels (Duff, Reid 1983).
 
-The matrix is [[A, B'], [B, -M]] with A positive definite and M positive semidefinite: D is 1 for the unknowns of A and
--1 for those of M, which in every front come last, so that each front takes two Cholesky factorizations.
+The matrix is [[A, B'], [B, -M]] with M positive semidefinite, and A positive definite, or made so by the multipliers
+that are eliminated early. D is 1 for the unknowns of A and -1 for those of M, so that each front takes a Cholesky
+factorization for each of its groups of unknowns. Fronts that equal one factorized before share its factors.
 
 All dense blocks are stored by rows. LAPACK, which stores by columns, is handed their transposes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -15,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
-from scipy.sparse import csc_array
 
 from crackgrow.errors import SolveError
-from crackgrow.solid.dissection import Fronts, dissect
+from crackgrow.solid.contents import Contents
+from crackgrow.solid.fronts import Fronts
+from crackgrow.solid.matrix import SymmetricMatrix
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -29,90 +32,88 @@ class NotQuasiDefiniteError(SolveError):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Factor:
-    """Columns of L that a front eliminates."""
+class Factor:
+    """Columns of L that a front eliminates, and what it leaves to its parent."""
 
-    start: int
-    end: int
-    n_placed: int  # the first of them, with D = 1
-    boundary: list[tuple[int, int, int]]  # runs of it: the first unknown, begin and end in `below`
     diagonal: Floats  # (p, p) lower triangle
     below: Floats  # (b, p)
+    update: Floats  # (b, b) lower triangle
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Placed:
+    """The factor of a front and the places of its unknowns."""
+
+    factor: Factor
+    start: int
+    end: int
+    signs: list[tuple[int, int]]  # the ranges of unknowns with D = -1
+    boundary: list[tuple[int, int, int]]  # runs of it: the first unknown, begin and end in `below`
 
 
 class Multifrontal:
     """A factorized matrix."""
 
-    def __init__(self, matrix: csc_array, places: Floats) -> None:
-        """Factorize `matrix` (n, n); its first unknowns have `places` (k, 2), the others are multipliers.
+    def __init__(self, matrix: SymmetricMatrix, fronts: Fronts, known: Mapping[bytes, Factor] | None = None) -> None:
+        """Factorize `matrix` (n, n) by `fronts`; `known` are factors of another matrix, by their keys.
 
         Raises NotQuasiDefiniteError where the matrix is not quasi-definite.
         """
-        fronts = dissect(matrix, places)
+        contents = Contents(matrix, fronts)
+        keys = contents.keys()
+        known = {} if known is None else known
+        self.factors: dict[bytes, Factor] = {}
+        self.n_factorized = 0
+        self.n_fronts = fronts.n
         self._order = fronts.order
-        self._factors = _factorize(matrix, fronts)
+        self._placed: list[_Placed] = []
+        sizes = zip(fronts.n_early.tolist(), fronts.n_placed.tolist(), strict=True)
+        for k, (n_early, n_placed) in enumerate(sizes):
+            start, end = fronts.starts[k : k + 2].tolist()
+            if start == end:
+                continue
+            key = keys[k]
+            factor = self.factors.get(key) or known.get(key)
+            if factor is None:
+                own, rest = contents.assembled(k)
+                for child in contents.children(k):
+                    at = contents.local(k, fronts.boundary[child])
+                    _extend_add(own, rest, at, self.factors[keys[child]].update)
+                late = n_early + n_placed
+                groups = [(0, n_early, -1.0), (n_early, late, 1.0), (late, end - start, -1.0)]
+                factor = _eliminated(own, rest, groups)
+                self.n_factorized += 1
+            self.factors[key] = factor
+            signs = [(a, b) for a, b in ((0, n_early), (n_early + n_placed, end - start)) if b > a]
+            self._placed.append(_Placed(factor, start, end, signs, _runs(fronts.boundary[k], -1)))
 
     @property
     def n_entries(self) -> int:
-        """Number of entries stored."""
-        return sum(factor.diagonal.size + factor.below.size for factor in self._factors)
+        """Number of entries stored, those left to parents included."""
+        return sum(f.diagonal.size + f.below.size + f.update.size for f in self.factors.values())
 
     def solve(self, right: Floats) -> Floats:
         """Solution (n,) or (n, m) for the right-hand sides `right`."""
         x = np.ascontiguousarray(right.reshape(len(right), -1)[self._order])
-        for factor in self._factors:
-            mine = x[factor.start : factor.end]
+        for placed in self._placed:
+            mine, factor = x[placed.start : placed.end], placed.factor
             if not mine.any():
                 continue
             dtrsm(1.0, factor.diagonal.T, mine.T, side=1, lower=0, overwrite_b=1)
-            for first, a, b in factor.boundary:
+            for first, a, b in placed.boundary:
                 later = x[first : first + b - a].T
                 dgemm(-1.0, mine.T, factor.below[a:b].T, beta=1.0, c=later, overwrite_c=1)
-            mine[factor.n_placed :] *= -1.0
-        for factor in reversed(self._factors):
-            mine = x[factor.start : factor.end]
-            for first, a, b in factor.boundary:
+            for a, b in placed.signs:
+                mine[a:b] *= -1.0
+        for placed in reversed(self._placed):
+            mine, factor = x[placed.start : placed.end], placed.factor
+            for first, a, b in placed.boundary:
                 later = x[first : first + b - a].T
                 dgemm(-1.0, later, factor.below[a:b].T, beta=1.0, c=mine.T, trans_b=1, overwrite_c=1)
             dtrsm(1.0, factor.diagonal.T, mine.T, side=1, lower=0, trans_a=1, overwrite_b=1)
         solution = np.empty_like(x)
         solution[self._order] = x
         return solution.reshape(right.shape)
-
-
-def _factorize(matrix: csc_array, fronts: Fronts) -> list[_Factor]:
-    """All fronts, children before parents."""
-    place_of = np.empty(len(fronts.order), dtype=np.int64)
-    place_of[fronts.order] = np.arange(len(fronts.order))
-    columns = csc_array(matrix[:, fronts.order])
-    rows = place_of[columns.indices]
-    local = np.empty(len(fronts.order), dtype=np.int64)
-    updates: list[list[tuple[Ints, Floats]]] = [[] for _ in range(fronts.n)]
-    factors = []
-    for k, boundary in enumerate(fronts.boundary):
-        start, end = int(fronts.starts[k]), int(fronts.starts[k + 1])
-        p, b = end - start, len(boundary)
-        local[start:end] = np.arange(p)
-        local[boundary] = np.arange(p, p + b)
-        front, rest = np.zeros((p + b, p)), np.zeros((b, b))
-        pointers = columns.indptr[start : end + 1]
-        entries = slice(pointers[0], pointers[-1])
-        column = np.repeat(np.arange(p), np.diff(pointers))
-        own = rows[entries] >= start
-        front.ravel()[local[rows[entries][own]] * p + column[own]] = columns.data[entries][own]
-        for border, update in updates[k]:
-            _extend_add(front, rest, local[border], update)
-        updates[k] = []
-        n_placed = int(fronts.n_placed[k])
-        diagonal, below = front[:p], front[p:]
-        _eliminate(diagonal, below, n_placed)
-        if b:
-            for sign, part in ((-1.0, below[:, :n_placed]), (1.0, below[:, n_placed:])):
-                if part.shape[1]:
-                    dsyrk(sign, np.ascontiguousarray(part).T, 1.0, rest.T, trans=1, lower=0, overwrite_c=1)
-            updates[fronts.parent[k]].append((boundary, rest))
-        factors.append(_Factor(start, end, n_placed, _runs(boundary, -1), diagonal, below))
-    return factors
 
 
 def _extend_add(front: Floats, rest: Floats, at: Ints, update: Floats) -> None:
@@ -136,23 +137,32 @@ def _runs(at: Ints, cut: int) -> list[tuple[int, int, int]]:
     return [(int(at[a]), a, b) for a, b in pairwise(ends)] if len(at) else []
 
 
-def _eliminate(diagonal: Floats, below: Floats, n_placed: int) -> None:
-    """Replace `diagonal` (p, p) and `below` (b, p) of a front by their columns of L."""
-    if n_placed == len(diagonal):
+def _eliminated(own: Floats, rest: Floats, groups: list[tuple[int, int, float]]) -> Factor:
+    """Factor of a front from its columns (p + b, p) and the rest (b, b), both replaced.
+
+    `groups` are ranges of its unknowns and the sign of D there.
+    """
+    p = own.shape[1]
+    diagonal, below = own[:p], own[p:]
+    groups = [group for group in groups if group[1] > group[0]]
+    if len(groups) == 1 and groups[0][2] > 0.0:
         _cholesky(diagonal)
     else:
-        placed, multipliers = diagonal[:n_placed, :n_placed].copy(), diagonal[n_placed:, n_placed:]
-        coupling = diagonal[n_placed:, :n_placed].copy()
-        if n_placed:
-            _cholesky(placed)
-            dtrsm(1.0, placed.T, coupling.T, lower=0, trans_a=1, overwrite_b=1)
-        remaining = coupling @ coupling.T - multipliers
-        _cholesky(remaining)
-        diagonal[:n_placed, :n_placed], diagonal[n_placed:, :n_placed] = placed, coupling
-        diagonal[n_placed:, n_placed:] = remaining
+        for begin, end, sign in groups:
+            block, left = sign * diagonal[begin:end, begin:end], sign * diagonal[end:, begin:end]
+            _cholesky(block)
+            if len(left):
+                dtrsm(1.0, block.T, left.T, lower=0, trans_a=1, overwrite_b=1)
+                diagonal[end:, end:] -= sign * (left @ left.T)
+            diagonal[begin:end, begin:end], diagonal[end:, begin:end] = block, left
     if len(below):
         dtrsm(1.0, diagonal.T, below.T, lower=0, trans_a=1, overwrite_b=1)
-        below[:, n_placed:] *= -1.0
+        for begin, end, sign in groups:
+            part = np.ascontiguousarray(below[:, begin:end])
+            dsyrk(-sign, part.T, 1.0, rest.T, trans=1, lower=0, overwrite_c=1)
+            if sign < 0.0:
+                below[:, begin:end] *= -1.0
+    return Factor(diagonal, below, rest)
 
 
 def _cholesky(matrix: Floats) -> None:

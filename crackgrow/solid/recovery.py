@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import Basis, basis_at, values_at
+from crackgrow.approximation.field import field_gradients, field_values
 from crackgrow.cover.cover import Cover
 from crackgrow.solid.elasticity import PlaneElasticity
 
@@ -17,27 +17,12 @@ Ints = NDArray[np.int64]
 
 def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
     """Displacement (n, 2) m at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
-    basis = values_at(cover, points, elements)
-    values = basis.values.T
-    return np.stack([np.sum(values * c, axis=0) for c in _coefficients(u, basis.ids)], axis=1)
+    return field_values(cover, u.reshape(-1, 2), points, elements)
 
 
 def gradient_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
     """Displacement gradient du_c/dx_d (n, 2, 2) [point, c, d] at points (n, 2), in lattice coordinates."""
-    return gradient_of(basis_at(cover, points, elements), u)
-
-
-def gradient_of(basis: Basis, u: Floats) -> Floats:
-    """Displacement gradient (n, 2, 2) [point, c, d] at the points of a basis; `u` (n_dofs,) m."""
-    by_x, by_y = basis.gradients.transpose(2, 1, 0)
-    rows = [np.stack([np.sum(by_x * c, axis=0), np.sum(by_y * c, axis=0)]) for c in _coefficients(u, basis.ids)]
-    return np.stack(rows).transpose(2, 0, 1)
-
-
-def _coefficients(u: Floats, ids: Ints) -> Iterator[Floats]:
-    """The coefficients (k, n) of functions `ids` (n, k), component by component; the points last, as in a basis."""
-    for component in u.reshape(-1, 2).T:
-        yield np.append(component, 0.0).take(ids.T)  # the last entry serves the index -1
+    return field_gradients(cover, u.reshape(-1, 2), points, elements)
 
 
 def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:

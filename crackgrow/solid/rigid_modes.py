@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csr_array
 
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import FreePieceError
 from crackgrow.geometry.arrangement import connected
+from crackgrow.solid.matrix import SymmetricMatrix
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -64,9 +65,9 @@ class Springs:
     stiffness: Floats  # (k,) Pa
     piece: Ints  # (k,) index into the free pieces
 
-    def added_to(self, matrix: csc_array) -> csc_array:
+    def added_to(self, matrix: SymmetricMatrix) -> SymmetricMatrix:
         """A stiffness matrix (n_dofs, n_dofs) with the springs."""
-        return csc_array(matrix + csc_array((self.stiffness, (self.dofs, self.dofs)), shape=matrix.shape))
+        return matrix.with_diagonal(self.dofs, self.stiffness)
 
 
 def free_pieces(cover: Cover, constraints: csr_array) -> tuple[FreePiece, ...]:
@@ -108,7 +109,7 @@ def check_held(pieces: tuple[FreePiece, ...], touching: Ints) -> None:
             raise FreePieceError(f"{piece} is free to move: {piece.motion}", "it needs supports of its own")
 
 
-def loose_springs(cover: Cover, stiffness: csc_array, pieces: tuple[FreePiece, ...]) -> Springs:
+def loose_springs(cover: Cover, stiffness: SymmetricMatrix, pieces: tuple[FreePiece, ...]) -> Springs:
     """Two springs in x and two in y on each free piece, on patches far apart."""
     diagonal = stiffness.diagonal()
     softest = min(float(np.median(diagonal[2 * functions])) for functions in all_pieces(cover))

@@ -28,6 +28,7 @@ from crackgrow.quadrature.rules import square
 from crackgrow.solid.assembly import HalfMatrix, half, sum_of
 from crackgrow.solid.clusters import Clusters, clusters_of, keys
 from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.matrix import EqualElements, SymmetricMatrix
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -40,9 +41,9 @@ BATCH = 500000
 class Stiffness:
     """A stiffness matrix, and its parts that the next configuration may have in common with this one."""
 
-    matrix: csc_array  # (n_dofs, n_dofs) Pa, per metre of thickness
+    matrix: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
     clusters: Mapping[bytes, HalfMatrix]
-    plain: Mapping[bytes, HalfMatrix]  # of the kinds of plain elements
+    plain: Mapping[bytes, Floats]  # (2 k, 2 k) of the kinds of plain elements
     n_integrated: int  # clusters that were not known before
 
 
@@ -51,7 +52,7 @@ def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc
 
     `materials` are one per body.
     """
-    return stiffness_after(cover, materials, n).matrix
+    return stiffness_after(cover, materials, n).matrix.tocsc()
 
 
 def stiffness_after(
@@ -65,13 +66,15 @@ def stiffness_after(
     integrated = {names[number]: part for number, part in _integrated(cover, materials, clusters, new)}
     matrices = {name: known[name] if name in known else integrated[name] for name in names}
     parts = [(clusters.functions[number][None], matrices[name]) for number, name in enumerate(names)]
-    plain: dict[bytes, HalfMatrix] = {}
+    rest = sum_of(parts, cover.n_functions)
+    plain: dict[bytes, Floats] = {}
+    elements = []
     for kind in plain_kinds(cover):
         name = plain_key(cover, kind, materials[kind.body], n)
         ready = None if before is None else before.plain.get(name)
         plain[name] = _plain(cover, kind, materials[kind.body], n) if ready is None else ready
-        parts.append((cover.functions[kind.elements][:, kind.covers], plain[name]))
-    return Stiffness(sum_of(parts, cover.n_functions), matrices, plain, len(new))
+        elements.append(EqualElements(cover.functions[kind.elements][:, kind.covers], plain[name], name))
+    return Stiffness(SymmetricMatrix(tuple(elements), rest), matrices, plain, len(new))
 
 
 def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:
@@ -113,16 +116,16 @@ def plain_key(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) 
     return np.array([cover.lattice.support, *moduli, n, *kind.low, *kind.size, *kind.covers]).tobytes()
 
 
-def _plain(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> HalfMatrix:
-    """The element matrix of a kind of plain elements."""
+def _plain(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> Floats:
+    """The element matrix (2 k, 2 k) of a kind of plain elements, function by function."""
     lattice = cover.lattice
     local, weights = square(n)
     area = weights * kind.size.prod()
     _, gradients = mls(kind.low + local * kind.size, lattice.support, lattice.reach)
     rim, normals = rectangle_rim(kind.low, kind.size)
     gradients = consistent(gradients, area, mls_values(rim, lattice.support, lattice.reach), normals)
-    matrix = _elastic(material, products(gradients[:, kind.covers], area))
-    return half(matrix, np.ones(matrix.shape[2:], dtype=bool))
+    matrix = element_matrix(material, gradients[:, kind.covers], area)
+    return matrix.reshape(2 * len(matrix), -1)
 
 
 def _integrated(

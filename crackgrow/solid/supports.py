@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, diags_array, vstack
+from scipy.sparse import csr_array, vstack
 
-from crackgrow.approximation.basis import value_matrix, values_at
-from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, PointSupport, Support
+from crackgrow.approximation.basis import values_at
+from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, EdgeSupport, PointSupport, Support
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import edges_of_region
@@ -41,32 +41,30 @@ def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support
 
     Raises GeometryError for a support outside of its body.
     """
-    rows: list[csr_array] = [csr_array((0, cover.n_dofs))]
-    given: list[Floats] = [np.empty(0)]
-    owner: list[Ints] = [np.empty(0, dtype=np.int64)]
-    components: list[Ints] = [np.empty(0, dtype=np.int64)]
-    for number, support in enumerate(supports):
-        if isinstance(support, ContactSupport):
-            continue
-        if isinstance(support, PointSupport):
-            average, points, elements = _at_point(cover, bodies, support)
-        else:
-            average, points, elements = _along_edge(cover, bodies, support.region)
-        values = csr_array(average @ value_matrix(values_at(cover, points, elements), cover.n_functions))
-        places = cover.lattice.to_metres(points)
+    prescribing = [(n, support) for n, support in enumerate(supports) if not isinstance(support, ContactSupport)]
+    if not prescribing:
+        none = np.empty(0, dtype=np.int64)
+        return Constraints(csr_array((0, cover.n_dofs)), np.empty(0), none, none, none)
+    averages = _averages(cover, bodies, [support for _, support in prescribing])
+    values = _averaged_values(cover, averages)
+    first = np.cumsum([0, *(average.n for average in averages)])
+    rows, given, owner, components = [], [], [], []
+    for (number, support), start, average in zip(prescribing, first[:-1], averages, strict=True):
         for component, displacement in enumerate(support.displacement):
             if displacement is not None:
-                rows.append(component_matrix(values, component))
-                given.append(prescribed(displacement, average, places))
-                owner.append(np.full(len(given[-1]), number))
-                components.append(np.full(len(given[-1]), component))
-    owners = np.concatenate(owner)
+                rows.append(np.arange(start, start + average.n))
+                given.append(_prescribed(displacement, average, cover.lattice.to_metres(average.points)))
+                owner.append(np.full(average.n, number))
+                components.append(np.full(average.n, component))
+    axes = np.concatenate(components)
+    matrix = csr_array(values[np.concatenate(rows)])
+    columns = 2 * matrix.indices + np.repeat(axes, np.diff(matrix.indptr))
     return Constraints(
-        csr_array(vstack(rows, format="csr")),
+        csr_array((matrix.data, columns, matrix.indptr), shape=(len(axes), cover.n_dofs)),
         np.concatenate(given),
-        owners,
-        np.concatenate(components),
-        np.full(len(owners), -1),
+        np.concatenate(owner),
+        axes,
+        np.full(len(axes), -1),
     )
 
 
@@ -82,31 +80,35 @@ def tied(constraints: Constraints, rows: csr_array, surface: Ints) -> Constraint
     )
 
 
-def prescribed(displacement: Component, average: csr_array, points: Floats) -> Floats:
-    """Averages (m,) m of a prescribed displacement, from its values at points (n, 2) m by `average` (m, n)."""
-    if callable(displacement):
-        return np.asarray(average @ displacement(points))
-    return np.full(average.shape[0], displacement)
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgePoints:
+    """Gauss points along a region of an edge."""
+
+    points: Floats  # (n, 2) lattice coordinates
+    lengths: Floats  # (n,) m
+    elements: Ints  # (n,)
+    s: Floats  # (n,) m, arc length from the part's start
 
 
-def component_matrix(values: csr_array, component: int) -> csr_array:
-    """The matrix (m, n_functions) of a scalar field as one (m, 2 n_functions) of a displacement component."""
-    return csr_array(
-        (values.data, 2 * values.indices + component, values.indptr), shape=(values.shape[0], 2 * values.shape[1])
+def edge_points(cover: Cover, bodies: Sequence[Body], regions: Sequence[EdgeRegion]) -> list[EdgePoints]:
+    """The points of each of the regions."""
+    if not regions:
+        return []
+    edges = []
+    for region in regions:
+        body = body_index(bodies, region.body)
+        sides = cover.bodies[body].sides
+        edges.append(edges_of_region(cover.elements.outlines, body, sides, region.sides, region.limits))
+    ends, elements, s = (
+        np.concatenate(arrays) for arrays in zip(*((e.points, e.plus, e.s) for e in edges), strict=True)
     )
-
-
-def edge_points(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> tuple[Floats, Floats, Ints, Floats]:
-    """Gauss points along a region of an edge.
-
-    Points (n, 2) in lattice coordinates, their lengths (n,) m, elements (n,), arc length (n,) m from the part's start.
-    """
-    body = body_index(bodies, region.body)
-    sides = cover.bodies[body].sides
-    edges = edges_of_region(cover.elements.outlines, body, sides, region.sides, region.limits)
-    edge, points, length = points_on_outlines(cover, edges.points, edges.plus, edges.edge)
-    s = edges.s[edge, 0] + np.hypot(*(points - edges.points[edge, 0]).T)
-    return points, length * cover.lattice.spacing, edges.plus[edge], s * cover.lattice.spacing
+    edge, points, lengths = points_on_outlines(cover, ends, elements, np.concatenate([e.edge for e in edges]))
+    s = s[edge, 0] + np.hypot(*(points - ends[edge, 0]).T)
+    spacing, owner = cover.lattice.spacing, np.repeat(np.arange(len(edges)), [len(e.edge) for e in edges])[edge]
+    return [
+        EdgePoints(points[mine], lengths[mine] * spacing, elements[edge[mine]], s[mine] * spacing)
+        for mine in (np.flatnonzero(owner == number) for number in range(len(edges)))
+    ]
 
 
 def body_index(bodies: Sequence[Body], name: str) -> int:
@@ -114,7 +116,52 @@ def body_index(bodies: Sequence[Body], name: str) -> int:
     return next(index for index, body in enumerate(bodies) if body.name == name)
 
 
-_Averages = tuple[csr_array, Floats, Ints]  # averages (rows, n) of values at points (n, 2) in elements (n,)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Averages:
+    """Averages of values at points: n sums of terms, each a share of the value at a point."""
+
+    n: int
+    row: Ints  # (terms,) the average that a term belongs to
+    point: Ints  # (terms,)
+    share: Floats  # (terms,)
+    points: Floats  # (p, 2) lattice coordinates
+    elements: Ints  # (p,)
+
+
+def _prescribed(displacement: Component, average: _Averages, places: Floats) -> Floats:
+    """Averages (n,) m of a prescribed displacement, whose points lie at `places` (p, 2) m."""
+    if callable(displacement):
+        terms = average.share * displacement(places)[average.point]
+        return np.asarray(np.bincount(average.row, terms, minlength=average.n), dtype=np.float64)
+    return np.full(average.n, displacement)
+
+
+def _averages(cover: Cover, bodies: Sequence[Body], supports: Sequence[PointSupport | EdgeSupport]) -> list[_Averages]:
+    """What each of the supports holds."""
+    regions = [support.region for support in supports if not isinstance(support, PointSupport)]
+    along_edges = (_along_edge(points, cover.lattice.spacing) for points in edge_points(cover, bodies, regions))
+    return [
+        _at_point(cover, bodies, support) if isinstance(support, PointSupport) else next(along_edges)
+        for support in supports
+    ]
+
+
+def _averaged_values(cover: Cover, averages: Sequence[_Averages]) -> csr_array:
+    """The averages (rows, n_functions) of the values of all functions."""
+    basis = values_at(
+        cover, np.concatenate([a.points for a in averages]), np.concatenate([a.elements for a in averages])
+    )
+    sizes = np.array([(a.n, len(a.points)) for a in averages])
+    start = np.cumsum(sizes, axis=0) - sizes
+    row, point = (
+        np.concatenate([part + first for part, first in zip(parts, firsts, strict=True)])
+        for parts, firsts in zip(([a.row for a in averages], [a.point for a in averages]), start.T, strict=True)
+    )
+    ids = basis.ids[point]
+    used = ids >= 0
+    shares = (np.concatenate([a.share for a in averages])[:, None] * basis.values[point])[used]
+    place = (np.broadcast_to(row[:, None], ids.shape)[used], ids[used])
+    return csr_array((shares, place), shape=(int(sizes[:, 0].sum()), cover.n_functions))
 
 
 def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _Averages:
@@ -123,13 +170,17 @@ def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _A
     if element[0] < 0:
         x, y = support.point
         raise GeometryError(f"the support at ({x:g}, {y:g}) m lies outside of body '{support.body}'")
-    return csr_array(np.ones((1, 1))), at, element
+    first = np.zeros(1, dtype=np.int64)
+    return _Averages(1, first, first, np.ones(1), at, element)
 
 
-def _along_edge(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> _Averages:
+def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
     """Averages weighted with hat functions whose nodes are about one spacing apart."""
-    points, length, elements, s = edge_points(cover, bodies, region)
-    n_pieces = max(1, int(length.sum() / cover.lattice.spacing))
-    position = (s - s.min()) / (s.max() - s.min()) * n_pieces
-    hats = np.maximum(0.0, 1.0 - np.abs(position[None] - np.arange(n_pieces + 1)[:, None])) * length
-    return csr_array(diags_array(1.0 / hats.sum(axis=1)) @ csr_array(hats)), points, elements
+    n_pieces = max(1, int(edge.lengths.sum() / spacing))
+    position = (edge.s - edge.s.min()) / (edge.s.max() - edge.s.min()) * n_pieces
+    left = np.minimum(position.astype(np.int64), n_pieces - 1)
+    share = position - left
+    rows, points = np.concatenate([left, left + 1]), np.tile(np.arange(len(left)), 2)
+    weights = np.concatenate([(1.0 - share) * edge.lengths, share * edge.lengths])
+    weights /= np.bincount(rows, weights, minlength=n_pieces + 1)[rows]
+    return _Averages(n_pieces + 1, rows, points, weights, edge.points, edge.elements)

@@ -1,101 +1,69 @@
-"""Speed and accuracy of compression30 over the lattice spacing: prints a table and appends it to history.csv.
+"""The benchmark: `python -m tests.benchmarks.run` measures all runs and compares their ratios with the baseline.
 
-Every row is measured in one process: the median step of a growth run by phase, and as a floor the bare factorization
-and one solve of the same stiffness matrix. Ratios to the floor hold on a noisy machine where seconds don't.
+Every run is measured in a process of its own, with its own floor, and is appended to history.csv; bench.md shows the
+latest of each. Seconds are CPU seconds of one thread; on a shared machine even these are unsure, their ratios less so.
 """
 
 from __future__ import annotations
 
-import csv
-import platform
-import time
-from pathlib import Path
+import argparse
+import os
+import sys
 
-import numpy as np
-from scipy.sparse import eye_array
-
-from crackgrow import __version__
-from crackgrow.case import load_case
-from crackgrow.contact.faces import points_at
-from crackgrow.contact.jump import gap_and_slip
-from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run import grow
-from crackgrow.run.result import StepResult
-from crackgrow.run.scene import make_scene
-from crackgrow.run.step import solve_step
-from crackgrow.solid.linear_solver import Factorization
-from crackgrow.solid.stiffness import stiffness
-
-HERE = Path(__file__).parent
-ROOT = HERE.parents[1]
-REFERENCES = HERE.parent / "verification" / "references"
-PHASES = ("cover", "assembly", "factorize", "contact", "criterion")
-SLIP_AT_MIDDLE = 86.086e-6  # m, closed_crack_K.csv, rigid, frictionless
-
-
-def growth_run(spacing: float) -> tuple[list[StepResult], np.ndarray]:
-    """All steps of compression30 at a spacing (mm), and the right wing (n, 2) in mm."""
-    settings = [f"numerics.spacing={spacing}", "output.frames=none", "output.figures=false"]
-    results = list(grow(load_case(ROOT / "cases" / "compression30.yaml", settings)))
-    path = results[-1].cracks[0]
-    return results, path.points[np.flatnonzero(path.steps == 0)[-1] :] * 1e3
-
-
-def first_step(spacing: float) -> tuple[float, float]:
-    """Error of the slip at the flaw's middle, and the floor: seconds to factorize its stiffness and solve once."""
-    case = load_case(ROOT / "cases" / "compression30.yaml", [f"numerics.spacing={spacing}"])
-    scene = make_scene(case)
-    solution = solve_step(scene, (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),), 1.0)
-    middle = points_at(solution.cover, 0, np.array([5e-3 / scene.lattice.spacing]))
-    slip = abs(float(gap_and_slip(solution.cover, middle, solution.outcome.u)[1][0]))
-    matrix = stiffness(solution.cover, scene.materials, case.numerics.quadrature)
-    matrix = matrix + 1e-6 * abs(matrix).max() * eye_array(matrix.shape[0], format="csc")  # the rigid modes held
-    seconds = []
-    for _ in range(5):
-        start = time.perf_counter()
-        Factorization(matrix).solve(np.ones(matrix.shape[0]))
-        seconds.append(time.perf_counter() - start)
-    return slip / SLIP_AT_MIDDLE - 1.0, float(np.median(seconds))
-
-
-def path_deviation(wing: np.ndarray) -> float:
-    """Largest distance in x (mm) from the reference wing for y from 5 to 22 mm."""
-    table = np.genfromtxt(REFERENCES / "wing_path_theta30.csv", delimiter=",", names=True)
-    inside = (table["y_mm"] >= 5.0) & (table["y_mm"] <= 22.0)
-    x = np.interp(table["y_mm"][inside], wing[:, 1], wing[:, 0])
-    return float(np.abs(x - table["x_mm_LS_inc05"][inside]).max())
+from tests.benchmarks.compare import changes, comparison_text, load_baseline, store_baseline
+from tests.benchmarks.fits import exponents, same_program
+from tests.benchmarks.measure import in_own_process
+from tests.benchmarks.paths import BASELINE, HERE, HISTORY
+from tests.benchmarks.record import Measurement, append, latest, ratios, read
+from tests.benchmarks.report import write_report
+from tests.benchmarks.scenes import all_runs, chosen
 
 
 def main() -> None:
-    """Measure, print, and append to history.csv."""
-    rows = []
-    for spacing in (3.0, 1.5, 0.75):
-        results, wing = growth_run(spacing)
-        error, floor = first_step(spacing)
-        phases = {phase: float(np.median([result.seconds[phase] for result in results])) for phase in PHASES}
-        step = sum(phases.values())
-        row = {
-            "version": __version__,
-            "python": platform.python_version(),
-            "spacing_mm": spacing,
-            "n_dofs": results[0].n_dofs,
-            "slip_error_percent": round(100.0 * error, 3),
-            "path_deviation_mm": round(path_deviation(wing), 3),
-            "step_seconds": round(step, 4),
-            "floor_seconds": round(floor, 4),
-            "ratio_to_floor": round(step / floor, 2),
-            **{f"{phase}_seconds": round(seconds, 4) for phase, seconds in phases.items()},
-        }
-        rows.append(row)
-        print("  ".join(f"{key}={value}" for key, value in row.items() if key not in ("version", "python")))
-    history = HERE / "history.csv"
-    new = not history.exists()
-    with history.open("a", newline="") as file:
-        writer = csv.DictWriter(file, rows[0])
-        if new:
-            writer.writeheader()
-        writer.writerows(rows)
+    """Measure, print, keep."""
+    options = _parser().parse_args()
+    runs = chosen(options.only, options.quick, options.large)
+    if not runs:
+        sys.exit(f"no run to measure; there are: {', '.join(run.name for run in all_runs())}")
+    done = []
+    for run in runs:
+        done.append(in_own_process(run))
+        append(HISTORY, done[-1])
+        print(_line(done[-1]), flush=True)
+    write_report(HERE / "bench.md", in_order(latest(read(HISTORY))))
+    now = {measured.run: ratios(measured) for measured in done}
+    now["growth with size"] = {f"exponent of {name}": power for name, power in exponents(same_program(done)).items()}
+    if options.baseline:
+        store_baseline(BASELINE, {run: found for run, found in now.items() if found})
+        print(f"stored as the baseline: {', '.join(run for run, found in now.items() if found)}")
+    else:
+        print(f"\n{comparison_text(changes(now, load_baseline(BASELINE)))}", end="")
+
+
+def in_order(measurements: list[Measurement]) -> list[Measurement]:
+    """As the runs are listed, without those that are no more."""
+    by_name = {measured.run: measured for measured in measurements}
+    return [by_name[run.name] for run in all_runs() if run.name in by_name]
+
+
+def _line(m: Measurement) -> str:
+    """One run at a glance."""
+    return (
+        f"{m.run:22s} {m.n_dofs:7d} unknowns {m.n_contact:4d} contact points   a step {1e3 * m.step:8.1f} ms   "
+        f"step/floor {m.step / m.floor:5.2f}   {m.peak_MB:6.0f} MB"
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="make bench ARGS=...", description=__doc__)
+    parser.add_argument("--only", metavar="TEXT", help="the runs whose name contains this")
+    parser.add_argument("--quick", action="store_true", help="the runs that take a few seconds")
+    parser.add_argument("--large", action="store_true", help="sizes up to 500,000 unknowns too: hours of cores, 20 GB")
+    parser.add_argument("--baseline", action="store_true", help="store the ratios as the baseline")
+    return parser
 
 
 if __name__ == "__main__":
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):  # of the processes that are measured
+        os.environ[name] = "1"
     main()

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from crackgrow import cli
+from crackgrow.cli.console import EXIT_DONE
 from crackgrow.study.stability.runner import AXES, CASE_AXES
 
 ROOT = Path(__file__).parents[2]
@@ -20,7 +21,7 @@ def test_short_study_of_all_axes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     with (tmp_path / "stability.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [(row["axis"], row["value"], row["reason"]) for row in rows if row["verdict"] == "NO"] == []
-    assert code == cli.EXIT_DONE
+    assert code == EXIT_DONE
     assert {row["axis"].replace(" x ", "-") for row in rows} == set(AXES)
     said = {(row["axis"], row["value"]) for row in rows if row["verdict"] == "said"}
     assert ("poisson", "0.49999, plane strain") in said
@@ -36,6 +37,6 @@ def test_study_of_a_case_of_ones_own(name: str, tmp_path: Path) -> None:
     code = cli.main(["stability", str(ROOT / "cases" / f"{name}.yaml"), "--short", "--out", str(tmp_path)])
     with (tmp_path / "stability.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert code == cli.EXIT_DONE
+    assert code == EXIT_DONE
     assert {row["axis"] for row in rows} == set(CASE_AXES)
     assert {row["verdict"] for row in rows} == {"yes"}

@@ -15,6 +15,7 @@ from crackgrow import cli
 from crackgrow.case.model import Case
 from crackgrow.errors import CaseError, Fault, GeometryError, SolveError
 from crackgrow.results import writer
+from crackgrow.results.atomic import OutputError
 from crackgrow.run.result import RunEnd, StepResult
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
 
@@ -195,7 +196,7 @@ def test_disk_that_fills_during_a_run_exits_3(
     scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def add(self: writer.RunWriter, result: StepResult) -> None:
-        raise cli.OutputError("cannot write tips.csv: No space left on device")
+        raise OutputError("cannot write tips.csv: No space left on device")
 
     monkeypatch.setattr(writer.RunWriter, "add", add)
     assert cli.main(["run", "block.yaml"]) == 3

@@ -1,4 +1,4 @@
-"""The paper's Gauss points with a penalty: Lemke on the LCP (17) and Newton on the traction form agree."""
+"""Lemke on the LCP (17) and Newton on the traction form agree: the paper's Gauss points, mortar nodes, many of them."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from scipy.sparse import csr_array, vstack
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import ContactProblem
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactProblem, complementarity_residual
 from crackgrow.contact.jump import contact_operators
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.scene import make_scene
@@ -22,6 +23,7 @@ from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
+from tests.contact_problems import crack_problem, random_problem, rock_problem, with_law
 
 CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
 
@@ -102,3 +104,42 @@ def test_mortar_nodes_too(friction: float) -> None:
     newton, lemke = outcomes
     np.testing.assert_allclose(lemke.normal_traction, newton.normal_traction, rtol=1e-9)
     np.testing.assert_allclose(lemke.slip, newton.slip, rtol=1e-9)
+
+
+EXACT = 1e-10
+"""Violation of the law, relative."""
+
+AGREEMENT = 1e-8
+"""Of tractions, relative to the largest."""
+
+
+def check(problem: ContactProblem) -> None:
+    newton, lemke = solve_by_newton(problem), solve_by_lemke(problem)
+    assert newton.status == lemke.status == "solved"
+    assert complementarity_residual(problem, newton.traction) < EXACT
+    atol = AGREEMENT * np.abs(newton.traction).max()
+    np.testing.assert_allclose(newton.traction, lemke.traction, rtol=0.0, atol=atol)
+
+
+@pytest.mark.parametrize("kind", ["interface", "crack"])
+def test_many_points_of_rock_that_open_stick_and_slip(kind: str) -> None:
+    rock, _ = rock_problem(kind, 80)
+    for friction, cohesion in ((0.0, 0.0), (0.4, 0.0), (0.4, 1e6), (1.0, 0.0), (1.0, 1e6)):
+        problem = with_law(rock, friction, cohesion)
+        check(problem)
+        wanted = {OPEN, SLIP} if friction == 0.0 else {OPEN, STICK, SLIP}
+        assert set(solve_by_newton(problem).state.tolist()) == wanted
+
+
+@pytest.mark.parametrize("cohesion", [0.0, 0.1])
+@pytest.mark.parametrize("friction", [0.4, 1.0])
+def test_many_points_of_a_crack_in_a_plane(friction: float, cohesion: float) -> None:
+    for seed in range(4):
+        check(crack_problem(150, friction, cohesion, np.inf, 0.3, seed))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4, 1.0])
+def test_many_points_that_are_in_no_order(friction: float) -> None:
+    """Neighbours have nothing to do with each other: the problem of half as many says nothing."""
+    for seed in range(4):
+        check(random_problem(90, friction, seed))

@@ -304,7 +304,6 @@ REQUIRED = [
     "growth.tip_stress",
     "growth.tip_stress.radius",
     "numerics",
-    "numerics.spacing",
 ]
 
 
@@ -320,7 +319,7 @@ def test_missing_key(key: str, tmp_path: Path):
 
 
 OPTIONAL = ["source", "units", "loads", "loading", "growth", "growth.unload_between_steps", "numerics.contact"]
-OPTIONAL += ["growth.direction", "interfaces"]
+OPTIONAL += ["growth.direction", "interfaces", "numerics.accuracy"]
 
 
 @pytest.mark.parametrize("key", [*OPTIONAL, "output", "output.frames", "cracks.flaw.tips", "numerics.support"])

@@ -253,6 +253,30 @@ def tilting(build) -> Block:
     return make(build, supports, {}, 0.0)
 
 
+def test_open_faces_cost_no_solve_and_smooth_ones_one_a_pressed_point(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Right-hand sides that the rock is solved for: the load, and those of the tractions that are unknown."""
+    solved: list[int] = []
+    solve = ConstrainedSystem.solve
+
+    def counted(self, loads, given=None):
+        solved.append(1 if loads.ndim == 1 else loads.shape[1])
+        return solve(self, loads, given)
+
+    monkeypatch.setattr(ConstrainedSystem, "solve", counted)
+    for block, friction, per_point in (
+        (pressed(build, -0.02), 0.4, 0),
+        (pressed(build, 0.02), 0.0, 1),
+        (pressed(build, 0.02), 0.4, 2),
+        (tilting(build), 0.0, 1),
+        (tilting(build), 0.4, 2),
+    ):
+        solved.clear()
+        outcome = block.solve(friction)
+        assert sum(solved) == 1 + outcome.n_unknowns == 1 + per_point * len(outcome.rows)
+        assert set(np.flatnonzero(outcome.state != OPEN)) <= set(outcome.rows)
+        assert outcome.iterations <= 2
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 @pytest.mark.parametrize("solver", ["newton", "lemke"])
 def test_points_that_stay_open_are_left_out(build, solver: str, friction: float) -> None:
@@ -314,15 +338,15 @@ def test_scaling_loads_and_displacements_scales_the_answer(build) -> None:
 def test_solving_leaves_no_trace(build) -> None:
     """r(A), r(B), r(A): bit for bit, and the system stays as it was."""
     block = uniform(build, compression(2.0), 25.0)
-    before = block.system.stiffness.copy()
+    before = block.system.stiffness.tocsc().copy()
     first = block.solve(friction=0.2)
     other = block.solve(friction=0.6, cohesion=0.1, factor=-0.5)
     again = block.solve(friction=0.2)
     assert not np.array_equal(other.u, first.u)
     for name in ("u", "multipliers", "normal_traction", "tangential_traction", "gap", "slip", "state"):
         np.testing.assert_array_equal(getattr(again, name), getattr(first, name))
-    np.testing.assert_array_equal(block.system.stiffness.data, before.data)
-    np.testing.assert_array_equal(block.system.stiffness.indices, before.indices)
+    np.testing.assert_array_equal(block.system.stiffness.tocsc().data, before.data)
+    np.testing.assert_array_equal(block.system.stiffness.tocsc().indices, before.indices)
 
 
 @pytest.mark.parametrize(("noise", "words"), [(0.01, "unsymmetric by 0."), (30.0, "not positive")])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.coulomb import (
     OPEN,
     SLIP,
@@ -15,7 +16,6 @@ from crackgrow.contact.coulomb import (
     complementarity_residual,
     jump,
     project,
-    solve_active,
 )
 from crackgrow.errors import SolveError
 

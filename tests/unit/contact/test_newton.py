@@ -18,41 +18,10 @@ from crackgrow.contact.coulomb import (
 )
 from crackgrow.contact.newton import _through_stick, solve_by_newton, sweep
 from crackgrow.errors import SolveError
+from tests.contact_problems import crack_problem, random_problem
 
 AGREEMENT = 1e-8  # of two solvers, relative; Lemke accumulates round-off until its last solve
 EXACT = 1e-10  # complementarity residual of a solution
-
-
-def crack_problem(n, friction, cohesion, ratio, coupling, seed):
-    """Straight crack on (-1, 1) in an infinite plane: exact opening kernel, constant pressure per cell.
-
-    The normal and tangential rows are coupled by a random block that leaves the whole positive definite (coupling
-    below one); the diagonal carries an elastic compliance `ratio` times smaller than that of the solid.
-    """
-    rng = np.random.default_rng(seed)
-    x = (2.0 * np.arange(n) + 1.0) / n - 1.0
-    distance = np.abs(x[:, None] - x)
-    np.fill_diagonal(distance, np.exp(-1.0) / n)  # mean of the logarithm over one cell
-    root = np.sqrt(np.outer(1.0 - x**2, 1.0 - x**2))
-    K = 2.0 / n * np.log((1.0 - np.outer(x, x) + root) / distance)
-    values, vectors = np.linalg.eigh(K)
-    half = vectors * np.sqrt(values) @ vectors.T
-    Q = rng.normal(size=(n, n))
-    C = half @ (Q * (coupling / np.linalg.norm(Q, 2))) @ half
-    A = np.block([[K, C], [C.T, K]]) + np.diag(np.tile(K.diagonal() / ratio, 2))
-    waves = np.cos(np.pi * np.arange(1, 9)[:, None] * x + rng.uniform(0.0, 6.0, (8, 1)))
-    free = np.concatenate([K @ (rng.normal(size=8) @ waves - 1.0), K @ (rng.normal(size=8) @ waves + 0.5)])
-    return ContactProblem(A, free, np.full(n, friction), np.full(n, cohesion))
-
-
-def random_problem(n, friction, seed):
-    """Random positive definite compliance with a column scaling, as quadrature weights make it: not symmetric."""
-    rng = np.random.default_rng(seed)
-    B = rng.normal(size=(2 * n, 2 * n))
-    coupling = np.block([[np.ones((n, n)), np.full((n, n), 0.2)], [np.full((n, n), 0.2), np.ones((n, n))]])
-    weight = rng.uniform(0.5, 2.0, n)
-    A = ((B @ B.T / (2 * n)) * coupling + np.eye(2 * n)) * np.tile(weight, 2)
-    return ContactProblem(A, rng.normal(size=2 * n) - 0.3, np.full(n, friction), rng.uniform(0.0, 0.3, n))
 
 
 def check_both(problem):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array, csr_array
 
+from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.condensed import solved
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import (
@@ -17,14 +18,13 @@ from crackgrow.contact.coulomb import (
     ContactProblem,
     ContactSolution,
     complementarity_residual,
-    solve_active,
 )
 from crackgrow.contact.law import ContactLaw, ContactMemory
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.second_solution import second_solution
 from crackgrow.contact.solve import solve_contact
 from crackgrow.contact.system import ContactSystem
-from crackgrow.contact.uniqueness import friction_limit, other_solutions
+from crackgrow.contact.uniqueness import below_friction_limit, friction_limit, other_solutions
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 
@@ -117,6 +117,24 @@ def test_a_compliance_that_is_not_definite_has_no_limit() -> None:
         assert friction_limit(compliance, ONE) == 0.0
 
 
+def test_what_is_proven_to_be_below_the_limit_is_below_it() -> None:
+    """The cheap proof is never wrong, and fails for little: where it knows nothing the limit is not far."""
+    shares = []
+    for seed, n in itertools.product(range(15), (1, 2, 5, 40)):
+        compliance = random_problem(n, 0.0, seed).compliance
+        limit = friction_limit(compliance, np.ones(n))
+        proven = [
+            share for share in np.linspace(0.05, 1.5, 30) if below_friction_limit(share * limit, compliance, np.ones(n))
+        ]
+        assert max(proven, default=0.0) < 1.0
+        shares.append(max(proven, default=0.0))
+    assert np.median(shares) > 0.5
+    for compliance in (np.ones((2, 2)), np.array([[1.0, 2.0], [2.0, 1.0]])):
+        assert not below_friction_limit(0.0, compliance, ONE)
+    assert below_friction_limit(1e3, np.diag([1.0, 2.0, 3.0, 4.0]), np.array([1.0, 7.0]))
+    assert below_friction_limit(1e3, np.zeros((0, 0)), np.zeros(0))
+
+
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) -> None:
     below = several = 0
@@ -171,6 +189,21 @@ def test_two_points_that_know_nothing_of_each_other_have_nine_solutions() -> Non
     assert len(every_solution(problem)) == 9
     found, _ = solved(problem, np.ones(2), "newton")
     assert list(other_solutions(problem, found.traction))
+
+
+@pytest.mark.parametrize(("most", "times"), [(2, 1), (1, 0)])
+def test_lemke_is_not_asked_of_many_points(monkeypatch: pytest.MonkeyPatch, most: int, times: int) -> None:
+    asked = []
+
+    def counted(problem: ContactProblem) -> ContactSolution:
+        asked.append(problem.n_points)
+        return solve_by_lemke(problem)
+
+    monkeypatch.setattr("crackgrow.contact.uniqueness.solve_by_lemke", counted)
+    monkeypatch.setattr("crackgrow.contact.uniqueness.LEMKE_POINTS", most)
+    problem = random_problem(2, 0.3, 1)
+    list(other_solutions(problem, solve_by_newton(problem).traction))
+    assert len(asked) == times
 
 
 def test_points_that_share_a_load_in_any_way_are_no_second_solution() -> None:

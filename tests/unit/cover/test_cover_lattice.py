@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.cover.lattice import place_lattice
-from crackgrow.cover.tiles import tile_lines, tile_outlines, tiles_at, touched_tiles
+from crackgrow.cover.lattice import Lattice, place_lattice
+from crackgrow.cover.pieces import cut_in_pieces
+from crackgrow.cover.tiles import tile_lines, tiles_at, touched_tiles
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 rng = np.random.default_rng(5)
@@ -79,25 +80,23 @@ def test_tile_of_a_point_holds_it(support: float) -> None:
     assert np.all((y[tiles[:, 1]] <= points[:, 1]) & (points[:, 1] < y[tiles[:, 1] + 1]))
 
 
-def test_tile_outlines_are_the_rectangles_between_the_lines() -> None:
-    lattice = place_lattice(np.zeros(2), np.full(2, 3.0), 1.0, 1.75)
-    outline = tile_outlines(lattice, np.array([[1, 3]]))[0]
-    assert outline.is_closed
-    assert outline.bounds == (0.25, 1.0, 0.75, 1.25)
+def touched_by(lattice: Lattice, segment: list[tuple[float, float]]) -> np.ndarray:
+    pieces = cut_in_pieces(np.array([segment]), *tile_lines(lattice))
+    return touched_tiles(lattice, np.concatenate([pieces.points, pieces.ends.mean(axis=1)]), np.empty((0, 2)))
 
 
 def test_segment_touches_the_tiles_it_crosses_and_no_others() -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 4.0), 1.0, 2.0)
-    touched = touched_tiles(lattice, np.array([[[1.5, 1.5], [3.5, 2.5]]]), np.empty((0, 2)))
+    touched = touched_by(lattice, [(1.5, 1.5), (3.5, 2.5)])
     # the line y = 1.5 + (x - 1.5) / 2 meets y = 2 at x = 2.5
     np.testing.assert_array_equal(np.argwhere(touched), [[1, 1], [2, 1], [2, 2], [3, 2]])
 
 
 def test_segment_on_a_lattice_line_touches_both_sides_and_a_tip_all_its_neighbours() -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 4.0), 1.0, 2.0)
-    along = touched_tiles(lattice, np.array([[[2.5, 3.0], [3.5, 3.0]]]), np.empty((0, 2)))
+    along = touched_by(lattice, [(2.5, 3.0), (3.5, 3.0)])
     np.testing.assert_array_equal(np.argwhere(along), [[2, 2], [2, 3], [3, 2], [3, 3]])
-    round_tip = touched_tiles(lattice, np.empty((0, 2, 2)), np.array([[2.5, 3.5]]))
+    round_tip = touched_tiles(lattice, np.empty((0, 2)), np.array([[2.5, 3.5]]))
     assert np.argwhere(round_tip).min(axis=0).tolist() == [1, 2]
     assert np.argwhere(round_tip).max(axis=0).tolist() == [3, 4]
     assert round_tip.sum() == 9

@@ -10,16 +10,10 @@ import shapely
 
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import Tip, crack_angle, make_tip
-from crackgrow.fracture.interaction_integral import (
-    KEPT_CLEAR,
-    PARTS,
-    RADIUS,
-    SMALLEST_RADIUS,
-    STRAIGHT_RADIUS,
-    clearance,
-    interaction,
-    interaction_integrals,
-)
+from crackgrow.fracture.interaction import interaction
+from crackgrow.fracture.interaction_integral import interaction_integrals
+from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, RADIUS, SMALLEST_RADIUS, STRAIGHT_RADIUS, clearance
+from crackgrow.fracture.tip_rule import tip_rule
 from crackgrow.fracture.williams import williams_displacement, williams_gradient
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
@@ -77,7 +71,10 @@ class ExactField:
         return vectors, sum(both)
 
     def K_found(self, radius: float = RADIUS) -> np.ndarray:
-        M = interaction(self.tip, MATERIAL, radius * PARTS, self.gradient, self.faces, self.force)
+        rule = tip_rule(self.tip, radius * PARTS)
+        vectors, face_gradients = self.faces(rule.faces.arc)
+        gradients = self.gradient(*rule.circles.polar).transpose(1, 2, 0)
+        M = interaction(MATERIAL, rule, gradients, vectors.T, face_gradients.transpose(1, 2, 0), self.force)
         return 0.5 * MATERIAL.young_prime * M
 
 

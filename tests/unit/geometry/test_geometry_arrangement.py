@@ -16,8 +16,12 @@ def lines(*parts: list[list[float]]) -> list[shapely.LineString]:
     return [shapely.LineString(part) for part in parts]
 
 
+def faces(parts: list[shapely.LineString]) -> np.ndarray:
+    return faces_of([shapely.MultiLineString(parts)])[0]
+
+
 def arrangement(*parts: list[list[float]]):
-    polygons = faces_of(lines(*parts))
+    polygons = faces(lines(*parts))
     points, end, face = ring_vertices(polygons)
     ids = vertex_ids(points)
     return polygons, points, ids, edges_between(ids, ids[end], face)
@@ -32,13 +36,13 @@ def test_two_crossing_lines_cut_a_rectangle_in_four_faces() -> None:
 
 
 def test_faces_run_counter_clockwise() -> None:
-    polygons = faces_of(lines(FRAME, [[1, -1], [2, 4]], [[-1, 1.1], [5, 1.7]]))
+    polygons = faces(lines(FRAME, [[1, -1], [2, 4]], [[-1, 1.1], [5, 1.7]]))
     assert len(polygons) == 4
     assert all(polygon.exterior.is_ccw for polygon in polygons)
 
 
 def test_dangling_line_makes_no_face() -> None:
-    polygons = faces_of(lines(FRAME, [[0, 1], [2, 1]]))
+    polygons = faces(lines(FRAME, [[0, 1], [2, 1]]))
     assert len(polygons) == 1
     assert polygons[0].area == 12.0
 
@@ -49,7 +53,7 @@ def test_random_lines_leave_no_gap_and_no_overlap() -> None:
     cuts = [rng.uniform(-1, 5, (2, 2)).tolist() for _ in range(12)]
     clipped = [shapely.intersection(line, shapely.Polygon(FRAME)) for line in lines(*cuts)]
     through = [line for line in clipped if line.length > 0.0]
-    polygons = faces_of([*lines(FRAME), *through])
+    polygons = faces([*lines(FRAME), *through])
     points, end, face = ring_vertices(polygons)
     ids = vertex_ids(points)
     edges = edges_between(ids, ids[end], face)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -161,7 +162,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         contact=ContactPoints(("flaw",) * n, s, points, normal, tangential, opening, slip, state),
         faces=(CrackFaces("flaw", s, points, opening, slip, normal, tangential, state),),
         reactions=(),
-        frame=make_frame(1.0 + step),
+        mesh=partial(make_frame, 1.0 + step),
         n_dofs=400 + 8 * step,
         n_contact=2 * n,
         contact_iterations=3 + step,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 
-from crackgrow.results.atomic import OutputError, write_atomically, write_text
+from crackgrow.results.atomic import OutputError, append_text, write_atomically, write_text
 
 
 def test_text_is_written_and_nothing_else_is_left(tmp_path: Path) -> None:
@@ -49,3 +50,21 @@ def test_full_disk_leaves_the_old_file(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="No space left"):
         write_atomically(path, write)
     assert path.read_text() == "old"
+
+
+def test_text_is_appended_to_what_is_there(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    write_text(path, "x\n")
+    assert append_text(path, "µ\n")
+    assert path.read_text(encoding="utf-8") == "x\nµ\n"
+    assert not append_text(tmp_path / "missing.csv", "y\n")
+    assert not (tmp_path / "missing.csv").exists()
+
+
+def test_a_disk_that_is_full_takes_no_part_of_what_is_appended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, write = tmp_path / "a.csv", os.write
+    write_text(path, "old\n")
+    monkeypatch.setattr(os, "write", lambda file, data: write(file, data[:2]))
+    with pytest.raises(OutputError, match=r"a\.csv: No space left"):
+        append_text(path, "new\n")
+    assert path.read_text() == "old\n"

@@ -124,3 +124,21 @@ def test_events_round_trip(tmp_path: Path) -> None:
 )
 def test_format_value(value: tables.Value, text: str) -> None:
     assert tables.format_value(value) == text
+
+
+def test_rows_are_appended_and_a_file_that_is_gone_or_changed_in_its_last_row_is_whole_again(tmp_path: Path) -> None:
+    table = tables.Table(tmp_path / "a.csv", ("x", "y"))
+    path = table.path
+    table.write()
+    inode = path.stat().st_ino
+    table.extend([(1, 2.5), (3, 4.5)])
+    table.write()
+    assert path.read_text() == "x,y\n1,2.5\n3,4.5\n"
+    assert path.stat().st_ino == inode  # the same file, not a new one
+    table.replace_last((3, 5.5))
+    table.write()
+    assert path.read_text() == "x,y\n1,2.5\n3,5.5\n"
+    path.unlink()
+    table.extend([(6, 7.5)])
+    table.write()
+    assert path.read_text() == "x,y\n1,2.5\n3,5.5\n6,7.5\n"

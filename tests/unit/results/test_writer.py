@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -11,8 +12,8 @@ import pyvista
 
 from crackgrow.results import writer as writer_module
 from crackgrow.results.writer import RunWriter
-from crackgrow.run.result import RunEnd
-from tests.unit.results.synthetic import make_case, make_end, make_event, make_paths, make_result
+from crackgrow.run.result import Frame, FrameOnDemand, RunEnd
+from tests.unit.results.synthetic import make_case, make_end, make_event, make_frame, make_paths, make_result
 
 
 @pytest.fixture(autouse=True)
@@ -78,7 +79,7 @@ def test_load_curve_is_drawn_where_the_load_factor_changes(
     writer = RunWriter(make_case(frames="none", figures=True), tmp_path)
     writer.begin()
     for step, factor in enumerate(factors):
-        writer.add(make_result(step, load_factor=factor, frame=None))
+        writer.add(make_result(step, load_factor=factor, mesh=None))
     writer.finish(make_end(2))
     assert ("figures/load_curve.png" in files(tmp_path)) == is_drawn
 
@@ -140,7 +141,7 @@ def test_run_that_fails_before_its_first_step(tmp_path: Path) -> None:
 def test_step_without_mesh_and_cracks_writes_no_frame(tmp_path: Path) -> None:
     writer = RunWriter(make_case(figures=True), tmp_path)
     writer.begin()
-    writer.add(make_result(0, frame=None, faces=()))
+    writer.add(make_result(0, mesh=None, faces=()))
     writer.finish(make_end(0))
     assert files(tmp_path) == TABLES | {"summary.json", "figures/path.png"}
 
@@ -169,3 +170,24 @@ def test_earlier_results_go_and_other_files_stay(tmp_path: Path) -> None:
     RunWriter(make_case(), tmp_path).begin()
     assert files(tmp_path) == TABLES | set(others)
     assert all((tmp_path / name).read_text() == name for name in others)
+
+
+@pytest.mark.parametrize(
+    ("policy", "figures", "wanted"),
+    [("every_step", False, [0, 1, 2]), ("first_and_last", True, [0, 2]), ("none", True, [0, 2]), ("none", False, [])],
+)
+def test_a_mesh_is_made_once_and_only_where_somebody_wants_it(
+    tmp_path: Path, policy: str, figures: bool, wanted: list[int]
+) -> None:
+    made = []
+
+    def mesh(step: int) -> Frame:
+        made.append(step)
+        return make_frame()
+
+    writer = RunWriter(make_case(frames=policy, figures=figures), tmp_path)
+    writer.begin()
+    for step in range(3):
+        writer.add(make_result(step, mesh=FrameOnDemand(partial(mesh, step))))
+    writer.finish(make_end(2))
+    assert sorted(made) == wanted

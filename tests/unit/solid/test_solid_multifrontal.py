@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -9,18 +11,39 @@ from scipy.sparse import block_diag, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import spsolve
 
 from crackgrow.solid import multifrontal as module
-from crackgrow.solid.dissection import LEAF, dissect, places_of_unknowns
+from crackgrow.solid.dissection import Places, dissect, places_of_unknowns
+from crackgrow.solid.fronts import LEAF, Fronts, fronts_of
 from crackgrow.solid.linear_solver import ConstrainedSystem, Factorization
+from crackgrow.solid.matrix import SymmetricMatrix, symmetric
 from crackgrow.solid.multifrontal import Multifrontal, NotQuasiDefiniteError
+from crackgrow.solid.stiffness import stiffness_after
+from tests.conftest import Build
 
 Floats = NDArray[np.float64]
 
 
-def lattice(n: int, seed: int, reach: int = 2) -> tuple[csc_array, Floats]:
-    """A random positive definite matrix of two unknowns per node of an n x n lattice, and their places."""
+REACH = 2
+
+
+def places_at(nodes: Floats) -> Places:
+    """Places on a lattice that is just large enough."""
+    return Places(nodes, tuple((nodes.max(axis=0) + 1).tolist()), REACH)
+
+
+def free(matrix: csc_array) -> csr_array:
+    """No constraints."""
+    return csr_array((0, matrix.shape[0]))
+
+
+def factorized(matrix: csc_array, nodes: Floats) -> Factorization:
+    return Factorization(symmetric(matrix), fronts_of(places_at(nodes), free(matrix))[0])
+
+
+def lattice(n: int, seed: int, reach: int = REACH) -> tuple[csc_array, Floats]:
+    """A random positive definite matrix of two unknowns per node of an n x n lattice, and their nodes."""
     rng = np.random.default_rng(seed)
     nodes = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), axis=2).reshape(-1, 2)
-    places = np.repeat(nodes, 2, axis=0).astype(float)
+    places = np.repeat(nodes, 2, axis=0)
     near = np.abs(places[:, None] - places).max(axis=2) <= reach
     dense = np.where(np.triu(near, 1), rng.uniform(-1.0, 1.0, near.shape), 0.0)
     dense += dense.T
@@ -33,7 +56,7 @@ def lattice(n: int, seed: int, reach: int = 2) -> tuple[csc_array, Floats]:
 def test_solutions_are_those_of_scipy(n: int) -> None:
     matrix, places = lattice(n, n)
     right = np.random.default_rng(1).normal(size=(len(places), 7))
-    factorization = Factorization(matrix, places)
+    factorization = factorized(matrix, places)
     assert factorization.note == ""
     expected = np.column_stack([spsolve(matrix, column) for column in right.T])
     np.testing.assert_allclose(factorization.solve(right), expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max())
@@ -41,23 +64,24 @@ def test_solutions_are_those_of_scipy(n: int) -> None:
 
 
 def test_one_unknown() -> None:
-    factorization = Factorization(csc_array([[4.0]]), np.zeros((1, 2)))
+    factorization = factorized(csc_array([[4.0]]), np.zeros((1, 2), dtype=np.int64))
     assert factorization.note == ""
     np.testing.assert_allclose(factorization.solve(np.array([2.0])), [0.5], rtol=1e-15)
 
 
 def test_entries_given_in_parts_are_summed() -> None:
     twice = csc_array((np.full(4, 2.0), [0, 0, 1, 1], [0, 2, 4]), shape=(2, 2))
-    np.testing.assert_allclose(Factorization(twice, np.zeros((2, 2))).solve(np.ones(2)), 0.25, rtol=1e-15)
+    np.testing.assert_allclose(factorized(twice, np.zeros((2, 2), dtype=np.int64)).solve(np.ones(2)), 0.25, rtol=1e-15)
 
 
 def test_unknowns_at_one_place_are_not_split() -> None:
     n = 2 * LEAF
     a = np.random.default_rng(2).normal(size=(n, n))
     matrix = csc_array(a @ a.T + np.eye(n))
-    assert dissect(matrix, np.zeros((n, 2))).n == 1
+    nodes = np.zeros((n, 2), dtype=np.int64)
+    assert fronts_of(places_at(nodes), free(matrix))[0].n == 1
     x = np.random.default_rng(3).normal(size=n)
-    np.testing.assert_allclose(Factorization(matrix, np.zeros((n, 2))).solve(matrix @ x), x, rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(factorized(matrix, nodes).solve(matrix @ x), x, rtol=1e-6, atol=1e-8)
 
 
 def test_solution_does_not_depend_on_the_numbering() -> None:
@@ -65,41 +89,40 @@ def test_solution_does_not_depend_on_the_numbering() -> None:
     x = np.random.default_rng(5).normal(size=len(places))
     right = matrix @ x
     order = np.random.default_rng(6).permutation(len(places))
-    shuffled = Factorization(csc_array(matrix[order][:, order]), places[order]).solve(right[order])
-    straight = Factorization(matrix, places).solve(right)
+    shuffled = factorized(csc_array(matrix[order][:, order]), places[order]).solve(right[order])
+    straight = factorized(matrix, places).solve(right)
     np.testing.assert_allclose(shuffled, straight[order], rtol=1e-9, atol=1e-12)
 
 
-def test_places_only_change_the_order() -> None:
-    """Also places that have nothing to do with the couplings, where separators are large."""
-    matrix, places = lattice(14, 7)
-    x = np.random.default_rng(8).normal(size=len(places))
-    for wrong in (np.random.default_rng(9).uniform(size=places.shape), places[:, :1] * [1.0, 0.0]):
-        np.testing.assert_allclose(Factorization(matrix, wrong).solve(matrix @ x), x, rtol=1e-8)
+def test_places_that_the_couplings_reach_beyond_are_refused() -> None:
+    matrix, places = lattice(30, 7)
+    wrong = np.random.default_rng(9).permutation(places)
+    with pytest.raises(ValueError, match="further apart than couplings reach"):
+        factorized(matrix, wrong)
 
 
 def test_results_are_the_same_twice() -> None:
     matrix, places = lattice(16, 10)
     right = np.random.default_rng(11).normal(size=(len(places), 3))
-    first = Factorization(matrix, places).solve(right)
-    np.testing.assert_array_equal(Factorization(matrix, places).solve(right), first)
+    first = factorized(matrix, places).solve(right)
+    np.testing.assert_array_equal(factorized(matrix, places).solve(right), first)
 
 
 def test_separate_pieces() -> None:
     """Two lattices in one another, not coupled, and a third one far away."""
     places = lattice(12, 12)[1]
     matrix = csc_array(block_diag([lattice(12, seed)[0] for seed in (12, 13, 14)], format="csc"))
-    everywhere = np.concatenate([places, places, places + 1000.0])
+    everywhere = np.concatenate([places, places, places + 40])
     x = np.random.default_rng(15).normal(size=len(everywhere))
-    factorization = Factorization(matrix, everywhere)
+    factorization = factorized(matrix, everywhere)
     assert factorization.note == ""
     np.testing.assert_allclose(factorization.solve(matrix @ x), x, rtol=1e-8)
 
 
 def test_fronts_cover_all_couplings() -> None:
     """Every unknown is eliminated once; a column's later entries lie in its front or in the boundary of that."""
-    matrix, places = lattice(24, 16)
-    fronts = dissect(matrix, places)
+    matrix, places = lattice(42, 16)
+    fronts = fronts_of(places_at(places), free(matrix))[0]
     assert fronts.n > 10
     np.testing.assert_array_equal(np.sort(fronts.order), np.arange(len(places)))
     position = np.argsort(fronts.order)
@@ -117,10 +140,29 @@ def test_fronts_cover_all_couplings() -> None:
             assert np.isin(boundary, inside).all()
 
 
+@pytest.mark.parametrize(("shape", "reach"), [((1, 1), 2), ((7, 40), 3), ((50, 33), 2), ((3, 5), 6), ((60, 61), 3)])
+def test_nodes_of_a_dissection_are_coupled_to_later_ones_alone_beyond_their_boxes(
+    shape: tuple[int, int], reach: int
+) -> None:
+    """A box's ranks follow each other; all nodes within reach outside of it have higher ranks, those of its ring."""
+    tree = dissect(shape, reach)
+    np.testing.assert_array_equal(np.sort(tree.rank.ravel()), np.arange(tree.rank.size))
+    x, y = np.indices(shape)
+    for number, box in enumerate(tree.boxes):
+        inside = (tree.rank >= box.begin) & (tree.rank < box.end)
+        if not inside.any():
+            continue
+        low_x, high_x, low_y, high_y = x[inside].min(), x[inside].max(), y[inside].min(), y[inside].max()
+        near = (x >= low_x - reach) & (x <= high_x + reach) & (y >= low_y - reach) & (y <= high_y + reach)
+        outside = tree.rank[near & ~inside]
+        assert (outside >= box.end).all()
+        np.testing.assert_array_equal(tree.ring(number), np.sort(outside))
+
+
 def test_separators_of_a_lattice_are_as_wide_as_the_couplings_reach() -> None:
     """40 x 40 nodes with two unknowns that reach 2 nodes far: two columns of nodes separate, 160 unknowns."""
     matrix, places = lattice(40, 17)
-    fronts = dissect(matrix, places)
+    fronts = fronts_of(places_at(places), free(matrix))[0]
     assert fronts.starts[-1] - fronts.starts[-2] == 160
     entries = sum(p * (p + len(b)) for p, b in zip(np.diff(fronts.starts).tolist(), fronts.boundary, strict=True))
     assert entries < 0.15 * len(places) ** 2
@@ -137,7 +179,7 @@ def constrained(n: int, seed: int) -> tuple[ConstrainedSystem, csc_array, csr_ar
         row[rng.integers(len(places), size=10)] = rng.uniform(0.0, 0.1, 10)
     rows[9:] = rows[[0, 5, 5]]
     constraints = csr_array(rows)
-    return ConstrainedSystem(matrix, constraints, places), matrix, constraints
+    return ConstrainedSystem(matrix, constraints, places_at(places)), matrix, constraints
 
 
 @pytest.mark.parametrize("k", [1, 3, 30])
@@ -173,11 +215,28 @@ def test_singular_stiffness_is_held_by_constraints() -> None:
     net.setdiag(-net.sum(axis=1))
     held = csr_array(([1.0], ([0], [0])), shape=(1, len(places)))
     loads = np.random.default_rng(24).normal(size=len(places))
-    system = ConstrainedSystem(net, held, places)
+    system = ConstrainedSystem(net, held, places_at(places))
     u, m = system.solve(loads, np.array([3.0]))
     assert system.note == ""
     assert u[0] == pytest.approx(3.0, rel=1e-13)
     assert m[0] == pytest.approx(loads.sum(), abs=1e-8 * np.abs(net.data * u[net.indices]).max())
+
+
+@pytest.mark.parametrize("n", [6, 31])
+def test_singular_stiffness_is_held_by_averages_that_reach_across_many_fronts(n: int) -> None:
+    """A net of springs without ground, held by its average along two sides, which no front has all unknowns of."""
+    matrix, places = lattice(n, 33)
+    net = csc_array(-abs(matrix))
+    net.setdiag(0.0)
+    net.setdiag(-net.sum(axis=1))
+    held = csr_array(np.stack([(places[:, axis] == 0) / np.sum(places[:, axis] == 0) for axis in (0, 1)]))
+    loads = np.sqrt(net.diagonal()) * np.random.default_rng(34).normal(size=len(places))
+    system = ConstrainedSystem(net, held, places_at(places))
+    u, m = system.solve(loads, np.array([3.0, 3.5]))
+    assert system.note == ""
+    np.testing.assert_allclose(held @ u, [3.0, 3.5], rtol=1e-12)
+    terms = abs(net) @ np.abs(u) + abs(held).T @ np.abs(m) + np.abs(loads)
+    assert np.abs(net @ u + held.T @ m - loads).max() <= 1e-12 * terms.max()
 
 
 @pytest.mark.parametrize("small", [1e-6, 1e-10, 1e-13])
@@ -190,7 +249,7 @@ def test_nearly_singular_matrix_leaves_a_small_residual(small: float) -> None:
     none = csr_array((0, len(places)))
     x = np.random.default_rng(26).normal(size=len(places))
     loads = net @ x
-    u, _ = ConstrainedSystem(net, none, places).solve(loads)
+    u, _ = ConstrainedSystem(net, none, places_at(places)).solve(loads)
     np.testing.assert_allclose(net @ u, loads, atol=1e-12 * (abs(net) @ np.abs(u)).max())
 
 
@@ -198,9 +257,9 @@ def test_indefinite_matrix_is_left_to_lu() -> None:
     matrix, places = lattice(12, 27)
     matrix = csc_array(matrix - diags_array(np.where(np.arange(len(places)) == 77, 1.5 * matrix.diagonal(), 0.0)))
     with pytest.raises(NotQuasiDefiniteError):
-        Multifrontal(matrix, places)
+        Multifrontal(symmetric(matrix), fronts_of(places_at(places), free(matrix))[0])
     x = np.random.default_rng(28).normal(size=len(places))
-    factorization = Factorization(matrix, places)
+    factorization = factorized(matrix, places)
     assert "wrong sign" in factorization.note
     np.testing.assert_allclose(factorization.solve(matrix @ x), x, rtol=1e-8)
 
@@ -211,20 +270,78 @@ def test_refinement_takes_away_an_error_of_the_factorization(monkeypatch: pytest
     exact = module.Multifrontal.solve
     monkeypatch.setattr(module.Multifrontal, "solve", lambda self, right: exact(self, right) * (1.0 + 1e-5))
     x = np.random.default_rng(30).normal(size=(len(places), 300))
-    u, _ = ConstrainedSystem(matrix, csr_array((0, len(places))), places).solve(matrix @ x)
+    u, _ = ConstrainedSystem(matrix, csr_array((0, len(places))), places_at(places)).solve(matrix @ x)
     np.testing.assert_allclose(u, x, rtol=1e-8)
 
 
 def test_body_with_tips_is_solved_by_fronts(build) -> None:
     sample = build.field_of_cracks(3)
     places = places_of_unknowns(sample.cover)
-    assert len(places) == sample.cover.n_dofs
+    assert len(places.nodes) == sample.cover.n_dofs
     matrix = sample.stiffness()
-    held = csr_array((np.ones(6), (np.arange(6), [0, 1, 20, 21, 40, 41])), shape=(6, len(places)))
+    held = csr_array((np.ones(6), (np.arange(6), [0, 1, 20, 21, 40, 41])), shape=(6, len(places.nodes)))
     system = ConstrainedSystem(matrix, held, places)
     assert system.note == ""
-    loads = matrix @ np.random.default_rng(31).normal(size=len(places))
+    loads = matrix @ np.random.default_rng(31).normal(size=len(places.nodes))
     u, m = system.solve(loads)
     np.testing.assert_allclose(matrix @ u + held.T @ m - loads, 0.0, atol=1e-12 * (abs(matrix) @ np.abs(u)).max())
-    together = np.isin(matrix[:, :2].indices, np.flatnonzero(np.abs(places - places[0]).max(axis=1) <= 4.0))
+    near = np.abs(places.nodes - places.nodes[0]).max(axis=1) <= places.reach
+    together = np.isin(matrix[:, :2].indices, np.flatnonzero(near))
     assert together.all()  # coupled unknowns are near each other: places are where they are said to be
+
+
+def plate(build: type[Build], n: int) -> tuple[SymmetricMatrix, Fronts]:
+    """The stiffness of an n x n block, held to the ground by weak springs, and its fronts."""
+    sample = build.block((n, n), support=2.0)
+    matrix = stiffness_after(sample.cover, [sample.material], 4).matrix
+    grounded = matrix.with_diagonal(np.arange(matrix.shape[0]), np.full(matrix.shape[0], 1e-3))
+    return grounded, fronts_of(places_of_unknowns(sample.cover), csr_array((0, matrix.shape[0])))[0]
+
+
+def test_boxes_that_are_alike_share_their_factors(build: type[Build]) -> None:
+    """Of those in a plate of 100 x 100 spacings, most see the rim; the others are of a few kinds."""
+    matrix, fronts = plate(build, 100)
+    factorization = Multifrontal(matrix, fronts)
+    assert factorization.n_fronts == fronts.n > 120
+    assert factorization.n_factorized == len(factorization.factors) < 0.65 * fronts.n
+    x = np.random.default_rng(35).normal(size=matrix.shape[0])
+    np.testing.assert_allclose(factorization.solve(matrix @ x), x, atol=1e-9)
+
+
+def test_a_local_change_is_factorized_along_one_path_of_fronts(build: type[Build]) -> None:
+    """What depends on the changed unknown is its front and those above; all else is taken over, to the last bit."""
+    matrix, fronts = plate(build, 60)
+    before = Multifrontal(matrix, fronts)
+    assert Multifrontal(matrix, fronts, before.factors).n_factorized == 0
+    dof = matrix.shape[0] // 3
+    front = int(np.searchsorted(fronts.starts, fronts.position[dof], side="right") - 1)
+    path = 0
+    while front >= 0:
+        front, path = int(fronts.parent[front]), path + 1
+    changed = matrix.with_diagonal(np.array([dof]), np.array([0.5]))
+    after = Multifrontal(changed, fronts, before.factors)
+    assert after.n_factorized == path < 0.3 * fronts.n
+    x = np.random.default_rng(36).normal(size=matrix.shape[0])
+    np.testing.assert_array_equal(after.solve(x), Multifrontal(changed, fronts).solve(x))
+
+
+def test_all_that_a_front_holds_is_in_its_key(build: type[Build]) -> None:
+    """With other elements, entries or constraints a solution is that of a factorization without what was known."""
+    matrix = plate(build, 20)[0]
+    places, n = places_of_unknowns(build.block((20, 20), support=2.0).cover), matrix.shape[0]
+    middle = int(np.argmin(np.abs(places.nodes - 12).sum(axis=1)))
+    row = csr_array(([1.0], ([0], [middle])), shape=(1, n))
+    known = ConstrainedSystem(matrix, row, places).factors
+    stiffer = replace(matrix.elements[0], matrix=2.0 * matrix.elements[0].matrix, key=b"stiffer")
+    others = (
+        (replace(matrix, elements=(stiffer, *matrix.elements[1:])), row, places),
+        (replace(matrix, rest=matrix.rest * 1.0000001), row, places),
+        (matrix, 2.0 * row, places),
+        (matrix, csr_array(([1.0], ([0], [middle + 1])), shape=(1, n)), places),
+    )
+    loads = matrix @ np.random.default_rng(37).normal(size=n)
+    for other in others:
+        taken_over, fresh = ConstrainedSystem(*other, known), ConstrainedSystem(*other)
+        assert taken_over.factors.keys() == fresh.factors.keys() != known.keys()
+        for ours, alone in zip(taken_over.solve(loads), fresh.solve(loads), strict=True):
+            np.testing.assert_array_equal(ours, alone)

@@ -58,14 +58,25 @@ def test_loads_add_up(build) -> None:
 @pytest.mark.parametrize("edge", SIDES)
 def test_edge_points_lie_on_the_edge_and_their_lengths_add_up(build, edge: str) -> None:
     sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])
-    points, length, elements, s = edge_points(sample.cover, (sample.body,), build.edge(edge))
-    metres = sample.lattice.to_metres(points)
+    (found,) = edge_points(sample.cover, (sample.body,), [build.edge(edge)])
+    length, s = found.lengths, found.s
+    metres = sample.lattice.to_metres(found.points)
     axis, value = {"bottom": (1, 0.5), "right": (0, 6.5), "top": (1, 5.5), "left": (0, 0.5)}[edge]
     np.testing.assert_allclose(metres[:, axis], value, rtol=1e-14)
     assert length.sum() == pytest.approx(SIDES[edge], rel=1e-8)
     assert 0.0 < s.min() < s.max() < SIDES[edge]
     assert length @ s == pytest.approx(SIDES[edge] ** 2 / 2, rel=1e-8)
-    assert elements.min() >= 0
+    assert found.elements.min() >= 0
+
+
+def test_edge_points_of_several_regions_are_those_of_each(build) -> None:
+    sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])  # one edge has its mouth
+    regions = [build.edge(edge) for edge in ("top", "left", "bottom")]
+    together = edge_points(sample.cover, (sample.body,), regions)
+    for region, found in zip(regions, together, strict=True):
+        (alone,) = edge_points(sample.cover, (sample.body,), [region])
+        for name in ("points", "lengths", "elements", "s"):
+            np.testing.assert_array_equal(getattr(found, name), getattr(alone, name))
 
 
 @pytest.mark.parametrize("quadrature", [4, 8])

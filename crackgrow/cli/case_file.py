@@ -1,0 +1,32 @@
+"""The case that a command line names."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import crackgrow
+from crackgrow.errors import CaseError, Fault
+
+if TYPE_CHECKING:
+    from crackgrow.case.model import Case
+
+
+def load_case_file(arguments: argparse.Namespace) -> Case:
+    """The case of the arguments `case` and `overrides`; raises CaseError."""
+    path: Path = arguments.case
+    if not path.is_file():
+        raise CaseError([Fault(str(path), None, "", _missing_message(path))])
+    return crackgrow.load_case(path, arguments.overrides)
+
+
+def _missing_message(path: Path) -> str:
+    if path.is_dir():
+        return "is a folder, not a case file"
+    names = sorted(file.name for file in path.parent.glob("*.yaml"))
+    near = difflib.get_close_matches(path.name, names, n=1)
+    if near:
+        return f"no such case file; did you mean {path.parent / near[0]}?"
+    return f"no such case file; {path.parent} has {', '.join(names) or 'no case files'}"

@@ -1,0 +1,64 @@
+"""What a command line asks for, and the exit code of what comes of it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import crackgrow
+from crackgrow.cli.compare import add_compare
+from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, complain
+from crackgrow.cli.run import check, run
+from crackgrow.cli.stability import add_stability
+from crackgrow.cli.trade import add_trade
+from crackgrow.errors import CaseError, CrackgrowError
+
+THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line `argv` (default: that of the process) and return the exit code."""
+    for name in THREAD_SETTINGS:  # before numpy loads: its and scipy's own copies of BLAS would fight for the cores
+        os.environ.setdefault(name, "1")
+    arguments = _parser().parse_args(argv)
+    command: Callable[[argparse.Namespace], int] = arguments.command
+    try:
+        return command(arguments)
+    except CaseError as error:
+        for fault in error.faults:
+            complain(str(fault))
+        return error.exit_code
+    except CrackgrowError as error:
+        complain(f"crackgrow: {error}")
+        return error.exit_code
+    except KeyboardInterrupt:
+        complain("crackgrow: interrupted")
+        return EXIT_INTERRUPTED
+    except Exception:
+        complain("crackgrow: internal error, a bug in the program:")
+        complain(traceback.format_exc())
+        return EXIT_BUG
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="crackgrow", description="Frictional crack growth in rock by MLS-NMM.")
+    parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    case = argparse.ArgumentParser(add_help=False)
+    case.add_argument("case", type=Path, metavar="CASE.yaml", help="the case file")
+    case.add_argument(
+        "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
+    )
+    command = commands.add_parser("run", parents=[case], help="run a case and write its results")
+    command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<case>)")
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    command.set_defaults(command=run)
+    command = commands.add_parser("check", parents=[case], help="validate a case and say what it models")
+    command.set_defaults(command=check)
+    add_compare(commands)
+    add_stability(commands)
+    add_trade(commands)
+    return parser

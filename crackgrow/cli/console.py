@@ -1,0 +1,24 @@
+"""Printing, and the exit codes."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from pathlib import Path
+
+EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
+EXIT_DIFFERENT = 1  # of compare and stability, as of diff and cmp
+
+
+def say(text: str, end: str = "\n") -> None:
+    """Print at once; a reader that has gone away (`| head`) or a full or closed output doesn't end the run."""
+    try:
+        print(text, end=end, flush=True)
+    except (OSError, ValueError):
+        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
+
+
+def complain(text: str) -> None:
+    with contextlib.suppress(OSError, ValueError):  # nobody listens: the exit code still tells
+        print(text, file=sys.stderr, flush=True)

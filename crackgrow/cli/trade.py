@@ -1,0 +1,86 @@
+"""`crackgrow trade`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import crackgrow
+from crackgrow.cli.case_file import load_case_file
+from crackgrow.cli.console import EXIT_DONE, say
+
+HELP = """\
+Run a scene over a grid of settings and hold each run against a finer one: trade.csv has errors, seconds and memory of
+every setting, trade.png draws errors over time with the Pareto front and the presets draft, standard and fine.
+"""
+EXAMPLES = """\
+axes: spacing, support, quadrature, contact_spacing, stiffness, solver, tip_radius, increment; every combination of
+their values is run, each in a process of its own, one after another. Without --axis: spacings round the automatic one,
+and what else matters to the scene. The reference is a run at half the finest spacing, a result folder, or settings of
+the case. A setting that fails is a row with its reason.
+
+examples:
+  crackgrow trade cases/compression30.yaml --axis spacing=3,2,1.5,1 support=1.5,2 --steps 4
+  crackgrow trade cases/edge_tension.yaml --reference numerics.spacing=0.3 --repeat 3
+  crackgrow trade cases/compression30.yaml --reference outputs/very_fine --resume
+"""
+
+
+def trade(arguments: argparse.Namespace) -> int:
+    """`crackgrow trade`: errors and seconds over a grid of settings."""
+    case = load_case_file(arguments)
+    folder = arguments.out or Path("outputs/trade") / case.name
+    plan = crackgrow.plan_trade(
+        arguments.case,
+        folder,
+        overrides=arguments.overrides,
+        axes=arguments.axis,
+        reference=arguments.reference,
+        steps=arguments.steps,
+    )
+    say(f"{case.name}: {len(plan.settings)} settings")
+    rows = []
+    for row in crackgrow.trade(plan, repeat=arguments.repeat, resume=arguments.resume, timeout=arguments.timeout):
+        rows.append(row)
+        say(crackgrow.trade_line(row))
+    say(f"{len(rows)} new rows, {sum(not row.solved for row in rows)} not solved\nresults in {folder}")
+    return EXIT_DONE
+
+
+def add_trade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command and its arguments."""
+    command = commands.add_parser(
+        "trade",
+        help="measure what accuracy costs over a grid of settings",
+        description=HELP,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("case", type=Path, metavar="CASE.yaml", help="the case file")
+    command.add_argument(
+        "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
+    )
+    command.add_argument("--axis", nargs="+", default=[], metavar="NAME=A,B,C", help="settings to vary, with values")
+    command.add_argument(
+        "--reference",
+        nargs="+",
+        default=["finest"],
+        metavar="WHAT",
+        help="finest (default: half the finest spacing), a result folder, or KEY=VALUE...",
+    )
+    command.add_argument(
+        "--steps", type=int, metavar="N", help="growth steps of the case's increment (default: its own)"
+    )
+    command.add_argument(
+        "--repeat", type=_count, default=1, metavar="N", help="runs of each setting; the median counts"
+    )
+    command.add_argument("--timeout", type=float, metavar="SECONDS", help="give up a run after so long")
+    command.add_argument("--resume", action="store_true", help="keep the rows that are there, run what is missing")
+    command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/trade/<case>)")
+    command.set_defaults(command=trade)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: a whole number from 1 on is wanted")
+    return int(text)

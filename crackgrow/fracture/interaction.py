@@ -1,0 +1,91 @@
+"""Stress intensity factors by the domain interaction integral (Yau, Wang, Corten 1980; Moran, Shih 1987).
+
+With an auxiliary field a of known K, P_j = sigma_ij u^a_i,1 + sigma^a_ij u_i,1 - sigma_ik u^a_i,k delta_1j has the
+divergence -b_i u^a_i,1 under a body force b, and with q falling from 1 at the tip to 0 on the rim of a disc A
+
+    M = int_A P_j q_,j dA - int_A q b_i u^a_i,1 dA - int_faces P_j n_j q ds,    K = E'/2 M.
+
+The auxiliary fields are Williams' with their angle counted so that it jumps on the crack itself, kinks included: exact
+in the slit body, so that M does not depend on the disc. On a face with unit tangent s, s_1 n_2 - n_1 s_2 = +-1 leaves
+P_j n_j = t_i u^a_i,1 +- sigma^a_i2 u_i,s: of the body's own field it needs the tractions t, which are known, and the
+derivative along the face. On the last straight segment sigma^a_i2 vanishes and the tractions alone are left.
+
+Arrays inside run over the points last, so that every operation is one long loop.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.fracture.tip_rule import TipRule, running_average, weighted_by_cone
+from crackgrow.fracture.williams import williams_gradient
+from crackgrow.solid.elasticity import PlaneElasticity
+
+Floats = NDArray[np.float64]
+
+
+def interaction(
+    material: PlaneElasticity,
+    rule: TipRule,
+    gradients: Floats,
+    face_vectors: Floats,
+    face_gradients: Floats,
+    body_force: Floats,
+) -> Floats:
+    """M (radii, 2) of the discs of a rule, for the auxiliary modes I and II; all in the tip's axes.
+
+    gradients: elastic displacement gradients (2, 2, n) at the points of the circles
+    face_vectors: stress vectors sigma . n on the crack's left normal (2, m) at the points of the faces, the sums of
+        both faces
+    face_gradients: elastic displacement gradients (2, 2, m) there, sums as well; they may be zero on the last segment
+    body_force: (2,)
+    """
+    circles, faces, radii = rule.circles, rule.faces, rule.radii
+    r, t = circles.polar
+    n = len(r)
+    auxiliary = williams_gradient(material, np.append(r, faces.r), np.append(t, faces.alpha)).transpose(1, 2, 3, 0)
+    around, beside = auxiliary[..., :n], auxiliary[..., n:]  # on the left face; minus that on the right
+    flux = _radial_flux(material, np.stack([np.cos(t), np.sin(t)]), around, gradients)
+    through_circles = flux.reshape(2, *circles.t.shape) @ circles.angle_weight * circles.r
+    M = -running_average(circles.r, circles.weight, through_circles, radii)
+    M += weighted_by_cone(
+        faces.r, faces.weight, _face_flux(material, rule, beside, face_vectors, face_gradients), radii
+    )
+    if body_force.any():
+        work = np.einsum("i,min->mn", body_force, around[:, :, 0]).reshape(2, *circles.t.shape) @ circles.angle_weight
+        M -= weighted_by_cone(circles.r, circles.weight * circles.r, work, radii)
+    return M
+
+
+def _radial_flux(material: PlaneElasticity, away: Floats, auxiliary: Floats, gradient: Floats) -> Floats:
+    """P_j r_j (2, n) for both auxiliary modes, r_j the unit vectors (2, n) away from the tip."""
+    c, s = away
+    xx, yy, xy = _stress(material, gradient)
+    of_mode = auxiliary.transpose(1, 2, 0, 3)
+    xx_a, yy_a, xy_a = _stress(material, of_mode)
+    own = (xx * c + xy * s) * of_mode[0, 0] + (xy * c + yy * s) * of_mode[1, 0]
+    other = (xx_a * c + xy_a * s) * gradient[0, 0] + (xy_a * c + yy_a * s) * gradient[1, 0]
+    energy = xx * of_mode[0, 0] + yy * of_mode[1, 1] + xy * (of_mode[0, 1] + of_mode[1, 0])
+    return np.asarray(own + other - energy * c)
+
+
+def _face_flux(
+    material: PlaneElasticity, rule: TipRule, auxiliary: Floats, vectors: Floats, gradients: Floats
+) -> Floats:
+    """-P_j n_j (2, m) on both faces together."""
+    tx, ty = rule.faces.toward_tip.T
+    along = gradients[:, 0] * tx + gradients[:, 1] * ty
+    of_mode = auxiliary.transpose(1, 2, 0, 3)
+    _, yy, xy = _stress(material, of_mode)
+    return np.asarray(vectors[0] * of_mode[0, 0] + vectors[1] * of_mode[1, 0] + xy * along[0] + yy * along[1])
+
+
+def _stress(material: PlaneElasticity, gradient: Floats) -> tuple[Floats, Floats, Floats]:
+    """Stress xx, yy, xy (...) Pa of displacement gradients (2, 2, ...)."""
+    (ux_x, ux_y), (uy_x, uy_y) = gradient
+    return (
+        material.c11 * ux_x + material.c12 * uy_y,
+        material.c12 * ux_x + material.c11 * uy_y,
+        material.c33 * (ux_y + uy_x),
+    )

@@ -1,0 +1,125 @@
+"""Quadrature of the interaction integrals round a tip: points on circles and along the faces; lengths in spacings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.cover.tips import Tip, crack_angle
+from crackgrow.geometry.polyline import arc_lengths, segment_directions
+from crackgrow.quadrature.rules import gauss
+
+Floats = NDArray[np.float64]
+
+N_RADIAL = 6
+"""Points per panel along a ray; panels end at the discs' radii, at kinks and after every spacing."""
+
+N_ANGULAR = 24
+"""Least number of points on a circle, from face to face."""
+
+ANGULAR_DENSITY = 10
+"""Points on a circle per spacing of the largest radius: the stress ripples from tile to tile."""
+
+FACE_PANEL = 0.25
+"""Length of a panel on the faces, spacings, at the tip in terms of the square root."""
+
+N_FACE = 5
+"""Points per panel on the faces."""
+
+SAME = 1e-9
+"""Stops of panels closer than this are one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Circles:
+    """Circles round a tip, each with points from face to face: circle by circle."""
+
+    r: Floats  # (c,) radii
+    weight: Floats  # (c,) of the circles, for integrals over the radius
+    t: Floats  # (c, a) angles of the points, from the tip's direction
+    angle_weight: Floats  # (a,) for integrals over the angle
+
+    @property
+    def polar(self) -> tuple[Floats, Floats]:
+        """Polar coordinates (c a,) of all points."""
+        return np.repeat(self.r, self.t.shape[1]), self.t.ravel()
+
+    def points(self, tip: Tip) -> Floats:
+        """All points (c a, 2), in lattice coordinates."""
+        r, t = self.polar
+        return np.asarray(tip.point + np.stack([r * np.cos(t), r * np.sin(t)], axis=1) @ tip.rotation)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceLine:
+    """Points along a crack from its tip on, for both of its faces."""
+
+    arc: Floats  # (n,) arc length from the tip
+    weight: Floats  # (n,)
+    toward_tip: Floats  # (n, 2) unit tangent, in the tip's axes
+    r: Floats  # (n,) distance from the tip
+    alpha: Floats  # (n,) angle of the left face
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TipRule:
+    """The rule for discs with increasing `radii`, all with the points of the largest."""
+
+    radii: Floats  # (n,)
+    circles: Circles
+    faces: FaceLine
+
+
+def tip_rule(tip: Tip, radii: Floats) -> TipRule:
+    """The rule of discs with increasing `radii` (n,) round a tip."""
+    return TipRule(radii, _circles(tip, radii), _face_line(tip, radii))
+
+
+def running_average(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
+    """Averages (radii, m) of values (m, n) over 0 < r < R: -dq/dr = 1/R of the cone q."""
+    return np.asarray((weight * (r < radii[:, None]) / radii[:, None]) @ values.T)
+
+
+def weighted_by_cone(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
+    """Integrals (radii, m) of q times values (m, n), with the cone q = 1 - r/R, at least 0."""
+    return np.asarray((weight * np.maximum(1.0 - r / radii[:, None], 0.0)) @ values.T)
+
+
+def _circles(tip: Tip, radii: Floats) -> Circles:
+    stops = np.concatenate([[0.0], tip.radii[tip.radii < radii[-1]], radii, np.arange(1.0, radii[-1])])
+    r, weight = _panels_from_tip(stops, N_RADIAL)
+    x, w = gauss(max(N_ANGULAR, int(np.ceil(ANGULAR_DENSITY * r.max()))))
+    t = crack_angle(tip, r)[:, None] - 2.0 * np.pi * (1.0 - x)
+    return Circles(r, weight, t, 2.0 * np.pi * w)
+
+
+def _face_line(tip: Tip, radii: Floats) -> FaceLine:
+    arcs = arc_lengths(tip.path)
+    ends = _arc_at(tip, arcs, radii)
+    stops = np.concatenate([arcs[arcs < ends[-1]], ends, np.arange(0.0, ends[-1], FACE_PANEL)])
+    arc, weight = _panels_from_tip(stops, N_FACE)
+    segment = np.searchsorted(arcs, arc, side="right") - 1
+    toward_tip = -segment_directions(tip.path)[segment]
+    place = tip.path[segment] - (arc - arcs[segment])[:, None] * toward_tip
+    r = np.hypot(place[:, 0], place[:, 1])
+    return FaceLine(arc, weight, toward_tip, r, crack_angle(tip, r))
+
+
+def _panels_from_tip(stops: Floats, n: int) -> tuple[Floats, Floats]:
+    """Gauss points and weights between stops (any order), for half powers of the distance from the tip."""
+    stops = np.sort(stops)
+    stops = np.sqrt(stops[np.diff(stops, prepend=-1.0) > SAME])
+    x, w = gauss(n)
+    size = np.diff(stops)[:, None]
+    root, weight = (stops[:-1, None] + size * x).ravel(), (size * w).ravel()
+    return root**2, 2.0 * root * weight
+
+
+def _arc_at(tip: Tip, arcs: Floats, r: Floats) -> Floats:
+    """Arc length (n,) at which the crack leaves the circle of radius r (n,)."""
+    alpha = crack_angle(tip, r)
+    at = r[:, None] * np.stack([np.cos(alpha), np.sin(alpha)], axis=1)
+    segment = np.clip(np.searchsorted(tip.radii, r, side="right") - 1, 0, len(tip.radii) - 2)
+    return np.asarray(arcs[segment] + np.hypot(*(at - tip.path[segment]).T))

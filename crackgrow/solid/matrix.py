@@ -1,0 +1,103 @@
+"""A symmetric matrix as the sum of equal element matrices at many places and of a sparse rest.
+
+The elements away from cracks and outlines are alike: their sum is never formed. Products gather the unknowns of all
+elements, multiply them by the one element matrix, and add up what comes out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+AT_ONCE = 4_000_000
+"""Numbers that a product holds at once."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EqualElements:
+    """Elements that have the same matrix."""
+
+    functions: Ints  # (e, k) of each; the unknowns of function f are 2 f and 2 f + 1
+    matrix: Floats  # (2 k, 2 k), symmetric, function by function
+    key: bytes  # what the matrix was made from
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SymmetricMatrix:
+    """The sum (n, n) of `elements` and of a sparse `rest` (n, n)."""
+
+    elements: tuple[EqualElements, ...]
+    rest: csc_array
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return (self.rest.shape[0], self.rest.shape[1])
+
+    def __matmul__(self, vectors: Floats) -> Floats:
+        """The product with vectors (n,) or (n, m)."""
+        return self._product(self.rest, [part.matrix for part in self.elements], vectors)
+
+    def sizes(self, vectors: Floats) -> Floats:
+        """The product of the absolute values of all terms with those of vectors (n,) or (n, m)."""
+        return self._product(abs(self.rest), [np.abs(part.matrix) for part in self.elements], np.abs(vectors))
+
+    def diagonal(self) -> Floats:
+        """The diagonal (n,)."""
+        total = self.rest.diagonal()
+        for part in self.elements:
+            own = part.matrix.diagonal()
+            for component in (0, 1):
+                dofs, shares = 2 * part.functions.ravel() + component, np.tile(own[component::2], len(part.functions))
+                total += np.bincount(dofs, shares, len(total))
+        return np.asarray(total)
+
+    def largest(self) -> float:
+        """The largest absolute value of a term; nan where a value is none."""
+        terms = [self.rest.data, *(part.matrix for part in self.elements)]
+        return max((float(np.abs(values).max(initial=0.0)) for values in terms), key=lambda x: (np.isnan(x), x))
+
+    def with_diagonal(self, places: Ints, values: Floats) -> SymmetricMatrix:
+        """The sum with a diagonal matrix that has `values` (k,) at `places` (k,)."""
+        more = csc_array((values, (places, places)), shape=self.shape)
+        return SymmetricMatrix(self.elements, csc_array(self.rest + more))
+
+    def tocsc(self) -> csc_array:
+        """The sum as one sparse matrix."""
+        total = self.rest
+        for part in self.elements:
+            dofs = (2 * part.functions[:, :, None] + np.arange(2)).reshape(len(part.functions), -1)
+            n = dofs.shape[1]
+            rows, columns = np.repeat(dofs, n, axis=1).ravel(), np.tile(dofs, n).ravel()
+            values = np.tile(part.matrix.ravel(), len(dofs))
+            total = total + csc_array(coo_array((values, (rows, columns)), shape=self.shape))
+        return csc_array(total)
+
+    def _product(self, rest: csc_array, matrices: Sequence[Floats], vectors: Floats) -> Floats:
+        total = np.asarray(rest @ vectors)
+        if not self.elements:
+            return total
+        columns = total.reshape(len(total), -1)
+        for k, vector in enumerate(vectors.reshape(len(total), -1).T):
+            pairs, sums = vector.reshape(-1, 2), np.zeros((len(total) // 2, 2))
+            for part, matrix in zip(self.elements, matrices, strict=True):
+                step = max(1, AT_ONCE // len(matrix))
+                for start in range(0, len(part.functions), step):
+                    functions = part.functions[start : start + step]
+                    forces = (pairs[functions].reshape(len(functions), -1) @ matrix).reshape(-1, 2)
+                    for component in (0, 1):
+                        sums[:, component] += np.bincount(functions.ravel(), forces[:, component], len(sums))
+            columns[:, k] += sums.ravel()
+        return columns.reshape(total.shape)
+
+
+def symmetric(matrix: csc_array | SymmetricMatrix) -> SymmetricMatrix:
+    """A sparse matrix as a sum without elements; what is a sum already stays."""
+    return matrix if isinstance(matrix, SymmetricMatrix) else SymmetricMatrix((), matrix)

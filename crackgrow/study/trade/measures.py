@@ -1,0 +1,148 @@
+"""Errors of a run's results against those of a reference: K, contact, energy, crack paths. Both are result folders.
+
+K, contact and energy are those of the first step of growth, where both have the same cracks; without growth, of the
+last load factor. A measure that a scene does not have is nan.
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from crackgrow.errors import CaseError, Fault
+from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.study.compare import compare_paths
+from crackgrow.study.path_files import read_paths
+
+Floats = NDArray[np.float64]
+Records = list[dict[str, str]]
+
+NAN = float("nan")
+FILES = ("case.yaml", "tips.csv", "paths.csv", "contact.csv", "steps.csv")
+NEGLIGIBLE = 1e-3  # of the largest K, slip or traction: a part of the reference below it has no relative error
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """How far a run is from the reference."""
+
+    K_error: float  # largest |K - K_ref| of a tip, K = (K_I, K_II), over the largest |K_ref|
+    K_II_error: float  # the same of K_II alone
+    pressure_error: float  # L2 norm along the faces, at the run's contact points, over that of all tractions
+    shear_error: float
+    slip_error: float  # the same, over the L2 norm of the slip
+    energy_error: float  # relative difference of the strain energy
+    path_hausdorff: float  # m, the farthest of what both have grown at a tip
+    path_frechet: float  # m
+    length_error: float  # m, largest difference of what has grown at a tip
+
+
+NO_ERRORS = Errors(*[NAN] * 9)
+
+
+def check_results(folder: Path) -> None:
+    """Raise CaseError where a folder lacks what a reference needs."""
+    missing = [name for name in FILES if not (folder / name).is_file()]
+    if missing:
+        message = f"is no result folder of a run: it has no {', '.join(missing)}"
+        raise CaseError([Fault("--reference", None, str(folder), message)])
+
+
+def errors_of(run: Path, reference: Path, *, grows: bool) -> Errors:
+    """The errors of a result folder against another; `grows`: whether the case has growth."""
+    mine, true = _at_step(run, "tips.csv", grows), _at_step(reference, "tips.csv", grows)
+    K_error, K_II_error = K_errors(mine, true)
+    contacts = (_at_step(folder, "contact.csv", grows) for folder in (run, reference))
+    energies = [float(_at_step(folder, "steps.csv", grows)[0]["strain_energy"]) for folder in (run, reference)]
+    energy = abs(energies[0] - energies[1]) / abs(energies[1]) if energies[1] else NAN
+    return Errors(K_error, K_II_error, *contact_errors(*contacts), energy, *_path_errors(run, reference))
+
+
+def K_errors(mine: Records, true: Records) -> tuple[float, float]:
+    """Relative errors of K and of K_II over all tips that both have."""
+    known = {(row["crack"], row["tip"]): row for row in true}
+    pairs = [(row, known[row["crack"], row["tip"]]) for row in mine if (row["crack"], row["tip"]) in known]
+    if not pairs:
+        return NAN, NAN
+    K = np.array([[[float(row[mode]) for mode in ("K_I", "K_II")] for row in pair] for pair in pairs])
+    off, size = K[:, 0] - K[:, 1], np.hypot(*K[:, 1].T).max()
+    size_II = np.abs(K[:, 1, 1]).max()
+    K_error = float(np.hypot(*off.T).max() / size) if size > 0 else NAN
+    return K_error, float(np.abs(off[:, 1]).max() / size_II) if size_II > NEGLIGIBLE * size else NAN
+
+
+def contact_errors(mine: Records, true: Records) -> tuple[float, float, float]:
+    """Relative L2 errors of pressure, shear and slip along all faces in contact that both have.
+
+    The reference is interpolated at the run's own contact points, so that nothing is said of what lies between them.
+    """
+    off, size = np.zeros(3), np.zeros(3)
+    for name in dict.fromkeys(row["crack"] for row in mine):
+        s, values = _along(mine, name)
+        s_true, values_true = _along(true, name)
+        if len(s_true) == 0:
+            continue
+        expected = _interpolated(s, s_true, values_true)
+        weights = _lengths(s)
+        off += weights @ (values - expected) ** 2
+        size += weights @ expected**2
+    tractions = size[0] + size[1]
+    if tractions == 0.0:
+        return NAN, NAN, NAN
+    pressure, shear = np.sqrt(off[:2] / tractions)
+    return float(pressure), float(shear), float(np.sqrt(off[2] / size[2])) if size[2] > 0.0 else NAN
+
+
+def _along(records: Records, name: str) -> tuple[Floats, Floats]:
+    """Arc lengths (n,) m of a surface's contact points, ascending, and pressure, shear, slip (n, 3) there."""
+    columns = ("s", "normal_traction", "tangential_traction", "slip")
+    rows = [[float(row[column]) for column in columns] for row in records if row["crack"] == name]
+    table = np.array(rows, dtype=float).reshape(-1, 4)
+    table = table[np.argsort(table[:, 0], kind="stable")]
+    return table[:, 0], table[:, 1:]
+
+
+def _interpolated(s: Floats, s_known: Floats, values: Floats) -> Floats:
+    """Values (n, k) at places (n,) between known ones, cubic and monotone; constant beyond the first and the last."""
+    if len(s_known) == 1:
+        return np.tile(values, (len(s), 1))
+    return np.asarray(PchipInterpolator(s_known, values)(np.clip(s, s_known[0], s_known[-1])))
+
+
+def _lengths(s: Floats) -> Floats:
+    """The length (n,) that each of the ascending places stands for; 1 for a single one."""
+    if len(s) == 1:
+        return np.ones(1)
+    middle = (s[1:] + s[:-1]) / 2
+    return np.diff(np.concatenate([[s[0]], middle, [s[-1]]]))
+
+
+def _path_errors(run: Path, reference: Path) -> tuple[float, float, float]:
+    """Hausdorff and Frechet distance (m) of what both have grown, and the largest difference of lengths."""
+    if not any(_has_grown(folder) for folder in (run, reference)):
+        return NAN, NAN, NAN
+    pairs = [pair for pair in compare_paths(run, reference).pairs if pair.part in ("start", "end")]
+    common = [pair.common.deviation for pair in pairs if pair.common is not None]
+    hausdorff = max((deviation.hausdorff for deviation in common), default=NAN)
+    frechet = max((deviation.frechet for deviation in common), default=NAN)
+    return hausdorff, frechet, max(abs(pair.length_a - pair.length_b) for pair in pairs)
+
+
+def _has_grown(folder: Path) -> bool:
+    if len((folder / "paths.csv").read_text(encoding="utf-8").splitlines()) < 2:
+        return False  # a scene without cracks
+    lines = read_paths(folder).cracks.values()
+    return any(line.steps is not None and line.steps.max() > 0 and arc_lengths(line.points)[-1] > 0 for line in lines)
+
+
+def _at_step(folder: Path, name: str, grows: bool) -> Records:
+    """The rows of a table at the step that is judged."""
+    with (folder / name).open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    step = "0" if grows or not rows else rows[-1]["step"]
+    return [row for row in rows if row["step"] == step]

@@ -1,0 +1,136 @@
+"""Rows of the table, and the table as CSV, which is read again to go on where a study has stopped."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import statistics
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from crackgrow.case import Case
+from crackgrow.errors import CaseError, Fault
+from crackgrow.study.trade.grid import Setting
+from crackgrow.study.trade.measures import Errors
+from crackgrow.study.trade.worker import Cost
+
+REFERENCE = "reference"  # the name of its row
+PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
+SETTINGS = (
+    "accuracy", "spacing", "support", "quadrature", "contact_spacing", "stiffness", "solver", "tip_radius", "increment",
+)  # fmt: skip
+ERRORS = tuple(field.name for field in fields(Errors))
+COSTS = ("cpu_seconds", "wall_seconds", "cpu_first_step", "cpu_step", "wall_first_step", "wall_step",
+         *(f"wall_{phase}" for phase in PHASES), "peak_memory_mb")  # fmt: skip
+COLUMNS = ("setting", "preset", *SETTINGS, "status", "reason", "steps", "n_dofs", *ERRORS, *COSTS, "repeats")
+ENDED_WELL = ("completed", "arrested", "broke_through")
+
+NAN = float("nan")
+Value = str | float | int | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Row:
+    """A row of trade.csv: text by column, SI; empty where there is no value."""
+
+    cells: Mapping[str, str]
+
+    @property
+    def name(self) -> str:
+        """The setting, by which rows are told apart."""
+        return self.cells["setting"]
+
+    @property
+    def preset(self) -> str:
+        """The preset, empty where the row is none."""
+        return self.cells["preset"]
+
+    @property
+    def solved(self) -> bool:
+        """Whether the run ended as runs should."""
+        return self.cells["status"] in ENDED_WELL
+
+    def number(self, column: str) -> float:
+        """The value in a column, nan where there is none."""
+        return float(self.cells[column] or NAN)
+
+
+def row_of(setting: Setting, case: Case | None, cost: Cost, folder: Path, errors: Errors, repeats: int) -> Row:
+    """The row of a run; `case` is None where the setting is no case at all."""
+    values: dict[str, Value] = {
+        "setting": setting.name,
+        "preset": setting.preset,
+        **({} if case is None else _settings(case)),
+        "status": cost.status,
+        "reason": " ".join(cost.reason.split()),
+        "repeats": repeats,
+    }
+    if cost.cpu_steps:
+        summary: Any = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        by_phase = summary["wall_seconds"]["by_phase"]
+        values |= {"steps": summary["steps_done"], "n_dofs": summary["n_dofs"]["first"]}
+        values |= {f"wall_{phase}": float(by_phase.get(phase, 0.0)) for phase in PHASES}
+        values |= asdict(errors)
+        values |= {"cpu_first_step": cost.cpu_steps[0], "wall_first_step": cost.wall_steps[0]}
+        values |= {"cpu_step": _mean(cost.cpu_steps[1:]), "wall_step": _mean(cost.wall_steps[1:])}
+    values |= {name: getattr(cost, name) for name in ("cpu_seconds", "wall_seconds", "peak_memory_mb")}
+    return Row({column: _text(values.get(column)) for column in COLUMNS})
+
+
+def csv_text(rows: Sequence[Row]) -> str:
+    """All rows."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows([row.cells[column] for column in COLUMNS] for row in rows)
+    return out.getvalue()
+
+
+def read_rows(path: Path) -> list[Row]:
+    """The rows of a table; raises CaseError where it is not one that this version writes."""
+    with path.open(encoding="utf-8", newline="") as file:
+        reader = csv.DictReader(file)
+        rows = list(reader)
+    if tuple(reader.fieldnames or ()) != COLUMNS or any(None in row or None in row.values() for row in rows):
+        raise CaseError([Fault(str(path), None, "", "has other columns than this version writes; leave out --resume")])
+    return [Row(row) for row in rows]
+
+
+def trade_line(row: Row) -> str:
+    """A row on a line of the terminal."""
+    if not row.solved:
+        return f"{row.name:48} {row.cells['status']}: {row.cells['reason']}"
+    names = ("K_error", "path_hausdorff", "pressure_error", "slip_error", "energy_error")
+    shown = " ".join(f"{name.removesuffix('_error')} {row.number(name):.2g}" for name in names if row.cells[name])
+    return f"{row.name:48} {row.cells['n_dofs']:>7} dofs {row.number('cpu_seconds'):8.2f} s  {shown}".rstrip()
+
+
+def _settings(case: Case) -> dict[str, Value]:
+    """What the run had, whatever set it."""
+    numerics, growth = case.numerics, case.growth
+    contact = numerics.contact
+    return {
+        "accuracy": numerics.accuracy,
+        "spacing": numerics.spacing,
+        "support": numerics.support,
+        "quadrature": numerics.quadrature,
+        "contact_spacing": contact.spacing,
+        "stiffness": "rigid" if contact.stiffness is None else contact.stiffness,
+        "solver": contact.solver,
+        "tip_radius": None if growth is None else growth.tip_radius,
+        "increment": None if growth is None else growth.increment,
+    }
+
+
+def _mean(seconds: Sequence[float]) -> float:
+    return statistics.fmean(seconds) if seconds else NAN
+
+
+def _text(value: Value) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    return repr(value) if isinstance(value, float) else str(value)

@@ -1,0 +1,69 @@
+"""The trade: the reference, then one row after another, each on disk as soon as it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from crackgrow.errors import SolveError
+from crackgrow.results.atomic import write_text
+from crackgrow.study.trade.grid import Setting, case_or_none
+from crackgrow.study.trade.measures import NO_ERRORS, check_results, errors_of
+from crackgrow.study.trade.picture import draw
+from crackgrow.study.trade.plan import Plan
+from crackgrow.study.trade.process import run_in_processes
+from crackgrow.study.trade.row import ENDED_WELL, REFERENCE, Row, csv_text, read_rows, row_of
+
+TABLE, PICTURE = "trade.csv", "trade.png"
+
+
+def trade(plan: Plan, *, repeat: int = 1, resume: bool = False, timeout: float | None = None) -> Iterator[Row]:
+    """Run what is planned, yield every new row, and draw the picture at the end.
+
+    repeat: runs of each setting, of which the median counts
+    resume: keep the rows that an earlier study of the same plan has left, and run only what is missing
+    timeout: seconds after which a run is given up
+
+    Raises CaseError where there is nothing to resume or the reference is gone, SolveError where the reference can't be
+    solved, OutputError.
+    A setting that fails is a row like any other.
+    """
+    table = plan.folder / TABLE
+    rows: list[Row] = []
+    if resume:
+        plan.check_same()
+        rows = read_rows(table) if table.is_file() else []
+    else:
+        plan.write()
+        write_text(table, csv_text(rows))
+    known = {row.name for row in rows}
+    if isinstance(plan.reference, tuple) and REFERENCE not in known:
+        rows.append(_reference(plan, plan.reference, timeout))
+        write_text(table, csv_text(rows))
+        yield rows[-1]
+    check_results(plan.reference_folder)
+    for number, setting in enumerate(plan.settings):
+        if setting.name not in known:
+            rows.append(_row(plan, setting, plan.folder / "runs" / f"{number:03d}", repeat, timeout))
+            write_text(table, csv_text(rows))
+            yield rows[-1]
+    draw(plan.folder / PICTURE, plan.file.load().title, rows)
+
+
+def _reference(plan: Plan, overrides: tuple[str, ...], timeout: float | None) -> Row:
+    """Make the run that the others are held against. Raises SolveError where it ends otherwise than it should."""
+    setting = Setting(REFERENCE, plan.run_overrides(overrides))
+    folder = plan.reference_folder
+    cost = run_in_processes(plan.file, setting.overrides, folder, 1, timeout)
+    if cost.status not in ENDED_WELL:
+        given = " ".join(overrides)
+        raise SolveError(f"the reference ({given}) is {cost.status}: {cost.reason}; give another by --reference")
+    return row_of(setting, plan.file.load(*setting.overrides), cost, folder, NO_ERRORS, 1)
+
+
+def _row(plan: Plan, setting: Setting, folder: Path, repeat: int, timeout: float | None) -> Row:
+    """Run a setting and hold its results against the reference; one that is no case is refused by its own run."""
+    overrides = plan.run_overrides(setting.overrides)
+    cost = run_in_processes(plan.file, overrides, folder, repeat, timeout)
+    errors = errors_of(folder, plan.reference_folder, grows=plan.grows) if cost.cpu_steps else NO_ERRORS
+    return row_of(setting, case_or_none(plan.file, overrides), cost, folder, errors, repeat)

@@ -1,0 +1,11 @@
+"""Where the benchmarks read and write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+REFERENCES = ROOT / "tests" / "verification" / "references"
+HISTORY = HERE / "history.csv"
+BASELINE = HERE / "baseline.json"

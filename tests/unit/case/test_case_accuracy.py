@@ -1,0 +1,134 @@
+"""Presets of the numerical settings and the automatic spacing: what is listed, what wins, what the rule says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from crackgrow.case import Case, dump_case, load_case
+from crackgrow.case.accuracy import PRESETS, Lengths, Preset, automatic_spacing
+from crackgrow.errors import CaseError
+from crackgrow.results.overview import overview
+
+CASES = Path(__file__).parents[3] / "cases"
+NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
+SIMPLE = Preset(5.0, 2.0, 1.0, 10.0, support=2.0, quadrature=4, contact_spacing=1.25)
+
+
+def numerics(case: Case) -> dict[str, Any]:
+    found: Any = case.resolved["numerics"]
+    return dict(found)
+
+
+def shipped(name: str, *overrides: str) -> Case:
+    return load_case(CASES / f"{name}.yaml", overrides)
+
+
+def without_numerics(tmp_path: Path, *lines: str) -> Path:
+    """compression30 whose numerics are these lines alone."""
+    text = (CASES / "compression30.yaml").read_text(encoding="utf-8")
+    assert text.count("  spacing: 1.5") == 1
+    path = tmp_path / "scene.yaml"
+    path.write_text(text[: text.index("  spacing: 1.5")] + "".join(f"  {line}\n" for line in lines), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("lengths", "spacing", "rule"),
+    [
+        (Lengths({"a": 10.0, "b": 5.0}, {"rock": 20.0}), 1.0, "length of crack 'b' / 5"),
+        (Lengths({"a": 10.0}, {"rock": 20.0, "thin": 5.0}), 0.5, "smaller side of body 'thin' / 10"),
+        (Lengths({"a": 10.0}, {"rock": 20.0}, increment=1.0), 0.5, "growth.increment / 2"),
+        (Lengths({"a": 10.0}, {"rock": 20.0}, increment=1.0, radius=0.25), 0.25, "growth.tip_stress.radius / 1"),
+        (Lengths({}, {"rock": 20.0}), 2.0, "smaller side of body 'rock' / 10"),
+    ],
+)
+def test_smallest_length_rules(lengths: Lengths, spacing: float, rule: str):
+    assert automatic_spacing(SIMPLE, lengths) == (spacing, rule)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_shipped_case_has_an_automatic_spacing_that_presets_refine(name: str):
+    spacings = [
+        shipped(name, "numerics.spacing=auto", f"numerics.accuracy={word}").numerics.spacing for word in PRESETS
+    ]
+    assert spacings[0] > spacings[1] > spacings[2]
+    given = shipped(name).numerics.spacing
+    assert spacings[0] > 0.5 * given
+    assert spacings[2] < given  # the shipped spacings lie between draft and fine, or are coarser
+
+
+@pytest.mark.parametrize("word", list(PRESETS))
+def test_preset_is_listed_in_the_resolved_case(word: str, tmp_path: Path):
+    case = load_case(without_numerics(tmp_path, f"accuracy: {word}"))
+    preset, listed = PRESETS[word], numerics(case)
+    assert (listed["accuracy"], listed["support"], listed["quadrature"]) == (word, preset.support, preset.quadrature)
+    assert listed["contact"]["spacing"] == preset.contact_spacing
+    expected = {
+        "length of crack 'flaw'": 0.010 / preset.per_crack,
+        "growth.increment": 0.002 / preset.per_increment,
+        "growth.tip_stress.radius": 0.001 / preset.per_radius,
+        "smaller side of body 'rock'": 0.031 / preset.per_width,
+    }
+    least = min(expected, key=lambda what: expected[what])
+    assert listed["spacing"] == pytest.approx(expected[least], rel=1e-12)
+    assert listed["auto_rule"].startswith(f"{least} / ")
+    assert f"(auto, {word}: {least} / " in overview(case)
+
+
+def test_explicit_keys_win(tmp_path: Path):
+    path = without_numerics(
+        tmp_path, "accuracy: fine", "spacing: 2.5", "support: 1.5", "quadrature: 3", "contact: {spacing: 2}"
+    )
+    listed = numerics(load_case(path))
+    assert (listed["accuracy"], listed["spacing"], listed["support"], listed["quadrature"]) == ("fine", 0.0025, 1.5, 3)
+    assert listed["contact"]["spacing"] == 2.0
+    assert "auto_rule" not in listed
+
+
+def test_overview_tells_that_a_given_spacing_is_not_the_presets():
+    assert "spacing 1.5 mm, support" in overview(shipped("compression30"))
+    assert "spacing 1.5 mm (given, not that of fine), support" in overview(
+        shipped("compression30", "numerics.accuracy=fine")
+    )
+
+
+def test_one_explicit_key_leaves_the_others_to_the_preset(tmp_path: Path):
+    whole = numerics(load_case(without_numerics(tmp_path, "accuracy: draft")))
+    part = numerics(load_case(without_numerics(tmp_path, "accuracy: draft", "support: 3")))
+    assert part == {**whole, "support": 3.0}
+
+
+def test_resolved_automatic_case_reads_back_and_keeps_its_rule(tmp_path: Path):
+    case = shipped("compression30", "numerics.spacing=auto")
+    path = tmp_path / "compression30.yaml"
+    path.write_text(dump_case(case), encoding="utf-8")
+    again = load_case(path)
+    assert again.resolved == case.resolved
+    assert again.numerics.auto_rule == case.numerics.auto_rule is not None
+    assert load_case(path, ["numerics.spacing=0.001"]).numerics.auto_rule is None  # not the rule's number any more
+    assert load_case(path, ["growth.increment=0.0001"]).numerics.auto_rule is None
+
+
+@pytest.mark.parametrize(
+    ("override", "key"),
+    [
+        ("cracks.flaw.path.length=long", "cracks.flaw.path.length"),
+        ("bodies.rock.shape.rectangle.width=0", "bodies.rock.shape.rectangle.width"),
+        ("growth.increment=0", "growth.increment"),
+    ],
+)
+def test_fault_of_a_length_is_the_only_one(override: str, key: str):
+    with pytest.raises(CaseError) as caught:
+        shipped("compression30", "numerics.spacing=auto", override)
+    assert [fault.key for fault in caught.value.faults] == [key]
+
+
+def test_spacing_that_a_tiny_length_makes_too_fine_tells_its_rule():
+    with pytest.raises(CaseError) as caught:
+        shipped("compression30", "numerics.spacing=auto", "growth.increment=0.01")
+    (fault,) = caught.value.faults
+    assert fault.key == "numerics.spacing"
+    assert "(auto: growth.increment / " in fault.message

@@ -1,0 +1,93 @@
+"""Errors of results against a reference: hand-made tables whose errors are known."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.errors import CaseError
+from crackgrow.study.trade.measures import K_errors, check_results, contact_errors, errors_of
+
+Records = list[dict[str, str]]
+
+
+def tips(*K: tuple[float, float]) -> Records:
+    return [{"crack": f"c{i}", "tip": "end", "K_I": repr(K_I), "K_II": repr(K_II)} for i, (K_I, K_II) in enumerate(K)]
+
+
+def contact(s: np.ndarray, scale: float = 1.0, shift: float = 0.0) -> Records:
+    """A pressure of 3, a shear of 4 and an elliptic slip, on a face of length 2; `shift` is added to the pressure."""
+    slip = scale * np.sqrt(np.maximum(s * (2 - s), 0.0))
+    return [
+        {"crack": "flaw", "s": repr(float(x)), "normal_traction": repr(-3.0 + shift),
+         "tangential_traction": repr(4.0), "slip": repr(float(y))}
+        for x, y in zip(s, slip, strict=True)
+    ]  # fmt: skip
+
+
+def test_K_errors_are_relative_to_the_largest_K():
+    K_error, K_II_error = K_errors(tips((0.3, 5.4), (0.0, 2.0)), tips((0.0, 5.0), (0.0, 2.0)))
+    assert K_error == pytest.approx(0.5 / 5.0)  # (0.3, 0.4)
+    assert K_II_error == pytest.approx(0.4 / 5.0)
+
+
+def test_K_II_without_a_size_has_no_relative_error():
+    K_error, K_II_error = K_errors(tips((2.2, 1e-4)), tips((2.0, 2e-4)))
+    assert K_error == pytest.approx(0.1, rel=1e-6)
+    assert math.isnan(K_II_error)
+    assert all(map(math.isnan, K_errors([], tips((1.0, 1.0)))))
+
+
+def test_contact_errors_do_not_depend_on_where_the_points_lie():
+    fine, coarse = contact(np.linspace(0.02, 1.98, 197)), contact(np.linspace(0.3, 1.7, 5), scale=1.1, shift=0.1)
+    pressure, shear, slip = contact_errors(coarse, fine)
+    assert pressure == pytest.approx(0.1 / 5.0, rel=1e-12)  # of hypot(3, 4)
+    assert shear == 0.0
+    assert slip == pytest.approx(0.1, rel=1e-4)  # the interpolation between points 0.01 apart is better than that
+
+
+def test_equal_results_have_no_error_and_a_single_point_counts():
+    points = contact(np.array([0.2, 0.9, 1.4]))
+    assert contact_errors(points, points) == (0.0, 0.0, 0.0)
+    one = contact(np.array([1.0]), scale=1.5)
+    assert contact_errors(one, points)[2] == pytest.approx(0.5, rel=0.05)
+    assert all(map(math.isnan, contact_errors([], points)))
+
+
+def results(folder: Path, end: tuple[float, float], *, steps: int = 2) -> Path:
+    """A folder with a crack along x from 0 to 1 that has grown from its end to `end`."""
+    folder.mkdir()
+    (folder / "case.yaml").write_text("title: a crack\n")
+    (folder / "tips.csv").write_text("step,crack,tip,K_I,K_II\n0,a,end,1.0,2.0\n1,a,end,9.0,9.0\n")
+    (folder / "contact.csv").write_text("step,crack,s,normal_traction,tangential_traction,slip\n")
+    (folder / "steps.csv").write_text("step,strain_energy\n0,4.0\n1,7.0\n")
+    grown = f"a,2,{end[0]},{end[1]},{steps}\n"
+    (folder / "paths.csv").write_text(f"crack,vertex,x,y,step\na,0,0.0,0.0,0\na,1,1.0,0.0,0\n{grown}")
+    return folder
+
+
+def test_paths_are_compared_as_far_as_both_have_grown(tmp_path: Path):
+    long, short = results(tmp_path / "long", (3.0, 0.0)), results(tmp_path / "short", (2.0, 0.01))
+    errors = errors_of(short, long, grows=True)
+    assert errors.path_hausdorff == pytest.approx(0.01, rel=1e-4)
+    assert errors.length_error == pytest.approx(1.0, rel=1e-4)
+    assert (errors.K_error, errors.energy_error) == (0.0, 0.0)
+    assert math.isnan(errors.pressure_error)
+
+
+def test_step_that_is_judged(tmp_path: Path):
+    first, last = (results(tmp_path / name, (2.0, 0.0)) for name in ("a", "b"))
+    (last / "steps.csv").write_text("step,strain_energy\n0,4.0\n1,14.0\n")
+    assert errors_of(first, last, grows=True).energy_error == 0.0  # step 0
+    assert errors_of(first, last, grows=False).energy_error == 0.5  # the last load factor
+
+
+def test_reference_that_lacks_a_file(tmp_path: Path):
+    folder = results(tmp_path / "a", (2.0, 0.0))
+    check_results(folder)
+    (folder / "steps.csv").unlink()
+    with pytest.raises(CaseError, match=r"it has no steps\.csv"):
+        check_results(folder)
