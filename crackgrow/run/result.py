@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,6 +125,30 @@ class Event:
     met: str  # "crack 'b'", "its own path", "hole0 of body 'rock'", "the outline of body 'rock'", "interface 'a/b'"
 
 
+def event_record(event: Event) -> dict[str, Any]:
+    """The event in numbers and words."""
+    x, y = (float(coordinate) for coordinate in event.point)
+    return {
+        "step": int(event.step), "kind": event.kind, "crack": event.crack, "tip": event.tip, "x": x, "y": y,
+        "met": event.met,
+    }  # fmt: skip
+
+
+def event_of(record: Mapping[str, Any]) -> Event:
+    """The event of an `event_record`."""
+    point = np.array([record["x"], record["y"]])
+    return Event(record["step"], record["kind"], record["crack"], record["tip"], point, record["met"])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checkpoint:
+    """All that the run can go on from: its step, to be solved again, in plain data. See `run.checkpoint`."""
+
+    step: int
+    values: Mapping[str, Any]  # whatever JSON can hold
+    arrays: Mapping[str, NDArray[Any]]  # of numbers
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Energy:
     """Energies since the unloaded state, J per metre of thickness."""
@@ -165,6 +189,7 @@ class StepResult:
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     warnings: tuple[str, ...]
     energy_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
+    checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 
     @property
     def frame(self) -> Frame | None:
@@ -174,9 +199,9 @@ class StepResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunEnd:
-    """Why a run ended."""
+    """Why a run ended, or that it has not."""
 
-    status: Literal["completed", "arrested", "broke_through", "failed"]
+    status: Literal["completed", "arrested", "broke_through", "failed", "interrupted", "running"]
     reason: str
     cracks: tuple[CrackPath, ...]  # the final paths, the last advance included
     events: tuple[Event, ...] = ()  # of an advance that was not solved any more

@@ -33,7 +33,9 @@ def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> 
     for step, spread in enumerate((0.08, 0.12, 0.04)):
         tally.add(replace(with_tips(step, {"K_II_error": spread}), energy_error=1.5 if step == 0 else math.nan))
     end = replace(make_end(2), energy_error=2.25)
-    summary = json.loads(summary_text(summarize(make_case(), tally, end, 1.0)))["error_estimate"]
+    summary = json.loads(summary_text(summarize(make_case(), Tally.of(tally.record()), end, 1.0, 1.0)))[
+        "error_estimate"
+    ]
     assert summary["energy_norm_percent"] == {"first": 1.5, "last": 2.25}
     np.testing.assert_allclose(summary["K_spread_percent"], 3.0)
     assert error_line(tally, end) == "estimated error: 2.2 % of the energy norm, K by radius 3 %"
@@ -42,7 +44,7 @@ def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> 
 def test_what_is_unknown_is_null_and_not_told() -> None:
     tally = Tally()
     tally.add(with_tips(0))
-    summary = json.loads(summary_text(summarize(make_case(), tally, make_end(0), 1.0)))["error_estimate"]
+    summary = json.loads(summary_text(summarize(make_case(), tally, make_end(0), 1.0, 1.0)))["error_estimate"]
     assert summary == {"energy_norm_percent": {"first": None, "last": None}, "K_spread_percent": None}
     assert error_line(tally, make_end(0)) == ""
     tally.add(with_tips(1, {}))
