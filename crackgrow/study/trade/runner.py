@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
+from crackgrow.case import load_case
 from crackgrow.errors import SolveError
 from crackgrow.results.atomic import write_text
-from crackgrow.study.trade.grid import Setting, case_or_none
+from crackgrow.study.trade.grid import FINER, Setting, case_or_none
 from crackgrow.study.trade.measures import NO_ERRORS, check_results, errors_of
 from crackgrow.study.trade.picture import draw
 from crackgrow.study.trade.plan import Plan
@@ -15,6 +17,8 @@ from crackgrow.study.trade.process import run_in_processes
 from crackgrow.study.trade.row import ENDED_WELL, REFERENCE, Row, csv_text, read_rows, row_of
 
 TABLE, PICTURE = "trade.csv", "trade.png"
+JUDGED = FINER * (1 - 1e-9)  # of the reference's spacing: runs from there on are held against it
+NOT_JUDGED = f"not judged: the spacing is less than {FINER:g} times that of the reference"
 
 
 def trade(plan: Plan, *, repeat: int = 1, resume: bool = False, timeout: float | None = None) -> Iterator[Row]:
@@ -42,9 +46,10 @@ def trade(plan: Plan, *, repeat: int = 1, resume: bool = False, timeout: float |
         write_text(table, csv_text(rows))
         yield rows[-1]
     check_results(plan.reference_folder)
+    least = JUDGED * load_case(plan.reference_folder / "case.yaml").numerics.spacing
     for number, setting in enumerate(plan.settings):
         if setting.name not in known:
-            rows.append(_row(plan, setting, plan.folder / "runs" / f"{number:03d}", repeat, timeout))
+            rows.append(_row(plan, setting, plan.folder / "runs" / f"{number:03d}", least, repeat, timeout))
             write_text(table, csv_text(rows))
             yield rows[-1]
     draw(plan.folder / PICTURE, plan.file.load().title, rows)
@@ -61,9 +66,17 @@ def _reference(plan: Plan, overrides: tuple[str, ...], timeout: float | None) ->
     return row_of(setting, plan.file.load(*setting.overrides), cost, folder, NO_ERRORS, 1)
 
 
-def _row(plan: Plan, setting: Setting, folder: Path, repeat: int, timeout: float | None) -> Row:
-    """Run a setting and hold its results against the reference; one that is no case is refused by its own run."""
+def _row(plan: Plan, setting: Setting, folder: Path, least: float, repeat: int, timeout: float | None) -> Row:
+    """Run a setting and hold its results against the reference; one that is no case is refused by its own run.
+
+    least: m, the spacing from which on the reference is fine enough to judge
+    """
     overrides = plan.run_overrides(setting.overrides)
     cost = run_in_processes(plan.file, overrides, folder, repeat, timeout)
-    errors = errors_of(folder, plan.reference_folder, grows=plan.grows) if cost.cpu_steps else NO_ERRORS
-    return row_of(setting, case_or_none(plan.file, overrides), cost, folder, errors, repeat)
+    case = case_or_none(plan.file, overrides)
+    errors = NO_ERRORS
+    if case is not None and cost.cpu_steps and case.numerics.spacing >= least:
+        errors = errors_of(folder, plan.reference_folder, grows=plan.grows)
+    elif cost.cpu_steps:
+        cost = replace(cost, reason=f"{cost.reason}; {NOT_JUDGED}")
+    return row_of(setting, case, cost, folder, errors, repeat)
