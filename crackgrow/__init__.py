@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from crackgrow.case import dump_case, load_case
+    from crackgrow.case.json_schema import case_schema
     from crackgrow.case.model import Case
     from crackgrow.results.overview import overview
     from crackgrow.results.resume import find_resumption
@@ -49,6 +50,7 @@ __all__ = [
     "RunWriter",
     "StepResult",
     "__version__",
+    "case_schema",
     "compare_paths",
     "comparison_csv",
     "comparison_text",
@@ -72,6 +74,7 @@ _HOMES = {
     "RunEnd": "crackgrow.run.result",
     "RunWriter": "crackgrow.results.writer",
     "StepResult": "crackgrow.run.result",
+    "case_schema": "crackgrow.case.json_schema",
     "compare_paths": "crackgrow.study.compare",
     "comparison_csv": "crackgrow.study.comparison_text",
     "comparison_text": "crackgrow.study.comparison_text",
