@@ -25,8 +25,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from crackgrow.case import dump_case, load_case
     from crackgrow.case.model import Case
+    from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4
     from crackgrow.results.overview import overview
+    from crackgrow.results.render import render
+    from crackgrow.results.report import write_report
     from crackgrow.results.resume import find_resumption
+    from crackgrow.results.view import view
     from crackgrow.results.writer import RunWriter
     from crackgrow.run import grow
     from crackgrow.run.result import RunEnd, StepResult
@@ -53,15 +57,21 @@ __all__ = [
     "comparison_csv",
     "comparison_text",
     "dump_case",
+    "find_ffmpeg",
     "find_resumption",
     "grow",
     "load_case",
     "overview",
     "plan_trade",
+    "render",
     "stability",
     "stability_line",
     "trade",
     "trade_line",
+    "view",
+    "write_gif",
+    "write_mp4",
+    "write_report",
     "write_stability",
 ]
 
@@ -76,15 +86,21 @@ _HOMES = {
     "comparison_csv": "crackgrow.study.comparison_text",
     "comparison_text": "crackgrow.study.comparison_text",
     "dump_case": "crackgrow.case",
+    "find_ffmpeg": "crackgrow.results.animation",
     "find_resumption": "crackgrow.results.resume",
     "grow": "crackgrow.run",
     "load_case": "crackgrow.case",
     "overview": "crackgrow.results.overview",
     "plan_trade": "crackgrow.study.trade.plan",
+    "render": "crackgrow.results.render",
     "stability": "crackgrow.study.stability.runner",
     "stability_line": "crackgrow.study.stability.table",
     "trade": "crackgrow.study.trade.runner",
     "trade_line": "crackgrow.study.trade.row",
+    "view": "crackgrow.results.view",
+    "write_gif": "crackgrow.results.animation",
+    "write_mp4": "crackgrow.results.animation",
+    "write_report": "crackgrow.results.report",
     "write_stability": "crackgrow.study.stability.writer",
 }
 
