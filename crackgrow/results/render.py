@@ -27,7 +27,7 @@ from crackgrow.results.units import LENGTHS, STRESSES, Unit, unit_of
 Floats = NDArray[np.float64]
 
 LONG_SIDE = 1000  # pixels, where no size is given
-INCHES = 8.0  # of the longer side: text is as large in small pictures as in large ones, by the picture
+INCHES = 6.5  # of the longer side: text is as large in small pictures as in large ones, by the picture
 COLOUR_BAR = 0.34  # what caption and colour bar take of the width, by the specimen's longer side
 BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side

@@ -65,7 +65,7 @@ function showContact(step) {
     ["Jump of displacement", ["opening", "slip"], units.slip],
   ]) {
     const series = names.map((name, k) => ({
-      name: name.replace("_", " "), colour: ["#0072b2", "#d55e00"][k], dash: k ? "5 3" : "",
+      name: name.replace("_", " "), colour: ["#1c2530", "#7b3294"][k], dash: k ? "5 3" : "",
       x: here.s, y: here[name], fills: here.state.map((state) => STATE_FILLS[state]),
     }));
     const range = {x: limits(all.flatMap((one) => one.s)), y: limits(all.flatMap((one) => names.flatMap((name) => one[name])))};

@@ -96,8 +96,8 @@ def _header(run: RunFolder) -> Markup:
     facts = [
         f"crackgrow {summary['version']}{commit if summary['git_commit'] else ''}",
         f"plane {run.case.plane}",
-        f"{summary['n_solves']} steps solved",
-        f"{n_dofs['first']} to {n_dofs['last']} unknowns" if n_dofs else "no unknowns",
+        f"{summary['n_solves']} solved step{'' if summary['n_solves'] == 1 else 's'}",
+        f"{' to '.join(dict.fromkeys(str(n) for n in n_dofs.values()))} unknowns" if n_dofs else "nothing solved",
         f"{shown(summary['wall_seconds']['total'], 3)} s, {shown(summary['peak_memory_mb'], 3)} MB",
     ]
     return tag(
@@ -149,7 +149,7 @@ def _steps(run: RunFolder, contact: dict[str, Any], shots: list[dict[str, Any]])
 def _step_legend(run: RunFolder) -> Markup:
     last = int(run.paths.steps().max(initial=0))
     if last == 0:
-        return tag("p", "black: the given cracks", class_="legend")
+        return tag("p", "black: the given cracks" if run.case.cracks else "dashed: interfaces", class_="legend")
     colours = ", ".join(step_colour(step, 9) for step in range(1, 10))
     bar = tag("span", class_="ramp", style=f"background: linear-gradient(to right, {colours})")
     words = "black: the given cracks; grown in step 1 ", bar, f" {last}; circles: tips, filled where they advance"
@@ -169,7 +169,9 @@ def _quality(run: RunFolder) -> Markup:
     cards = []
     rows = list(check_rows(run))
     if rows:
-        cards.append(_card("Checks", table("Worst of all steps", ("check", "worst", "step", "limit", ""), rows)))
+        cards.append(
+            _card("Checks", table("Worst of all steps, relative", ("check", "worst", "step", "limit", ""), rows))
+        )
     estimates = estimate_rows(summary)
     if estimates:
         cards.append(_card("Estimated error", table("By the run's own account", ("quantity", "value"), estimates)))

@@ -68,6 +68,10 @@ def _interfaces(case: Case, view: View) -> Iterator[Markup]:
 
 def _cracks(run: RunFolder, view: View) -> Iterator[Markup]:
     """Segments of all cracks, the given ones last, on top."""
+    if not len(run.paths):  # nothing was solved: the cracks are those given
+        for crack in run.case.cracks:
+            yield tag("path", d=line_data(view.pixels(crack.points)), class_="given", data_step=0)
+        return
     names, steps = np.array(run.paths.words("crack")), run.paths.steps()
     pixels = view.pixels(np.column_stack([run.paths.numbers("x"), run.paths.numbers("y")]))
     same = names[:-1] == names[1:]
@@ -94,7 +98,7 @@ def _support(support: Support, case: Case, view: View) -> Markup:
         if not all(fixed) and abs(direction @ outward) < 0.5:  # held along the edge: from the left, or from below
             side = -1.0
         return symbols.triangle(place, _flip(side * direction), rolls=not all(fixed))
-    drawn = []
+    drawn = [_prescribed(support, case, view)] if isinstance(support, EdgeSupport) else []
     for line, outward in _lines(support.region, case, view, symbols.HATCH[0]):
         if isinstance(support, EdgeSupport) and None in support.displacement:
             drawn.append(symbols.rollers(line, outward))
@@ -102,6 +106,25 @@ def _support(support: Support, case: Case, view: View) -> Markup:
             drawn.append(symbols.ground(line, outward))
     name = "rigid foundation under" if isinstance(support, ContactSupport) else "held:"
     return tag("g", tag("title", f"{name} {support.region.body}.{support.region.edge}"), *drawn)
+
+
+def _prescribed(support: EdgeSupport, case: Case, view: View) -> Markup:
+    """Arrows of the displacements that are prescribed along an edge, the longest as long as those of loads."""
+    lines = [line for line, _ in _lines(support.region, case, view, symbols.ARROW_GAP)]
+    places = np.concatenate([symbols.spaced(line, symbols.ARROW_GAP) for line in lines])
+    metres = view.metres(places)
+    given = [
+        np.zeros(len(places)) if c is None else c(metres) if callable(c) else np.full(len(places), float(c))
+        for c in support.displacement
+    ]
+    moved = np.column_stack(given)
+    size = np.linalg.norm(moved, axis=1)
+    if not size.any():
+        return Markup("")
+    reach = symbols.ARROW * moved / size.max() * [1.0, -1.0]
+    seen = np.linalg.norm(reach, axis=1) > symbols.HEAD[0]
+    arrows = (symbols.arrow(place, place + arm) for place, arm in zip(places[seen], reach[seen], strict=True))
+    return tag("g", *arrows, class_="prescribed")
 
 
 def _load(load: Load, case: Case, view: View) -> Markup:
