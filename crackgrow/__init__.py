@@ -11,7 +11,7 @@ solid          elasticity: stiffness, loads, supports, linear solver, stress
 contact        crack faces: contact points, jump, Coulomb law, the contact solvers
 fracture       tip stress, stress intensity, growth criteria, advance of a tip
 run            one step, and the loop over the steps
-results        tables, frames and figures on disk, made from the results alone
+results        tables, frames, figures and a report on disk, made from the results alone
 study          what several runs tell: how far apart their crack paths are, what extremes do to a scene,
                what accuracy costs
 cli            the command line, the only place that prints

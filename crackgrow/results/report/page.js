@@ -18,7 +18,7 @@ function showScene(step) {
   }
   const tips = document.getElementById("tips");
   tips.replaceChildren();
-  for (const [cx, cy, advances] of data.tips.places[step] || []) {
+  for (const [cx, cy, advances] of data.tips.places[latest(data.tips.places, step)] || []) {
     element(tips, "circle", {cx, cy, r: 3.5, class: advances ? "tip advances" : "tip"});
   }
 }
@@ -37,8 +37,8 @@ function showPicture(step) {
 function showTips(step) {
   const body = document.getElementById("tips-body");
   if (!body) return;
-  const rows = data.tips.steps[step] || [];
-  document.getElementById("tips-caption").textContent = rows.length ? `Tips of step ${step}, before it advances` : "not solved";
+  const of = latest(data.tips.steps, step), rows = data.tips.steps[of] || [];
+  document.getElementById("tips-caption").textContent = `Tips of step ${of}, before it advances`;
   body.replaceChildren(...rows.map((row) => tableRow(row, "td")));
 }
 

@@ -13,7 +13,7 @@ from crackgrow.results.rendered import rendered
 MOST_PICTURES = 40  # of a rendered series
 MOST_PIXELS = 720  # of the longer side of those
 QUALITY = 80  # of their JPEG
-MOST_BYTES = 3_000_000  # of all pictures of the page
+MOST_BYTES = 1_500_000  # of all pictures of the page
 
 
 def pictures(run: RunFolder) -> list[dict[str, Any]]:
@@ -34,18 +34,16 @@ def _thinned(field: str, files: dict[int, Path], run: RunFolder) -> list[dict[st
     from PIL import Image  # here: most reports have no such pictures
 
     steps = sorted(step for step in files if step in run.solved)[::-1]
-    found, size = [], 0
+    found = []
     for step in steps[:: -(-len(steps) // MOST_PICTURES)] if steps else ():
         with Image.open(files[step]) as image:
             small = image.convert("RGB")
         small.thumbnail((MOST_PIXELS, MOST_PIXELS))
         data = io.BytesIO()
         small.save(data, format="JPEG", quality=QUALITY, optimize=True)
-        size += 4 * len(data.getvalue()) // 3
-        if size > MOST_BYTES:
-            break
         found.append(_picture(step, field, "jpeg", data.getvalue()))
-    return found[::-1]
+    size = sum(len(picture["uri"]) for picture in found)
+    return found[:: -(-size // MOST_BYTES)][::-1] if found else []
 
 
 def _picture(step: int, words: str, kind: str, data: bytes) -> dict[str, Any]:

@@ -10,7 +10,8 @@ from crackgrow.results.folder import RunFolder, TextTable
 from crackgrow.results.report.view import View
 from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, shown, unit_of
 
-MOST_CONTACT_ROWS = 40_000  # about 2 MB; of longer tables every second, third... step is kept
+MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
+MOST_TIP_ROWS = 8_000  # about 1 MB
 CONTACT_COLUMNS = (
     (("s",), LENGTHS),
     (("normal_traction", "tangential_traction"), STRESSES),
@@ -37,7 +38,10 @@ def tip_data(run: RunFolder, view: View) -> dict[str, Any]:
     pixels = np.round(view.pixels(np.column_stack([tips.numbers("x"), tips.numbers("y")])), 1).tolist()
     rows: dict[int, list[Any]] = {}
     places: dict[int, list[Any]] = {}
+    kept = _kept_steps(tips, MOST_TIP_ROWS)
     for step, row, place in zip(tips.steps().tolist(), zip(*columns, strict=True), pixels, strict=True):
+        if step not in kept:
+            continue
         rows.setdefault(step, []).append(list(row))
         places.setdefault(step, []).append([*place, row[-1] == "true"])
     return {"header": header, "steps": rows, "places": places}
@@ -51,7 +55,7 @@ def contact_data(run: RunFolder) -> dict[str, Any]:
     left_out     whether steps were left out to keep the page small
     """
     table, steps = run.contact, run.contact.steps()
-    kept = _kept_steps(table)
+    kept = _kept_steps(table, MOST_CONTACT_ROWS)
     units: dict[str, Unit] = {}
     for names, choice in CONTACT_COLUMNS:
         unit = unit_of(np.concatenate([table.numbers(name) for name in names]), choice)
@@ -72,10 +76,10 @@ def contact_data(run: RunFolder) -> dict[str, Any]:
     }
 
 
-def _kept_steps(table: TextTable) -> set[int]:
-    """Steps of the table of contact points that the page shows; the last one always."""
+def _kept_steps(table: TextTable, most: int) -> set[int]:
+    """Steps of a table that the page shows, so that it has about as many rows as `most`; the last one always."""
     steps = np.unique(table.steps())[::-1]
-    return set(steps[:: max(1, -(-len(table) // MOST_CONTACT_ROWS))].tolist())
+    return set(steps[:: max(1, -(-len(table) // most))].tolist())
 
 
 def step_words(run: RunFolder) -> dict[int, str]:

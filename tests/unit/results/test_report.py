@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
@@ -219,7 +220,7 @@ def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatc
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [0, 3]
     monkeypatch.setattr(pictures, "MOST_BYTES", 100)
     write_report(tmp_path)
-    assert read(tmp_path).data["pictures"] == []
+    assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
 
 
 def test_limits_of_checks_are_those_of_the_solver() -> None:
@@ -282,3 +283,31 @@ def run_python(arguments: Sequence[str]) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, *arguments], capture_output=True, text=True, cwd=root, env=environment, check=False
     )
+
+
+def test_a_long_run_makes_no_large_page(folder: Path, tmp_path: Path) -> None:
+    copy(folder, tmp_path, "steps.csv", {})
+    n_steps = 150
+    for name, n in (("steps.csv", 1), ("tips.csv", 200), ("contact.csv", 400)):
+        like = rows(folder, name)[-1]
+        names = {"tips.csv": [f"f{k}" for k in range(n)]}.get(name, ["flaw"] * n)
+        cells = [like | {"step": str(step)} | ({"crack": crack} if "crack" in like else {})
+                 for step in range(n_steps) for crack in names]  # fmt: skip
+        lines = [",".join(row.values()) for row in cells]
+        (tmp_path / name).write_text("\n".join([",".join(like), *lines]) + "\n")
+    paint(tmp_path, [0])
+    noise = np.random.default_rng(0).integers(0, 256, (700, 700, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(tmp_path / "render" / "sigma_1" / "step_0000.png")
+    for step in range(10, n_steps):
+        (tmp_path / "render" / "sigma_1" / f"step_{step:04d}.png").symlink_to("step_0000.png")
+    path = write_report(tmp_path)
+    assert path.stat().st_size < 5_000_000
+    data = Page(path.read_text(encoding="utf-8")).data
+    for shown in (data["tips"]["steps"], data["contact"]["surfaces"]["flaw"]):
+        steps = sorted(int(step) for step in shown)
+        assert steps[-1] == n_steps - 1
+        assert len(steps) > 30
+        assert len(set(np.diff(steps))) == 1
+    steps = [picture["step"] for picture in data["pictures"]]
+    assert steps[-1] == n_steps - 1
+    assert steps[0] < 60  # thinned, not cut off
