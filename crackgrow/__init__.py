@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from crackgrow.case import dump_case, load_case
     from crackgrow.case.model import Case
     from crackgrow.results.overview import overview
+    from crackgrow.results.resume import find_resumption
     from crackgrow.results.writer import RunWriter
     from crackgrow.run import grow
     from crackgrow.run.result import RunEnd, StepResult
@@ -52,6 +53,7 @@ __all__ = [
     "comparison_csv",
     "comparison_text",
     "dump_case",
+    "find_resumption",
     "grow",
     "load_case",
     "overview",
@@ -74,6 +76,7 @@ _HOMES = {
     "comparison_csv": "crackgrow.study.comparison_text",
     "comparison_text": "crackgrow.study.comparison_text",
     "dump_case": "crackgrow.case",
+    "find_resumption": "crackgrow.results.resume",
     "grow": "crackgrow.run",
     "load_case": "crackgrow.case",
     "overview": "crackgrow.results.overview",

@@ -256,3 +256,10 @@ class Case:
     def last_factor(self) -> float:
         """The last load factor of the history; nan where factors are found."""
         return self.loading.factors[-1] if isinstance(self.loading, LoadHistory) else float("nan")
+
+    @property
+    def last_step(self) -> int:
+        """Number of the last step, counted from 0, if nothing ends the run before."""
+        if self.growth is not None:
+            return self.growth.steps
+        return len(self.loading.factors) - 1 if isinstance(self.loading, LoadHistory) else 0

@@ -54,6 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     command = commands.add_parser("run", parents=[case], help="run a case and write its results")
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<case>)")
+    command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")
     command.add_argument("--quiet", action="store_true", help="print nothing but errors")
     command.set_defaults(command=run)
     command = commands.add_parser("check", parents=[case], help="validate a case and say what it models")

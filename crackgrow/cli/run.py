@@ -4,53 +4,64 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import shlex
 import shutil
+import signal
 import sys
-from collections.abc import Iterator, Sequence
+import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
-from crackgrow.cli.console import EXIT_DONE, EXIT_UNSOLVED, complain, say
+from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.atomic import OutputError
-from crackgrow.results.log import event_line, step_label, step_line
+from crackgrow.results.progress import Progress
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
     from crackgrow.results.writer import RunWriter
-    from crackgrow.run.result import Event, RunEnd, StepResult
-
-BAR_WIDTH = 20
-MOST_WARNINGS = 5  # printed at the end; run.log has all
+    from crackgrow.run.result import RunEnd, StepResult
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run."""
+    """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run, and can be gone on from."""
     case = load_case_file(arguments)
     folder = arguments.out or Path("outputs") / case.name
-    steps = crackgrow.grow(case)  # starts with its first step
+    found = crackgrow.find_resumption(case, folder) if arguments.resume else None
+    if found is not None and found.finished is not None:
+        if not arguments.quiet:
+            say(f"{found.finished}\nnothing is left to do, results in {folder}")
+        return EXIT_DONE
+    steps = crackgrow.grow(case, None if found is None else found.checkpoint)  # starts with its first step
     writer = crackgrow.RunWriter(case, folder)
-    progress = Progress(case, quiet=arguments.quiet)
-    writer.begin()
+    for remark in () if found is None else found.remarks:
+        complain(f"warning: {remark}")
+    with _uninterrupted():
+        writer.begin() if found is None else writer.resume(found)
+    progress = _progress(case, arguments, 0 if found is None else found.checkpoint.step)
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:
-        with contextlib.suppress(OutputError):  # a small file may still fit
+        with contextlib.suppress(OutputError), _uninterrupted():  # a small file may still fit
             writer.fail(str(error))
-        raise
+        raise OutputError(f"{error}; then go on with: {_resuming(arguments, folder)}") from error
     except KeyboardInterrupt:
-        _fail(writer, "interrupted")
-        raise
+        _break_off(writer.interrupt, "interrupted")
+        complain(f"crackgrow: interrupted; go on with: {_resuming(arguments, folder)}")
+        return EXIT_INTERRUPTED
     except CrackgrowError as error:
-        _fail(writer, str(error))
+        _break_off(writer.fail, str(error))
         raise
     except Exception as error:
-        _fail(writer, f"internal error: {type(error).__name__}: {error}")
+        _break_off(writer.fail, f"internal error: {type(error).__name__}: {error}")
         raise
     finally:
         progress.close()
+    if writer.error_line and not arguments.quiet:
+        say(writer.error_line)
     if end.status == "failed":
         complain(f"crackgrow: {end.reason}")
         return EXIT_UNSOLVED
@@ -65,56 +76,12 @@ def check(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-class Progress:
-    """How far a run is: one live line on a terminal, otherwise a line a step."""
-
-    def __init__(self, case: Case, *, quiet: bool) -> None:
-        self._n_steps = case.growth.steps if case.growth else None
-        self._quiet = quiet
-        self._live = not quiet and sys.stdout is not None and sys.stdout.isatty()
-        self._n_advances = 0
-        self._seconds = 0.0
-        self._warnings: dict[str, None] = {}
-        if not quiet:
-            say(f"{case.name}: {case.title}")
-
-    def show(self, result: StepResult) -> None:
-        """Tell of a solved step."""
-        self._n_advances += sum(tip.advanced for tip in result.tips)
-        self._seconds += sum(result.seconds.values())
-        self._warnings.update(dict.fromkeys(result.warnings))
-        if self._live:
-            width = shutil.get_terminal_size().columns - 1
-            say(f"\r{self._bar(result)[:width]}\x1b[K", end="")
-        elif not self._quiet:
-            say(step_line(result, self._n_steps))
-        self.tell(result.events)
-
-    def tell(self, events: Sequence[Event]) -> None:
-        """Tell of tips that have met something."""
-        if events and self._live:
-            say("")  # the bar stays above, and a new one follows
-        for event in events if not self._quiet else ():
-            say(event_line(event))
-
-    def close(self) -> None:
-        """Leave the live line and print the warnings of the steps, each once."""
-        if self._live:
-            say("")
-        if not self._quiet:
-            texts = list(self._warnings)
-            for text in texts[:MOST_WARNINGS]:
-                say(f"warning: {text}")
-            if len(texts) > MOST_WARNINGS:
-                say(f"and {len(texts) - MOST_WARNINGS} more warnings in run.log")
-
-    def _bar(self, result: StepResult) -> str:
-        done = result.step / self._n_steps if self._n_steps else 1.0
-        filled = round(BAR_WIDTH * min(done, 1.0))
-        return (
-            f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] {step_label(result.step, self._n_steps)}, "
-            f"{self._n_advances} tip advances, {result.contact_iterations} contact iterations, {self._seconds:.1f} s"
-        )
+def _progress(case: Case, arguments: argparse.Namespace, first: int) -> Progress:
+    """What tells of a run that begins with step `first`."""
+    if arguments.quiet:
+        return Progress(case, lambda text, end: None, width=None, first=first)
+    live = sys.stdout is not None and sys.stdout.isatty()
+    return Progress(case, say, width=shutil.get_terminal_size().columns - 1 if live else None, first=first)
 
 
 def _write_steps(steps: Iterator[StepResult], writer: RunWriter, progress: Progress) -> RunEnd:
@@ -125,16 +92,46 @@ def _write_steps(steps: Iterator[StepResult], writer: RunWriter, progress: Progr
         except StopIteration as stop:
             end: RunEnd = stop.value
             break
-        writer.add(result)
+        with _uninterrupted():
+            writer.add(result)
         progress.show(result)
     progress.tell(end.events)
-    writer.finish(end)
+    with _uninterrupted():
+        writer.finish(end)
     return end
 
 
-def _fail(writer: RunWriter, reason: str) -> None:
-    """Keep what was solved; a disk that refuses now doesn't hide the first error."""
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits until the block is done: what is written of a step is all of it."""
+    ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else somebody else sees to it
+    if not ours or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pressed: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
     try:
-        writer.fail(reason)
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if pressed:
+        raise KeyboardInterrupt
+
+
+def _break_off(end: Callable[[str], None], reason: str) -> None:
+    """End a run and keep what was solved; a disk that refuses now doesn't hide the first error."""
+    try:
+        with _uninterrupted():
+            end(reason)
     except CrackgrowError as error:
         complain(f"crackgrow: {error}")
+
+
+def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
+    """The command that goes on with a run."""
+    script = Path(sys.argv[0]).name == "crackgrow"
+    program = [sys.argv[0]] if script else [sys.executable, "-m", "crackgrow"]
+    settings = [word for setting in arguments.overrides for word in ("--set", setting)]
+    quiet = ["--quiet"] if arguments.quiet else []
+    command = [*program, "run", str(arguments.case), "--out", str(folder), *settings, *quiet, "--resume"]
+    return shlex.join(command)

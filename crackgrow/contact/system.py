@@ -40,6 +40,12 @@ class _Columns:
         self._system, self._weights = system, weights
         self._operators = (gap_of, slip_of)
         self._known: tuple[dict[int, tuple[Floats, Floats]], ...] = ({}, {})  # of gap, of slip
+        self._batches: list[tuple[Ints, Ints]] = []
+
+    @property
+    def batches(self) -> tuple[tuple[Ints, Ints], ...]:
+        """The points of gap and of slip that were solved for together, in turn: in others, round-off is another."""
+        return tuple(self._batches)
 
     def of(self, rows: Ints, sliding: Ints) -> Floats:
         """(n_dofs, k + l) for normal tractions at points `rows` (k,) and tangential ones at `sliding` (l,)."""
@@ -63,6 +69,7 @@ class _Columns:
             return
         forces = [(op[some].T * self._weights[some]).toarray() for op, some in zip(self._operators, new, strict=True)]
         u, multipliers = self._system.solve(np.concatenate(forces, axis=1))
+        self._batches.append((np.array(new[0], dtype=np.int64), np.array(new[1], dtype=np.int64)))
         found = zip(u.T, multipliers.T, strict=True)
         for known, some in zip(self._known, new, strict=True):
             known.update({row: next(found) for row in some})

@@ -152,12 +152,8 @@ def build_cover(
 
 def _same_bodies(before: Cover, lattice: Lattice, bodies: Sequence[BodyGeometry]) -> bool:
     """Whether a cover has the same lattice and bodies."""
-    rings = [[ring for body in some for ring in body.rings] for some in (before.bodies, bodies)]
-    return (
-        before.lattice is lattice
-        and [len(body.rings) for body in before.bodies] == [len(body.rings) for body in bodies]
-        and all(np.array_equal(one, other) for one, other in zip(*rings, strict=True))
-    )
+    known, wanted = ([[ring.tobytes() for ring in body.rings] for body in some] for some in (before.bodies, bodies))
+    return before.lattice is lattice and known == wanted
 
 
 def _elements_at_tips(elements: Elements, cracks: Sequence[CrackGeometry]) -> Ints:
@@ -195,7 +191,7 @@ def _singular_patches(
     edges = elements.lines[index]
     last = -1 if at_end else 0
     plus, minus = functions[edges.plus[last]], functions[edges.minus[last]]
-    candidates = np.intersect1d(plus[plus >= 0], minus[minus >= 0])
+    candidates = np.array(sorted({*plus.tolist()} & {*minus.tolist()} - {-1}), dtype=np.int64)
     inside = np.abs(nodes[candidates] - crack.tip_point(at_end)).max(axis=1) < lattice.support
     return np.asarray(candidates[inside])
 

@@ -112,7 +112,7 @@ def cut_elements(
         reference=np.concatenate([0.5 * (every[corners[:, 0]] + every[corners[:, 2]]), cut.reference]),
         vertices=every,
         ring_start=np.concatenate([corners.ravel(), ids]),
-        ring_end=np.concatenate([np.roll(corners, -1, axis=1).ravel(), ids[ends]]),
+        ring_end=np.concatenate([corners[:, [1, 2, 3, 0]].ravel(), ids[ends]]),
         ring_element=np.concatenate([np.repeat(np.arange(n_whole), 4), polygon + n_whole]),
         edges=edges,
         is_crack=is_crack,

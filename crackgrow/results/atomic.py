@@ -21,10 +21,11 @@ def temporary_path(path: Path) -> Path:
     return path.with_name(f".{path.stem}.tmp{path.suffix}")
 
 
-def write_atomically(path: Path, write: Callable[[Path], None]) -> None:
+def write_atomically(path: Path, write: Callable[[Path], None], *, durable: bool = False) -> None:
     """Let `write` fill a temporary file and rename it to `path`; makes the folder where it is missing.
 
-    If `write` raises, `path` stays as it was and the temporary file is removed.
+    If `write` raises, `path` stays as it was and the temporary file is removed. A `durable` file is on the disk itself
+    when this returns: it outlives a loss of power.
     Raises OutputError where the system refuses; what else `write` raises passes through.
     """
     temporary = temporary_path(path)
@@ -32,7 +33,11 @@ def write_atomically(path: Path, write: Callable[[Path], None]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             write(temporary)
+            if durable:
+                _flush(temporary)
             temporary.replace(path)
+            if durable:
+                _flush(path.parent)  # its new name
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
@@ -40,12 +45,20 @@ def write_atomically(path: Path, write: Callable[[Path], None]) -> None:
         raise _refused(path, error) from error
 
 
+def _flush(path: Path) -> None:
+    """Have the system bring a file or folder to the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
 def write_text(path: Path, text: str) -> None:
     """Write `text` (UTF-8, line ends as given) to `path` atomically; raises OutputError."""
 
     def write(temporary: Path) -> None:
-        with temporary.open("w", encoding="utf-8", newline="") as file:
-            file.write(text)
+        temporary.write_bytes(text.encode())
 
     write_atomically(path, write)
 
@@ -75,4 +88,4 @@ def append_text(path: Path, text: str) -> bool:
 
 
 def _refused(path: Path, error: OSError) -> OutputError:
-    return OutputError(f"cannot write {path}: {error.strerror or error}; free or choose another folder")
+    return OutputError(f"cannot write {path}: {error.strerror or error}; make room there or choose another folder")

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from crackgrow.results.atomic import OutputError, temporary_path
+from crackgrow.results.checkpoint_file import remove_checkpoints
 
 FILES = ("case.yaml", "summary.json", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
          "events.csv", "run.log")  # fmt: skip
 FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
            "figures/load_curve.png")  # fmt: skip
-SERIES = {"frames": re.compile(r"\.?step_\d{4,}(\.tmp)?\.vtu"), "cracks": re.compile(r"\.?step_\d{4,}(\.tmp)?\.vtp")}
+SERIES = {
+    "frames": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtu"),
+    "cracks": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtp"),
+}
 
 
 def frame_name(step: int) -> str:
@@ -31,13 +36,36 @@ def series_names(case_name: str) -> tuple[str, str]:
 
 def remove_leftovers(folder: Path, case_name: str) -> None:
     """Remove the files of an earlier run of this case, half written ones too; raises OutputError."""
+    _remove(folder, ["summary.json"])  # nothing is lost of a folder that is read-only
+    remove_checkpoints(folder)  # before the results without which they lead nowhere
+    _remove(folder, (*FILES, *FIGURES, *series_names(case_name)))
+    remove_half_written(folder, case_name)
+    remove_frames(folder, 0)
+
+
+def remove_half_written(folder: Path, case_name: str) -> None:
+    """Remove temporary files that a killed run has left; raises OutputError."""
+    names = (temporary_path(Path(name)) for name in (*FILES, *FIGURES, *series_names(case_name)))
+    _remove(folder, [str(name) for name in names])
+
+
+def remove_frames(folder: Path, first: int) -> None:
+    """Remove the frames of the steps from `first` on, and half written ones; raises OutputError."""
+    for sub, pattern in SERIES.items():
+        for path in sorted((folder / sub).glob("*")):
+            match = pattern.fullmatch(path.name)
+            if match and (path.name.startswith(".") or int(match[1]) >= first):
+                _remove(folder, [f"{sub}/{path.name}"])
+
+
+def remove_file(path: Path) -> None:
+    """Remove a file if it is there; raises OutputError."""
+    _remove(path.parent, [path.name])
+
+
+def _remove(folder: Path, names: Iterable[str]) -> None:
     try:
-        for name in (*FILES, *FIGURES, *series_names(case_name)):
+        for name in names:
             (folder / name).unlink(missing_ok=True)
-            temporary_path(folder / name).unlink(missing_ok=True)
-        for sub, pattern in SERIES.items():
-            for path in sorted((folder / sub).glob("*")):
-                if pattern.fullmatch(path.name):
-                    path.unlink()
     except OSError as error:
         raise OutputError(f"cannot remove earlier results in {folder}: {error.strerror or error}") from error

@@ -25,6 +25,15 @@ class RunLog:
         """Write the first line, with date and time; raises OutputError."""
         self.write(f"{text}, {datetime.now().astimezone().isoformat(timespec='seconds')}")
 
+    def go_on(self, text: str, seconds: float) -> None:
+        """Write a line below those of a run that was broken off `seconds` after it began; raises OutputError."""
+        if self.path.is_file():
+            lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines()
+            self._lines = [f"{line}\n" for line in lines]  # the last one may have been cut off
+            write_text(self.path, "".join(self._lines))
+        self._began -= seconds
+        self.begin(text)
+
     def write(self, text: str) -> None:
         """Append a line; raises OutputError."""
         line = f"{self.seconds:10.2f} s  {text}\n"

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import resource
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from crackgrow import __version__
 from crackgrow.case.model import Case
-from crackgrow.run.result import Event, RunEnd, StepResult
+from crackgrow.run.result import Event, RunEnd, StepResult, event_of, event_record
 
 CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
 
@@ -27,12 +30,17 @@ class Tally:
         self.warnings: list[str] = []
         self.events: list[Event] = []
         self.effective_toughness = math.nan
+        self.energy_error = math.nan  # percent, of the first step
+        self.K_spread = math.nan  # percent
 
     def add(self, result: StepResult) -> None:
         """Count a step in; a check that is nan counts as worst of all."""
         self.steps.append(int(result.step))
         self.n_dofs.append(int(result.n_dofs))
         self.effective_toughness = float(result.effective_toughness)
+        if len(self.steps) == 1:
+            self.energy_error = float(result.energy_error)
+        self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
         for check in CHECKS:
@@ -42,14 +50,45 @@ class Tally:
         self.events.extend(result.events)
         self.warnings.extend(f"step {result.step}: {text}" for text in result.warnings)
 
+    def record(self) -> dict[str, object]:
+        """All of it as a mapping that JSON can hold."""
+        return {
+            "steps": self.steps,
+            "n_dofs": self.n_dofs,
+            "seconds": self.seconds,
+            "worst": self.worst,
+            "warnings": self.warnings,
+            "events": [event_record(event) for event in self.events],
+            "effective_toughness": self.effective_toughness,
+            "energy_error": self.energy_error,
+            "K_spread": self.K_spread,
+        }
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> Tally:
+        """The tally of a `record`."""
+        tally = cls()
+        tally.steps, tally.n_dofs = list(record["steps"]), list(record["n_dofs"])
+        tally.seconds, tally.warnings = dict(record["seconds"]), list(record["warnings"])
+        tally.worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
+        tally.events = [event_of(event) for event in record["events"]]
+        tally.effective_toughness = record["effective_toughness"]
+        tally.energy_error, tally.K_spread = record["energy_error"], record["K_spread"]
+        return tally
+
     def add_seconds(self, phase: str, seconds: float) -> None:
         """Add wall time to a phase."""
         self.seconds[phase] = self.seconds.get(phase, 0.0) + float(seconds)
 
 
-def summarize(case: Case, tally: Tally, end: RunEnd, wall_seconds: float) -> dict[str, object]:
-    """The summary as a mapping that JSON can hold: SI units, seconds, MB; null for what has no value."""
-    commit, modified = git_state(Path(__file__).resolve().parents[2])
+def summarize(
+    case: Case, tally: Tally, end: RunEnd, wall_seconds: float, memory: float, resumed: Sequence[int] = ()
+) -> dict[str, object]:
+    """The summary as a mapping that JSON can hold: SI units, seconds, MB; null for what has no value.
+
+    `memory` is the most that the run has taken, `resumed` are the steps with which it was gone on.
+    """
+    commit, modified = _program_state()
     by_phase: dict[str, object] = {phase: round(seconds, 3) for phase, seconds in tally.seconds.items()}
     return {
         "case": case.name,
@@ -63,15 +102,41 @@ def summarize(case: Case, tally: Tally, end: RunEnd, wall_seconds: float) -> dic
         "git_modified": modified,
         "n_dofs": {"first": tally.n_dofs[0], "last": tally.n_dofs[-1]} if tally.n_dofs else None,
         "wall_seconds": {"total": round(wall_seconds, 3), "by_phase": by_phase},
-        "peak_memory_mb": round(peak_memory_mb(), 1),
-        "effective_toughness_K_I": tally.effective_toughness if math.isfinite(tally.effective_toughness) else None,
+        "peak_memory_mb": round(memory, 1),
+        "resumed_with_steps": list(resumed),
+        "effective_toughness_K_I": _finite(tally.effective_toughness),
         "worst_checks": {
-            check: {"value": value if math.isfinite(value) else None, "step": step}
-            for check, (value, step) in tally.worst.items()
+            check: {"value": _finite(value), "step": step} for check, (value, step) in tally.worst.items()
         },
-        "events": [_event(event) for event in (*tally.events, *end.events)],
+        "error_estimate": {
+            "energy_norm_percent": {"first": _finite(tally.energy_error), "last": _finite(end.energy_error)},
+            "K_spread_percent": _finite(tally.K_spread),
+        },
+        "events": [event_record(event) for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
     }
+
+
+def error_line(tally: Tally, end: RunEnd) -> str:
+    """The estimated error of the last step and the spread of K over all steps, in words; empty if neither is known."""
+    parts = []
+    if math.isfinite(end.energy_error):
+        parts.append(f"{end.energy_error:.2g} % of the energy norm")
+    if math.isfinite(tally.K_spread):
+        parts.append(f"K by radius {tally.K_spread:.2g} %")
+    return f"estimated error: {', '.join(parts)}" if parts else ""
+
+
+def K_spread(result: StepResult) -> float:
+    """Largest spread of K over the radii of its integral, in percent of the largest K of the step.
+
+    Of tips with room for their discs, whatever kept the others from it; nan where there are none.
+    """
+    roomy = [tip for tip in result.tips if not tip.K_note and math.isfinite(tip.K_I) and math.isfinite(tip.K_II)]
+    largest = max((max(abs(tip.K_I), abs(tip.K_II)) for tip in roomy), default=0.0)
+    if largest == 0.0:
+        return math.nan
+    return 100.0 * max(max(tip.K_I_error, tip.K_II_error) for tip in roomy) / largest
 
 
 def summary_text(summary: dict[str, object]) -> str:
@@ -83,6 +148,17 @@ def peak_memory_mb() -> float:
     """Largest resident memory of this process so far, MB."""
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # kB, but bytes on macOS
     return peak / 1e6 if sys.platform == "darwin" else peak / 1e3
+
+
+def program_commit() -> str | None:
+    """Commit of the program, with a mark where it was changed since; None where it is not of a checkout."""
+    commit, modified = _program_state()
+    return f"{commit}, modified" if modified else commit
+
+
+@functools.cache
+def _program_state() -> tuple[str | None, bool | None]:
+    return git_state(Path(__file__).resolve().parents[2])
 
 
 def git_state(root: Path) -> tuple[str | None, bool | None]:
@@ -100,17 +176,12 @@ def git_state(root: Path) -> tuple[str | None, bool | None]:
     return answer.removesuffix("-dirty"), answer.endswith("-dirty")
 
 
-def _event(event: Event) -> dict[str, object]:
-    x, y = (float(coordinate) for coordinate in event.point)
-    return {
-        "step": int(event.step),
-        "kind": event.kind,
-        "crack": event.crack,
-        "tip": event.tip,
-        "x": x,
-        "y": y,
-        "met": event.met,
-    }
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _known(value: float) -> float:
+    return -math.inf if math.isnan(value) else value
 
 
 def _badness(value: float) -> float:

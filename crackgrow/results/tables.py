@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from zlib import crc32
 
 from crackgrow.results.atomic import append_text, write_text
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, StepResult
@@ -23,11 +24,16 @@ STEPS = ("step", "n_dofs", "n_contact", "contact_iterations", "factorizations", 
          "released_energy", "energy_error", "load_displacement", "crack_length")  # fmt: skip
 
 
+Mark = tuple[int, int]
+"""How far a table goes: number of bytes, and their CRC-32."""
+
+
 class Table:
     """Rows in memory and on disk: the file is complete after every `write`, which appends what is new."""
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
         self.path = path
+        self.mark: Mark = (0, 0)  # of the file as it was written last
         self._lines = [",".join(columns)]
         self._n_written = 0  # lines on disk as they are here
 
@@ -43,9 +49,26 @@ class Table:
     def write(self) -> None:
         """Bring the file up to date; raises OutputError."""
         new = "".join(f"{line}\n" for line in self._lines[self._n_written :])
-        if self._n_written == 0 or not append_text(self.path, new):
-            write_text(self.path, "\n".join(self._lines) + "\n")
+        if self._n_written and append_text(self.path, new):
+            before = self.mark
+        else:
+            before, new = (0, 0), "\n".join(self._lines) + "\n"
+            write_text(self.path, new)
         self._n_written = len(self._lines)
+        data = new.encode()
+        self.mark = (before[0] + len(data), crc32(data, before[1]))
+
+    def cut(self, mark: Sequence[int]) -> None:
+        """Take over what the file has up to a mark that fits, and drop the rest; raises OutputError."""
+        self._lines = self.path.read_bytes()[: mark[0]].decode().removesuffix("\n").split("\n")
+        self._n_written = 0
+        self.write()
+
+
+def fits(path: Path, mark: Sequence[int]) -> bool:
+    """Whether a file begins as a table did that had this mark."""
+    data = path.read_bytes()[: mark[0]] if path.is_file() else b""
+    return (len(data), crc32(data)) == tuple(mark)
 
 
 def format_value(value: Value) -> str:

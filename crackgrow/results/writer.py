@@ -4,56 +4,104 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
+from typing import Literal
 
 from crackgrow import __version__
 from crackgrow.case import dump_case
 from crackgrow.case.model import Case
 from crackgrow.results import tables
 from crackgrow.results.atomic import write_text
-from crackgrow.results.leftovers import cracks_name, frame_name, remove_leftovers, series_names
+from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
+from crackgrow.results.leftovers import (
+    cracks_name,
+    frame_name,
+    remove_file,
+    remove_frames,
+    remove_half_written,
+    remove_leftovers,
+    series_names,
+)
 from crackgrow.results.load_point import LoadPoint, load_point
 from crackgrow.results.log import RunLog, event_line, step_line
-from crackgrow.results.summary import Tally, summarize, summary_text
+from crackgrow.results.resume import Resumption
+from crackgrow.results.summary import Tally, error_line, peak_memory_mb, program_commit, summarize, summary_text
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
+
+RUNNING = RunEnd("running", "the run goes on, or was broken off without a word", ())
 
 
 class RunWriter:
-    """Writes one run into `folder`: `begin`, `add` for each step, then `finish` or `fail`.
+    """Writes one run into `folder`: `begin` or `resume`, `add` for each step, then `finish`, `interrupt` or `fail`.
 
-    Every method raises OutputError where the disk refuses.
+    Every method raises OutputError where the disk refuses. A checkpoint is written before the other files of its step,
+    and tells how far they went until then:
+
+        tables     by file name: number of bytes and their checksum
+        frames, cracks     steps and files of the two series
+        tally, curve     what the summary and the load curve need of the steps
+        seconds, memory     wall time since the run began and most memory, MB
+        resumed     the steps with which the run was gone on
     """
 
     def __init__(self, case: Case, folder: Path) -> None:
         self.case = case
         self.folder = folder
         self._log = RunLog(folder / "run.log")
+        self._checkpoints = CheckpointWriter(folder)
         self._tally = Tally()
         self._tips = tables.Table(folder / "tips.csv", tables.TIPS)
         self._contact = tables.Table(folder / "contact.csv", tables.CONTACT)
         self._reactions = tables.Table(folder / "reactions.csv", tables.REACTIONS)
         self._steps = tables.Table(folder / "steps.csv", tables.STEPS)
         self._events = tables.Table(folder / "events.csv", tables.EVENTS)
+        self.error_line = ""  # what `finish` knows of the error of the run
+        self._growing = (self._tips, self._contact, self._reactions, self._steps, self._events)
+        self._settings = dump_case(case)
         self._curve: list[LoadPoint] = []
-        self._first: StepResult | None = None
         self._last: StepResult | None = None
         self._frames: list[tuple[int, str]] = []
         self._cracks: list[tuple[int, str]] = []
+        self._memory = 0.0  # MB, of the processes before
+        self._resumed: list[int] = []
 
     def begin(self) -> None:
         """Make the folder, remove what an earlier run left of these files, write case.yaml and empty tables."""
         remove_leftovers(self.folder, self.case.name)
-        write_text(self.folder / "case.yaml", dump_case(self.case))
+        write_text(self.folder / "case.yaml", self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
-        self._write_tables(self._tips, self._contact, self._reactions, self._steps, self._events)
+        self._write_tables(*self._growing)
         self._write_paths(())
+        self._write_summary(RUNNING)
+
+    def resume(self, found: Resumption) -> None:
+        """Go on where an earlier run was broken off: what it left of the checkpoint's step and behind is removed."""
+        step, results = found.stored.checkpoint.step, found.stored.results
+        self._tally = Tally.of(results["tally"])
+        self._curve = [LoadPoint(**point) for point in results["curve"]]
+        self._memory, self._resumed = results["memory"], [*results["resumed"], step]
+        remove_half_written(self.folder, self.case.name)
+        write_text(self.folder / "case.yaml", self._settings)
+        for table in self._growing:
+            table.cut(results["tables"][table.path.name])
+        specimen_series, crack_series = series_names(self.case.name)
+        self._frames = self._cut_series(specimen_series, results["frames"])
+        self._cracks = self._cut_series(crack_series, results["cracks"])
+        remove_frames(self.folder, step)
+        self._log.go_on(f"crackgrow {__version__}, goes on with step {step}", results["seconds"])
+        for text in found.remarks:
+            self._tally.warnings.append(f"resumed with step {step}: {text}")
+            self._log.write(f"warning: {text}")
+        self._write_summary(RUNNING)
 
     def add(self, result: StepResult) -> None:
         """Write what a solved step gives; its frames' writing time goes into seconds_output."""
-        self._first = self._first or result
+        self._write_checkpoint(result)
+        first = not self._tally.steps
         self._last = result
         policy = self.case.output.frames
-        wanted = policy == "every_step" or (policy == "first_and_last" and result is self._first)
+        wanted = policy == "every_step" or (policy == "first_and_last" and first)
         seconds = self._write_frames(result) if wanted else 0.0
         self._tally.add(result)
         self._tally.add_seconds("output", seconds)
@@ -68,6 +116,9 @@ class RunWriter:
         self._log.write(step_line(result, self.case.growth.steps if self.case.growth else None))
         for text in result.warnings:
             self._log.write(f"step {result.step}, warning: {text}")
+        self._write_summary(RUNNING)
+        if first and self.case.output.figures:
+            self._draw_sigma_1("sigma_1_first.png", result)
 
     def finish(self, end: RunEnd) -> None:
         """Write the final paths, what is left of frames, the figures, and last the summary."""
@@ -80,14 +131,55 @@ class RunWriter:
                 self._draw(self._last, end.cracks)
                 self._tally.add_seconds("output", time.perf_counter() - began)
         finally:  # a figure that fails doesn't take the summary with it
-            summary = summarize(self.case, self._tally, end, self._log.seconds)
-            write_text(self.folder / "summary.json", summary_text(summary))
+            self._write_summary(end)
+            self.error_line = error_line(self._tally, end)
+            if self.error_line:
+                self._log.write(self.error_line)
             self._log.write(f"{end.status}: {end.reason}")
 
     def fail(self, reason: str) -> None:
         """End a run that broke off: what was solved is kept, the status is `failed`."""
+        self._break_off("failed", reason)
+
+    def interrupt(self, reason: str) -> None:
+        """As `fail`, where nothing is wrong: the status is `interrupted`."""
+        self._break_off("interrupted", reason)
+
+    def _break_off(self, status: Literal["failed", "interrupted"], reason: str) -> None:
         cracks = self._last.cracks if self._last is not None else ()
-        self.finish(RunEnd("failed", reason, cracks))
+        self.finish(RunEnd(status, reason, cracks))
+
+    def _write_summary(self, end: RunEnd) -> None:
+        memory = max(self._memory, peak_memory_mb())
+        summary = summarize(self.case, self._tally, end, self._log.seconds, memory, self._resumed)
+        write_text(self.folder / "summary.json", summary_text(summary))
+
+    def _write_checkpoint(self, result: StepResult) -> None:
+        if result.checkpoint is None:
+            return
+        results = {
+            "tables": {table.path.name: table.mark for table in self._growing},
+            "frames": self._frames,
+            "cracks": self._cracks,
+            "tally": self._tally.record(),
+            "curve": [asdict(point) for point in self._curve],
+            "seconds": self._log.seconds,
+            "memory": max(self._memory, peak_memory_mb()),
+            "resumed": self._resumed,
+        }
+        case = self.case.name, self._settings
+        self._checkpoints.write(StoredCheckpoint(result.checkpoint, __version__, program_commit(), *case, results))
+
+    def _cut_series(self, name: str, files: Sequence[tuple[int, str]]) -> list[tuple[int, str]]:
+        """The files of a series up to where the run goes on; what lists them lists no others."""
+        kept = [(step, file) for step, file in files]
+        if kept:
+            from crackgrow.results import vtk_frames  # as in `_write_frames`
+
+            vtk_frames.write_series(self.folder / name, kept)
+        else:
+            remove_file(self.folder / name)
+        return kept
 
     def _write_tables(self, *changed: tables.Table) -> None:
         for table in changed:
@@ -107,7 +199,7 @@ class RunWriter:
 
     def _write_last_frame(self) -> None:
         """The second of first_and_last: only now is it known which step was the last."""
-        if self.case.output.frames != "first_and_last" or self._last is None or self._last is self._first:
+        if self.case.output.frames != "first_and_last" or self._last is None or len(self._tally.steps) == 1:
             return
         seconds = self._write_frames(self._last)
         self._tally.add_seconds("output", seconds)
@@ -137,10 +229,14 @@ class RunWriter:
 
         folder = self.folder / "figures"
         figures.draw_paths(folder / "path.png", self.case, cracks)
-        for name, result in (("sigma_1_first.png", self._first), ("sigma_1_last.png", last)):
-            if result is not None and result.frame is not None:
-                figures.draw_sigma_1(folder / name, self.case, result.frame, result.step)
+        self._draw_sigma_1("sigma_1_last.png", last)
         if any(face.crack in last.contact.crack for face in last.faces):
             figures.draw_contact(folder / "contact.png", self.case, last)
         if len({point.factor for point in self._curve}) > 1:
             figures.draw_load_curve(folder / "load_curve.png", self.case, self._curve)
+
+    def _draw_sigma_1(self, name: str, result: StepResult) -> None:
+        from crackgrow.results import figures  # as above
+
+        if result.frame is not None:
+            figures.draw_sigma_1(self.folder / "figures" / name, self.case, result.frame, result.step)

@@ -52,6 +52,16 @@ WORST_RESIDUAL = 1e-5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Equilibrium:
+    """Displacements and tractions under some loads, and what the products with the stiffness tell of them."""
+
+    outcome: ContactOutcome
+    residual: float  # relative
+    strain: float  # J/m, strain energy u K u / 2 of the rock
+    strain_terms: float  # J/m, the same of absolute values: the terms that it is the sum of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Configuration:
     """Everything that depends on where the cracks lie, and not on how much they are loaded."""
 
@@ -77,10 +87,8 @@ class Configuration:
         """Loads (n_dofs,) N/m at a load factor, with a share of the held ones."""
         return holding * self.constant + factor * self.scaled
 
-    def equilibrium(
-        self, factor: float, memory: ContactMemory | None, holding: float = 1.0
-    ) -> tuple[ContactOutcome, float]:
-        """Displacements and tractions at a load factor after an increment from `memory` on, and the residual.
+    def equilibrium(self, factor: float, memory: ContactMemory | None, holding: float = 1.0) -> Equilibrium:
+        """Displacements and tractions at a load factor after an increment from `memory` on.
 
         `holding` is the share of the held loads. Raises SolveError where they can't be found to a small residual.
         """
@@ -96,13 +104,20 @@ class Configuration:
         check_magnitude("displacements", outcome.u, farthest, "m")
         check_magnitude("contact tractions", outcome.normal_traction, LARGEST, "Pa")
         check_magnitude("contact tractions", outcome.tangential_traction, LARGEST, "Pa")
-        residual = _residual(self.matrix, self.contact, loads, outcome)
+        internal, terms = self.matrix @ outcome.u, self.matrix.sizes(outcome.u)
+        residual = _residual(self.contact, loads, outcome, internal, terms)
         if not residual <= WORST_RESIDUAL:
             raise SolveError(
                 f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}: the system is too ill "
                 "conditioned" + ("; a tip may lie too close to another one or to an outline" if self.cover.tips else "")
             )
-        return outcome, residual
+        strain, strain_terms = 0.5 * float(outcome.u @ internal), 0.5 * float(np.abs(outcome.u) @ terms)
+        return Equilibrium(outcome, residual, strain, strain_terms)
+
+    def solve_loads(self) -> None:
+        """Solve for the loads without contact before anything else is: what comes later then finds the same bits."""
+        if self.springs is None:
+            self._without_contact(1.0, 1.0)
 
     def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
         """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
@@ -232,17 +247,16 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
     return ContactLaw(friction, cohesion, compliance, residual, kept, dilation if dilation.any() else None)
 
 
-def _residual(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, outcome: ContactOutcome) -> float:
-    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts.
+def _residual(contact: ContactSystem, loads: Floats, outcome: ContactOutcome, internal: Floats, terms: Floats) -> float:
+    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts, of which K u is `internal`.
 
-    Where nothing is stressed all parts are round-off of K u, whose terms then give the size.
+    Where nothing is stressed all parts are round-off of K u, whose `terms` (n_dofs,) N/m then give the size.
     """
-    internal = matrix @ outcome.u
     reactions = contact.system.constraints.T @ outcome.multipliers
     tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
     tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)
     parts = (internal, reactions, tractions, loads)
     size = max(np.abs(part).max(initial=0.0) for part in parts)
-    size = max(size, UNSTRESSED * matrix.sizes(outcome.u).max(initial=0.0))
+    size = max(size, UNSTRESSED * terms.max(initial=0.0))
     residual = np.abs(internal + reactions + tractions - loads).max(initial=0.0)
     return float(residual / size) if size > 0.0 else 0.0

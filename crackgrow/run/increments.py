@@ -101,6 +101,19 @@ class Start:
     rate: tuple[Floats, Floats] | None = None  # as of a `LoadState`
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Origin:
+    """What a step goes on from besides its cracks: with both it can be solved again, to the same bits."""
+
+    guess: float = 1.0  # load factor that a search for the critical one tries first
+    start: Start | None = None  # None: the case's loads come one after the other, from the unloaded state on
+    batches: tuple[tuple[Ints, Ints], ...] = ()  # `_Columns.batches` of a configuration that others were loaded on
+
+
+FROM_REST = Origin()
+"""The first step."""
+
+
 def unloaded(configuration: Configuration) -> Start:
     """Nothing has happened yet."""
     n = configuration.faces.n
@@ -201,13 +214,14 @@ def held_loads(configuration: Configuration) -> Start:
 
 def _part(configuration: Configuration, start: Start, factor: float, holding: float) -> LoadState:
     """The state after one implicit increment: a point that slips at its end has slipped in all of it."""
-    outcome, residual = configuration.equilibrium(factor, start.remembered.memory, holding)
+    found = configuration.equilibrium(factor, start.remembered.memory, holding)
+    outcome = found.outcome
     support_force = -float(outcome.multipliers @ configuration.held.given)
     conjugates = np.array([configuration.scaled @ outcome.u, configuration.constant @ outcome.u, support_force])
     before, change, mean = start.energy, conjugates - start.conjugates, 0.5 * (start.conjugates + conjugates)
     step = factor - start.factor
     work = 0.5 * (start.factor + factor) * change[0] + 0.5 * (start.holding + holding) * change[1] + mean[2] * step
-    strain, good_to = _strain_energy(configuration, outcome)
+    strain, good_to = found.strain + _elastic_energy(configuration, outcome), ROUND_OFF * found.strain_terms
     dissipated = before.dissipated + _dissipated(configuration, start.remembered, outcome)
     energy = _checked(Energy(before.work + float(work), strain, dissipated, before.released, 0.0), good_to)
     rate = None
@@ -217,7 +231,7 @@ def _part(configuration: Configuration, start: Start, factor: float, holding: fl
         same = np.array_equal(outcome.memory.broken, was.memory.broken) and np.array_equal(sticks, stuck)
         changes = (outcome.normal_traction - was.normal, outcome.tangential_traction - was.tangential)
         rate = (changes[0] / step, changes[1] / step) if same else None
-    return LoadState(configuration, factor, holding, outcome, residual, energy, good_to, conjugates, rate, 0.0)
+    return LoadState(configuration, factor, holding, outcome, found.residual, energy, good_to, conjugates, rate, 0.0)
 
 
 def _foreseen(configuration: Configuration, at: Start, end: float, holding: float) -> tuple[float, float, int] | None:
@@ -246,14 +260,11 @@ def _foreseen(configuration: Configuration, at: Start, end: float, holding: floa
     return (behind, holding, MOST_HALVINGS) if abs(end - behind) > beside else None
 
 
-def _strain_energy(configuration: Configuration, outcome: ContactOutcome) -> tuple[float, float]:
-    """Strain energy of the rock and of elastic contact, and what it is good to, J/m."""
-    product = configuration.matrix @ outcome.u
+def _elastic_energy(configuration: Configuration, outcome: ContactOutcome) -> float:
+    """Strain energy of elastic contact, J/m."""
     weights, law = configuration.contact.weights, configuration.contact.law
     tractions = outcome.normal_traction**2 + outcome.tangential_traction**2
-    terms = configuration.matrix.sizes(outcome.u)
-    good_to = ROUND_OFF * 0.5 * float(np.abs(outcome.u) @ terms)
-    return 0.5 * float(outcome.u @ product) + 0.5 * float(weights @ (law.compliance * tractions)), good_to
+    return 0.5 * float(weights @ (law.compliance * tractions))
 
 
 def _dissipated(configuration: Configuration, was: Remembered, outcome: ContactOutcome) -> float:

@@ -9,7 +9,7 @@ from crackgrow.case.model import CriticalLoad, LoadHistory
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
-from crackgrow.run.increments import LoadState, carried, from_state, held_loads, increment
+from crackgrow.run.increments import FROM_REST, Origin, carried, from_state, held_loads, increment
 from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution, judged
 
@@ -21,31 +21,56 @@ def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | 
     SolveError where a state can't be solved.
     """
     configuration = assemble(scene, cracks, None if before is None else before.configuration)
-    loading, growth = scene.case.loading, scene.case.growth
-    if before is not None and growth is not None and not growth.unload_between_steps:
-        return judged(increment(configuration, carried(before.state, configuration), before.state.factor))
-    if isinstance(loading, CriticalLoad):
-        return critically_loaded(configuration, cracks, 1.0 if before is None else before.state.factor)
-    *_, last = _history(configuration, loading)
-    return judged(last)
+    return _loaded(configuration, cracks, _origin(configuration, before))
 
 
-def load_history(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Iterator[StepSolution]:
-    """The cracks at every factor of the case's history, in turn."""
+def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
+    """What `load` has made of the cracks, from the origin of that solution. Raises as it does."""
+    return _loaded(assemble(scene, cracks), cracks, origin)
+
+
+def load_history(
+    scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin | None = None
+) -> Iterator[StepSolution]:
+    """The cracks at every factor of the case's history, in turn, from number `first` on, whose `origin` is given."""
     assert isinstance(scene.case.loading, LoadHistory)
     configuration = assemble(scene, cracks)
-    for number, state in enumerate(_history(configuration, scene.case.loading)):
-        solution = judged(state)
+    configuration.solve_loads()
+    contact, start = configuration.contact, None if origin is None else origin.start
+    for rows, sliding in () if origin is None else origin.batches:
+        contact.columns.of(rows, sliding)
+    for number, factor in enumerate(scene.case.loading.factors[first:], first):
+        origin = Origin(start=start, batches=contact.columns.batches)
+        state = increment(configuration, held_loads(configuration) if start is None else start, factor)
+        solution = replace(judged(state), origin=origin)
         if number:  # the configuration was paid for by the first state
-            solution = replace(
-                solution, seconds={**solution.seconds, **dict.fromkeys(configuration.seconds, 0.0)}, factorizations=0
-            )
+            solution = replace(solution, factorizations=0)
+        if number > first:
+            solution = replace(solution, seconds={**solution.seconds, **dict.fromkeys(configuration.seconds, 0.0)})
         yield solution
-
-
-def _history(configuration: Configuration, history: LoadHistory) -> Iterator[LoadState]:
-    start = held_loads(configuration)
-    for factor in history.factors:
-        state = increment(configuration, start, factor)
-        yield state
         start = from_state(state)
+
+
+def _origin(configuration: Configuration, before: StepSolution | None) -> Origin:
+    """What a configuration goes on from after the step before."""
+    if before is None:
+        return FROM_REST
+    growth = configuration.scene.case.growth
+    on = growth is not None and not growth.unload_between_steps
+    return Origin(before.state.factor, carried(before.state, configuration) if on else None)
+
+
+def _loaded(configuration: Configuration, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
+    """A configuration under the last load of the case."""
+    loading = configuration.scene.case.loading
+    if origin.start is not None:
+        solution = judged(increment(configuration, origin.start, origin.start.factor))
+    elif isinstance(loading, CriticalLoad):
+        solution = critically_loaded(configuration, cracks, origin.guess)
+    else:
+        start = held_loads(configuration)
+        for factor in loading.factors:
+            state = increment(configuration, start, factor)
+            start = from_state(state)
+        solution = judged(state)
+    return replace(solution, origin=origin)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -12,11 +13,14 @@ from numpy.typing import NDArray
 from crackgrow.case.model import Case, CriticalLoad, Growth, LoadHistory
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import TIE, GrowingCrack, growing_tips
+from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import advance_tips
-from crackgrow.run.loading import load, load_history
+from crackgrow.run.error import estimated_error
+from crackgrow.run.increments import Origin
+from crackgrow.run.loading import load, load_again, load_history
 from crackgrow.run.report import step_result
-from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
+from crackgrow.run.result import Checkpoint, CrackPath, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution
 from crackgrow.solid.rigid_modes import all_pieces
@@ -25,25 +29,41 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
+def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResult, None, RunEnd]:
     """Run a case: yields the result of every step, step 0 first, and returns why it ended.
+
+    With a `checkpoint` of an earlier run of the case it begins with that step, and goes on to the same bits.
 
     With growth a step is a configuration of the cracks under the last of its loads; without, it is a load factor of the
     history. Raises GeometryError or SolveError where step 0 (without growth: any) can't be solved. A later one ends the
     run: `broke_through` where a piece of rock comes loose that nothing holds, else `failed`; the end has the cracks and
-    the events of that step.
+    the events of that step, and the estimated error of the last one that was solved.
     """
     scene = make_scene(case)
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
-    if case.growth is None:
-        return (yield from _static(scene, cracks))
-    n_steps = case.growth.steps
-    told: frozenset[str] = frozenset()
-    known: StepSolution | None = None
+    begun = beginning(case) if checkpoint is None else restored(case, checkpoint)
+    steps = _static(scene, begun) if case.growth is None else _growth(scene, case.growth, begun)
+    last: tuple[StepResult, StepSolution] | None = None
+    while True:
+        try:
+            last = next(steps)
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            return end if last is None else replace(end, energy_error=_last_error(*last))
+        yield last[0]
+
+
+def _last_error(result: StepResult, solution: StepSolution) -> float:
+    """Estimated error, percent, of the last step, which is known to be the last only now."""
+    return estimated_error(solution).relative if np.isnan(result.energy_error) else result.energy_error
+
+
+def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
+    """The steps of a run with growth."""
+    n_steps = growth.steps
+    cracks, events, told, n_pieces = begun.cracks, begun.events, begun.told, begun.n_pieces
+    known = None if begun.origin is None else _again(scene, begun, begun.origin)
     before: StepSolution | None = None
-    events: tuple[Event, ...] = ()
-    n_pieces = 0  # of rock, at the start
-    for step in range(n_steps + 1):
+    for step in range(begun.step, n_steps + 1):
         try:
             solution = known or load(scene, cracks, before)
         except FreePieceError as error:
@@ -55,10 +75,10 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
                 raise
             return RunEnd("failed", f"step {step}: {error}", _paths(cracks), events)
         n_pieces = n_pieces or len(all_pieces(solution.cover))
-        chosen = _choose(case.growth, cracks, solution, last=step == n_steps)
-        result = _reported(scene, cracks, events, solution, step, chosen, told)
+        chosen = _choose(growth, cracks, solution, last=step == n_steps)
+        result = _reported(scene, RunState(step, cracks, events, told, n_pieces), solution, chosen)
         told |= frozenset(result.warnings)
-        yield result
+        yield result, solution
         if step == n_steps > 0 and _criticality(cracks, solution).max(initial=-np.inf) == -np.inf:
             return _without_tips(cracks, solution, step, n_pieces)
         if len(chosen) == 0 and step < n_steps:
@@ -71,15 +91,21 @@ def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
     return RunEnd("completed", done, _paths(cracks))
 
 
-def _static(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Generator[StepResult, None, RunEnd]:
+def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
+    """The solution of a step that was solved before; the search for its direction of growth is not repeated."""
+    solution = load_again(scene, begun.cracks, origin)
+    return replace(solution, factorizations=begun.factorizations, notes=begun.notes)
+
+
+def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     """The load factors of the history in turn, without growth."""
     assert isinstance(scene.case.loading, LoadHistory)  # critical loads need a criterion: the case was checked
-    told: frozenset[str] = frozenset()
+    cracks, told = begun.cracks, begun.told
     chosen = np.empty(0, dtype=np.int64)
-    for step, solution in enumerate(load_history(scene, cracks)):
-        result = _reported(scene, cracks, (), solution, step, chosen, told)
+    for step, solution in enumerate(load_history(scene, cracks, begun.step, begun.origin), begun.step):
+        result = _reported(scene, RunState(step, cracks, told=told), solution, chosen)
         told |= frozenset(result.warnings)
-        yield result
+        yield result, solution
     n = len(scene.case.loading.factors)
     return RunEnd(
         "completed", "the static solve is done" if n == 1 else f"all {n} load factors are done", _paths(cracks)
@@ -108,20 +134,15 @@ def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Fl
     )
 
 
-def _reported(
-    scene: Scene,
-    cracks: tuple[GrowingCrack, ...],
-    events: tuple[Event, ...],
-    solution: StepSolution,
-    step: int,
-    chosen: Ints,
-    told: frozenset[str],
-) -> StepResult:
+def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Ints) -> StepResult:
     """The step's result; frames are made where files or figures can want them."""
     start = time.perf_counter()
     output = scene.case.output
     wanted = output.frames != "none" or output.figures
-    return step_result(scene, _paths(cracks), events, solution, step, chosen, wanted, start, told)
+    paths = _paths(state.cracks)
+    result = step_result(scene, paths, state.events, solution, state.step, chosen, wanted, start, state.told)
+    solved = replace(state, origin=solution.origin, factorizations=solution.factorizations, notes=solution.notes)
+    return replace(result, checkpoint=packed(solved))
 
 
 def _paths(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:

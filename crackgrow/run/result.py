@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,6 +95,7 @@ class Frame:
     stress: Floats  # (t + q, 3) Pa: xx, yy, xy at cell centres
     stress_zz: Floats  # (t + q,) Pa
     body: Ints  # (t + q,) index of the body
+    energy_error: Floats | None = None  # (t + q,) root of the error's energy density over the mean one of the rock
 
 
 class FrameOnDemand:
@@ -122,6 +123,30 @@ class Event:
     tip: Literal["start", "end"]
     point: Floats  # (2,) m
     met: str  # "crack 'b'", "its own path", "hole0 of body 'rock'", "the outline of body 'rock'", "interface 'a/b'"
+
+
+def event_record(event: Event) -> dict[str, Any]:
+    """The event in numbers and words."""
+    x, y = (float(coordinate) for coordinate in event.point)
+    return {
+        "step": int(event.step), "kind": event.kind, "crack": event.crack, "tip": event.tip, "x": x, "y": y,
+        "met": event.met,
+    }  # fmt: skip
+
+
+def event_of(record: Mapping[str, Any]) -> Event:
+    """The event of an `event_record`."""
+    point = np.array([record["x"], record["y"]])
+    return Event(record["step"], record["kind"], record["crack"], record["tip"], point, record["met"])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checkpoint:
+    """All that the run can go on from: its step, to be solved again, in plain data. See `run.checkpoint`."""
+
+    step: int
+    values: Mapping[str, Any]  # whatever JSON can hold
+    arrays: Mapping[str, NDArray[Any]]  # of numbers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,6 +188,8 @@ class StepResult:
     effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     warnings: tuple[str, ...]
+    energy_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
+    checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 
     @property
     def frame(self) -> Frame | None:
@@ -172,9 +199,10 @@ class StepResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunEnd:
-    """Why a run ended."""
+    """Why a run ended, or that it has not."""
 
-    status: Literal["completed", "arrested", "broke_through", "failed"]
+    status: Literal["completed", "arrested", "broke_through", "failed", "interrupted", "running"]
     reason: str
     cracks: tuple[CrackPath, ...]  # the final paths, the last advance included
     events: tuple[Event, ...] = ()  # of an advance that was not solved any more
+    energy_error: float = float("nan")  # percent of the energy norm, estimated for the last step; nan if it is unknown

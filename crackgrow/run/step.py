@@ -19,7 +19,7 @@ from crackgrow.fracture.interaction_integral import FaceTraction, StressIntensit
 from crackgrow.fracture.stress_intensity import from_face_displacements
 from crackgrow.fracture.tip_stress import TipField, tip_fields
 from crackgrow.run.configuration import Configuration, assemble, timed
-from crackgrow.run.increments import LoadState, increment, unloaded
+from crackgrow.run.increments import FROM_REST, LoadState, Origin, increment, unloaded
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.linear_solver import displacement_size
@@ -55,6 +55,7 @@ class StepSolution:
     seconds: dict[str, float]
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
+    origin: Origin = FROM_REST
 
     @property
     def cover(self) -> Cover:

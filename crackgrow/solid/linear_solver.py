@@ -74,6 +74,8 @@ class Factorization:
     factors: Mapping[bytes, Factor]
     """What another factorization may have in common with this one."""
 
+    _solve: Callable[[Floats], Floats]
+
     def __init__(
         self, matrix: SymmetricMatrix, fronts: Fronts | None = None, known: Mapping[bytes, Factor] | None = None
     ) -> None:

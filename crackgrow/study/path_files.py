@@ -9,13 +9,13 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
 from crackgrow.case.report import clean, did_you_mean, quoted
+from crackgrow.case.settings import read_settings
 from crackgrow.case.units import UNITS, QuantityError, Units, parse_number, parse_quantity
 from crackgrow.errors import CaseError, Fault
 
@@ -68,24 +68,6 @@ def read_paths(source: str | Path, columns: Sequence[str] | None = None) -> Path
     if not (path / "paths.csv").is_file():
         raise CaseError([Fault(str(path), None, "", _no_results(path))])
     return PathSet(str(source), _read_csv(path / "paths.csv", None), _status(path), _settings(path))
-
-
-def read_settings(text: str) -> dict[str, str]:
-    """The settings of a case as YAML text, by dotted key; lists of numbers and words are one value."""
-    flat: dict[str, str] = {}
-
-    def put(key: str, value: Any) -> None:
-        if isinstance(value, dict) and value:
-            for name, inner in value.items():
-                put(f"{key}.{name}" if key else str(name), inner)
-        elif isinstance(value, list) and any(isinstance(inner, dict | list) for inner in value):
-            for number, inner in enumerate(value):
-                put(f"{key}.{number}", inner)
-        else:
-            flat[key] = str(value)
-
-    put("", yaml.safe_load(text))
-    return flat
 
 
 def _missing(path: Path) -> str:

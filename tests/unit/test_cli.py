@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
@@ -19,17 +20,17 @@ from crackgrow.results.atomic import OutputError
 from crackgrow.run.result import RunEnd, StepResult
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
 
-Grow = Callable[[Case], Generator[StepResult, None, RunEnd]]
+Grow = Callable[[Case, object], Generator[StepResult, None, RunEnd]]
 
 
-def growing(case: Case) -> Generator[StepResult, None, RunEnd]:
+def growing(case: Case, checkpoint: object) -> Generator[StepResult, None, RunEnd]:
     for step in range(3):
         yield make_result(step, warnings=("thin cell",))
     return make_end(3)
 
 
 def breaking(error: BaseException, after: int = 2) -> Grow:
-    def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
+    def grow(case: Case, checkpoint: object) -> Generator[StepResult, None, RunEnd]:
         for step in range(after):
             yield make_result(step)
         raise error
@@ -66,7 +67,12 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     assert lines[0] == "block: A block with a crack"
     assert [line.split(",")[0] for line in lines[1:4]] == ["step 0/2", "step 1/2", "step 2/2"]
     assert "advanced: flaw end (tension)" in lines[1]
-    assert lines[4:] == ["warning: thin cell", "completed: 2 growth steps done", "results in outputs/block"]
+    assert lines[4:] == [
+        "warning: thin cell",
+        "estimated error: K by radius 1 %",
+        "completed: 2 growth steps done",
+        "results in outputs/block",
+    ]
 
 
 def test_quiet_prints_nothing(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -80,15 +86,16 @@ def test_terminal_has_one_live_line(
 ) -> None:
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     assert cli.main(["run", "block.yaml"]) == 0
-    live = capsys.readouterr().out.splitlines()[1:5]
+    live = capsys.readouterr().out.splitlines()[1:7]
     assert [text for text in live if "step 2/2, 3 tip advances, 5 contact iterations" in text]
     assert "[##########..........] step 1/2" in "".join(live)
+    assert re.search(r"step 1/2, \d+ s left, 2 tip advances, \d contact iterations", "".join(live))
 
 
 def test_what_tips_have_met_is_told_as_it_happens_and_at_the_end(
     scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def meeting(case: Case) -> Generator[StepResult, None, RunEnd]:
+    def meeting(case: Case, checkpoint: object) -> Generator[StepResult, None, RunEnd]:
         yield make_result(0)
         yield make_result(1, events=(make_event(1),))
         return replace(make_end(2), events=(make_event(2),))
@@ -152,7 +159,7 @@ def test_unsolvable_keeps_the_results_so_far(
 def test_run_that_ends_as_failed_exits_3(
     scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def grow(case: Case) -> Generator[StepResult, None, RunEnd]:
+    def grow(case: Case, checkpoint: object) -> Generator[StepResult, None, RunEnd]:
         yield make_result(0)
         return RunEnd("failed", "singular", ())
 
@@ -161,11 +168,15 @@ def test_run_that_ends_as_failed_exits_3(
     assert capsys.readouterr().err == "crackgrow: singular\n"
 
 
-def test_interrupted_run_keeps_the_results_so_far(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupted_run_keeps_the_results_so_far_and_says_how_to_go_on(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(crackgrow, "grow", breaking(KeyboardInterrupt()))
-    assert cli.main(["run", "block.yaml"]) == 130
-    written = summary(scene / "outputs" / "block")
-    assert (written["status"], written["stop_reason"], written["n_solves"]) == ("failed", "interrupted", 2)
+    assert cli.main(["run", "block.yaml", "--set", "plane=strain", "--out", "my results"]) == 130
+    written = summary(scene / "my results")
+    assert (written["status"], written["stop_reason"], written["n_solves"]) == ("interrupted", "interrupted", 2)
+    command = "run block.yaml --out 'my results' --set plane=strain --resume"
+    assert capsys.readouterr().err.endswith(f"crackgrow {command}\n")
 
 
 def test_bug_shows_its_traceback_and_keeps_the_results(
@@ -195,7 +206,9 @@ def test_disk_that_fills_during_a_run_exits_3(
 
     monkeypatch.setattr(writer.RunWriter, "add", add)
     assert cli.main(["run", "block.yaml"]) == 3
-    assert capsys.readouterr().err == "crackgrow: cannot write tips.csv: No space left on device\n"
+    err = capsys.readouterr().err
+    assert err.startswith("crackgrow: cannot write tips.csv: No space left on device; then go on with: ")
+    assert err.endswith(" run block.yaml --out outputs/block --resume\n")
     assert summary(scene / "outputs" / "block")["status"] == "failed"
 
 

@@ -18,7 +18,7 @@ def test_summary_of_a_run() -> None:
     for step in range(3):
         tally.add(make_result(step, warnings=("thin cell",) if step == 2 else ()))
     tally.add_seconds("output", 1.0)
-    summary = json.loads(summary_text(summarize(make_case(), tally, make_end(2), 12.5)))
+    summary = json.loads(summary_text(summarize(make_case(), tally, make_end(2), 12.5, 100.0)))
     assert (summary["case"], summary["title"], summary["version"]) == ("block", "A block with a crack", __version__)
     assert (summary["status"], summary["stop_reason"]) == ("completed", "2 growth steps done")
     assert (summary["steps_done"], summary["n_solves"]) == (2, 3)
@@ -39,7 +39,7 @@ def test_nan_check_is_the_worst_and_null_in_json() -> None:
     tally = Tally()
     for step, residual in enumerate([1.0, float("nan"), 2.0]):
         tally.add(make_result(step, residual=residual))
-    summary = json.loads(summary_text(summarize(make_case(), tally, make_end(2), 1.0)))
+    summary = json.loads(summary_text(summarize(make_case(), tally, make_end(2), 1.0, 100.0)))
     assert summary["worst_checks"]["residual"] == {"value": None, "step": 1}
 
 
@@ -49,7 +49,7 @@ def test_events_of_the_steps_and_of_an_unsolved_advance_are_listed() -> None:
     tally.add(make_result(1, events=(make_event(1),)))
     last = make_event(2, kind="break_through", tip="start", met="the outline of body 'rock'")
     end = replace(make_end(2), status="broke_through", events=(last,))
-    first, second = json.loads(summary_text(summarize(make_case(), tally, end, 1.0)))["events"]
+    first, second = json.loads(summary_text(summarize(make_case(), tally, end, 1.0, 100.0)))["events"]
     x, y = make_event(1).point
     assert first == {
         "step": 1,
@@ -64,7 +64,7 @@ def test_events_of_the_steps_and_of_an_unsolved_advance_are_listed() -> None:
 
 
 def test_summary_of_a_run_without_a_step() -> None:
-    summary = json.loads(summary_text(summarize(make_case(), Tally(), RunEnd("failed", "no support", ()), 1.0)))
+    summary = json.loads(summary_text(summarize(make_case(), Tally(), RunEnd("failed", "no support", ()), 1.0, 100.0)))
     assert (summary["status"], summary["steps_done"], summary["n_dofs"]) == ("failed", 0, None)
 
 

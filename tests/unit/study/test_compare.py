@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from crackgrow import cli
+from crackgrow.case.settings import read_settings
 from crackgrow.errors import CaseError
 from crackgrow.study.compare import compare_paths
 from crackgrow.study.comparison_text import CSV_COLUMNS, comparison_csv, comparison_text
-from crackgrow.study.path_files import MOST_FAULTS, read_paths, read_settings
+from crackgrow.study.path_files import MOST_FAULTS, read_paths
 
 Vertex = tuple[float, float, int]  # mm, mm, step
 

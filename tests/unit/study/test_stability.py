@@ -13,6 +13,7 @@ import pytest
 from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.case.model import Case, ContactSupport, EdgeTraction
+from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE
 from crackgrow.errors import SolveError
 from crackgrow.study.stability import runner
 from crackgrow.study.stability.measures import everything, overall
@@ -133,8 +134,8 @@ def test_a_NO_is_the_exit_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, 
         )
 
     monkeypatch.setattr(runner, "AXES", {name: axis(name) for name in deviation})
-    assert cli.main(["stability", "--axis", "good", "--out", str(tmp_path)]) == cli.EXIT_DONE
-    assert cli.main(["stability", "--out", str(tmp_path)]) == cli.EXIT_DIFFERENT
+    assert cli.main(["stability", "--axis", "good", "--out", str(tmp_path)]) == EXIT_DONE
+    assert cli.main(["stability", "--out", str(tmp_path)]) == EXIT_DIFFERENT
     assert (tmp_path / "stability.csv").read_text(encoding="utf-8").count("\n") == 4
 
 

@@ -1,0 +1,90 @@
+"""How far a run is: one live line on a terminal, otherwise a line a step."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from crackgrow.results.log import event_line, step_label, step_line
+
+if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
+    from crackgrow.case.model import Case
+    from crackgrow.run.result import Event, StepResult
+
+BAR_WIDTH = 20
+MOST_WARNINGS = 5  # told at the end; run.log has all
+RECENT = 5  # steps whose mean time tells what is left: later ones are larger than the first
+CLEAR = "\x1b[K"  # the rest of a terminal's line
+
+
+class Progress:
+    """Tells of the steps through `say`, a function of a text and of its end; a live line is `width` characters long."""
+
+    def __init__(self, case: Case, say: Callable[[str, str], None], *, width: int | None, first: int = 0) -> None:
+        """`width` is None where there is no terminal; `first` is the step with which the run begins."""
+        self._last_step = case.last_step
+        self._n_steps = case.growth.steps if case.growth else None
+        self._say, self._width = say, width
+        self._n_advances = 0
+        self._times = [time.perf_counter()]  # at the end of every step
+        self._warnings: dict[str, None] = {}
+        say(f"{case.name}: {case.title}", "\n")
+        if first:
+            say(f"goes on with step {first}", "\n")
+        self._show_live(first - 1, "")
+
+    def show(self, result: StepResult) -> None:
+        """Tell of a solved step."""
+        self._n_advances += sum(tip.advanced for tip in result.tips)
+        self._times.append(time.perf_counter())
+        self._warnings.update(dict.fromkeys(result.warnings))
+        if self._width is None:
+            self._say(step_line(result, self._n_steps), "\n")
+        advances = f", {self._n_advances} tip advances" if self._n_steps is not None else ""
+        self._show_live(result.step, f"{advances}, {result.contact_iterations} contact iterations")
+        self.tell(result.events)
+
+    def tell(self, events: Sequence[Event]) -> None:
+        """Tell of tips that have met something."""
+        if events and self._width is not None:
+            self._say("", "\n")  # the bar stays above, and a new one follows
+        for event in events:
+            self._say(event_line(event), "\n")
+
+    def close(self) -> None:
+        """Leave the live line and tell the warnings of the steps, each once."""
+        if self._width is not None:
+            self._say("", "\n")
+        texts = list(self._warnings)
+        for text in texts[:MOST_WARNINGS]:
+            self._say(f"warning: {text}", "\n")
+        if len(texts) > MOST_WARNINGS:
+            self._say(f"and {len(texts) - MOST_WARNINGS} more warnings in run.log", "\n")
+
+    def _show_live(self, step: int, what: str) -> None:
+        """Replace the live line by one that says that a step, -1 for none, is done."""
+        if self._width is None:
+            return
+        filled = round(BAR_WIDTH * max(step, 0) / self._last_step) if self._last_step else BAR_WIDTH * (step + 1)
+        label = step_label(max(step, 0), self._last_step)
+        passed = f"{self._times[-1] - self._times[0]:.1f} s"
+        text = f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] {label}{self._left(step)}{what}, {passed}"
+        self._say(f"\r{text[: self._width]}{CLEAR}", "")
+
+    def _left(self, step: int) -> str:
+        """About how long the steps after one take, if nothing ends the run before."""
+        recent = self._times[-RECENT - 1 :]
+        n_left = self._last_step - step
+        if len(recent) < 2 or n_left == 0:
+            return ""
+        return f", {duration(n_left * (recent[-1] - recent[0]) / (len(recent) - 1))} left"
+
+
+def duration(seconds: float) -> str:
+    """A time as people say it: "12 s", "3 min 20 s", "2 h 5 min"."""
+    whole = round(seconds)
+    minutes, hours = whole // 60, whole // 3600
+    if hours:
+        return f"{hours} h {minutes % 60} min"
+    return f"{minutes} min {whole % 60} s" if minutes else f"{whole} s"

@@ -1,0 +1,140 @@
+"""Where a run that was broken off goes on: the newest checkpoint in its folder, if the case is the same.
+
+What may differ are settings that have no part in the results so far: title, source, pictures, the number of growth
+steps, and the load factors to come.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from crackgrow import __version__
+from crackgrow.case import dump_case
+from crackgrow.case.model import Case, LoadHistory
+from crackgrow.case.settings import read_settings
+from crackgrow.errors import CrackgrowError
+from crackgrow.results.checkpoint_file import (
+    DamagedError,
+    StoredCheckpoint,
+    read_checkpoint,
+    steps_with_checkpoint,
+)
+from crackgrow.results.summary import program_commit
+from crackgrow.results.tables import fits
+from crackgrow.run.result import Checkpoint
+
+FREE = ("title", "source", "output.figures", "growth.steps")
+FINISHED = ("completed", "arrested", "broke_through")
+MOST_DIFFERENCES = 20  # that are told
+
+
+Differences = dict[str, tuple[str, str]]
+"""Values then and now, by dotted key."""
+
+
+class ResumeError(CrackgrowError):
+    """A run that can't be gone on with; the message says why."""
+
+    exit_code = 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Resumption:
+    """Where a run goes on."""
+
+    stored: StoredCheckpoint
+    finished: str | None  # how the run has ended, if there is nothing left to do
+    remarks: tuple[str, ...]  # what the user should know
+
+    @property
+    def checkpoint(self) -> Checkpoint:
+        """What the loop goes on from."""
+        return self.stored.checkpoint
+
+
+def find_resumption(case: Case, folder: Path) -> Resumption | None:
+    """Where the run in `folder` goes on with the case; None: it has not got as far as a step.
+
+    Raises ResumeError where the case is another one, or the files are not those that a checkpoint goes with.
+    """
+    remarks = []
+    for step in steps_with_checkpoint(folder):
+        try:
+            stored = read_checkpoint(folder, step)
+        except DamagedError as error:
+            remarks.append(str(error))
+            continue
+        missing = _missing(folder, stored)
+        if missing:
+            remarks.append(f"the checkpoint of step {step} does not fit {', '.join(missing)}")
+            continue
+        differences = _differences(case, stored)
+        if not differences and _finished(folder):
+            return Resumption(stored, _finished(folder), ())
+        _check_same(case, folder, stored, differences)
+        return Resumption(stored, None, (*remarks, *_version_remarks(stored)))
+    if remarks:
+        raise ResumeError(f"{folder} has nothing to go on from: {'; '.join(remarks)}; run without --resume")
+    if (folder / "steps.csv").is_file() and len((folder / "steps.csv").read_text(encoding="utf-8").splitlines()) > 1:
+        raise ResumeError(f"{folder} has results but no checkpoint to go on from; run without --resume")
+    return None
+
+
+def _check_same(case: Case, folder: Path, stored: StoredCheckpoint, differences: Differences) -> None:
+    """Raise ResumeError where the case is not that of the checkpoint, as far as its results go."""
+    step = stored.checkpoint.step
+    changed = {key: values for key, values in differences.items() if not _is_free(key, values[0], case, step)}
+    if changed:
+        lines = [f"  {key}: {then} then, {now} now" for key, (then, now) in changed.items()][:MOST_DIFFERENCES]
+        more = len(changed) - len(lines)
+        lines += [f"  and {more} more"] if more else []
+        what = f"the case is not that of the run in {folder}"
+        raise ResumeError("\n".join([f"{what}; undo this, run without --resume or into another folder:", *lines]))
+    if case.last_step < step:
+        raise ResumeError(f"{folder} has {step} steps already, {case.last_step} are asked for; run without --resume")
+
+
+def _differences(case: Case, stored: StoredCheckpoint) -> Differences:
+    """Settings that differ."""
+    then = {"name": stored.case_name, **read_settings(stored.settings)}
+    now = {"name": case.name, **read_settings(dump_case(case))}
+    keys = [key for key in dict.fromkeys([*then, *now]) if then.get(key) != now.get(key)]
+    return {key: (then.get(key, "not given"), now.get(key, "not given")) for key in keys}
+
+
+def _is_free(key: str, then: str, case: Case, step: int) -> bool:
+    """Whether a setting that was `then` has no part in the results so far."""
+    if key == "loading.history" and case.growth is None and isinstance(case.loading, LoadHistory):
+        return case.loading.factors[: step + 1] == tuple(json.loads(then)[: step + 1])
+    return key in FREE
+
+
+def _missing(folder: Path, stored: StoredCheckpoint) -> list[str]:
+    """Result files that a checkpoint counts on and that are not there, or not as it knows them."""
+    results = stored.results
+    broken = [name for name, mark in results["tables"].items() if not fits(folder / name, mark)]
+    frames = [name for series in ("frames", "cracks") for _, name in results[series]]
+    return [*broken, *(name for name in frames if not (folder / name).is_file())]
+
+
+def _finished(folder: Path) -> str | None:
+    """How the run in a folder has ended, None if it has not, or if nothing tells."""
+    try:
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        status, reason = summary["status"], summary["stop_reason"]
+    except (OSError, ValueError, KeyError, TypeError):  # then its last step is made again, which tells
+        return None
+    return f"{status}: {reason}" if status in FINISHED else None
+
+
+def _version_remarks(stored: StoredCheckpoint) -> list[str]:
+    """What to say where another version of the program goes on."""
+    ours, theirs = (__version__, program_commit()), (stored.version, stored.commit)
+    if ours == theirs:
+        return []
+    words = [f"{version}{f' ({commit})' if commit else ''}" for version, commit in (theirs, ours)]
+    return [
+        f"begun by crackgrow {words[0]}, gone on with by {words[1]}: not the same bits as an unbroken run's, perhaps"
+    ]

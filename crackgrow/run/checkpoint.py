@@ -1,0 +1,130 @@
+"""What a run goes on from after it was broken off: a step, to be solved again from where it came.
+
+That is the cracks, and what the contact points remembered when the step began. It is far less than the solution, which
+follows from it to the same bits. It becomes plain data (`Checkpoint`), for files that are read without running code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.case.model import Case
+from crackgrow.contact.law import ContactMemory
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.increments import FROM_REST, Origin, Remembered, Start
+from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_record
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunState:
+    """A run that is about to make the result of a step."""
+
+    step: int
+    cracks: tuple[GrowingCrack, ...]
+    events: tuple[Event, ...] = ()  # of the advance that has made the cracks
+    told: frozenset[str] = frozenset()  # warnings of the steps before
+    n_pieces: int = 0  # of rock at the start; 0: not counted yet
+    origin: Origin | None = None  # of the step's solution; None: there is none yet
+    factorizations: int = 1  # of the step, rejected directions of growth included
+    notes: tuple[str, ...] = ()  # on how its solution was found
+
+
+def beginning(case: Case) -> RunState:
+    """Nothing is solved yet."""
+    return RunState(0, tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks))
+
+
+def packed(state: RunState) -> Checkpoint:
+    """The state as plain data."""
+    origin = state.origin or FROM_REST
+    values: dict[str, Any] = {
+        "events": [event_record(event) for event in state.events],
+        "told": sorted(state.told),
+        "n_pieces": state.n_pieces,
+        "factorizations": state.factorizations,
+        "notes": list(state.notes),
+        "guess": origin.guess,
+        "tips": [[g.crack.tip_at_start, g.crack.tip_at_end] for g in state.cracks],
+        "n_batches": len(origin.batches),
+        "start": None,
+    }
+    arrays: dict[str, NDArray[Any]] = {}
+    for number, growing in enumerate(state.cracks):
+        arrays[f"points{number}"], arrays[f"steps{number}"] = growing.crack.points, growing.steps
+    for number, (rows, sliding) in enumerate(origin.batches):
+        arrays[f"gap{number}"], arrays[f"slip{number}"] = rows, sliding
+    if origin.start is not None:
+        start = origin.start
+        values["start"] = {
+            "factor": start.factor, "holding": start.holding, "grown": start.grown, "energy": asdict(start.energy)
+        }  # fmt: skip
+        arrays.update({f"start_{name}": array for name, array in _arrays(start).items() if array is not None})
+    return Checkpoint(state.step, values, arrays)
+
+
+def restored(case: Case, checkpoint: Checkpoint) -> RunState:
+    """The state that was packed in an earlier run of the case."""
+    values, arrays = checkpoint.values, checkpoint.arrays
+    cracks = tuple(
+        GrowingCrack(
+            replace(crack, points=arrays[f"points{number}"], tip_at_start=tips[0], tip_at_end=tips[1]),
+            arrays[f"steps{number}"],
+        )
+        for number, (crack, tips) in enumerate(zip(case.cracks, values["tips"], strict=True))
+    )
+    start = None if values["start"] is None else _start(values["start"], arrays)
+    batches = tuple((arrays[f"gap{number}"], arrays[f"slip{number}"]) for number in range(values["n_batches"]))
+    return RunState(
+        checkpoint.step,
+        cracks,
+        tuple(event_of(record) for record in values["events"]),
+        frozenset(values["told"]),
+        values["n_pieces"],
+        Origin(values["guess"], start, batches),
+        values["factorizations"],
+        tuple(values["notes"]),
+    )
+
+
+def _arrays(start: Start) -> dict[str, NDArray[Any] | None]:
+    """The arrays of a start by name."""
+    remembered = start.remembered
+    normal_rate, tangential_rate = start.rate or (None, None)
+    return {
+        "slip": remembered.memory.slip,
+        "broken": remembered.memory.broken,
+        "closed": remembered.memory.closed,
+        "normal": remembered.normal,
+        "tangential": remembered.tangential,
+        "dilation": remembered.dilation,
+        "conjugates": start.conjugates,
+        "sticks": start.sticks,
+        "normal_rate": normal_rate,
+        "tangential_rate": tangential_rate,
+    }
+
+
+def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
+    slip, broken, normal, tangential, dilation, conjugates = (
+        arrays[f"start_{name}"] for name in ("slip", "broken", "normal", "tangential", "dilation", "conjugates")
+    )
+    rate = None
+    if "start_normal_rate" in arrays:
+        rate = (arrays["start_normal_rate"], arrays["start_tangential_rate"])
+    return Start(
+        values["factor"],
+        values["holding"],
+        Remembered(ContactMemory(slip, broken, arrays.get("start_closed")), normal, tangential, dilation),
+        Energy(**values["energy"]),
+        conjugates,
+        values["grown"],
+        arrays.get("start_sticks"),
+        rate,
+    )

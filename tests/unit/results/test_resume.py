@@ -1,0 +1,205 @@
+"""Where a run goes on: the newest checkpoint that is whole and fits, for the same case alone."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow import cli
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.results import atomic, checkpoint_file
+from crackgrow.results import resume as resume_module
+from crackgrow.results.checkpoint_file import (
+    CheckpointWriter,
+    DamagedError,
+    StoredCheckpoint,
+    read_checkpoint,
+    steps_with_checkpoint,
+)
+from crackgrow.results.resume import ResumeError, find_resumption
+from crackgrow.run.result import Checkpoint
+from tests.properties.broken_off import contents
+
+CASES = Path(__file__).resolve().parents[3] / "cases"
+COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
+HISTORY = ("numerics.spacing=10", "output.frames=none", "output.figures=false", "loading.history=[0.5, 1.0]")
+
+
+def case(*settings: str, name: str = "compression30") -> Case:
+    return load_case(CASES / f"{name}.yaml", [*COARSE, *settings])
+
+
+def run(folder: Path, *settings: str, name: str = "compression30", resume: bool = False) -> int:
+    words = [word for setting in (*COARSE, *settings) for word in ("--set", setting)]
+    more = ["--resume"] if resume else []
+    return cli.main(["run", str(CASES / f"{name}.yaml"), "--out", str(folder), *words, *more])
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A finished run of two steps; only to be looked at."""
+    folder = tmp_path_factory.mktemp("done")
+    assert run(folder, "growth.steps=2") == 0
+    return folder
+
+
+@pytest.fixture
+def copy(done: Path, tmp_path: Path) -> Path:
+    """A copy of the finished run, to be changed."""
+    return Path(shutil.copytree(done, tmp_path / "copy"))
+
+
+def test_the_last_two_checkpoints_and_the_last_one_flushed_are_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = iter([0.0, 0.4, 0.8, 1.2, 1.6, 2.0])
+    monkeypatch.setattr(checkpoint_file.time, "monotonic", lambda: next(now))
+    flushed: list[str] = []
+    monkeypatch.setattr(atomic, "_flush", lambda path: flushed.append(path.name))
+    writer, kept = CheckpointWriter(tmp_path), []
+    for step in range(6):
+        checkpoint = Checkpoint(step, {}, {"points0": np.zeros((2, 2))})
+        writer.write(StoredCheckpoint(checkpoint, "1", None, "block", "", {}))
+        kept.append(steps_with_checkpoint(tmp_path))
+    assert flushed == [".step_0000.tmp.npz", "checkpoint", ".step_0003.tmp.npz", "checkpoint"]
+    assert kept == [[0], [1, 0], [2, 1, 0], [3, 2], [4, 3], [5, 4, 3]]
+    assert len(list((tmp_path / "checkpoint").iterdir())) == 3
+
+
+def test_a_finished_run_says_so_and_is_left_alone(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    times = {path: path.stat().st_mtime_ns for path in copy.rglob("*")}
+    assert run(copy, "growth.steps=2", resume=True) == 0
+    out, err = capsys.readouterr()
+    assert out.startswith("completed: all 2 growth steps are done\nnothing is left to do")
+    assert err == ""
+    assert {path: path.stat().st_mtime_ns for path in copy.rglob("*")} == times
+
+
+def test_a_finished_run_goes_on_for_more_steps(copy: Path, tmp_path: Path) -> None:
+    assert run(copy, "growth.steps=3", resume=True) == 0
+    assert run(tmp_path / "at once", "growth.steps=3") == 0
+    assert contents(copy) == contents(tmp_path / "at once")
+    summary = json.loads((copy / "summary.json").read_text())
+    assert (summary["status"], summary["steps_done"], summary["resumed_with_steps"]) == ("completed", 3, [2])
+
+
+def test_what_has_no_part_in_results_may_change(done: Path) -> None:
+    other = case("growth.steps=9", "title=Another", "source=none", "output.figures=true")
+    found = find_resumption(other, done)
+    assert found is not None
+    assert (found.finished, found.checkpoint.step, found.remarks) == (None, 2, ())
+
+
+def test_a_changed_case_is_refused_with_what_has_changed(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = contents(copy)
+    settings = ("growth.steps=2", "cracks.flaw.contact.friction=0.25", "growth.increment=1 mm")
+    assert run(copy, *settings, resume=True) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert "the case is not that of the run" in lines[0]
+    assert "  cracks.flaw.contact.friction: 0.0 then, 0.25 now" in lines[1:]
+    assert "  growth.increment: 0.002 then, 0.001 now" in lines[1:]
+    assert all("friction" in line or "increment" in line for line in lines[1:])
+    assert contents(copy) == before
+
+
+def test_another_case_is_refused(done: Path) -> None:
+    with pytest.raises(ResumeError, match="name: compression30 then, compression45 now"):
+        find_resumption(case("growth.steps=2", name="compression45"), done)
+
+
+def test_fewer_steps_than_are_done_are_refused(done: Path) -> None:
+    with pytest.raises(ResumeError, match="has 2 steps already, 1 are asked for"):
+        find_resumption(case("growth.steps=1"), done)
+
+
+def test_load_factors_to_come_may_change_and_those_before_not(tmp_path: Path) -> None:
+    assert run(tmp_path / "short", *HISTORY, name="cyclic_friction") == 0
+    changed = [*HISTORY[:-1], "loading.history=[0.6, 1.0, 0.2]"]
+    with pytest.raises(ResumeError, match=r"loading\.history"):
+        find_resumption(case(*changed, name="cyclic_friction"), tmp_path / "short")
+    longer = [*HISTORY[:-1], "loading.history=[0.5, 1.0, 0.2]"]
+    assert run(tmp_path / "short", *longer, name="cyclic_friction", resume=True) == 0
+    assert run(tmp_path / "at once", *longer, name="cyclic_friction") == 0
+    assert contents(tmp_path / "short") == contents(tmp_path / "at once")
+
+
+def test_an_empty_folder_is_begun_with(tmp_path: Path) -> None:
+    assert find_resumption(case(), tmp_path / "none") is None
+    assert run(tmp_path / "none", "growth.steps=0", resume=True) == 0
+    assert json.loads((tmp_path / "none" / "summary.json").read_text())["resumed_with_steps"] == []
+
+
+def test_results_without_a_checkpoint_are_not_written_over(copy: Path) -> None:
+    shutil.rmtree(copy / "checkpoint")
+    with pytest.raises(ResumeError, match="no checkpoint to go on from"):
+        find_resumption(case("growth.steps=2"), copy)
+
+
+@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "other"])
+def test_a_damaged_checkpoint_is_told_and_the_one_before_it_taken(copy: Path, damage: str) -> None:
+    path = copy / "checkpoint" / "step_0002.npz"
+    data = path.read_bytes()
+    place = data.index(b"compression30")
+    flipped = data[:place] + b"C" + data[place + 1 :]
+    path.write_bytes(
+        {"cut": data[: len(data) // 2], "flipped": flipped, "empty": b"", "other": b"step,crack\n"}[damage]
+    )
+    found = find_resumption(case("growth.steps=3"), copy)
+    assert found is not None
+    assert found.checkpoint.step == 1
+    assert len(found.remarks) == 1
+    assert "step_0002.npz is damaged" in found.remarks[0]
+    assert run(copy, "growth.steps=3", resume=True) == 0
+    assert any("is damaged" in text for text in json.loads((copy / "summary.json").read_text())["warnings"])
+
+
+def test_tables_that_were_changed_do_not_fit(copy: Path) -> None:
+    for name in ("tips.csv", "contact.csv"):
+        (copy / name).write_bytes((copy / name).read_bytes().replace(b"\n1,", b"\n7,"))
+    found = find_resumption(case("growth.steps=3"), copy)
+    assert found is not None
+    assert found.checkpoint.step == 1  # which counts on step 0 alone
+    assert found.remarks == ("the checkpoint of step 2 does not fit tips.csv, contact.csv",)
+    (copy / "tips.csv").unlink()
+    with pytest.raises(ResumeError, match=r"nothing to go on from.*step 2.*step 1 does not fit tips\.csv"):
+        find_resumption(case("growth.steps=3"), copy)
+
+
+def test_another_version_goes_on_with_a_warning(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(resume_module, "__version__", "99.0")
+    found = find_resumption(case("growth.steps=3"), copy)
+    assert found is not None
+    assert "gone on with by 99.0" in found.remarks[0]
+
+
+def test_another_format_is_refused(copy: Path) -> None:
+    for path in (copy / "checkpoint").iterdir():
+        with np.load(path) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+        header = {**json.loads(arrays["header"].tobytes()), "format": 99}
+        arrays["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+        np.savez(path, **arrays)
+    with pytest.raises(ResumeError, match=r"has format 99.*wanted 1"):
+        find_resumption(case("growth.steps=3"), copy)
+
+
+def test_reading_a_checkpoint_runs_no_code(copy: Path, tmp_path: Path) -> None:
+    path = copy / "checkpoint" / "step_0002.npz"
+    touched = tmp_path / "touched"
+
+    class Harmful:
+        def __reduce__(self) -> tuple[object, ...]:
+            return Path.touch, (touched,)
+
+    np.save(tmp_path / "bad.npy", np.array([Harmful()], dtype=object), allow_pickle=True)
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.write(tmp_path / "bad.npy", "bad.npy")
+    with pytest.raises(DamagedError, match="allow_pickle"):
+        read_checkpoint(copy, 2)
+    assert not touched.exists()

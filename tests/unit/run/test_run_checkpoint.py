@@ -1,0 +1,109 @@
+"""A run that goes on from a checkpoint: the steps and the end are those of the unbroken run, to the last bit."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.run import grow
+from crackgrow.run.result import Checkpoint, RunEnd, StepResult
+
+CASES = Path(__file__).resolve().parents[3] / "cases"
+COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
+FRICTION = "cracks.flaw.contact.friction=0.3"
+SCENES = {
+    "unloaded between steps": ("compression30", "growth.steps=3", FRICTION),
+    "loaded throughout": ("compression30", "growth.steps=3", FRICTION, "growth.unload_between_steps=false"),
+    "history in every step": ("compression30", "growth.steps=2", FRICTION, "loading.history=[0.5, -0.2, 1.0]"),
+    "implicit direction": (
+        "compression30",
+        "growth.steps=2",
+        "growth.criterion=max_hoop_stress",
+        "growth.direction=implicit",
+    ),
+    "critical load": ("flaw_and_hole", "growth.steps=3"),
+    "all tips, meeting": ("two_flaws", "growth.steps=11"),  # an inner wing meets the other flaw in the tenth
+    "cyclic friction": ("cyclic_friction", "numerics.spacing=10", "loading.history=[0.4, 1, 0.7, -0.3, -1, -0.8, 0.6]"),
+    "block on a foundation": ("block_rigid", "numerics.spacing=0.5", "loading.history=[0.3, 1.0, 0.1, 0.5]"),
+    "interface": ("interface_friction04", "numerics.spacing=0.2", "loading.history=[0.3, 1.0, 0.1, 0.5]"),
+}
+
+
+def scene(name: str) -> Case:
+    file, *settings = SCENES[name]
+    coarse = COARSE[1:] if any("spacing" in setting for setting in settings) else COARSE
+    return load_case(CASES / f"{file}.yaml", [*coarse, *settings])
+
+
+def run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:
+    steps, results = grow(case, checkpoint), []
+    while True:
+        try:
+            results.append(next(steps))
+        except StopIteration as stop:
+            return results, stop.value
+
+
+def stored(checkpoint: Checkpoint | None) -> Checkpoint:
+    """The checkpoint as it comes back from files."""
+    assert checkpoint is not None
+    arrays = {name: array.copy() for name, array in checkpoint.arrays.items()}
+    return Checkpoint(checkpoint.step, json.loads(json.dumps(checkpoint.values, allow_nan=False)), arrays)
+
+
+def assert_same(one: Any, other: Any, where: str) -> None:
+    """Everything but times is equal, floats bit by bit."""
+    if where.endswith(".seconds"):
+        return
+    if is_dataclass(one):
+        for part in fields(one):
+            assert_same(getattr(one, part.name), getattr(other, part.name), f"{where}.{part.name}")
+    elif isinstance(one, tuple | list):
+        assert len(one) == len(other), where
+        for number, (a, b) in enumerate(zip(one, other, strict=True)):
+            assert_same(a, b, f"{where}[{number}]")
+    elif isinstance(one, dict):
+        assert list(one) == list(other), where
+        for key, value in one.items():
+            assert_same(value, other[key], f"{where}[{key}]")
+    else:
+        np.testing.assert_array_equal(one, other, err_msg=where)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_step_can_be_gone_on_from(name: str) -> None:
+    case = scene(name)
+    results, end = run(case)
+    assert len(results) > 2
+    for number, result in list(enumerate(results))[-4:]:
+        again, same_end = run(case, stored(result.checkpoint))
+        assert_same(results[number:], again, f"{name}, from {number}")
+        assert_same(end, same_end, f"{name}, end from {number}")
+
+
+def test_a_finished_run_goes_on_where_more_steps_are_asked_for() -> None:
+    short, long = (load_case(CASES / "compression30.yaml", [*COARSE, f"growth.steps={n}"]) for n in (1, 3))
+    results, _ = run(short)
+    assert not any(tip.advanced for tip in results[-1].tips)
+    whole, end = run(long)
+    again, same_end = run(long, stored(results[-1].checkpoint))
+    assert_same(whole[1:], again, "from 1")
+    assert_same(end, same_end, "end")
+
+
+def test_what_friction_remembers_matters() -> None:
+    """Points that had not slipped yet would slip, and dissipate, in this step: the tests above can fail."""
+    case = scene("cyclic friction")
+    results, _ = run(case)
+    checkpoint = stored(results[2].checkpoint)
+    forgotten = {**checkpoint.arrays, "start_slip": np.zeros_like(checkpoint.arrays["start_slip"])}
+    other, _ = run(case, Checkpoint(2, checkpoint.values, forgotten))
+    assert results[2].energy.dissipated == results[1].energy.dissipated > 0.0
+    assert other[0].energy.dissipated > 1.5 * results[2].energy.dissipated
