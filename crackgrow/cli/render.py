@@ -15,14 +15,13 @@ Draw the frames of a result folder: a field on the displaced specimen with its c
 animation, all in one colour scale. No display is needed. A report that is made afterwards shows the pictures.
 """
 RENDER_EXAMPLES = """\
-fields: sigma_1, sigma_3, stress_xx, stress_yy, stress_zz, stress_xy, displacement (its size), body, and what else the
-cells of the frames have. Pictures go to DIR/render/FIELD/step_NNNN.png and animation.gif (or .mp4), in place of earlier
-ones of the field.
+fields: sigma_1, sigma_3, stress_xx, stress_yy, stress_zz, stress_xy, displacement (its size), energy_error, body.
+Pictures go to DIR/render/FIELD/step_NNNN.png and animation.gif (or .mp4), in place of earlier ones of the field.
 
 examples:
   crackgrow render outputs/compression30
   crackgrow render outputs/compression30 --field displacement --warp 1 --steps 0 10-22 --size 800x1200
-  crackgrow render outputs/compression30 --mp4 --out pictures && crackgrow report outputs/compression30
+  crackgrow render outputs/compression30 --mp4 --out pictures
 """
 VIEW_HELP = """\
 Open a window on the frames of a result folder, with a slider over the steps. Without a display: exit code 3, and what

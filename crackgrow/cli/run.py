@@ -60,6 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise
     finally:
         progress.close()
+    if writer.error_line and not arguments.quiet:
+        say(writer.error_line)
     if end.status == "failed":
         complain(f"crackgrow: {end.reason}")
         return EXIT_UNSOLVED

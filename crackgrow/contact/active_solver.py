@@ -170,6 +170,8 @@ class ActiveSolver:
 
 def _factors(K: Floats) -> tuple[Floats, Ints] | None:
     """LU factors of the transpose of K (k, k), which is overwritten; None where it is singular."""
+    if not K.size:
+        return K, np.empty(0, dtype=np.int64)
     lu, pivots, info = dgetrf(K.T, overwrite_a=True)  # LAPACK wants columns: the rows of K are those of its transpose
     return None if info else (lu, pivots)
 

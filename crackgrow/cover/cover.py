@@ -191,7 +191,7 @@ def _singular_patches(
     edges = elements.lines[index]
     last = -1 if at_end else 0
     plus, minus = functions[edges.plus[last]], functions[edges.minus[last]]
-    candidates = np.intersect1d(plus[plus >= 0], minus[minus >= 0])
+    candidates = np.array(sorted({*plus.tolist()} & {*minus.tolist()} - {-1}), dtype=np.int64)
     inside = np.abs(nodes[candidates] - crack.tip_point(at_end)).max(axis=1) < lattice.support
     return np.asarray(candidates[inside])
 

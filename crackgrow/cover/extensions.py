@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -68,6 +70,6 @@ def _extension(lattice: Lattice, segment: Floats, least: float) -> Floats | None
         return None
     exits.sort(key=lambda found: found[0])
     last = next((k for k, (length, _) in enumerate(exits) if length > least), len(exits) - 1)
-    places = np.array([start, *(end for _, end in exits[: last + 1])])
-    places = places[np.append(True, np.any(places[1:] != places[:-1], axis=1))]
-    return np.stack([places[:-1], places[1:]], axis=1)
+    places = [(start[0], start[1])]
+    places.extend(end for _, end in exits[: last + 1])
+    return np.array([pair for pair in pairwise(places) if pair[0] != pair[1]]).reshape(-1, 2, 2)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from crackgrow.results.folder import FolderError
 from crackgrow.results.leftovers import SERIES
+from crackgrow.results.units import LENGTHS, STRESSES, Unit, unit_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -69,6 +70,13 @@ def read_frame(step: int, path: Path, field: str) -> DrawnFrame:
         displacement=np.asarray(grid.point_data["displacement"][:, :2], dtype=float),
         values=_values(grid, field, path),
     )
+
+
+def field_unit(field: str, values: Floats) -> Unit:
+    """The unit in which values of a field are read easily; without a name for pure numbers."""
+    if field == "displacement":
+        return unit_of(values.tolist(), LENGTHS)
+    return unit_of(values.tolist(), STRESSES) if field.startswith(("sigma_", "stress_")) else (1.0, "")
 
 
 def _cells(grid: pyvista.UnstructuredGrid, kind: pyvista.CellType, n_corners: int) -> Ints:

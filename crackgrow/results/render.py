@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.figures import boundary_edges, colours_of, displayed_magnification
 from crackgrow.results.folder import RunFolder, read_run
-from crackgrow.results.frame_files import DrawnFrame, chosen_files, read_frame
+from crackgrow.results.frame_files import DrawnFrame, chosen_files, field_unit, read_frame
 from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
-from crackgrow.results.units import LENGTHS, STRESSES, Unit, unit_of
+from crackgrow.results.units import LENGTHS, unit_of
 
 Floats = NDArray[np.float64]
 
@@ -31,8 +31,6 @@ INCHES = 6.5  # of the longer side: text is as large in small pictures as in lar
 COLOUR_BAR = 0.34  # what caption and colour bar take of the width, by the specimen's longer side
 BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side
-UNITS = {"displacement": LENGTHS, "sigma_1": STRESSES, "sigma_3": STRESSES, "stress_xx": STRESSES,
-         "stress_yy": STRESSES, "stress_zz": STRESSES, "stress_xy": STRESSES}  # fmt: skip
 NAMES = {"displacement": "size of the displacement", "sigma_1": r"$\sigma_1$, most tensile in-plane principal stress",
          "sigma_3": r"$\sigma_3$, least in-plane principal stress"}  # fmt: skip
 
@@ -83,7 +81,7 @@ class _Scene:
         self.factors = dict(zip(run.solved, run.steps.numbers("load_factor").tolist(), strict=True))
         self.warp = min(displayed_magnification(frame) for frame in frames) if warp is None else warp
         values = np.concatenate([frame.values for frame in frames])
-        self.unit: Unit = unit_of(values, UNITS.get(field, ((1.0, ""),)))
+        self.unit = field_unit(field, values)
         self.norm, self.colormap = colours_of(values / self.unit[0])
         moved = np.concatenate([self._moved(frame) for frame in frames])
         low, high = moved.min(axis=0), moved.max(axis=0)

@@ -30,12 +30,17 @@ class Tally:
         self.warnings: list[str] = []
         self.events: list[Event] = []
         self.effective_toughness = math.nan
+        self.energy_error = math.nan  # percent, of the first step
+        self.K_spread = math.nan  # percent
 
     def add(self, result: StepResult) -> None:
         """Count a step in; a check that is nan counts as worst of all."""
         self.steps.append(int(result.step))
         self.n_dofs.append(int(result.n_dofs))
         self.effective_toughness = float(result.effective_toughness)
+        if len(self.steps) == 1:
+            self.energy_error = float(result.energy_error)
+        self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
         for check in CHECKS:
@@ -55,6 +60,8 @@ class Tally:
             "warnings": self.warnings,
             "events": [event_record(event) for event in self.events],
             "effective_toughness": self.effective_toughness,
+            "energy_error": self.energy_error,
+            "K_spread": self.K_spread,
         }
 
     @classmethod
@@ -66,6 +73,7 @@ class Tally:
         tally.worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
         tally.events = [event_of(event) for event in record["events"]]
         tally.effective_toughness = record["effective_toughness"]
+        tally.energy_error, tally.K_spread = record["energy_error"], record["K_spread"]
         return tally
 
     def add_seconds(self, phase: str, seconds: float) -> None:
@@ -96,14 +104,39 @@ def summarize(
         "wall_seconds": {"total": round(wall_seconds, 3), "by_phase": by_phase},
         "peak_memory_mb": round(memory, 1),
         "resumed_with_steps": list(resumed),
-        "effective_toughness_K_I": tally.effective_toughness if math.isfinite(tally.effective_toughness) else None,
+        "effective_toughness_K_I": _finite(tally.effective_toughness),
         "worst_checks": {
-            check: {"value": value if math.isfinite(value) else None, "step": step}
-            for check, (value, step) in tally.worst.items()
+            check: {"value": _finite(value), "step": step} for check, (value, step) in tally.worst.items()
+        },
+        "error_estimate": {
+            "energy_norm_percent": {"first": _finite(tally.energy_error), "last": _finite(end.energy_error)},
+            "K_spread_percent": _finite(tally.K_spread),
         },
         "events": [event_record(event) for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
     }
+
+
+def error_line(tally: Tally, end: RunEnd) -> str:
+    """The estimated error of the last step and the spread of K over all steps, in words; empty if neither is known."""
+    parts = []
+    if math.isfinite(end.energy_error):
+        parts.append(f"{end.energy_error:.2g} % of the energy norm")
+    if math.isfinite(tally.K_spread):
+        parts.append(f"K by radius {tally.K_spread:.2g} %")
+    return f"estimated error: {', '.join(parts)}" if parts else ""
+
+
+def K_spread(result: StepResult) -> float:
+    """Largest spread of K over the radii of its integral, in percent of the largest K of the step.
+
+    Of tips with room for their discs, whatever kept the others from it; nan where there are none.
+    """
+    roomy = [tip for tip in result.tips if not tip.K_note and math.isfinite(tip.K_I) and math.isfinite(tip.K_II)]
+    largest = max((max(abs(tip.K_I), abs(tip.K_II)) for tip in roomy), default=0.0)
+    if largest == 0.0:
+        return math.nan
+    return 100.0 * max(max(tip.K_I_error, tip.K_II_error) for tip in roomy) / largest
 
 
 def summary_text(summary: dict[str, object]) -> str:
@@ -141,6 +174,14 @@ def git_state(root: Path) -> tuple[str | None, bool | None]:
     except (OSError, subprocess.SubprocessError):
         return None, None
     return answer.removesuffix("-dirty"), answer.endswith("-dirty")
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _known(value: float) -> float:
+    return -math.inf if math.isnan(value) else value
 
 
 def _badness(value: float) -> float:

@@ -11,8 +11,7 @@ import pyvista
 
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.figures import colours_of, displayed_magnification
-from crackgrow.results.frame_files import frame_files, read_frame
-from crackgrow.results.units import LENGTHS, STRESSES, unit_of
+from crackgrow.results.frame_files import field_unit, frame_files, read_frame
 
 
 class NoDisplayError(CrackgrowError):
@@ -48,9 +47,9 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
     steps = sorted(files)
     last = read_frame(steps[-1], files[steps[-1]], field)
     factor = displayed_magnification(last) if warp is None else warp
-    size, name = unit_of(last.values, LENGTHS if field == "displacement" else STRESSES)
+    size, name = field_unit(field, last.values)
     norm, colours = colours_of(last.values / size)
-    label = f"{field} [{name}]"
+    label = f"{field} [{name}]" if name else field
 
     untyped: Any = plotter  # the declared types of some methods are not those of what they wrap
 

@@ -21,12 +21,15 @@ STRESS_COMPONENTS = ("XX", "YY", "ZZ", "XY", "YZ", "XZ")  # the order that VTK e
 def specimen_grid(frame: Frame, fields: Sequence[str]) -> pyvista.UnstructuredGrid:
     """The specimen's mesh with the `fields` asked for ("displacement", "stress"); m and Pa.
 
-    Point data: displacement (n, 3). Cell data: body; with stress also stress (cells, 6) and the principal
-    stresses in the plane, sigma_1 (most tensile) and sigma_3.
+    Point data: displacement (n, 3). Cell data: body; energy_error where it was estimated, the root of the energy
+    density of the stress' error over the mean energy density of the rock (1: as large as the stress is on average);
+    with stress also stress (cells, 6) and the principal stresses in the plane, sigma_1 (most tensile) and sigma_3.
     """
     cells = {pyvista.CellType.TRIANGLE: frame.triangles, pyvista.CellType.QUAD: frame.quads}
     grid = pyvista.UnstructuredGrid({kind: ids for kind, ids in cells.items() if len(ids)}, _spatial(frame.points))
     grid.cell_data["body"] = np.asarray(frame.body, dtype=np.int32)
+    if frame.energy_error is not None:
+        grid.cell_data["energy_error"] = frame.energy_error
     if "displacement" in fields:
         grid.point_data["displacement"] = _spatial(frame.displacement)
     if "stress" in fields:

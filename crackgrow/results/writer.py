@@ -26,7 +26,7 @@ from crackgrow.results.leftovers import (
 from crackgrow.results.load_point import LoadPoint, load_point
 from crackgrow.results.log import RunLog, event_line, step_line
 from crackgrow.results.resume import Resumption
-from crackgrow.results.summary import Tally, peak_memory_mb, program_commit, summarize, summary_text
+from crackgrow.results.summary import Tally, error_line, peak_memory_mb, program_commit, summarize, summary_text
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
 RUNNING = RunEnd("running", "the run goes on, or was broken off without a word", ())
@@ -56,6 +56,7 @@ class RunWriter:
         self._reactions = tables.Table(folder / "reactions.csv", tables.REACTIONS)
         self._steps = tables.Table(folder / "steps.csv", tables.STEPS)
         self._events = tables.Table(folder / "events.csv", tables.EVENTS)
+        self.error_line = ""  # what `finish` knows of the error of the run
         self._growing = (self._tips, self._contact, self._reactions, self._steps, self._events)
         self._settings = dump_case(case)
         self._curve: list[LoadPoint] = []
@@ -131,6 +132,9 @@ class RunWriter:
                 self._tally.add_seconds("output", time.perf_counter() - began)
         finally:  # a figure that fails doesn't take the summary with it
             self._write_summary(end)
+            self.error_line = error_line(self._tally, end)
+            if self.error_line:
+                self._log.write(self.error_line)
             self._log.write(f"{end.status}: {end.reason}")
         self._write_report()
 

@@ -13,14 +13,17 @@ from crackgrow.geometry.arrangement import connected, vertex_ids
 from crackgrow.quadrature.elements import triangulate
 from crackgrow.run.result import Frame
 from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.error_estimate import ErrorEstimate
 from crackgrow.solid.recovery import displacement_at, stress_at
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def make_frame(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats) -> Frame:
-    """Mesh of all elements: whole tiles as quads, polygons as triangles; `u` (n_dofs,) m."""
+def make_frame(
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, error: ErrorEstimate | None = None
+) -> Frame:
+    """Mesh of all elements: whole tiles as quads, polygons as triangles; `u` (n_dofs,) m, and its `error` if known."""
     elements = cover.elements
     triangles, triangle_element = triangulate(elements.polygons)
     triangle_element = triangle_element + elements.n_whole
@@ -34,6 +37,7 @@ def make_frame(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats) ->
     cell_element = np.concatenate([triangle_element, np.arange(elements.n_whole)])
     stress = stress_at(cover, materials, u, centres, cell_element)
     body = elements.body[cell_element]
+    density = None if error is None else _densities(elements, cover.lattice.spacing, error)[cell_element]
     out_of_plane = np.array([material.zz for material in materials])[body]
     return Frame(
         points=cover.lattice.to_metres(points),
@@ -43,7 +47,17 @@ def make_frame(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats) ->
         stress=stress,
         stress_zz=out_of_plane * (stress[:, 0] + stress[:, 1]),
         body=body,
+        energy_error=density,
     )
+
+
+def _densities(elements: Elements, spacing: float, error: ErrorEstimate) -> Floats:
+    """Root of the energy density of the error in each element (n,), by the mean density of the computed stress."""
+    start, end = elements.vertices[elements.ring_start], elements.vertices[elements.ring_end]
+    doubled = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    area = 0.5 * spacing**2 * np.bincount(elements.ring_element, doubled, elements.n)
+    mean = error.norm**2 / area.sum()
+    return np.sqrt(error.elements / area / mean) if mean > 0.0 else np.zeros(elements.n)
 
 
 def _vertex_of(elements: Elements, points: Floats) -> Ints:

@@ -16,6 +16,7 @@ from crackgrow.fracture.advance import TIE, GrowingCrack, growing_tips
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import advance_tips
+from crackgrow.run.error import estimated_error
 from crackgrow.run.increments import Origin
 from crackgrow.run.loading import load, load_again, load_history
 from crackgrow.run.report import step_result
@@ -36,13 +37,29 @@ def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResu
     With growth a step is a configuration of the cracks under the last of its loads; without, it is a load factor of the
     history. Raises GeometryError or SolveError where step 0 (without growth: any) can't be solved. A later one ends the
     run: `broke_through` where a piece of rock comes loose that nothing holds, else `failed`; the end has the cracks and
-    the events of that step.
+    the events of that step, and the estimated error of the last one that was solved.
     """
     scene = make_scene(case)
     begun = beginning(case) if checkpoint is None else restored(case, checkpoint)
-    if case.growth is None:
-        return (yield from _static(scene, begun))
-    n_steps = case.growth.steps
+    steps = _static(scene, begun) if case.growth is None else _growth(scene, case.growth, begun)
+    last: tuple[StepResult, StepSolution] | None = None
+    while True:
+        try:
+            last = next(steps)
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            return end if last is None else replace(end, energy_error=_last_error(*last))
+        yield last[0]
+
+
+def _last_error(result: StepResult, solution: StepSolution) -> float:
+    """Estimated error, percent, of the last step, which is known to be the last only now."""
+    return estimated_error(solution).relative if np.isnan(result.energy_error) else result.energy_error
+
+
+def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
+    """The steps of a run with growth."""
+    n_steps = growth.steps
     cracks, events, told, n_pieces = begun.cracks, begun.events, begun.told, begun.n_pieces
     known = None if begun.origin is None else _again(scene, begun, begun.origin)
     before: StepSolution | None = None
@@ -58,10 +75,10 @@ def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResu
                 raise
             return RunEnd("failed", f"step {step}: {error}", _paths(cracks), events)
         n_pieces = n_pieces or len(all_pieces(solution.cover))
-        chosen = _choose(case.growth, cracks, solution, last=step == n_steps)
+        chosen = _choose(growth, cracks, solution, last=step == n_steps)
         result = _reported(scene, RunState(step, cracks, events, told, n_pieces), solution, chosen)
         told |= frozenset(result.warnings)
-        yield result
+        yield result, solution
         if step == n_steps > 0 and _criticality(cracks, solution).max(initial=-np.inf) == -np.inf:
             return _without_tips(cracks, solution, step, n_pieces)
         if len(chosen) == 0 and step < n_steps:
@@ -80,7 +97,7 @@ def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
     return replace(solution, factorizations=begun.factorizations, notes=begun.notes)
 
 
-def _static(scene: Scene, begun: RunState) -> Generator[StepResult, None, RunEnd]:
+def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     """The load factors of the history in turn, without growth."""
     assert isinstance(scene.case.loading, LoadHistory)  # critical loads need a criterion: the case was checked
     cracks, told = begun.cracks, begun.told
@@ -88,7 +105,7 @@ def _static(scene: Scene, begun: RunState) -> Generator[StepResult, None, RunEnd
     for step, solution in enumerate(load_history(scene, cracks, begun.step, begun.origin), begun.step):
         result = _reported(scene, RunState(step, cracks, told=told), solution, chosen)
         told |= frozenset(result.warnings)
-        yield result
+        yield result, solution
     n = len(scene.case.loading.factors)
     return RunEnd(
         "completed", "the static solve is done" if n == 1 else f"all {n} load factors are done", _paths(cracks)

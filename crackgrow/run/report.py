@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -12,9 +13,11 @@ from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import FacePoints, joined, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
+from crackgrow.cover.cover import Cover
 from crackgrow.fracture.criteria import effective_toughness
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap
+from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import (
@@ -22,12 +25,15 @@ from crackgrow.run.result import (
     CrackFaces,
     CrackPath,
     Event,
+    Frame,
     FrameOnDemand,
     StepResult,
     TipResult,
 )
 from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution
+from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.error_estimate import ErrorEstimate
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -54,7 +60,9 @@ def step_result(
     outcome = solution.outcome
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
     contact, faces = _along_surfaces(solution, scene)
-    mesh = FrameOnDemand(partial(make_frame, solution.cover, solution.materials, outcome.u)) if with_frame else None
+    error = estimated_error(solution) if step == 0 else None
+    K = [tip.K for tip in solution.tips]
+    make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error)
     return StepResult(
         step=step,
         load_factor=solution.state.factor,
@@ -64,7 +72,7 @@ def step_result(
         contact=contact,
         faces=faces,
         reactions=reactions(solution),
-        mesh=mesh,
+        mesh=FrameOnDemand(make) if with_frame else None,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.n_unknowns,
         contact_iterations=outcome.iterations,
@@ -80,7 +88,19 @@ def step_result(
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
         warnings=cautions(scene, solution, faces, step, told),
+        energy_error=error.relative if error else float("nan"),
     )
+
+
+def _frame(
+    cover: Cover,
+    materials: Sequence[PlaneElasticity],
+    u: Floats,
+    K: Sequence[tuple[float, float]],
+    error: ErrorEstimate | None,
+) -> Frame:
+    """The mesh of a solution, its error estimated if it is not known."""
+    return make_frame(cover, materials, u, estimate_with(cover, materials, u, K) if error is None else error)
 
 
 def _load_displacement(solution: StepSolution) -> float:

@@ -95,6 +95,7 @@ class Frame:
     stress: Floats  # (t + q, 3) Pa: xx, yy, xy at cell centres
     stress_zz: Floats  # (t + q,) Pa
     body: Ints  # (t + q,) index of the body
+    energy_error: Floats | None = None  # (t + q,) root of the error's energy density over the mean one of the rock
 
 
 class FrameOnDemand:
@@ -187,6 +188,7 @@ class StepResult:
     effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     warnings: tuple[str, ...]
+    energy_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 
     @property
@@ -203,3 +205,4 @@ class RunEnd:
     reason: str
     cracks: tuple[CrackPath, ...]  # the final paths, the last advance included
     events: tuple[Event, ...] = ()  # of an advance that was not solved any more
+    energy_error: float = float("nan")  # percent of the energy norm, estimated for the last step; nan if it is unknown

@@ -78,7 +78,7 @@ def assert_whole(folder: Path, whole: dict[str, object]) -> None:
         assert whole[name].startswith(mine), name  # type: ignore[attr-defined]
     for path in (*folder.glob("frames/step_*"), *folder.glob("cracks/step_*")):
         assert path.read_bytes() == whole[str(path.relative_to(folder))], path
-    for path in folder.glob("*.pvd"):
+    for path in folder.glob("[!.]*.pvd"):
         listed = re.findall('file="([^"]+)"', path.read_text())
         assert path.read_text().endswith("</VTKFile>\n")
         assert all((folder / name).is_file() for name in listed), path

@@ -54,7 +54,7 @@ def test_a_run_killed_again_and_again_ends_as_if_nothing_had_happened(
         process = started(command("compression30", COARSE, folder, "--resume"))
         wait_for(process, TITLE)
         try:
-            process.wait(moments.uniform(0.0, 0.6 * longest) if killed < n_kills else None)
+            process.wait(moments.uniform(0.0, 0.5 * longest) if killed < n_kills else None)
             assert process.returncode == 0
             assert contents(folder) == whole
             n_finished, chain = n_finished + 1, 0

@@ -67,7 +67,12 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     assert lines[0] == "block: A block with a crack"
     assert [line.split(",")[0] for line in lines[1:4]] == ["step 0/2", "step 1/2", "step 2/2"]
     assert "advanced: flaw end (tension)" in lines[1]
-    assert lines[4:] == ["warning: thin cell", "completed: 2 growth steps done", "results in outputs/block"]
+    assert lines[4:] == [
+        "warning: thin cell",
+        "estimated error: K by radius 1 %",
+        "completed: 2 growth steps done",
+        "results in outputs/block",
+    ]
 
 
 def test_quiet_prints_nothing(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:

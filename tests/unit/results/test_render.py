@@ -55,7 +55,7 @@ def test_open_cracks_show_what_is_behind(folder: Path, tmp_path: Path) -> None:
     assert 0.0 < share_open(10.0) < share_open(30.0)
 
 
-@pytest.mark.parametrize("field", ["displacement", "sigma_3", "stress_xy", "body"])
+@pytest.mark.parametrize("field", ["displacement", "sigma_3", "stress_xy", "body", "energy_error"])
 def test_other_fields_are_drawn(folder: Path, tmp_path: Path, field: str) -> None:
     (path,) = render.render(folder, field, steps=[2], size=(300, 420), out=tmp_path)
     assert path == tmp_path / field / "step_0002.png"

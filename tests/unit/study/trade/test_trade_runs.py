@@ -31,18 +31,20 @@ def small(folder: Path, axes: Sequence[str], **settings: object) -> Plan:
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Plan, list[Row]]:
     """Two settings and their reference."""
-    plan = small(tmp_path_factory.mktemp("trade"), ["spacing=5,3.5"])
+    plan = small(tmp_path_factory.mktemp("trade"), ["spacing=5,4"])
     return plan, list(trade(plan))
 
 
 def test_rows_tell_errors_and_costs(study: tuple[Plan, list[Row]]):
     _, rows = study
     reference, coarse, fine = rows
-    assert [row.name for row in rows] == ["reference", "spacing=5", "spacing=3.5"]
+    assert [row.name for row in rows] == ["reference", "spacing=5", "spacing=4"]
     assert all(row.cells["status"] == "completed" and row.cells["steps"] == "1" for row in rows)
     assert reference.cells["K_error"] == ""
-    assert [row.number("spacing") for row in rows] == [0.002, 0.005, 0.0035]
+    assert [row.number("spacing") for row in rows] == [0.002, 0.005, 0.004]
     assert 0.0 < fine.number("K_error") < coarse.number("K_error") < 0.1  # 2 spacings a flaw; README has 2 % from one
+    assert 0.0 < fine.number("true_energy_error") < coarse.number("true_energy_error") < 0.5
+    assert 0.2 < coarse.number("error_estimate") / coarse.number("true_energy_error") < 5.0  # it is an estimate
     assert 0.0 < fine.number("path_hausdorff") <= fine.number("path_frechet") < 2e-3  # less than an increment
     for row in rows:
         assert row.number("cpu_seconds") >= row.number("cpu_first_step") + row.number("cpu_step") > 0.0
@@ -77,8 +79,8 @@ def test_resume_runs_what_is_missing_alone(study: tuple[Plan, list[Row]], monkey
 
     monkeypatch.setattr("crackgrow.study.trade.runner.run_in_processes", recorded)
     new = list(trade(plan, resume=True))
-    assert ran == ["numerics.spacing=3.5"]
-    assert [row.name for row in new] == ["spacing=3.5"]
+    assert ran == ["numerics.spacing=4"]
+    assert [row.name for row in new] == ["spacing=4"]
     again = read_rows(table)
     assert [row.name for row in again] == [row.name for row in rows]
     errors = COLUMNS[COLUMNS.index("steps") : COLUMNS.index("cpu_seconds")]
@@ -119,6 +121,26 @@ def test_failing_settings_are_rows_and_do_not_stop_the_rest(study: tuple[Plan, l
     assert (tmp_path / "trade.png").is_file()
 
 
+def test_run_that_the_reference_is_too_coarse_for_is_not_judged(study: tuple[Plan, list[Row]], tmp_path: Path):
+    plan, _ = study
+    (row,) = trade(small(tmp_path, ["spacing=3.9"], steps=0, reference=[str(plan.reference_folder)]))
+    assert row.cells["status"] == "completed"
+    assert row.cells["reason"].endswith("not judged: the spacing is less than 2 times that of the reference")
+    assert row.cells["K_error"] == ""
+    assert row.number("cpu_seconds") > 0.0
+
+
+def test_reference_of_another_body_is_told_in_the_row(study: tuple[Plan, list[Row]], tmp_path: Path):
+    """The reference has the whole body, the run a narrower one: no point outside of it has a stress there."""
+    plan, _ = study
+    narrow = ["bodies.rock.shape.rectangle.width=28", "supports.0.at=[-14, -27.5]", "supports.1.at=[14, -27.5]"]
+    (row,) = trade(small(tmp_path, ["spacing=5"], reference=[str(plan.reference_folder)], overrides=narrow))
+    assert row.cells["status"] == "completed"
+    assert "no distance in energy: " in row.cells["reason"]
+    assert row.cells["true_energy_error"] == ""
+    assert row.number("K_error") > 0.0
+
+
 def test_run_that_takes_too_long_or_crashes_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     file = small(tmp_path, ["spacing=5"]).file
     cost = run_in_processes(file, (), tmp_path / "slow", 3, 0.01)
@@ -156,5 +178,6 @@ def test_command_line_of_a_scene_without_growth(tmp_path: Path, capsys: pytest.C
     rows = read_rows(out / "trade.csv")
     assert [row.preset for row in rows] == ["", "draft", "standard", "fine", ""]
     assert all(row.cells["K_error"] == row.cells["path_hausdorff"] == "" for row in rows)
+    assert all("not judged" in row.cells["reason"] for row in rows[1:4])  # the presets: finer than half the reference
     assert 0.0 < rows[-1].number("pressure_error") < 0.2
     assert 0.0 < rows[-1].number("slip_error") < 0.2

@@ -1,0 +1,80 @@
+"""The estimated error of whole scenes: invariance, its place in results, and the true error of a finer solution."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.error import estimated_error
+from crackgrow.run.loop import grow
+from crackgrow.run.result import RunEnd, StepResult
+from crackgrow.run.scene import make_scene
+from crackgrow.run.step import StepSolution, solve_step
+from crackgrow.study.energy_distance import energy_distance
+
+CASES = Path(__file__).parents[3] / "cases"
+COARSE = "numerics.spacing=3"
+
+
+def solve(name: str, *settings: str, factor: float = 1.0) -> StepSolution:
+    case = load_case(CASES / f"{name}.yaml", settings)
+    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    return solve_step(make_scene(case), cracks, factor)
+
+
+def run(*settings: str) -> tuple[list[StepResult], RunEnd]:
+    case = load_case(CASES / "compression30.yaml", (COARSE, "output.figures=false", *settings))
+    steps, results = grow(case), []
+    while True:
+        try:
+            results.append(next(steps))
+        except StopIteration as stop:
+            return results, stop.value
+
+
+@pytest.mark.parametrize(
+    ("name", "spacing", "finer"),
+    [("compression30", 3, 0.6), ("edge_tension", 3, 0.6), ("interface_friction04", 0.1, 0.02)],
+)
+def test_the_estimate_is_the_distance_to_a_finer_solution(name: str, spacing: float, finer: float) -> None:
+    coarse = solve(name, f"numerics.spacing={spacing}")
+    error = energy_distance(coarse, solve(name, f"numerics.spacing={finer}")).relative
+    assert 0.5 < estimated_error(coarse).relative / error < 2.0
+
+
+def test_units_and_loads_do_not_matter() -> None:
+    relative = estimated_error(solve("compression30", COARSE)).relative
+    for settings, factor in (
+        (("bodies.rock.material.young=10", "loads.0.traction=[0,-1e-4]", "loads.1.traction=[0,1e-4]"), 1.0),
+        ((), 0.25),
+    ):
+        other = estimated_error(solve("compression30", COARSE, *settings, factor=factor))
+        np.testing.assert_allclose(other.relative, relative, rtol=1e-6)
+
+
+def test_the_cells_of_a_frame_add_up_to_the_estimate() -> None:
+    results, end = run("growth.steps=1")
+    for result, expected in zip(results, (results[0].energy_error, end.energy_error), strict=True):
+        frame = result.frame
+        assert frame is not None
+        assert frame.energy_error is not None
+        area = np.concatenate([_areas(frame.points, cells) for cells in (frame.triangles, frame.quads)])
+        share = np.sum(area * frame.energy_error**2) / area.sum()
+        np.testing.assert_allclose(100.0 * np.sqrt(share), expected, rtol=1e-9)
+
+
+def test_the_first_and_the_last_step_are_estimated_alone() -> None:
+    results, end = run("growth.steps=2", "output.frames=none")
+    assert [bool(np.isfinite(result.energy_error)) for result in results] == [True, False, False]
+    assert end.energy_error > results[0].energy_error  # the kinks
+    (only,), end = run("growth.steps=0", "output.frames=none")
+    assert end.energy_error == only.energy_error == results[0].energy_error
+
+
+def _areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    x, y = points[cells].transpose(2, 0, 1)
+    return 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)

@@ -1,0 +1,114 @@
+"""The estimated error on fields that are known: none, smooth, and with slivers of rock."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crackgrow.solid.elasticity import plane_elasticity
+from crackgrow.solid.energy_norm import energy_components, energy_density
+from crackgrow.solid.error_estimate import error_estimate
+from crackgrow.solid.patch_fits import FreeSamples, fit, misfits
+from tests.conftest import Build
+from tests.unit.exact_fields import solved_under, true_error
+
+
+def smooth(points: np.ndarray) -> np.ndarray:
+    """Balanced stress of the potentials phi = exp(z), psi = 0 (Muskhelishvili 1953, section 32), z in units of 4 m."""
+    z = (points @ (1.0, 1.0j)) / 4.0
+    total, deviator = 4.0 * np.exp(z).real, 2.0 * np.conj(z) * np.exp(z)
+    return np.stack([0.5 * (total - deviator.real), 0.5 * (total + deviator.real), deviator.imag / 2.0], axis=1)
+
+
+def uniform(points: np.ndarray) -> np.ndarray:
+    return np.tile([1.0, -2.0, 0.5], (len(points), 1))
+
+
+def errors_and_estimates(build: type[Build], support: float) -> tuple[np.ndarray, np.ndarray]:
+    """True errors and estimates, percent, at spacings of 0.25 and 0.125."""
+    found = []
+    for spacing in (0.25, 0.125):
+        sample = build.sample((0.0, 0.0), (4.0, 3.0), spacing=spacing, support=support)
+        u = solved_under(sample, smooth)
+        estimate = error_estimate(sample.cover, [sample.material], u, ()).relative
+        found.append((true_error(sample, u, smooth), estimate))
+    return np.array(found).T
+
+
+@pytest.mark.parametrize("support", [1.5, 1.75, 2.5])
+def test_the_estimate_of_a_smooth_field_is_its_error(build: type[Build], support: float) -> None:
+    """Linear functions: both fall at a rate of one."""
+    errors, estimates = errors_and_estimates(build, support)
+    np.testing.assert_allclose(estimates, errors, rtol=0.15)
+    for values in (errors, estimates):
+        np.testing.assert_allclose(np.log2(values[0] / values[1]), 1.0, atol=0.1)
+
+
+def test_at_a_support_of_two_the_estimate_of_a_smooth_field_is_an_upper_bound_that_falls_as_fast(
+    build: type[Build],
+) -> None:
+    """The functions are cubic B-splines there: the error falls at a rate of three, as that of a quadratic fit does,
+    which is larger."""
+    errors, estimates = errors_and_estimates(build, 2.0)
+    assert np.all(estimates > errors)
+    assert estimates[-1] < 1e-3  # percent
+    for values in (errors, estimates):
+        np.testing.assert_allclose(np.log2(values[0] / values[1]), 3.0, atol=0.1)
+
+
+@pytest.mark.parametrize("support", [1.5, 2.0])
+def test_a_uniform_stress_has_no_error(build: type[Build], support: float) -> None:
+    """Through a crack along the stress, slivers of rock beside it included."""
+    crack = build.crack([(0.0, 2.031), (2.6, 2.031)], tips=(False, True))
+    sample = build.sample((0.0, 0.0), (6.0, 4.0), (crack,), spacing=0.5, support=support)
+
+    def along(points: np.ndarray) -> np.ndarray:
+        return np.tile([1.0, 0.0, 0.0], (len(points), 1))
+
+    u = solved_under(sample, along)
+    assert error_estimate(sample.cover, [sample.material], u, ()).relative < 1e-6
+
+
+def test_the_parts_of_the_elements_add_up_and_the_norm_is_that_of_the_stress(build: type[Build]) -> None:
+    sample = build.sample((0.0, 0.0), (4.0, 3.0), spacing=0.25, support=2.0)
+    estimate = error_estimate(sample.cover, [sample.material], solved_under(sample, smooth), ())
+    assert estimate.elements.shape == (sample.cover.elements.n,)
+    assert estimate.elements.min() >= 0.0
+    np.testing.assert_allclose(estimate.absolute**2, estimate.elements.sum())
+    estimate = error_estimate(sample.cover, [sample.material], solved_under(sample, uniform), ())
+    body = np.zeros(1, dtype=np.int64)
+    density = energy_density([sample.material], uniform(np.zeros((1, 2))), body)[0]
+    np.testing.assert_allclose(estimate.norm**2, 12.0 * density, rtol=1e-9)
+
+
+def test_without_stress_there_is_no_relative_error(build: type[Build]) -> None:
+    sample = build.sample((0.0, 0.0), (4.0, 3.0), spacing=1.0, support=2.0)
+    estimate = error_estimate(sample.cover, [sample.material], np.zeros(sample.cover.n_dofs), ())
+    assert estimate.absolute == 0.0
+    assert np.isnan(estimate.relative)
+
+
+def test_fits_find_quadratic_fields_and_leave_patches_without_points_alone() -> None:
+    rng = np.random.default_rng(4)
+    points, n = rng.uniform(-2.0, 2.0, (60, 2)), 60
+    nodes = np.array([[0.5, 0.0], [-1.0, 1.0], [9.0, 9.0], [0.0, 0.0]])  # the third has no points, the last is none
+    x, y = points.T
+    values = np.stack([1.0 + x * y, y**2 - x, 3.0 * x**2 + 2.0 * y], axis=1)
+    patches = np.tile([0, 1, 3], (n, 1))
+    weights = np.stack([rng.uniform(0.1, 1.0, n), rng.uniform(0.1, 1.0, n), np.zeros(n)], axis=1)
+    none = np.zeros(n + 1, dtype=np.int64), np.empty((0, 3)), np.empty((0, 3), dtype=bool)
+    samples = FreeSamples(np.zeros(n, dtype=np.int64), patches, nodes, points, weights, values, *none)
+    coefficients = fit(3, [], samples)
+    np.testing.assert_allclose(coefficients[0, 0], [1.0, -0.5, 0.75], atol=1e-8)  # the values at the node
+    assert misfits(coefficients, [], samples, 1)[0] < 1e-16
+    assert not coefficients[2].any()
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+def test_energy_components_square_to_the_strain_energy(plane: str) -> None:
+    material = plane_elasticity(3.0, 0.3, plane)
+    stress = np.array([[1.0, 2.0, -0.5], [0.0, 0.0, 1.0]])
+    body = np.zeros(2, dtype=np.int64)
+    expected = np.einsum("ni,ij,nj->n", stress, np.linalg.inv(material.matrix), stress)
+    np.testing.assert_allclose(energy_density([material], stress, body), expected)
+    np.testing.assert_allclose(np.sum(energy_components([material], stress, body) ** 2, axis=1), expected)
