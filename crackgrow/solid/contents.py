@@ -36,7 +36,8 @@ class Contents:
         self._fronts = fronts
         self._elements = [_sorted(part, fronts) for part in matrix.elements]
         entries = coo_array(matrix.rest)
-        row, column = fronts.position[entries.coords[0]], fronts.position[entries.coords[1]]
+        position = fronts.position.astype(np.int32)
+        row, column = position[entries.coords[0]], position[entries.coords[1]]
         lower = row >= column
         columns = csc_array((entries.data[lower], (row[lower], column[lower])), shape=matrix.shape)
         columns.sort_indices()

@@ -74,8 +74,7 @@ class Factorization:
     factors: Mapping[bytes, Factor]
     """What another factorization may have in common with this one."""
 
-    solve: Callable[[Floats], Floats]
-    """Gives the solution (n,) or (n, m), unrefined, for right-hand sides."""
+    _solve: Callable[[Floats], Floats]
 
     def __init__(
         self, matrix: SymmetricMatrix, fronts: Fronts | None = None, known: Mapping[bytes, Factor] | None = None
@@ -96,9 +95,13 @@ class Factorization:
             except NotQuasiDefiniteError as error:
                 self.note = f"factorized by SuperLU: {error}"
             else:
-                self.factors, self.solve = by_fronts.factors, by_fronts.solve
+                self.factors, self._solve = by_fronts.factors, by_fronts.solve
                 return
-        self.solve = _by_superlu(matrix.tocsc(), diagonal)
+        self._solve = _by_superlu(matrix.tocsc(), diagonal)
+
+    def solve(self, right: Floats) -> Floats:
+        """Solution (n,) or (n, m) for the right-hand sides `right`, unrefined."""
+        return self._solve(right)
 
 
 def _by_superlu(matrix: csc_array, diagonal: Floats) -> Callable[[Floats], Floats]:

@@ -87,11 +87,6 @@ class Multifrontal:
             signs = [(a, b) for a, b in ((0, n_early), (n_early + n_placed, end - start)) if b > a]
             self._placed.append(_Placed(factor, start, end, signs, _runs(fronts.boundary[k], -1)))
 
-    @property
-    def n_entries(self) -> int:
-        """Number of entries stored, those left to parents included."""
-        return sum(f.diagonal.size + f.below.size + f.update.size for f in self.factors.values())
-
     def solve(self, right: Floats) -> Floats:
         """Solution (n,) or (n, m) for the right-hand sides `right`."""
         x = np.ascontiguousarray(right.reshape(len(right), -1)[self._order])
