@@ -40,6 +40,7 @@ def test_blocks_that_cannot_be_run_are_refused(text: str) -> None:
     ("command", "fault"),
     [
         (Command("echo 'a   b'; echo c", 1, "sh", ("a b", "c")), ""),
+        (Command("echo 'a  -0.25 (1e-9, 3)'", 1, "sh", ("a 10.5 (2.0, 41)",)), ""),
         (Command("echo a", 1, "sh", ("b",)), "it does not print 'b'"),
         (Command("echo told >&2; exit 3", 1, "sh"), "exit code 3 instead of 0\ntold"),
     ],
