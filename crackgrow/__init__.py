@@ -12,6 +12,7 @@ contact        crack faces: contact points, jump, Coulomb law, the contact solve
 fracture       tip stress, stress intensity, growth criteria, advance of a tip
 run            one step, and the loop over the steps
 results        tables, frames, figures and a report on disk, made from the results alone
+plan           what a case will model and cost, and a picture of it, before anything is solved
 study          what several runs tell: how far apart their crack paths are, what extremes do to a scene,
                what accuracy costs
 api            a case solved or run from Python: arrays, tables, fields at points
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     from crackgrow.case import dump_case, load_case
     from crackgrow.case.json_schema import case_schema
     from crackgrow.case.model import Case
+    from crackgrow.plan.picture import draw_scene
+    from crackgrow.plan.text import plan_text
     from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4
     from crackgrow.results.overview import overview
     from crackgrow.results.render import render
@@ -62,12 +65,14 @@ __all__ = [
     "compare_paths",
     "comparison_csv",
     "comparison_text",
+    "draw_scene",
     "dump_case",
     "find_ffmpeg",
     "find_resumption",
     "grow",
     "load_case",
     "overview",
+    "plan_text",
     "plan_trade",
     "render",
     "run_case",
@@ -96,12 +101,14 @@ _HOMES = {
     "compare_paths": "crackgrow.study.compare",
     "comparison_csv": "crackgrow.study.comparison_text",
     "comparison_text": "crackgrow.study.comparison_text",
+    "draw_scene": "crackgrow.plan.picture",
     "dump_case": "crackgrow.case",
     "find_ffmpeg": "crackgrow.results.animation",
     "find_resumption": "crackgrow.results.resume",
     "grow": "crackgrow.run",
     "load_case": "crackgrow.case",
     "overview": "crackgrow.results.overview",
+    "plan_text": "crackgrow.plan.text",
     "plan_trade": "crackgrow.study.trade.plan",
     "render": "crackgrow.results.render",
     "run_case": "crackgrow.api",

@@ -9,18 +9,27 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import crackgrow
+from crackgrow.cli.check import add_check
 from crackgrow.cli.compare import add_compare
+from crackgrow.cli.completion import add_completion
 from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, complain
 from crackgrow.cli.new import add_new
 from crackgrow.cli.render import add_render
 from crackgrow.cli.report import add_report
-from crackgrow.cli.run import check, run
+from crackgrow.cli.run import run
 from crackgrow.cli.schema import add_schema
 from crackgrow.cli.stability import add_stability
 from crackgrow.cli.trade import add_trade
 from crackgrow.errors import CaseError, CrackgrowError
 
 THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+RUN_EXAMPLES = """\
+examples:
+  crackgrow run cases/compression30.yaml
+  crackgrow run cases/compression30.yaml --set cracks.flaw.contact.friction=0.3 --out outputs/rough
+  crackgrow run cases/random_flaws.yaml --resume
+"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -56,13 +65,18 @@ def _parser() -> argparse.ArgumentParser:
     case.add_argument(
         "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
     )
-    command = commands.add_parser("run", parents=[case], help="run a case and write its results")
+    command = commands.add_parser(
+        "run",
+        parents=[case],
+        help="run a case and write its results",
+        epilog=RUN_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<case>)")
     command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")
     command.add_argument("--quiet", action="store_true", help="print nothing but errors")
     command.set_defaults(command=run)
-    command = commands.add_parser("check", parents=[case], help="validate a case and say what it models")
-    command.set_defaults(command=check)
+    add_check(commands, case)
     add_report(commands)
     add_render(commands)
     add_compare(commands)
@@ -70,4 +84,5 @@ def _parser() -> argparse.ArgumentParser:
     add_trade(commands)
     add_new(commands)
     add_schema(commands)
+    add_completion(commands, parser)
     return parser

@@ -1,4 +1,4 @@
-"""`crackgrow run` and `crackgrow check`."""
+"""`crackgrow run`."""
 
 from __future__ import annotations
 
@@ -67,12 +67,6 @@ def run(arguments: argparse.Namespace) -> int:
         return EXIT_UNSOLVED
     if not arguments.quiet:
         say(f"{end.status}: {end.reason}\nresults in {folder}")
-    return EXIT_DONE
-
-
-def check(arguments: argparse.Namespace) -> int:
-    """`crackgrow check`: validate a case and say what it models."""
-    say(crackgrow.overview(load_case_file(arguments)))
     return EXIT_DONE
 
 

@@ -32,7 +32,7 @@ SHOWN_FACTORS: Final = 12  # of longer load histories the first ones are named, 
 
 def overview(case: Case) -> str:
     """Lines of text: bodies, interfaces, cracks and tips, supports and loads, growth, spacing and estimated size."""
-    scale, unit = _length_unit(case)
+    scale, unit = length_unit(case)
     n_tips = sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
     contact = case.numerics.contact
     stiffness = "rigid" if contact.stiffness is None else f"stiffness {contact.stiffness:g} E/h"
@@ -82,13 +82,13 @@ def _area_and_perimeter(points: Floats) -> tuple[float, float]:
 
 def _body_line(body: Body, scale: float, unit: str) -> str:
     width, height = np.ptp(body.outline, axis=0) * scale
-    material = f"E = {_stress(body.material.young)}, nu = {body.material.poisson:g}"
+    material = f"E = {stress_text(body.material.young)}, nu = {body.material.poisson:g}"
     if body.material.density is not None:
         material += f", density {body.material.density:g} kg/m^3"
     n_holes = len(body.rings) - 1
     holes = f" with {_count(n_holes, 'hole')}" if n_holes else ""
     strength = "no strength given" if body.strength is None else (
-        f"tension {_stress(body.strength.tension)}, cohesion {_stress(body.strength.cohesion)}, "
+        f"tension {stress_text(body.strength.tension)}, cohesion {stress_text(body.strength.cohesion)}, "
         f"friction angle {body.strength.friction_angle:g} deg"
     )  # fmt: skip
     return f"body {body.name}: {width:g} x {height:g} {unit}{holes}, {material}; {strength}"
@@ -130,7 +130,7 @@ def _loads(case: Case) -> str:
         if isinstance(load, Gravity):
             words.append(f"gravity on {load.body}{held}")
         elif isinstance(load, CrackPressure):
-            words.append(f"pressure {_stress(load.pressure)} in {load.crack}{held}")
+            words.append(f"pressure {stress_text(load.pressure)} in {load.crack}{held}")
         elif isinstance(load, InSituStress):
             words.append(f"in-situ stress in {load.body}{held}")
     return ", ".join(words)
@@ -138,7 +138,7 @@ def _loads(case: Case) -> str:
 
 def _law(contact: CoulombContact) -> str:
     """Say the law of closed faces: friction and cohesion, and the rest where it is not the default."""
-    words = [f"friction {contact.friction:g}", f"cohesion {_stress(contact.cohesion)}"]
+    words = [f"friction {contact.friction:g}", f"cohesion {stress_text(contact.cohesion)}"]
     if contact.residual_friction != contact.friction:
         words.append(f"residual friction {contact.residual_friction:g}")
     if contact.cohesion_kept:
@@ -204,12 +204,13 @@ def _rule(case: Case) -> str:
     return "" if accuracy == STANDARD else f" (given, not that of {accuracy})"
 
 
-def _length_unit(case: Case) -> tuple[float, str]:
+def length_unit(case: Case) -> tuple[float, str]:
+    """How many of the unit that suits the scene are a metre, and its name."""
     size = float(np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max())
     return (1e3, "mm") if size < 1 else (1.0, "m")
 
 
-def _stress(value: float) -> str:
+def stress_text(value: float) -> str:
     """A stress (Pa) in the unit that suits its size."""
     if abs(value) >= 1e9:
         return f"{value / 1e9:g} GPa"

@@ -143,9 +143,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     case = scene.case
     seconds: dict[str, float] = {}
     with timed(seconds, "cover"):
-        cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
-        known = None if before is None else before.cover
-        cover = build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, known)
+        cover = _cover(scene, growing, None if before is None else before.cover)
     with timed(seconds, "assembly"):
         stiff_before = None if before is None else before.stiffness
         stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, stiff_before)
@@ -171,6 +169,21 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     law = _law(scene, faces, growing)
     contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))
     return Configuration(scene, cover, stiffness, held, contact, faces, free, springs, scaled, constant, seconds)
+
+
+def lay_out(scene: Scene, growing: tuple[GrowingCrack, ...]) -> tuple[Cover, ContactFaces, Constraints]:
+    """Cover, contact points and constraints of a configuration, as `assemble` makes them; nothing is integrated.
+
+    Raises GeometryError where the cover can't be made.
+    """
+    cover = _cover(scene, growing)
+    held = constraints(cover, scene.case.bodies, scene.case.supports)
+    return cover, _faces(scene, cover), _tied_by_bonds(scene, cover, held)
+
+
+def _cover(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
+    cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
+    return build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, before)
 
 
 @contextmanager

@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
@@ -137,14 +137,15 @@ def main() -> int:
     n, first = (int(sys.argv[1]) if len(sys.argv) > 1 else 2000), (int(sys.argv[2]) if len(sys.argv) > 2 else 0)
     before = 0.0
     rows: dict[str, list[Verdict]] = collections.defaultdict(list)
-    for count, verdict in enumerate(verdicts(n, first)):
-        rows[verdict.kind].append(verdict)
-        if count == 25:
-            before = peak_memory()
-        if verdict.broken:
-            print(f"BROKEN {verdict.number} {verdict.kind} {verdict.case}: {verdict.broken}", flush=True)
-        if verdict.accepted and not verdict.editor_accepts:
-            print(f"REFUSED BY THE SCHEMA ALONE {verdict.number} {verdict.kind} {verdict.case}", flush=True)
+    with suppress(KeyboardInterrupt):  # what was judged is told
+        for count, verdict in enumerate(verdicts(n, first)):
+            rows[verdict.kind].append(verdict)
+            if count == 25:
+                before = peak_memory()
+            if verdict.broken:
+                print(f"BROKEN {verdict.number} {verdict.kind} {verdict.case}: {verdict.broken}", flush=True)
+            if verdict.accepted and not verdict.editor_accepts:
+                print(f"REFUSED BY THE SCHEMA ALONE {verdict.number} {verdict.kind} {verdict.case}", flush=True)
     every = [verdict for found in rows.values() for verdict in found]
     print("| kind | mutants | accepted | refused | by the schema too | wrong alone | by it too | slowest, CPU s |")
     print("|---|---|---|---|---|---|---|---|")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from tests.unit.case.scenes import EVERYTHING, text_of
 Rng = np.random.Generator
 CASES = Path(__file__).parents[2] / "cases"
 
+_NUMBER = re.compile(r"[-+]?[.0-9]+([eE][-+]?[0-9]+)?( \S+)?")  # perhaps with a unit
 TYPES = ["[1, 2]", "{a: 1}", "~", "", "a text", "true", "''", '"5"', "[]", "{}", "[[1]]", "5", "-", "none", "!!str 5"]
 UNITS = [
     "3 parsec",
@@ -62,7 +64,7 @@ def _replaced(text: str, start: int, end: int, new: str) -> str:
 
 
 def _is_number(text: str) -> Callable[[Site], bool]:
-    return lambda site: site.scalar and text[site.start : site.end][:1] in "-.0123456789" and site.end > site.start
+    return lambda site: site.scalar and bool(_NUMBER.fullmatch(text[site.start : site.end]))
 
 
 def misspelt_key(text: str, rng: Rng) -> str:

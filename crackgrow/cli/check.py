@@ -1,0 +1,53 @@
+"""`crackgrow check`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import crackgrow
+from crackgrow.cli.case_file import load_case_file
+from crackgrow.cli.console import EXIT_DONE, say
+
+HELP = """\
+Validate a case and print the plan of its run: bodies, cracks and tips, what is modelled and why, the unknowns of the
+first step, counted on its cover, what a step costs in seconds and memory, and what to beware of. Nothing is solved.
+"""
+EXAMPLES = """\
+exit codes: 0 the case can be run; 2 it is wrong, all faults are listed; 3 its cracks cannot be covered.
+
+examples:
+  crackgrow check cases/compression30.yaml
+  crackgrow check cases/two_flaws.yaml --set numerics.spacing=1 --picture two_flaws.svg
+"""
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """`crackgrow check`: validate a case, say what it models, and draw it if asked to."""
+    case = load_case_file(arguments)
+    say(crackgrow.plan_text(case))
+    if arguments.picture is not None:
+        crackgrow.draw_scene(arguments.picture, case)
+        say(f"picture in {arguments.picture}")
+    return EXIT_DONE
+
+
+def add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
+    """Add the command and its arguments to those of `case`."""
+    command = commands.add_parser(
+        "check",
+        parents=[case],
+        help="validate a case, say what it models and costs",
+        description=HELP,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("--picture", type=_picture, metavar="FILE.png|svg", help="draw the scene, too")
+    command.set_defaults(command=check)
+
+
+def _picture(text: str) -> Path:
+    path = Path(text)
+    if path.suffix.lower() not in (".png", ".svg"):
+        raise argparse.ArgumentTypeError(f"{text!r}: a name that ends in .png or .svg is wanted")
+    return path

@@ -1,0 +1,86 @@
+"""What a step costs: a small model, fitted to measurements (tests/benchmarks/cost.py writes its table, cost.json).
+
+Seconds and memory are sums of positive terms in N = dofs / 10^4, S, the same of the tip functions alone, R = N - S,
+contact points and tips; S^2/R is what all tip functions over an element make with each other. Seconds are those of the
+machine of the measurements, times how much longer a probe takes here.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Final
+
+import numpy as np
+
+from crackgrow.case.model import Case, CriticalLoad, LoadHistory
+from crackgrow.plan.sizes import Sizes
+
+TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact")
+MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R")
+IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
+PROBE_SIZE, PROBE_REPEATS = 260, 7
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """An estimate, good within a factor of two."""
+
+    first_step: float  # s of CPU
+    later_step: float  # s of CPU, of each
+    n_later: int  # steps after the first one
+    memory: float  # MiB, at most
+
+    @property
+    def total(self) -> float:
+        """Seconds of CPU of the whole run, without files and pictures."""
+        return self.first_step + self.n_later * self.later_step
+
+
+def estimated_cost(case: Case, sizes: Sizes) -> Cost:
+    """What a run of the case will take on this machine; measures the machine for a moment."""
+    table = json.loads((files("crackgrow.plan") / "cost.json").read_text(encoding="utf-8"))
+    slower = probe() / table["probe"]
+    terms = terms_of(case, sizes)
+    solves = IMPLICIT_SOLVES if case.growth is not None and case.growth.direction == "implicit" else 1.0
+    history = len(case.loading.factors) if isinstance(case.loading, LoadHistory) and case.growth is None else 1
+    first, later = (slower * float(terms @ table[key]) for key in ("first", "later"))
+    return Cost(
+        first_step=first,
+        later_step=solves * later,
+        n_later=case.growth.steps if case.growth is not None else history - 1,
+        memory=float(memory_terms_of(sizes) @ table["memory"]),
+    )
+
+
+def terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """The values (9,) of TERMS."""
+    n, s, contact = sizes.n_dofs / 1e4, _singular(sizes), sizes.n_contact / 100
+    critical = isinstance(case.loading, CriticalLoad)
+    touching = [contact, contact * n**0.5, sizes.n_tips / 10, contact * critical]
+    return np.array([1.0, n, n**1.5, s, s**2 / (n - s), *touching])
+
+
+def memory_terms_of(sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """The values (5,) of MEMORY_TERMS."""
+    n, s = sizes.n_dofs / 1e4, _singular(sizes)
+    return np.array([1.0, n, n**1.25, s, s**2 / (n - s)])
+
+
+def _singular(sizes: Sizes) -> float:
+    """S: dofs / 10^4 of the tip functions, of which many meet on an element where tips are close."""
+    return 8 * sizes.n_singular / 1e4
+
+
+def probe() -> float:
+    """CPU seconds of some small dense factorizations and a loop: how slow the machine is, in a few hundredths."""
+    matrix = np.eye(PROBE_SIZE) * PROBE_SIZE + np.ones((PROBE_SIZE, PROBE_SIZE))
+    found = []
+    for _ in range(PROBE_REPEATS):
+        start = time.process_time()
+        np.linalg.cholesky(matrix)
+        sum(k * k for k in range(20_000))
+        found.append(time.process_time() - start)
+    return min(found)

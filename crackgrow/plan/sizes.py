@@ -1,0 +1,74 @@
+"""How large the first step of a case is: counted, not guessed, on the cover that the run will make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crackgrow.case.model import Case
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.configuration import lay_out
+from crackgrow.run.scene import make_scene
+from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions
+
+LEAST_INCREMENT = 1.0
+"""Spacings: kinks that follow closer on each other share all of their patches."""
+
+
+@dataclass(frozen=True, slots=True)
+class SurfacePlan:
+    """A crack, interface line or foundation."""
+
+    name: str
+    n_points: int  # contact points
+    bonded: bool
+    touching: bool  # whether its faces can press on each other
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """Counts of step 0, and what the user should know before it."""
+
+    n_dofs: int
+    n_patches: int  # physical
+    n_singular: int  # pairs of a tip and a patch that carries its functions
+    n_tips: int
+    n_elements: int
+    n_contact: int  # points; each has a normal and a tangential traction
+    n_multipliers: int  # of supports and bonds
+    surfaces: tuple[SurfacePlan, ...]
+    warnings: tuple[str, ...]
+
+
+def sizes_of(case: Case) -> Sizes:
+    """Make the cover of step 0 and count. Raises GeometryError where it can't be made."""
+    scene = make_scene(case)
+    cover, faces, held = lay_out(scene, beginning(case).cracks)
+    n_points = np.bincount(faces.surface, minlength=len(cover.surfaces)).tolist()
+    surfaces = tuple(
+        SurfacePlan(surface.name, n, law.bonded, law.contact is not None)
+        for surface, law, n in zip(cover.surfaces, scene.laws, n_points, strict=True)
+    )
+    known = [*settings_cautions(scene, cover, len(faces.surface)), *closeness_cautions(scene, cover)]
+    return Sizes(
+        n_dofs=cover.n_dofs,
+        n_patches=len(cover.patch_nodes),
+        n_singular=sum(int(np.count_nonzero(first >= 0)) for first in cover.tip_function_ids),
+        n_tips=len(cover.tips),
+        n_elements=len(cover.functions),
+        n_contact=len(faces.surface),
+        n_multipliers=len(held.given),
+        surfaces=surfaces,
+        warnings=(*known, *_short_increment(case)),
+    )
+
+
+def _short_increment(case: Case) -> list[str]:
+    growth, spacing = case.growth, case.numerics.spacing
+    if growth is None or growth.steps == 0 or growth.increment >= LEAST_INCREMENT * spacing:
+        return []
+    return [
+        f"the increment {growth.increment:g} m is below a spacing ({spacing:g} m): the cover does not resolve kinks "
+        "that follow each other so closely, and where they are closed, faces overlap between contact points"
+    ]

@@ -1,0 +1,82 @@
+"""The plan of a case in words: what is modelled and why, how large it is, what it costs, what to beware of."""
+
+from __future__ import annotations
+
+from crackgrow.case.model import Case
+from crackgrow.plan.cost import Cost, estimated_cost
+from crackgrow.plan.sizes import Sizes, sizes_of
+from crackgrow.results.overview import overview
+
+SHOWN_SURFACES = 12  # of more the rest is summed up
+
+
+def plan_text(case: Case) -> str:
+    """Lines of text: the overview of the case, the model of step 0, its cost, warnings. Raises GeometryError."""
+    sizes = sizes_of(case)
+    cost = estimated_cost(case, sizes)
+    return "\n".join([overview(case), *_model(case, sizes), *_cost(case, cost), *_warnings(sizes)])
+
+
+def _model(case: Case, sizes: Sizes) -> list[str]:
+    standard, singular = 2 * sizes.n_patches, 8 * sizes.n_singular
+    lines = [
+        "model of step 0:",
+        f"  {sizes.n_dofs} dofs: {standard} of {sizes.n_patches} physical patches"
+        + (f", {singular} of {sizes.n_singular} singular patches at {_count(sizes.n_tips, 'tip')}" if singular else "")
+        + f"; {sizes.n_elements} manifold elements",
+        f"  {_count(sizes.n_multipliers, 'multiplier')} for supports and bonds",
+    ]
+    if sizes.n_contact:
+        kind = "mortar nodes" if case.numerics.contact.discretization == "mortar" else "Gauss points"
+        unknowns = f"{2 * sizes.n_contact} tractions at {sizes.n_contact} {kind}"
+        lines.append(f"  contact: {unknowns}, normal and, where they stick or slip, tangential")
+    else:
+        lines.append("  contact: none")
+    shown = sizes.surfaces[:SHOWN_SURFACES]
+    reasons = {False: "no contact: its faces never touch", True: "bonded: multipliers close gap and slip"}
+    for surface in shown:
+        if surface.touching:
+            lines.append(f"    {surface.name}: {_count(surface.n_points, 'point')}, {_law(case, surface.name)}")
+        else:
+            lines.append(f"    {surface.name}: {reasons[surface.bonded]}")
+    rest = sizes.surfaces[SHOWN_SURFACES:]
+    if rest:
+        lines.append(f"    {len(rest)} more: {_count(sum(surface.n_points for surface in rest), 'point')}")
+    return lines
+
+
+def _law(case: Case, name: str) -> str:
+    """Whether faces only press, or rub as well."""
+    laws = {crack.name: crack.contact for crack in case.cracks}
+    law = laws.get(name)
+    if law is not None and law.friction == law.cohesion == law.residual_friction == 0.0:
+        return "normal contact alone: neither friction nor cohesion"
+    return "with friction"
+
+
+def _cost(case: Case, cost: Cost) -> list[str]:
+    implicit = " (implicit directions: three solves)" if case.growth and case.growth.direction == "implicit" else ""
+    later = f", {_seconds(cost.later_step)} each of {cost.n_later} more{implicit}" if cost.n_later else ""
+    total = f"; {_seconds(cost.total)} in all" if cost.n_later else ""
+    return [
+        f"estimated cost, within a factor of two: {_seconds(cost.first_step)} of CPU for the first step{later}{total}, "
+        f"without files and pictures; {_memory(cost.memory)} of memory"
+    ]
+
+
+def _warnings(sizes: Sizes) -> list[str]:
+    return [f"warning: {text}" for text in sizes.warnings] or ["no warnings"]
+
+
+def _seconds(value: float) -> str:
+    if value >= 90.0:
+        return f"{value / 60.0:.2g} min" if value < 5400.0 else f"{value / 3600.0:.2g} h"
+    return f"{value:.2g} s"
+
+
+def _memory(value: float) -> str:
+    return f"{value:.0f} MiB" if value < 1000.0 else f"{value / 1024.0:.2g} GiB"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"

@@ -1,0 +1,117 @@
+"""Refit the cost model of `crackgrow check`: `python -m tests.benchmarks.cost` measures, fits, writes and tells.
+
+Writes crackgrow/plan/cost.json, the constants, and tests/benchmarks/cost.md, measured and estimated. Every scene runs
+in a process of its own, with one BLAS thread; seconds are of CPU, for the first step and the mean of the next ones.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.optimize import nnls
+
+import crackgrow.results.figures
+import crackgrow.results.vtk_frames  # noqa: F401  (loaded: a run needs their memory, too)
+from crackgrow.case import load_case
+from crackgrow.plan.cost import MEMORY_TERMS, TERMS, memory_terms_of, probe, terms_of
+from crackgrow.plan.sizes import sizes_of
+from crackgrow.run import grow
+from tests.benchmarks.paths import ROOT
+from tests.benchmarks.scenes import NO_FILES
+
+SCENES: tuple[tuple[str, tuple[str, ...]], ...] = (
+    *(("compression30", (f"numerics.spacing={h}", "growth.steps=3")) for h in (3, 1.5, 0.75, 0.4)),
+    *(("two_flaws", (f"numerics.spacing={h}", "growth.steps=2")) for h in (4, 2, 1)),
+    *(("brazilian_disk", (f"numerics.spacing={h}", "growth.steps=2")) for h in (6, 3, 1.5)),
+    *(("interface_friction04", (f"numerics.spacing={h}",)) for h in (0.1, 0.05, 0.025)),
+    *(("random_flaws", (f"numerics.spacing={h}", "growth.steps=2")) for h in (6, 3)),
+    *(("edge_tension", (f"numerics.spacing={h}",)) for h in (2, 0.75)),
+)
+
+
+def measured(name: str, settings: tuple[str, ...]) -> dict[str, Any]:
+    """Sizes, seconds and memory of a scene; in a process of its own."""
+    command = [sys.executable, "-m", "tests.benchmarks.cost", name, *settings]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT)
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def measure(name: str, settings: tuple[str, ...]) -> dict[str, Any]:
+    """Run a scene here, and count."""
+    case = load_case(ROOT / "cases" / f"{name}.yaml", (*settings, *NO_FILES))
+    quick = min(probe() for _ in range(3))
+    seconds, steps = [], grow(case)
+    start = time.process_time()
+    for _ in steps:
+        seconds.append(time.process_time() - start)
+        start = time.process_time()
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    sizes = sizes_of(case)
+    return {
+        "terms": terms_of(case, sizes).tolist(),
+        "memory_terms": memory_terms_of(sizes).tolist(),
+        "n_dofs": sizes.n_dofs,
+        "n_contact": sizes.n_contact,
+        "first": seconds[0],
+        "later": float(np.mean(seconds[1:])) if len(seconds) > 1 else None,
+        "memory": memory,
+        "probe": quick,
+    }
+
+
+def fitted(rows: list[dict[str, Any]], terms: str, value: str) -> list[float]:
+    """Constants, none negative, of least relative error."""
+    known = [row for row in rows if row[value] is not None]
+    A, b = (np.array([row[key] for row in known]) for key in (terms, value))
+    found: list[float] = nnls(A / b[:, None], np.ones(len(b)))[0].tolist()
+    return found
+
+
+def main() -> None:
+    """Measure, fit, write."""
+    rows = []
+    for name, settings in SCENES:
+        rows.append(measured(name, settings))
+        print(name, *settings, {key: rows[-1][key] for key in ("n_dofs", "first", "later", "memory")}, flush=True)
+    table = {
+        "terms": TERMS,
+        "memory_terms": MEMORY_TERMS,
+        "probe": float(np.median([row["probe"] for row in rows])),
+        "first": fitted(rows, "terms", "first"),
+        "later": fitted(rows, "terms", "later"),
+        "memory": fitted(rows, "memory_terms", "memory"),
+    }
+    write(table, rows, SCENES)
+
+
+def write(table: dict[str, Any], rows: list[dict[str, Any]], scenes: Sequence[tuple[str, tuple[str, ...]]]) -> None:
+    """Write the constants, and the table of what they make of the measurements."""
+    (ROOT / "crackgrow" / "plan" / "cost.json").write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
+    lines = [
+        "What steps cost, measured, and estimated over measured: `python -m tests.benchmarks.cost`.\n",
+        "| scene, spacing | dofs | contact points | first step, s | ratio | later, s | ratio | memory, MiB | ratio |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for (name, settings), row in zip(scenes, rows, strict=True):
+        cells = [f"{name} {settings[0].partition('=')[2]}", str(row["n_dofs"]), str(row["n_contact"])]
+        for value, terms in (("first", "terms"), ("later", "terms"), ("memory", "memory_terms")):
+            ratio = None if row[value] is None else float(np.dot(row[terms], table[value])) / row[value]
+            cells += ["", ""] if ratio is None else [f"{row[value]:.3g}", f"{ratio:.2f}"]
+        lines.append(f"| {' | '.join(cells)} |")
+    (ROOT / "tests" / "benchmarks" / "cost.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    print("\n".join(lines))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        print(json.dumps(measure(sys.argv[1], tuple(sys.argv[2:]))))
+    else:
+        main()

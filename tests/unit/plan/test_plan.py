@@ -1,0 +1,136 @@
+"""The plan of a case: counts are those of the run, cost and warnings follow the scene, the picture shows what acts."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow import cli
+from crackgrow.case import Case, load_case
+from crackgrow.plan.cost import Cost, estimated_cost, probe
+from crackgrow.plan.picture import draw_scene
+from crackgrow.plan.sizes import sizes_of
+from crackgrow.plan.text import plan_text
+from crackgrow.run import grow
+
+CASES = Path(__file__).parents[3] / "cases"
+COARSE = {
+    "compression30": ("numerics.spacing=3",),
+    "interface_friction04": ("numerics.spacing=0.1",),
+    "block_rigid": ("numerics.spacing=0.25",),
+    "junction_static": ("numerics.spacing=4",),
+    "cyclic_friction": ("numerics.spacing=15",),
+}
+
+
+def coarse(name: str, *settings: str) -> Case:
+    return load_case(CASES / f"{name}.yaml", (*COARSE.get(name, ()), *settings))
+
+
+@pytest.mark.parametrize("name", sorted(COARSE))
+def test_counts_are_those_of_the_run(name: str) -> None:
+    case = coarse(name)
+    sizes, first = sizes_of(case), next(grow(case))
+    assert (sizes.n_dofs, sizes.n_contact) == (first.n_dofs, len(first.contact.s))
+    assert sizes.n_dofs == 2 * sizes.n_patches + 8 * sizes.n_singular
+    assert sizes.n_tips == len(first.tips)
+    plan_alone = {text for text in sizes.warnings if text.startswith("the increment")}
+    assert set(sizes.warnings) - plan_alone <= set(first.warnings)  # the same words
+
+
+def test_text_says_what_is_modelled_and_why() -> None:
+    lines = plan_text(coarse("compression30")).splitlines()
+    sizes = sizes_of(coarse("compression30"))
+    assert f"  {sizes.n_dofs} dofs: {2 * sizes.n_patches} of {sizes.n_patches} physical patches, " in "\n".join(lines)
+    assert "  3 multipliers for supports and bonds" in lines
+    assert any("flaw: " in line and "normal contact alone: neither friction nor cohesion" in line for line in lines)
+    rough = plan_text(coarse("compression30", "cracks.flaw.contact.friction=0.3"))
+    assert re.search(r"flaw: \d+ points?, with friction", rough)
+    assert "flaw: no contact: its faces never touch" in plan_text(coarse("compression30", "cracks.flaw.contact=none"))
+    assert re.search(r"\d+(\.\d+)? s of CPU for the first step, .* each of 22 more; .* of memory", "\n".join(lines))
+
+
+def test_bonds_are_multipliers() -> None:
+    bonded = "interfaces=[{between: [lower, upper], contact: bonded}]"
+    free, tied = sizes_of(coarse("interface_friction04")), sizes_of(coarse("interface_friction04", bonded))
+    assert (free.n_contact > 0, tied.n_contact) == (True, 0)
+    assert tied.n_multipliers > free.n_multipliers
+    assert "bonded: multipliers close gap and slip" in plan_text(coarse("interface_friction04", bonded))
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (("growth.tip_stress.radius=0.5",), "the averaging radius"),
+        (("growth.increment=1",), "the increment 0.001 m is below a spacing"),
+        (("cracks.flaw.path.length=6",), "crack 'flaw' is 2 spacings long"),
+        (("numerics.support=1.5",), "numerics.support is 1.5"),
+        (("cracks.flaw.path.center=[9.9, 0]",), "is closer than a spacing to the outline"),
+        (("numerics.contact.stiffness=100",), "elastic contact with mortar nodes"),
+    ],
+)
+def test_warnings_come_before_the_run(settings: tuple[str, ...], words: str) -> None:
+    assert any(words in text for text in sizes_of(coarse("compression30", *settings)).warnings)
+    assert not any(words in text for text in sizes_of(load_case(CASES / "compression30.yaml")).warnings)
+
+
+def test_a_sound_case_has_no_warnings() -> None:
+    assert plan_text(load_case(CASES / "compression30.yaml")).endswith("no warnings")
+
+
+def test_cost_grows_with_the_scene_and_its_steps() -> None:
+    small, large = (load_case(CASES / "compression30.yaml", [f"numerics.spacing={h}"]) for h in (3, 0.75))
+    costs = [estimated_cost(case, sizes_of(case)) for case in (small, large)]
+    assert costs[0].memory < costs[1].memory
+    assert costs[0].first_step < costs[1].first_step
+    assert costs[0].later_step < costs[1].later_step
+    assert costs[0].n_later == 22
+    assert Cost(1.0, 0.5, 22, 100.0).total == 12.0
+    assert 0.0 < probe() < 1.0
+
+
+def test_implicit_directions_cost_more() -> None:
+    explicit = coarse("compression30", "growth.criterion=max_hoop_stress")
+    implicit = coarse("compression30", "growth.criterion=max_hoop_stress", "growth.direction=implicit")
+    a, b = (estimated_cost(case, sizes_of(case)).later_step for case in (explicit, implicit))
+    assert b / a > 1.5  # three times, within the noise of the probe
+    assert "(implicit directions: three solves)" in plan_text(implicit)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
+def test_every_case_can_be_drawn(name: str, tmp_path: Path) -> None:
+    draw_scene(tmp_path / "scene.svg", load_case(CASES / f"{name}.yaml"))
+    assert (tmp_path / "scene.svg").read_text(encoding="utf-8").count("<path") > 20
+
+
+def test_the_picture_shows_what_acts(tmp_path: Path) -> None:
+    few = coarse("compression30", "loads=[]", "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}]")
+    for name, case in (("few", few), ("all", coarse("compression30"))):
+        draw_scene(tmp_path / f"{name}.svg", case)
+    few_marks, marks = (
+        (tmp_path / f"{name}.svg").read_text(encoding="utf-8").count("#b2182b") for name in ("few", "all")
+    )
+    assert few_marks == 0 < marks
+
+
+def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case = str(CASES / "compression30.yaml")
+    assert cli.main(["check", case, "--set", "numerics.spacing=3", "--picture", str(tmp_path / "a.png")]) == 0
+    assert f"picture in {tmp_path / 'a.png'}" in capsys.readouterr().out
+    assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
+    with pytest.raises(SystemExit) as caught:
+        cli.main(["check", case, "--picture", "a.gif"])
+    assert caught.value.code == 2
+    assert "ends in .png or .svg" in capsys.readouterr().err
+
+
+def test_constants_are_sound() -> None:
+    case = coarse("compression30")
+    sizes = sizes_of(case)
+    found = estimated_cost(case, sizes)
+    assert np.isfinite([found.first_step, found.later_step, found.memory]).all()
+    assert found.first_step > 0.0 < found.later_step
+    assert 50.0 < found.memory < 1000.0
