@@ -18,8 +18,9 @@ import numpy as np
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory
 from crackgrow.plan.sizes import Sizes
 
-TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact")
-MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R")
+TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact", "held N")
+MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R", "held N")
+STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
 PROBE_SIZE, PROBE_REPEATS = 260, 7
 
@@ -49,24 +50,31 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
     first, later = (slower * float(terms @ table[key]) for key in ("first", "later"))
     return Cost(
         first_step=first,
-        later_step=solves * later,
+        later_step=STATIC_SHARE * first if case.growth is None else solves * later,
         n_later=case.growth.steps if case.growth is not None else history - 1,
-        memory=float(memory_terms_of(sizes) @ table["memory"]),
+        memory=float(memory_terms_of(case, sizes) @ table["memory"]),
     )
 
 
 def terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """The values (9,) of TERMS."""
+    """The values (10,) of TERMS."""
     n, s, contact = sizes.n_dofs / 1e4, _singular(sizes), sizes.n_contact / 100
     critical = isinstance(case.loading, CriticalLoad)
-    touching = [contact, contact * n**0.5, sizes.n_tips / 10, contact * critical]
+    touching = [contact, contact * n**0.5, sizes.n_tips / 10, contact * critical, _held_first(case) * n]
     return np.array([1.0, n, n**1.5, s, s**2 / (n - s), *touching])
 
 
-def memory_terms_of(sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """The values (5,) of MEMORY_TERMS."""
+def memory_terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """The values (6,) of MEMORY_TERMS."""
     n, s = sizes.n_dofs / 1e4, _singular(sizes)
-    return np.array([1.0, n, n**1.25, s, s**2 / (n - s)])
+    return np.array([1.0, n, n**1.25, s, s**2 / (n - s), _held_first(case) * n])
+
+
+def _held_first(case: Case) -> bool:
+    """Whether held loads act alone at first, and the others in parts: those that friction has to remember."""
+    laws = [crack.contact for crack in case.cracks]
+    rough = any(law is not None and law.friction > 0.0 for law in laws)
+    return case.growth is not None and rough and any(load.held for load in case.loads)
 
 
 def _singular(sizes: Sizes) -> float:

@@ -32,6 +32,11 @@ SCENES: tuple[tuple[str, tuple[str, ...]], ...] = (
     *(("brazilian_disk", (f"numerics.spacing={h}", "growth.steps=2")) for h in (6, 3, 1.5)),
     *(("interface_friction04", (f"numerics.spacing={h}",)) for h in (0.1, 0.05, 0.025)),
     *(("random_flaws", (f"numerics.spacing={h}", "growth.steps=2")) for h in (6, 3)),
+    ("cyclic_friction", ("numerics.spacing=2.5", "loading.history=[1]")),
+    ("confined30", ("numerics.spacing=2", "growth.steps=2")),
+    ("block_foundation", ("numerics.spacing=0.2",)),
+    ("en_echelon", ("numerics.spacing=2", "growth.steps=2")),
+    ("junction_static", ("numerics.spacing=1.5",)),
     *(("edge_tension", (f"numerics.spacing={h}",)) for h in (2, 0.75)),
 )
 
@@ -57,7 +62,7 @@ def measure(name: str, settings: tuple[str, ...]) -> dict[str, Any]:
     sizes = sizes_of(case)
     return {
         "terms": terms_of(case, sizes).tolist(),
-        "memory_terms": memory_terms_of(sizes).tolist(),
+        "memory_terms": memory_terms_of(case, sizes).tolist(),
         "n_dofs": sizes.n_dofs,
         "n_contact": sizes.n_contact,
         "first": seconds[0],
