@@ -114,7 +114,7 @@ class _Scene:
         bar.set_label(f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}")
         load = f", load factor {self.factors[frame.step]:.4g}" if frame.step in self.factors else ""
         caption = f"step {frame.step}{load}, displacement x {self.warp:.3g}"
-        axes.set_title(f"{self.title}\n{caption}", fontsize=10, wrap=True, parse_math=False)
+        figure.suptitle(f"{self.title}\n{caption}", fontsize=10, wrap=True, parse_math=False)
         data = io.BytesIO()
         figure.savefig(data, format="png")
         return data.getvalue()

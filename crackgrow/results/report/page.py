@@ -9,6 +9,7 @@ from typing import Any
 
 from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import RunFolder, read_run
+from crackgrow.results.leftovers import REPORT
 from crackgrow.results.report.charts import charts
 from crackgrow.results.report.checks import check_rows, estimate_rows, status_badge
 from crackgrow.results.report.markup import Markup, join, json_script, table, tag, text
@@ -18,7 +19,6 @@ from crackgrow.results.report.step_data import contact_data, step_words, tip_dat
 from crackgrow.results.report.view import view_of
 from crackgrow.results.units import shown
 
-REPORT = "report.html"
 SHOWN_WARNINGS = 200  # of more the first ones are shown
 
 PAGE = Template("""<!DOCTYPE html>

@@ -261,9 +261,9 @@ def test_estimates_of_error_are_shown_where_the_run_makes_some(folder: Path, tmp
     (tmp_path / "summary.json").write_text(json.dumps(summary | {"error_estimate": estimate}))
     write_report(tmp_path)
     cells = re.findall(r"<td[^>]*>([^<]*)</td>", (tmp_path / "report.html").read_text())
-    at = cells.index("energy norm percent, first")
+    at = cells.index("energy norm [%], first")
     assert cells[at : at + 6] == [
-        "energy norm percent, first", "4.25", "energy norm percent, last", "\N{EN DASH}", "K spread percent", "0.5",
+        "energy norm [%], first", "4.25", "energy norm [%], last", "\N{EN DASH}", "K spread [%]", "0.5",
     ]  # fmt: skip
 
 
