@@ -14,6 +14,7 @@ run            one step, and the loop over the steps
 results        tables, frames, figures and a report on disk, made from the results alone
 study          what several runs tell: how far apart their crack paths are, what extremes do to a scene,
                what accuracy costs
+api            a case solved or run from Python: arrays, tables, fields at points
 cli            the command line, the only place that prints
 """
 
@@ -23,7 +24,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from crackgrow.api import Run, Solution, run_case, solve
     from crackgrow.case import dump_case, load_case
+    from crackgrow.case.json_schema import case_schema
     from crackgrow.case.model import Case
     from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4
     from crackgrow.results.overview import overview
@@ -49,10 +52,13 @@ __version__ = "0.1.0"
 __all__ = [
     "Case",
     "Comparison",
+    "Run",
     "RunEnd",
     "RunWriter",
+    "Solution",
     "StepResult",
     "__version__",
+    "case_schema",
     "compare_paths",
     "comparison_csv",
     "comparison_text",
@@ -64,6 +70,8 @@ __all__ = [
     "overview",
     "plan_trade",
     "render",
+    "run_case",
+    "solve",
     "stability",
     "stability_line",
     "trade",
@@ -79,9 +87,12 @@ __all__ = [
 _HOMES = {
     "Case": "crackgrow.case.model",
     "Comparison": "crackgrow.study.comparison",
+    "Run": "crackgrow.api",
     "RunEnd": "crackgrow.run.result",
     "RunWriter": "crackgrow.results.writer",
+    "Solution": "crackgrow.api",
     "StepResult": "crackgrow.run.result",
+    "case_schema": "crackgrow.case.json_schema",
     "compare_paths": "crackgrow.study.compare",
     "comparison_csv": "crackgrow.study.comparison_text",
     "comparison_text": "crackgrow.study.comparison_text",
@@ -93,6 +104,8 @@ _HOMES = {
     "overview": "crackgrow.results.overview",
     "plan_trade": "crackgrow.study.trade.plan",
     "render": "crackgrow.results.render",
+    "run_case": "crackgrow.api",
+    "solve": "crackgrow.api",
     "stability": "crackgrow.study.stability.runner",
     "stability_line": "crackgrow.study.stability.table",
     "trade": "crackgrow.study.trade.runner",
