@@ -7,13 +7,14 @@ MAKEFLAGS += --no-print-directory
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-all verify stability lint check bench wheel readme clean distclean
+.PHONY: help run case-exists test test-all browser verify stability lint check bench wheel readme clean distclean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make run CASE=name [ARGS=...]  run cases/name.yaml into outputs/name"
 	@echo "make test                      tests without the slow ones"
 	@echo "make test-all                  all tests"
+	@echo "make browser                   the report in Chromium (needs chromium and chromedriver)"
 	@echo "make verify                    references and exact solutions: a table and pictures in outputs/verification"
 	@echo "make stability [ARGS=--short]  extremes of all kinds: a table and a picture in outputs/stability"
 	@echo "make lint                      ruff and mypy"
@@ -53,6 +54,9 @@ test: $(STAMP)
 
 test-all: $(STAMP)
 	@$(PY) -m pytest -q
+
+browser: $(STAMP)
+	@$(PY) -m pytest -q -m browser tests/browser
 
 verify: $(STAMP)
 	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) -m tests.verification.verify $(ARGS)

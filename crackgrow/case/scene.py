@@ -278,6 +278,7 @@ OUTPUT: Final = Mapping(
         "frames": Field(Choice(("every_step", "first_and_last", "none")), "steps written as frames", "every_step"),
         "fields": Field(ListOf(Choice(("displacement", "stress"))), "fields in a frame", ["displacement", "stress"]),
         "figures": Field(Switch(), "draw pictures and plots", True),
+        "report": Field(Switch(), "write report.html at the end", True),
     }
 )
 
