@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from crackgrow.api import Run, Solution, run_case, solve
     from crackgrow.case import dump_case, load_case
+    from crackgrow.case.json_schema import case_schema
     from crackgrow.case.model import Case
     from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4
     from crackgrow.results.overview import overview
@@ -57,6 +58,7 @@ __all__ = [
     "Solution",
     "StepResult",
     "__version__",
+    "case_schema",
     "compare_paths",
     "comparison_csv",
     "comparison_text",
@@ -90,6 +92,7 @@ _HOMES = {
     "RunWriter": "crackgrow.results.writer",
     "Solution": "crackgrow.api",
     "StepResult": "crackgrow.run.result",
+    "case_schema": "crackgrow.case.json_schema",
     "compare_paths": "crackgrow.study.compare",
     "comparison_csv": "crackgrow.study.comparison_text",
     "comparison_text": "crackgrow.study.comparison_text",

@@ -15,6 +15,7 @@ from crackgrow.case.units import UNITS, QuantityError, parse_number
 Corners = list[list[float]]  # m, not closed
 
 _READERS = {".geojson": shapely.from_geojson, ".json": shapely.from_geojson, ".wkt": shapely.from_wkt}
+ENDINGS = tuple(_READERS)
 
 
 class OutlineError(ValueError):

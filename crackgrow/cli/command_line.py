@@ -11,9 +11,11 @@ from pathlib import Path
 import crackgrow
 from crackgrow.cli.compare import add_compare
 from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, complain
+from crackgrow.cli.new import add_new
 from crackgrow.cli.render import add_render
 from crackgrow.cli.report import add_report
 from crackgrow.cli.run import check, run
+from crackgrow.cli.schema import add_schema
 from crackgrow.cli.stability import add_stability
 from crackgrow.cli.trade import add_trade
 from crackgrow.errors import CaseError, CrackgrowError
@@ -66,4 +68,6 @@ def _parser() -> argparse.ArgumentParser:
     add_compare(commands)
     add_stability(commands)
     add_trade(commands)
+    add_new(commands)
+    add_schema(commands)
     return parser
