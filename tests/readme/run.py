@@ -20,7 +20,10 @@ from tests.readme.commands import Command, commands
 
 ROOT = Path(__file__).resolve().parents[2]
 
-NEEDS_A_WINDOW = ("paraview outputs/compression30/compression30.pvd",)
+NEEDS_A_WINDOW = (
+    "paraview outputs/compression30/compression30.pvd",
+    "paraview outputs/my_rock/my_rock.pvd",
+)
 """Never run: the program is none of ours, and waits for its user."""
 
 NEEDS_A_PROGRAM = {"crackgrow render outputs/compression30 --mp4 --out pictures": "ffmpeg"}
