@@ -43,6 +43,7 @@ EXIT_CODES = {'crackgrow compare outputs/coarse outputs/compression30 --toleranc
 
 COPIED = ("Makefile", "README.md", "pyproject.toml", ".requirements.lock", "crackgrow", "cases", "tests")
 TIMEOUT = 1800  # s
+SHOWN_LINES = 30  # of a command that fails, its last ones
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 
 
@@ -93,7 +94,8 @@ def fault_of(command: Command, folder: Path) -> str:
     )  # fmt: skip
     wanted = EXIT_CODES.get(command.text, 0)
     if done.returncode != wanted:
-        return f"exit code {done.returncode} instead of {wanted}\n{done.stdout}{done.stderr}"
+        said = f"{done.stdout}{done.stderr}".splitlines()[-SHOWN_LINES:]
+        return "\n".join([f"exit code {done.returncode} instead of {wanted}", *said, ""])
     printed = {without_numbers(line) for line in done.stdout.splitlines()}
     missing = [line for line in command.prints if without_numbers(line) not in printed]
     return f"it does not print {missing[0]!r} but\n{done.stdout}" if missing else ""
