@@ -92,9 +92,9 @@ def _own_file(name: str) -> str:
 def _header(run: RunFolder) -> Markup:
     summary = run.summary
     n_dofs = summary["n_dofs"]
-    commit = f" ({summary['git_commit'][:12]}{', modified' if summary['git_modified'] else ''})"
+    commit, modified = summary["git_commit"], ", modified" if summary["git_modified"] else ""  # None where installed
     facts = [
-        f"crackgrow {summary['version']}{commit if summary['git_commit'] else ''}",
+        f"crackgrow {summary['version']}{f' ({commit[:12]}{modified})' if commit else ''}",
         f"plane {run.case.plane}",
         f"{summary['n_solves']} solved step{'' if summary['n_solves'] == 1 else 's'}",
         f"{' to '.join(dict.fromkeys(str(n) for n in n_dofs.values()))} unknowns" if n_dofs else "nothing solved",
