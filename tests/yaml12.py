@@ -7,11 +7,23 @@ from typing import Any
 
 import yaml
 
+MOST_ALIASES = 8  # editors stop at what aliases expand to
+
 
 class _Core(yaml.SafeLoader):
     """Resolves plain scalars by the core schema of YAML 1.2."""
 
     yaml_implicit_resolvers: dict[str, list[tuple[str, re.Pattern[str]]]] = {}  # noqa: RUF012  (as in its base)
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self.n_aliases = 0
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        self.n_aliases += self.check_event(yaml.AliasEvent)
+        if self.n_aliases > MOST_ALIASES:
+            raise yaml.composer.ComposerError(None, None, "too many aliases", self.peek_event().start_mark)
+        return super().compose_node(parent, index)
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         keys = [str(key.value) for key, _ in node.value]  # as texts, whatever they look like

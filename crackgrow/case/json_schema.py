@@ -56,10 +56,11 @@ def schema_of(spec: Spec) -> Schema:
             return {"anyOf": [schema_of(form) for form in forms]}
         case Converted(inner):
             return schema_of(inner)
-        case Named(_, inner):
-            return {"type": "object", "propertyNames": {"pattern": _NAME}, "additionalProperties": schema_of(inner)}
-        case ListOf(inner, length):
-            sized = {} if length is None else {"minItems": length, "maxItems": length}
+        case Named(_, inner, at_most):
+            names = {"propertyNames": {"pattern": _NAME}, "maxProperties": at_most}
+            return {"type": "object", **names, "additionalProperties": schema_of(inner)}
+        case ListOf(inner, length, at_most):
+            sized = {"maxItems": at_most} if length is None else {"minItems": length, "maxItems": length}
             return {"type": "array", "items": schema_of(inner), **sized}
         case OneOrList(inner):
             return {"anyOf": [schema_of(inner), schema_of(ListOf(inner))]}

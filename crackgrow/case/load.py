@@ -77,4 +77,5 @@ def _units_of(root: Table) -> Units | None:
         return Units()
     scratch = Report("")
     values: Any = UNITS_SPEC.read(root.entries["units"].node, ("units",), Context(scratch, Units()))
-    return None if scratch.faults else Units(**values)
+    sound = isinstance(values, dict) and all(isinstance(unit, str) for unit in values.values())
+    return Units(**values) if sound else None  # what the parser refused is no fault of the scratch report

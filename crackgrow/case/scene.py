@@ -7,7 +7,7 @@ from typing import Final
 from crackgrow.case.accuracy import AUTO, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import LengthOrFormula
-from crackgrow.case.outline_file import OutlineFile, with_file_holes, without_file
+from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, without_file
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import (
     NOT_NEGATIVE,
@@ -39,6 +39,7 @@ from crackgrow.case.units import UNITS
 
 LENGTH: Final = Quantity("length")
 POINT: Final = ListOf(LENGTH, 2)
+POINTS: Final = ListOf(POINT, at_most=MOST_CORNERS)
 
 UNITS_SPEC: Final = Mapping(
     {
@@ -61,14 +62,14 @@ DISK: Final = Mapping(
 
 _SIMPLE_SHAPES: Final = (
     {"rectangle": Field(RECTANGLE, "a rectangle along the axes")},
-    {"polygon": Field(ListOf(POINT), "corners in drawing order, [[x, y], ...]")},
+    {"polygon": Field(POINTS, "corners in drawing order, [[x, y], ...]")},
     {"disk": Field(DISK, "a disk")},
     {"file": Field(OutlineFile(), "a file with a polygon")},
 )
 
 HOLE: Final = Converted(OneOf(tuple(Mapping(form) for form in _SIMPLE_SHAPES)), without_file)
 
-_HOLES: Final = Field(ListOf(HOLE), "holes: shapes inside of the outline", OPTIONAL)
+_HOLES: Final = Field(ListOf(HOLE, at_most=300), "holes: shapes inside of the outline", OPTIONAL)
 
 SHAPE: Final = Converted(OneOf(tuple(Mapping({**form, "holes": _HOLES}) for form in _SIMPLE_SHAPES)), with_file_holes)
 
@@ -110,7 +111,7 @@ PATH: Final = OneOf(
                 "angle": Field(Quantity("angle"), "direction from start to end, counter-clockwise from x"),
             }
         ),
-        Mapping({"points": Field(ListOf(POINT), "vertices from start to end, [[x, y], ...]")}),
+        Mapping({"points": Field(POINTS, "vertices from start to end, [[x, y], ...]")}),
     )
 )
 
@@ -320,7 +321,7 @@ CASE: Final = Mapping(
         "source": Field(Text(may_be_empty=True), "where the scene comes from", ""),
         "units": Field(UNITS_SPEC, "what bare numbers mean", BY_PARTS),
         "plane": Field(PLANE, "plane strain or plane stress"),
-        "bodies": Field(Named("body", BODY), "the pieces of rock"),
+        "bodies": Field(Named("body", BODY, at_most=200), "the pieces of rock"),
         "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
         "interfaces": Field(ListOf(INTERFACE), "contact between bodies that share a boundary", []),
         "supports": Field(ListOf(SUPPORT), "prescribed displacements and rigid foundations", []),
