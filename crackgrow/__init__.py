@@ -14,7 +14,7 @@ run            one step, and the loop over the steps
 results        tables, frames, figures and a report on disk, made from the results alone
 plan           what a case will model and cost, and a picture of it, before anything is solved
 study          what several runs tell: how far apart their crack paths are, what extremes do to a scene,
-               what accuracy costs
+               what accuracy costs, what parameters do: one run for each combination
 api            a case solved or run from Python: arrays, tables, fields at points
 cli            the command line, the only place that prints
 """
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from crackgrow.study.stability.runner import stability
     from crackgrow.study.stability.table import stability_line
     from crackgrow.study.stability.writer import write_stability
+    from crackgrow.study.sweep.plan import plan_sweep
+    from crackgrow.study.sweep.runner import sweep, sweep_line
     from crackgrow.study.trade.plan import plan_trade
     from crackgrow.study.trade.row import trade_line
     from crackgrow.study.trade.runner import trade
@@ -72,6 +74,7 @@ __all__ = [
     "grow",
     "load_case",
     "overview",
+    "plan_sweep",
     "plan_text",
     "plan_trade",
     "render",
@@ -79,6 +82,8 @@ __all__ = [
     "solve",
     "stability",
     "stability_line",
+    "sweep",
+    "sweep_line",
     "trade",
     "trade_line",
     "view",
@@ -108,6 +113,7 @@ _HOMES = {
     "grow": "crackgrow.run",
     "load_case": "crackgrow.case",
     "overview": "crackgrow.results.overview",
+    "plan_sweep": "crackgrow.study.sweep.plan",
     "plan_text": "crackgrow.plan.text",
     "plan_trade": "crackgrow.study.trade.plan",
     "render": "crackgrow.results.render",
@@ -115,6 +121,8 @@ _HOMES = {
     "solve": "crackgrow.api",
     "stability": "crackgrow.study.stability.runner",
     "stability_line": "crackgrow.study.stability.table",
+    "sweep": "crackgrow.study.sweep.runner",
+    "sweep_line": "crackgrow.study.sweep.runner",
     "trade": "crackgrow.study.trade.runner",
     "trade_line": "crackgrow.study.trade.row",
     "view": "crackgrow.results.view",

@@ -122,6 +122,11 @@ class _Tables:
         """As reactions.csv, a row for each step and support, foundation or interface: force (N/m)."""
         return data_frames.reactions_frame(self.results)
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is unsure in these steps, and why, as in summary.json; empty if nothing is."""
+        return tuple(f"step {result.step}: {text}" for result in self.results for text in result.warnings)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution(_Tables):
@@ -185,7 +190,7 @@ class Solution(_Tables):
         words = [f"step {result.step}", f"load factor {result.load_factor:g}", f"{result.n_dofs} unknowns"]
         if np.isfinite(result.energy_error):
             words.append(f"estimated error {result.energy_error:.2g} % of the energy norm")
-        return _summary(self.case, ", ".join(words), self.tips[["crack", "tip", "x", "y", "K_I", "K_II"]])
+        return _summary(self, ", ".join(words), self.tips)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -238,8 +243,7 @@ class Run(_Tables):
         return _solution(self.case, solved_steps(self.case, self.results[numbers.index(step)].checkpoint))
 
     def _repr_html_(self) -> str:
-        last = self.last.tips[["crack", "tip", "x", "y", "K_I", "K_II"]]
-        return _summary(self.case, f"{self.status}: {self.reason}; tips of step {self.last.result.step}:", last)
+        return _summary(self, f"{self.status}: {self.reason}; tips of step {self.last.result.step}:", self.last.tips)
 
 
 def _solution(case: Case, steps: Steps) -> Solution:
@@ -278,7 +282,9 @@ def _places(points: ArrayLike) -> tuple[Floats, tuple[int, ...]]:
     return at.reshape(-1, 2), at.shape[:-1]
 
 
-def _summary(case: Case, text: str, table: pd.DataFrame) -> str:
-    """A heading, a line and a table, as HTML."""
-    heading = f"<b>{html.escape(case.name)}</b>: {html.escape(case.title)}"
-    return f"<div>{heading}<br>{html.escape(text)}{table.to_html(index=False)}</div>"
+def _summary(shown: Solution | Run, text: str, tips: pd.DataFrame) -> str:
+    """A heading, a line, the warnings and a table, as HTML."""
+    title = f"<b>{html.escape(shown.case.name)}</b>: {html.escape(shown.case.title)}"
+    lines = [title, html.escape(text), *(html.escape(f"warning: {warning}") for warning in shown.warnings)]
+    table = tips[["crack", "tip", "x", "y", "K_I", "K_II"]].to_html(index=False)
+    return f"<div>{'<br>'.join(lines)}{table}</div>"

@@ -10,8 +10,9 @@ from crackgrow.results.atomic import OutputError, temporary_path
 from crackgrow.results.checkpoint_file import remove_checkpoints
 from crackgrow.results.rendered import rendered_files
 
+REPORT = "report.html"
 FILES = ("case.yaml", "summary.json", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
-         "events.csv", "run.log", "report.html")  # fmt: skip
+         "events.csv", "run.log", REPORT)  # fmt: skip
 FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
            "figures/load_curve.png")  # fmt: skip
 SERIES = {

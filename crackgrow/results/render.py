@@ -6,6 +6,7 @@ They are drawn by matplotlib: no display, no graphics driver is needed.
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -27,7 +28,8 @@ from crackgrow.results.units import LENGTHS, unit_of
 Floats = NDArray[np.float64]
 
 LONG_SIDE = 1000  # pixels, where no size is given
-INCHES = 6.5  # of the longer side: text is as large in small pictures as in large ones, by the picture
+INCHES = 6.5  # of the longer side of a picture whose size fits the specimen: text is in proportion to that
+LETTER = 0.085  # inches that a letter of the caption takes
 COLOUR_BAR = 0.34  # what caption and colour bar take of the width, by the specimen's longer side
 BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side
@@ -88,12 +90,14 @@ class _Scene:
         self.length = unit_of((high - low).tolist(), LENGTHS)
         room = MARGIN * (high - low).max()
         self.low, self.high = (low - room) / self.length[0], (high + room) / self.length[0]
-        self.size = _fitting(high - low) if size is None else size
+        fitting = _fitting(high - low)
+        self.size = fitting if size is None else size
+        self.dpi = LONG_SIDE / INCHES * min(self.size[0] / fitting[0], self.size[1] / fitting[1])
 
     def picture(self, frame: DrawnFrame) -> bytes:
         """The picture of a frame, as PNG."""
-        dpi = max(self.size) / INCHES
-        figure = Figure(figsize=(self.size[0] / dpi, self.size[1] / dpi), dpi=dpi, layout="constrained")
+        width, height = self.size[0] / self.dpi, self.size[1] / self.dpi
+        figure = Figure(figsize=(width, height), dpi=self.dpi, layout="compressed")
         FigureCanvasAgg(figure)
         axes = figure.add_subplot(facecolor=BEHIND)
         points = self._moved(frame) / self.length[0]
@@ -114,7 +118,8 @@ class _Scene:
         bar.set_label(f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}")
         load = f", load factor {self.factors[frame.step]:.4g}" if frame.step in self.factors else ""
         caption = f"step {frame.step}{load}, displacement x {self.warp:.3g}"
-        axes.set_title(f"{self.title}\n{caption}", fontsize=10, wrap=True, parse_math=False)
+        title = textwrap.fill(self.title, int(width / LETTER))
+        figure.suptitle(f"{title}\n{caption}", fontsize=10, parse_math=False)
         data = io.BytesIO()
         figure.savefig(data, format="png")
         return data.getvalue()

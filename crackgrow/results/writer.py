@@ -15,6 +15,7 @@ from crackgrow.results import tables
 from crackgrow.results.atomic import write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.leftovers import (
+    REPORT,
     cracks_name,
     frame_name,
     remove_file,
@@ -82,6 +83,7 @@ class RunWriter:
         self._curve = [LoadPoint(**point) for point in results["curve"]]
         self._memory, self._resumed = results["memory"], [*results["resumed"], step]
         remove_half_written(self.folder, self.case.name)
+        remove_file(self.folder / REPORT)  # of a run that had ended
         write_text(self.folder / "case.yaml", self._settings)
         for table in self._growing:
             table.cut(results["tables"][table.path.name])

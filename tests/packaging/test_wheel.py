@@ -74,6 +74,14 @@ def test_scene_runs_outside_of_the_repository(program: Path, alone: dict[str, st
     assert summary["status"] == "completed"
     assert summary["git_commit"] is None  # the installed program, not a checkout
     assert (tmp_path / "outputs/compression30/compression30.pvd").is_file()
+    assert (tmp_path / "outputs/compression30/report.html").is_file()
+
+
+def test_case_from_a_template_is_made_outside_of_the_repository(
+    program: Path, alone: dict[str, str], tmp_path: Path
+) -> None:
+    run([program / "crackgrow", "new", "rock"], tmp_path, alone)
+    assert "crack flaw" in run([program / "crackgrow", "check", "rock.yaml"], tmp_path, alone)
 
 
 def test_python_interface_works_outside_of_the_repository(program: Path, alone: dict[str, str], tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import html
 import json
 import subprocess
 import sys
@@ -141,6 +142,13 @@ def test_points_of_another_shape_are_refused(points: object) -> None:
     solution = crackgrow.solve(case("compression30"))
     with pytest.raises(ValueError, match="x and y in m"):
         solution.stress_at(points)
+
+
+def test_warnings_are_told() -> None:
+    solution = crackgrow.solve(case("compression30", "numerics.support=1.5"))
+    (warning,) = [text for text in solution.warnings if "numerics.support" in text]
+    assert warning.startswith("step 0: ")
+    assert html.escape(warning) in solution._repr_html_()
 
 
 def test_summaries_for_notebooks_escape_the_title(run: crackgrow.Run) -> None:

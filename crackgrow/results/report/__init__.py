@@ -5,6 +5,6 @@ say what the page shows of the steps, `checks` what to think of it, `page` puts 
 `page.js` moves it with the slider.
 """
 
-from crackgrow.results.report.page import REPORT, write_report
+from crackgrow.results.report.page import write_report
 
-__all__ = ["REPORT", "write_report"]
+__all__ = ["write_report"]

@@ -59,7 +59,7 @@ def estimate_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
 
 def _flat(values: dict[str, Any], before: str) -> Iterator[tuple[str, str]]:
     for key, value in values.items():
-        name = f"{before}{key.replace('_', ' ')}"
+        name = f"{before}{key.replace('_percent', ' [%]').replace('_', ' ')}"
         if isinstance(value, dict):
             yield from _flat(value, f"{name}, ")
         else:

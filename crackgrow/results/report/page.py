@@ -9,6 +9,7 @@ from typing import Any
 
 from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import RunFolder, read_run
+from crackgrow.results.leftovers import REPORT
 from crackgrow.results.report.charts import charts
 from crackgrow.results.report.checks import check_rows, estimate_rows, status_badge
 from crackgrow.results.report.markup import Markup, join, json_script, table, tag, text
@@ -18,7 +19,6 @@ from crackgrow.results.report.step_data import contact_data, step_words, tip_dat
 from crackgrow.results.report.view import view_of
 from crackgrow.results.units import shown
 
-REPORT = "report.html"
 SHOWN_WARNINGS = 200  # of more the first ones are shown
 
 PAGE = Template("""<!DOCTYPE html>
@@ -92,9 +92,9 @@ def _own_file(name: str) -> str:
 def _header(run: RunFolder) -> Markup:
     summary = run.summary
     n_dofs = summary["n_dofs"]
-    commit = f" ({summary['git_commit'][:12]}{', modified' if summary['git_modified'] else ''})"
+    commit, modified = summary["git_commit"], ", modified" if summary["git_modified"] else ""  # None where installed
     facts = [
-        f"crackgrow {summary['version']}{commit if summary['git_commit'] else ''}",
+        f"crackgrow {summary['version']}{f' ({commit[:12]}{modified})' if commit else ''}",
         f"plane {run.case.plane}",
         f"{summary['n_solves']} solved step{'' if summary['n_solves'] == 1 else 's'}",
         f"{' to '.join(dict.fromkeys(str(n) for n in n_dofs.values()))} unknowns" if n_dofs else "nothing solved",

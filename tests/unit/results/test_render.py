@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista
 from PIL import Image
 
 from crackgrow.results import animation, render, view
@@ -38,9 +39,9 @@ def test_every_frame_is_drawn_in_the_size_asked_for(folder: Path, tmp_path: Path
 
 def test_colour_scale_and_place_are_the_same_in_all_pictures(folder: Path, tmp_path: Path) -> None:
     first, *_, last = (pixels(path) for path in render.render(folder, size=(600, 840), out=tmp_path))
-    bar = slice(460, 600)  # right of the specimen: its colour bar, and what that says
+    bar = slice(470, 600)  # right of the specimen: its colour bar, and what that says
     np.testing.assert_array_equal(first[60:, bar], last[60:, bar])
-    assert (first[60:, :460] != last[60:, :460]).any()
+    assert (first[60:, :470] != last[60:, :470]).any()
 
 
 def test_open_cracks_show_what_is_behind(folder: Path, tmp_path: Path) -> None:
@@ -136,6 +137,28 @@ def test_view_without_a_display_says_what_to_do(folder: Path, monkeypatch: pytes
     ) as told:
         view.view(folder)
     assert told.value.exit_code == 3
+
+
+def test_window_shows_the_displaced_specimen_of_the_step_on_its_slider(folder: Path) -> None:
+    plotter = pyvista.Plotter(off_screen=True)
+    view.fill(plotter, folder, "sigma_1", 100.0)
+    files = frame_files(folder)
+
+    def height() -> float:
+        low, high = plotter.actors["specimen"].bounds[2:4]
+        return float(high - low)
+
+    def drawn(step: int) -> float:
+        frame = read_frame(step, files[step], "sigma_1")
+        return float(np.ptp(frame.points[:, 1] + 100.0 * frame.displacement[:, 1]))
+
+    assert height() == pytest.approx(drawn(3))
+    (slider,) = plotter.widgets.slider_widgets
+    slider.GetRepresentation().SetValue(1.0)
+    slider.InvokeEvent("EndInteractionEvent")
+    assert height() == pytest.approx(drawn(1))
+    assert drawn(1) != pytest.approx(drawn(3))
+    plotter.close()
 
 
 def test_render_needs_no_display(folder: Path, tmp_path: Path) -> None:

@@ -261,10 +261,29 @@ def test_estimates_of_error_are_shown_where_the_run_makes_some(folder: Path, tmp
     (tmp_path / "summary.json").write_text(json.dumps(summary | {"error_estimate": estimate}))
     write_report(tmp_path)
     cells = re.findall(r"<td[^>]*>([^<]*)</td>", (tmp_path / "report.html").read_text())
-    at = cells.index("energy norm percent, first")
+    at = cells.index("energy norm [%], first")
     assert cells[at : at + 6] == [
-        "energy norm percent, first", "4.25", "energy norm percent, last", "\N{EN DASH}", "K spread percent", "0.5",
+        "energy norm [%], first", "4.25", "energy norm [%], last", "\N{EN DASH}", "K spread [%]", "0.5",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("commit", "modified", "told"),
+    [
+        (None, None, ""),
+        ("0123456789abcdef", False, " (0123456789ab)"),
+        ("0123456789abcdef", True, " (0123456789ab, modified)"),
+    ],
+)
+def test_commit_is_told_where_there_is_one(
+    folder: Path, tmp_path: Path, commit: str | None, modified: bool | None, told: str
+) -> None:
+    """An installed program is of no commit."""
+    copy(folder, tmp_path, "steps.csv", {})
+    summary = json.loads((tmp_path / "summary.json").read_text()) | {"git_commit": commit, "git_modified": modified}
+    (tmp_path / "summary.json").write_text(json.dumps(summary))
+    write_report(tmp_path)
+    assert f"crackgrow {summary['version']}{told} " in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_report_loads_nothing_heavy(folder: Path) -> None:
