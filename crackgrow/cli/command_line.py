@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -11,18 +10,21 @@ from pathlib import Path
 import crackgrow
 from crackgrow.cli.compare import add_compare
 from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, complain
+from crackgrow.cli.new import add_new
+from crackgrow.cli.render import add_render
+from crackgrow.cli.report import add_report
 from crackgrow.cli.run import check, run
+from crackgrow.cli.schema import add_schema
 from crackgrow.cli.stability import add_stability
+from crackgrow.cli.sweep import add_sweep
 from crackgrow.cli.trade import add_trade
 from crackgrow.errors import CaseError, CrackgrowError
-
-THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+from crackgrow.study.threads import one_thread
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` (default: that of the process) and return the exit code."""
-    for name in THREAD_SETTINGS:  # before numpy loads: its and scipy's own copies of BLAS would fight for the cores
-        os.environ.setdefault(name, "1")
+    one_thread()
     arguments = _parser().parse_args(argv)
     command: Callable[[argparse.Namespace], int] = arguments.command
     try:
@@ -59,7 +61,12 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(command=run)
     command = commands.add_parser("check", parents=[case], help="validate a case and say what it models")
     command.set_defaults(command=check)
+    add_report(commands)
+    add_render(commands)
     add_compare(commands)
     add_stability(commands)
     add_trade(commands)
+    add_new(commands)
+    add_schema(commands)
+    add_sweep(commands)
     return parser

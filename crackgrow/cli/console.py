@@ -1,9 +1,11 @@
-"""Printing, and the exit codes."""
+"""Printing, what commands have in common, and the exit codes."""
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import os
+import shlex
 import sys
 from pathlib import Path
 
@@ -17,6 +19,20 @@ def say(text: str, end: str = "\n") -> None:
         print(text, end=end, flush=True)
     except (OSError, ValueError):
         sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
+
+
+def count(text: str) -> int:
+    """A whole number from 1 on, of an argument."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: a whole number from 1 on is wanted")
+    return int(text)
+
+
+def spelled(*words: str) -> str:
+    """A command of this program, as the user would type it."""
+    script = Path(sys.argv[0]).name == "crackgrow"
+    program = [sys.argv[0]] if script else [sys.executable, "-m", "crackgrow"]
+    return shlex.join([*program, *words])
 
 
 def complain(text: str) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import shlex
 import shutil
 import signal
 import sys
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
-from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say
+from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.atomic import OutputError
 from crackgrow.results.progress import Progress
@@ -129,9 +128,6 @@ def _break_off(end: Callable[[str], None], reason: str) -> None:
 
 def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
     """The command that goes on with a run."""
-    script = Path(sys.argv[0]).name == "crackgrow"
-    program = [sys.argv[0]] if script else [sys.executable, "-m", "crackgrow"]
     settings = [word for setting in arguments.overrides for word in ("--set", setting)]
     quiet = ["--quiet"] if arguments.quiet else []
-    command = [*program, "run", str(arguments.case), "--out", str(folder), *settings, *quiet, "--resume"]
-    return shlex.join(command)
+    return spelled("run", str(arguments.case), "--out", str(folder), *settings, *quiet, "--resume")

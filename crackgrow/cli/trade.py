@@ -7,7 +7,7 @@ from pathlib import Path
 
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
-from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.console import EXIT_DONE, count, say
 
 HELP = """\
 Run a scene over a grid of settings and hold each run against a finer one: trade.csv has errors, seconds and memory of
@@ -71,16 +71,8 @@ def add_trade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     command.add_argument(
         "--steps", type=int, metavar="N", help="growth steps of the case's increment (default: its own)"
     )
-    command.add_argument(
-        "--repeat", type=_count, default=1, metavar="N", help="runs of each setting; the median counts"
-    )
+    command.add_argument("--repeat", type=count, default=1, metavar="N", help="runs of each setting; the median counts")
     command.add_argument("--timeout", type=float, metavar="SECONDS", help="give up a run after so long")
     command.add_argument("--resume", action="store_true", help="keep the rows that are there, run what is missing")
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/trade/<case>)")
     command.set_defaults(command=trade)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: a whole number from 1 on is wanted")
-    return int(text)

@@ -16,6 +16,7 @@ from crackgrow import __version__
 from crackgrow.case.model import Case
 from crackgrow.run.result import Event, RunEnd, StepResult, event_of, event_record
 
+MEMORY_FILE = Path("/proc/self/status")  # of Linux
 CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
 
 
@@ -145,7 +146,13 @@ def summary_text(summary: dict[str, object]) -> str:
 
 
 def peak_memory_mb() -> float:
-    """Largest resident memory of this process so far, MB."""
+    """Largest resident memory of this program so far, MB, without that of the process that started it.
+
+    Linux counts the starter's into getrusage; /proc tells the program's own.
+    """
+    if MEMORY_FILE.is_file():
+        lines = MEMORY_FILE.read_text(encoding="utf-8").splitlines()
+        return next(float(line.split()[1]) / 1e3 for line in lines if line.startswith("VmHWM:"))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # kB, but bytes on macOS
     return peak / 1e6 if sys.platform == "darwin" else peak / 1e3
 

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from crackgrow.study.threads import THREAD_SETTINGS
 from crackgrow.study.trade.axes import CaseFile
 from crackgrow.study.trade.worker import COST_FILE, Cost
 
 WORKER = "crackgrow.study.trade.worker"
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 ROOT = Path(__file__).resolve().parents[3]  # that the package is imported from
 NAN = float("nan")
 
@@ -56,7 +56,7 @@ def _run_once(file: CaseFile, overrides: Sequence[str], folder: Path, timeout: f
     (folder / COST_FILE).unlink(missing_ok=True)
     command = [sys.executable, "-m", WORKER, str(file.path), str(folder), *file.overrides, *overrides]
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": path}
+    environment = {**os.environ, **dict.fromkeys(THREAD_SETTINGS, "1"), "PYTHONPATH": path}
     try:
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=timeout)
     except subprocess.TimeoutExpired:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -18,9 +18,10 @@ from crackgrow.results.atomic import write_text
 from crackgrow.results.summary import peak_memory_mb
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
+from crackgrow.run.result import RunEnd, StepResult
+from crackgrow.study.one_run import write_run
 
 COST_FILE = "cost.json"
-MEMORY_FILE = Path("/proc/self/status")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ def main(arguments: Sequence[str]) -> int:
         time.perf_counter() - wall,
         tuple(cpu_steps),
         tuple(wall_steps),
-        own_peak_memory_mb(),
+        peak_memory_mb(),
     )
     write_text(Path(folder) / COST_FILE, json.dumps(asdict(cost), indent=1) + "\n")
     return 0
@@ -68,28 +69,24 @@ def _run(
     case = load_case(case_file, overrides)
     writer = RunWriter(case, folder)
     writer.begin()
-    steps = grow(case)
+    end = write_run(writer, _timed(grow(case), cpu_steps, wall_steps))
+    return end.status, end.reason
+
+
+def _timed(
+    steps: Generator[StepResult, None, RunEnd], cpu_steps: list[float], wall_steps: list[float]
+) -> Generator[StepResult, None, RunEnd]:
+    """The same steps, with the seconds that each took."""
     while True:
         cpu, wall = time.process_time(), time.perf_counter()
         try:
             result = next(steps)
         except StopIteration as stop:
-            writer.finish(stop.value)
-            return stop.value.status, stop.value.reason
+            end: RunEnd = stop.value
+            return end
         cpu_steps.append(time.process_time() - cpu)
         wall_steps.append(time.perf_counter() - wall)
-        writer.add(result)
-
-
-def own_peak_memory_mb() -> float:
-    """Largest resident memory of this program so far, MB, without that of the process that started it.
-
-    Linux counts the starter's into getrusage; /proc tells the program's own.
-    """
-    if MEMORY_FILE.is_file():
-        lines = MEMORY_FILE.read_text(encoding="utf-8").splitlines()
-        return next(float(line.split()[1]) / 1e3 for line in lines if line.startswith("VmHWM:"))
-    return peak_memory_mb()
+        yield result
 
 
 if __name__ == "__main__":

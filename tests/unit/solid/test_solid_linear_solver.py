@@ -9,7 +9,7 @@ from scipy.sparse import csc_array, csr_array, diags_array
 from crackgrow.case.model import PointSupport
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem, Factorization
-from crackgrow.solid.matrix import symmetric
+from crackgrow.solid.matrix import bordered, symmetric
 
 N = 30
 
@@ -108,6 +108,29 @@ def test_several_loads_at_once_are_solved_column_by_column() -> None:
         np.testing.assert_allclose(multipliers[:, k], m, atol=1e-12)
 
 
+@pytest.mark.parametrize("loose", [False, True])
+def test_refinement_that_is_not_needed_is_left_out_but_for_loose_springs(
+    monkeypatch: pytest.MonkeyPatch, loose: bool
+) -> None:
+    """The residual of a well-conditioned matrix is round-off at once; that of a rough factorization is not."""
+    exact, error, n_solves = Factorization.solve, 0.0, 0
+
+    def counted(self: Factorization, right: np.ndarray) -> np.ndarray:
+        nonlocal n_solves
+        n_solves += 1
+        return (1.0 + error) * exact(self, right)
+
+    monkeypatch.setattr(Factorization, "solve", counted)
+    loads = np.random.default_rng(49).normal(size=N)
+    system = ConstrainedSystem(definite(47), csr_array((0, N)), loose=loose)
+    u, _ = system.solve(loads)
+    assert n_solves == (2 if loose else 1)
+    error = 1e-5
+    rough, _ = system.solve(loads)
+    assert n_solves > (4 if loose else 3)
+    np.testing.assert_allclose(rough, u, atol=1e-12 * np.abs(u).max())
+
+
 def test_solving_does_not_change_the_system() -> None:
     system = ConstrainedSystem(definite(47), rows({0: 1.0}))
     a, b = np.random.default_rng(48).normal(size=(2, N))
@@ -154,3 +177,15 @@ def test_body_that_is_free_to_move_is_refused(build, cracks: list, held: list) -
     supports = [PointSupport("rock", np.array(point), displacement) for point, displacement in held]
     with pytest.raises(SolveError, match="free to move"):
         sample.solve(supports, {"top": (0.1, 1.0), "right": (0.3, 0.0)})
+
+
+def test_the_bordered_matrix_is_that_of_its_blocks() -> None:
+    """Also with a constraint that adds nothing to K, and one on no unknown."""
+    rng = np.random.default_rng(41)
+    C, K = rng.normal(size=(5, 20)) * (rng.uniform(size=(5, 20)) < 0.3), rng.normal(size=(20, 20))
+    C[3], K = 0.0, K + K.T
+    rho, yielding = np.array([2.0, 0.0, 1.5, 0.7, 3.0]), rng.uniform(size=5)
+    expected = np.block([[K + C.T @ np.diag(rho) @ C, C.T], [C, -np.diag(yielding)]])
+    found = bordered(symmetric(csc_array(K)), csr_array(C), rho, yielding)
+    np.testing.assert_allclose(found.tocsc().toarray(), expected, atol=1e-14)
+    np.testing.assert_allclose(found.diagonal(), expected.diagonal(), atol=1e-14)

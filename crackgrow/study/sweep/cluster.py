@@ -1,0 +1,132 @@
+"""Where the runs go: workers of this machine, or those of a scheduler that is there."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import queue
+import signal
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from typing import Final
+
+import dask
+from dask.utils import parse_bytes
+from distributed import Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
+
+from crackgrow.errors import CaseError, CrackgrowError, Fault
+from crackgrow.study.one_run import reason_of
+from crackgrow.study.sweep.job import Job, Values
+from crackgrow.study.threads import THREAD_SETTINGS
+
+LOOPBACK: Final = "127.0.0.1"
+LOST_WORKERS: Final = 2  # a run may lose so many and is repeated; the next one is its own fault
+POLL: Final = 1.0  # s, between looks at how many workers there are
+CONNECT: Final = "15s"
+SETTINGS: Final = {
+    "distributed.scheduler.allowed-failures": LOST_WORKERS,
+    "distributed.admin.tick.limit": "1h",  # nobody wants to know of a busy machine
+}
+
+
+class _Deaf(WorkerPlugin):
+    """Lets a worker pass over Ctrl-C, which a terminal sends to all processes: the sweep itself ends its workers."""
+
+    def setup(self, worker: Worker) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+class ClusterError(CrackgrowError):
+    """The scheduler can't be reached, or has gone away."""
+
+    exit_code = 3
+
+
+def bytes_of(memory: str) -> int:
+    """Bytes of a text such as 2GB; raises CaseError."""
+    try:
+        return int(parse_bytes(memory))
+    except ValueError:
+        message = f"'{memory}' is no size of a memory; wanted: such as 2GB or 500MiB"
+        raise CaseError([Fault("--memory", None, "", message)]) from None
+
+
+def available_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextlib.contextmanager
+def connected(scheduler: str | None, workers: int, memory: int | None) -> Iterator[Client]:
+    """A client of the scheduler at an address, or of `workers` processes of this machine with `memory` bytes each.
+
+    Raises ClusterError.
+    """
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(dask.config.set(SETTINGS))
+        ours = scheduler is None
+        if scheduler is None:
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                host=LOOPBACK,
+                dashboard_address=None,
+                scheduler_kwargs={"dashboard_address": f"{LOOPBACK}:0"},  # else its HTTP server asks for a fixed port
+                memory_limit="auto" if memory is None else memory,
+                env=dict.fromkeys(THREAD_SETTINGS, "1"),
+                silence_logs=logging.CRITICAL,  # what becomes of a worker is told by the table
+            )
+            scheduler = stack.enter_context(cluster).scheduler_address
+        try:
+            client = Client(scheduler, timeout=CONNECT, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise ClusterError(f"no Dask scheduler at {scheduler}: {error}; start one with `dask scheduler`") from error
+        stack.enter_context(client)
+        if ours:
+            client.register_plugin(_Deaf())
+        yield client
+
+
+def run_all(client: Client, jobs: Sequence[Job], function: Callable[[Job], Values]) -> Iterator[tuple[Job, Values]]:
+    """Run the jobs on the workers and yield each with what came of it, as they end.
+
+    Each worker is given one job at a time: when it dies, Dask holds that against all that it was given.
+    A run whose worker dies is repeated by Dask; one that loses several is `failed`. Raises ClusterError.
+    """
+    waiting = deque(jobs)
+    running: dict[object, tuple[Job, str, Future[Values]]] = {}  # with the address of the worker that was to have it
+    ended: queue.SimpleQueue[Future[Values]] = queue.SimpleQueue()
+    while waiting or running:
+        try:
+            workers = list(client.nthreads())
+        except OSError as error:
+            raise ClusterError(f"the Dask scheduler is gone: {error}") from error
+        busy = {address for _, address, _ in running.values()}
+        for address in [address for address in workers if address not in busy]:
+            if waiting and len(running) < len(workers):
+                job = waiting.popleft()
+                future = client.submit(function, job, pure=False, workers=[address], allow_other_workers=True)
+                running[future.key] = job, address, future
+                future.add_done_callback(ended.put)
+        try:
+            future = ended.get(timeout=POLL)
+        except queue.Empty:
+            continue
+        job, _, _ = running.pop(future.key)
+        yield job, _outcome(future)
+
+
+def _outcome(future: Future[Values]) -> Values:
+    """What a job returned, or why it didn't."""
+    if future.status == "finished":
+        values: Values = future.result()
+        return values
+    if future.status != "error":
+        raise ClusterError(f"the Dask scheduler is gone (a run is {future.status})")
+    error = future.exception()
+    if isinstance(error, KilledWorker):
+        reason = f"worker lost: {error.allowed_failures + 1} workers died of this run, for want of memory perhaps"
+        return {"status": "failed", "reason": reason}
+    return {"status": "failed", "reason": reason_of(error)}

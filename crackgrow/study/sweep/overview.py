@@ -1,0 +1,139 @@
+"""The overview of a sweep as a picture: responses over the parameters, and all paths on top of each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from crackgrow.case.units import is_number
+from crackgrow.results.atomic import write_atomically
+from crackgrow.results.resume import FINISHED
+from crackgrow.study.path_files import read_paths
+from crackgrow.study.sweep.job import Values
+from crackgrow.study.sweep.plan import Run
+from crackgrow.study.sweep.table import SweepTable
+
+CHOSEN: Final = ("K_I_first", "K_II_first", "x", "y")  # of the last tip, where nobody says what to draw
+PANEL: Final = (3.6, 3.0)  # inches
+MOST_ACROSS: Final = 4  # panels
+MOST_LABELS: Final = 12  # of an axis of a heat map
+SMALL: Final = 7  # points, of numbers
+DPI: Final = 130
+COLOURS: Final = colormaps["viridis"]
+
+
+def draw(path: Path, table: SweepTable) -> None:
+    """Draw the responses over each parameter, as heat maps where there are two on a grid, and the paths.
+
+    Nothing is drawn where no run is done. Raises OutputError.
+    """
+    done = [run for run in table.plan.runs if table.row(run)["status"] in FINISHED]
+    if not done:
+        return
+    rows = [table.row(run) for run in done]
+    responses = responses_of(table, rows)
+    heat = len(table.plan.parameters) == 2 and _is_grid(done)
+    pairs = [(name, "" if heat else parameter) for name in responses for parameter in table.plan.parameters]
+    pairs = list(dict.fromkeys(pairs))
+    across = min(MOST_ACROSS, len(pairs) + 1)
+    down = math.ceil((len(pairs) + 1) / across)
+    figure = Figure(figsize=(across * PANEL[0], down * PANEL[1] + 0.3), layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(down, across, squeeze=False).ravel()
+    for axes, (name, parameter) in zip(panels, pairs, strict=False):
+        if heat:
+            _heat_map(figure, axes, name, table, done, rows)
+        else:
+            _scatter(axes, name, parameter, table, done, rows)
+        axes.set_title(name, fontsize=9)
+    _paths(panels[len(pairs)], table, done)
+    for axes in panels[len(pairs) + 1 :]:
+        axes.set_axis_off()
+    for axes in panels:
+        axes.tick_params(labelsize=SMALL)
+    figure.suptitle(f"{table.plan.title}: {len(done)} of {len(table.plan.runs)} runs", fontsize=10)
+    write_atomically(path, lambda file: figure.savefig(file, dpi=DPI))
+
+
+def responses_of(table: SweepTable, rows: Sequence[Values]) -> list[str]:
+    """What the overview draws: as the sweep file says, or else K and place of the last tip, or else the load factor."""
+    if table.plan.responses is not None:
+        return list(table.plan.responses)
+    tips = [name.rsplit(".", 1)[0] for row in rows for name in row if name.endswith(f".{CHOSEN[0]}")]
+    return [f"{tips[-1]}.{what}" for what in CHOSEN] if tips else ["load_factor"]
+
+
+def _is_grid(runs: Sequence[Run]) -> bool:
+    """Whether values are met several times in both directions, so that a map of them has few holes."""
+    first, second = (len({run.values[place] for run in runs}) for place in (0, 1))
+    return 2 * len(runs) >= first * second
+
+
+def _ticks(table: SweepTable, place: int) -> list[str]:
+    """The values of a parameter: by size if they are numbers, else as they come."""
+    values = list(dict.fromkeys(run.values[place] for run in table.plan.runs))
+    return sorted(values, key=float) if all(map(is_number, values)) else values
+
+
+def _heat_map(
+    figure: Figure, axes: Axes, name: str, table: SweepTable, runs: Sequence[Run], rows: Sequence[Values]
+) -> None:
+    down, along = _ticks(table, 0), _ticks(table, 1)
+    values = np.full((len(down), len(along)), np.nan)
+    for run, row in zip(runs, rows, strict=True):
+        values[down.index(run.values[0]), along.index(run.values[1])] = _number(row, name)
+    image = axes.imshow(np.ma.masked_invalid(values), origin="lower", aspect="auto", cmap=COLOURS)
+    figure.colorbar(image, ax=axes).ax.tick_params(labelsize=SMALL)
+    for axis, ticks in ((axes.yaxis, down), (axes.xaxis, along)):
+        places = list(range(0, len(ticks), math.ceil(len(ticks) / MOST_LABELS)))
+        axis.set_ticks(places, [_short(ticks[place]) for place in places])
+    axes.set_ylabel(table.plan.parameters[0], fontsize=8)
+    axes.set_xlabel(table.plan.parameters[1], fontsize=8)
+
+
+def _scatter(
+    axes: Axes, name: str, parameter: str, table: SweepTable, runs: Sequence[Run], rows: Sequence[Values]
+) -> None:
+    place = table.plan.parameters.index(parameter)
+    ticks = _ticks(table, place)
+    if table.numeric(parameter):
+        x: list[float] = [float(run.values[place]) for run in runs]
+    else:
+        x = [float(ticks.index(run.values[place])) for run in runs]
+        axes.set_xticks(range(len(ticks)), [_short(tick) for tick in ticks])
+    y = [_number(row, name) for row in rows]
+    order = np.argsort(x, kind="stable")
+    line = "-" if len(table.plan.parameters) == 1 else ""
+    axes.plot(np.array(x)[order], np.array(y)[order], marker="o", markersize=3, linestyle=line, color="tab:blue")
+    axes.set_xlabel(parameter, fontsize=8)
+    axes.grid(color="0.9")
+
+
+def _paths(axes: Axes, table: SweepTable, runs: Sequence[Run]) -> None:
+    """The cracks at the end, coloured by the first parameter; in mm."""
+    values = _ticks(table, 0)
+    for run in runs:
+        part = values.index(run.values[0]) / max(1, len(values) - 1)
+        for line in read_paths(run.folder).cracks.values():
+            points: NDArray[np.float64] = 1e3 * line.points
+            axes.plot(points[:, 0], points[:, 1], color=COLOURS(part), linewidth=0.8)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_title(f"paths [mm], coloured by {table.plan.parameters[0]}", fontsize=9)
+
+
+def _number(row: Values, name: str) -> float:
+    value = row.get(name)
+    return math.nan if value is None else float(value)
+
+
+def _short(text: str) -> str:
+    return f"{float(text):.4g}" if is_number(text) else text

@@ -1,0 +1,130 @@
+"""What a sweep is going to run: every combination with its case, checked before anything starts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from crackgrow.case import Case, load_case
+from crackgrow.case.report import did_you_mean, quoted
+from crackgrow.case.units import is_number
+from crackgrow.errors import CaseError, Fault
+from crackgrow.study.sweep.columns import response_columns
+from crackgrow.study.sweep.design import combinations
+from crackgrow.study.sweep.sweep_file import SweepFile, read_sweep_file
+
+LONGEST_NAME: Final = 120  # letters of a folder: file systems take 255 bytes
+MOST_FAULTS: Final = 20  # that are told where no combination is a case
+_FROM_OVERRIDE: Final = "--set "
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """One combination."""
+
+    number: int
+    name: str  # "angle=30 friction=0.2"
+    folder: Path
+    values: tuple[str, ...]  # of the parameters
+    case: Case | None  # None where the combination is no case
+    refusal: str  # why not
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SweepPlan:
+    """All runs of a sweep."""
+
+    name: str
+    title: str  # of the base case
+    folder: Path
+    parameters: tuple[str, ...]  # short names of the keys
+    runs: tuple[Run, ...]
+    responses: tuple[str, ...] | None  # columns that the overview draws; None: it chooses
+
+
+def plan_sweep(path: Path, folder: Path | None = None) -> SweepPlan:
+    """Read a sweep file and check every combination.
+
+    folder: of the results; default outputs/<name of the file>
+
+    Combinations that the case refuses are part of the plan. Raises CaseError with all faults of the file, with those
+    that all combinations share, such as a key that doesn't exist, and where there is no combination left.
+    """
+    file = read_sweep_file(path)
+    folder = folder or Path("outputs") / path.stem
+    names = short_names(tuple(file.parameters))
+    runs, refused = [], []
+    for number, values in enumerate(combinations(file)):
+        name = " ".join(f"{key}={_shown(value)}" for key, value in zip(names, values, strict=True))
+        overrides = [f"{key}={value}" for key, value in zip(file.parameters, values, strict=True)]
+        case, faults = _case(file, overrides)
+        refusal = "; ".join(f"{fault.key}: {fault.message}" if fault.key else fault.message for fault in faults)
+        runs.append(Run(number, name, folder / folder_name(number, name), values, case, refusal))
+        refused.append(faults)
+    shared = [fault for fault in refused[0] if all(fault in faults for faults in refused)]
+    if shared or all(refused):
+        every = shared or list(dict.fromkeys(fault for faults in refused for fault in faults))[:MOST_FAULTS]
+        raise CaseError(_placed(file, every))
+    _check_responses(file, [run.case for run in runs if run.case is not None])
+    title = next(run.case.title for run in runs if run.case is not None)
+    return SweepPlan(path.stem, title, folder, names, tuple(runs), file.responses)
+
+
+def short_names(keys: Sequence[str]) -> tuple[str, ...]:
+    """The last parts of the keys, as many as tell them apart."""
+    return tuple(_shortest(key, [other for other in keys if other != key]) for key in keys)
+
+
+def _shortest(key: str, others: Iterable[str]) -> str:
+    parts = key.split(".")
+    for n in range(1, len(parts)):
+        tail = ".".join(parts[-n:])
+        if not any(other == tail or other.endswith(f".{tail}") for other in others):
+            return tail
+    return key
+
+
+def folder_name(number: int, name: str) -> str:
+    """Such as 003_angle=30_friction=0.2: letters that every file system takes."""
+    words = re.sub(r"[^\w.=+-]+", "_", name).strip("_")
+    return f"{number:03d}_{words}"[:LONGEST_NAME]
+
+
+def _shown(value: str) -> str:
+    return f"{float(value):.6g}" if is_number(value) else value
+
+
+def _case(file: SweepFile, overrides: Sequence[str]) -> tuple[Case | None, tuple[Fault, ...]]:
+    try:
+        return load_case(file.base, (*file.fixed, *overrides)), ()
+    except CaseError as error:
+        return None, error.faults
+
+
+def _check_responses(file: SweepFile, cases: Sequence[Case]) -> None:
+    known, faults = response_columns(cases), []
+    for index, name in enumerate(file.responses or ()):
+        if name not in known:
+            line = file.places["responses", index].line
+            message = (
+                f"{quoted(name)} is no column of the table{did_you_mean(name, known)}; there are {', '.join(known)}"
+            )
+            faults.append(Fault(str(file.path), line, f"responses.{index}", message))
+    if faults:
+        raise CaseError(faults)
+
+
+def _placed(file: SweepFile, faults: Iterable[Fault]) -> list[Fault]:
+    """The faults of values with the line of the sweep file that gives them."""
+    found = []
+    for fault in faults:
+        key = fault.source.removeprefix(_FROM_OVERRIDE)
+        place = file.places.get(("parameters", key)) or file.places.get(("set", key))
+        if fault.source.startswith(_FROM_OVERRIDE) and place is not None:
+            found.append(replace(fault, source=place.source, line=place.line))
+        else:
+            found.append(fault)
+    return sorted(found, key=lambda fault: fault.line or 0)

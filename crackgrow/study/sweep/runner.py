@@ -1,0 +1,118 @@
+"""The sweep: what is missing is run, and the table is on disk as soon as a run has ended."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Final
+
+from crackgrow.case import dump_case
+from crackgrow.errors import CrackgrowError
+from crackgrow.results.leftovers import remove_leftovers
+from crackgrow.results.resume import FINISHED
+from crackgrow.study.sweep.job import Job, Values, job_of, run_job
+from crackgrow.study.sweep.measured import measured
+from crackgrow.study.sweep.plan import Run, SweepPlan
+
+NEEDED: Final = ("dask", "distributed", "pyarrow")
+REFUSED: Final = "refused"
+
+
+class MissingPackageError(CrackgrowError):
+    """A package that only sweeps need is not installed."""
+
+    exit_code = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SweepRow:
+    """A run that has ended, with its row of the table."""
+
+    run: Run
+    values: Values
+    new: bool  # whether this sweep has run it
+
+    @property
+    def done(self) -> bool:
+        """Whether the run ended as runs should."""
+        return self.values["status"] in FINISHED
+
+
+def sweep(
+    plan: SweepPlan,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    memory: str | None = None,
+    resume: bool = False,
+    function: Callable[[Job], Values] = run_job,
+) -> Iterator[SweepRow]:
+    """Run what is planned and yield the row of each run as it ends, then draw the overview.
+
+    workers: processes of this machine; default: one a core, no more than runs
+    scheduler: address of a Dask scheduler whose workers are used instead; they must see the same disk
+    memory: such as "2GB", of each worker
+    resume: leave runs alone that are done, and go on with those that were broken off
+    function: what a worker does with a job
+
+    Raises MissingPackageError, CaseError (a wrong `memory`), ClusterError and OutputError; what has ended is in the
+    table then. A run that fails is a row like any other.
+    """
+    check_packages()
+    from crackgrow.study.sweep.cluster import available_cores, bytes_of, connected, run_all  # they import Dask
+    from crackgrow.study.sweep.overview import draw
+    from crackgrow.study.sweep.table import SweepTable  # imports pyarrow
+
+    size = None if memory is None else bytes_of(memory)
+    table = SweepTable(plan, {})
+    jobs = []
+    for run in plan.runs:
+        if run.case is None:
+            table.found[run.number] = {"status": REFUSED, "reason": run.refusal}
+            yield SweepRow(run, table.row(run), True)
+        elif resume and done(run):
+            table.found[run.number] = measured(run.folder)
+            yield SweepRow(run, table.row(run), False)
+        else:
+            if not resume:
+                remove_leftovers(run.folder, run.case.name)
+            jobs.append(job_of(run.number, run.folder, run.case, size))
+    table.write()
+    if jobs:
+        with connected(scheduler, min(workers or available_cores(), len(jobs)), size) as client:
+            for job, values in run_all(client, jobs, function):
+                run = plan.runs[job.number]
+                table.found[run.number] = values
+                table.write()
+                yield SweepRow(run, table.row(run), True)
+    draw(plan.folder / "sweep.png", table)
+
+
+def done(run: Run) -> bool:
+    """Whether the folder of a run holds its results, of the same case to the last digit."""
+    if run.case is None:
+        return False
+    settings, summary = run.folder / "case.yaml", run.folder / "summary.json"
+    if not settings.is_file() or not summary.is_file():
+        return False
+    if settings.read_text(encoding="utf-8") != dump_case(run.case):
+        return False
+    return json.loads(summary.read_text(encoding="utf-8")).get("status") in FINISHED
+
+
+def check_packages() -> None:
+    """Raise MissingPackageError where one is not installed."""
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        names = " and ".join(missing)
+        raise MissingPackageError(f"sweeps need {names}, not installed here: pip install 'crackgrow[sweep]'")
+
+
+def sweep_line(row: SweepRow) -> str:
+    """A row on a line of the terminal."""
+    start = f"{row.run.number:03d} {row.run.name}: {row.values['status']}"
+    if not row.done:
+        return f"{start}: {row.values['reason']}"
+    return f"{start}, {row.values['steps']} steps, {row.values['seconds']:.1f} s, {row.values['peak_memory_mb']:.0f} MB"

@@ -1,0 +1,134 @@
+"""The sweep file: which parameters of which case take which values. Read as strictly as a case, faults with lines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as AnyMapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from crackgrow.case.reader import Table, read_file
+from crackgrow.case.report import Path as KeyPath
+from crackgrow.case.report import Place, Report, did_you_mean
+from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Choice, Context, Integer, Switch, Text
+from crackgrow.case.schema import BY_PARTS, OPTIONAL, Field, ListOf, Mapping
+from crackgrow.case.units import Units
+from crackgrow.study.sweep.values import KeyedValues, Listed, ParameterValues, Range, ValueText
+
+DESIGNS: Final = ("grid", "zip", "latin_hypercube")
+MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
+FORMAT: Final = Mapping(
+    {
+        "base": Field(Text(), "the case file, relative to the sweep file"),
+        "parameters": Field(
+            KeyedValues(ParameterValues()), "keys of the case, each with a list of values or {from, to, n, scale}"
+        ),
+        "design": Field(Choice(DESIGNS), "how values are combined", "grid"),
+        "samples": Field(Integer(Bounds(at_least=1, at_most=MOST_RUNS)), "runs of a Latin hypercube", OPTIONAL),
+        "seed": Field(Integer(NOT_NEGATIVE), "of the random numbers of a Latin hypercube", OPTIONAL),
+        "set": Field(KeyedValues(ValueText()), "keys of the case with the values that all runs have", {}),
+        "output": Field(
+            Mapping(
+                {
+                    "frames": Field(Choice(("every_step", "first_and_last", "none")), "frames of each run", "none"),
+                    "figures": Field(Switch(), "pictures of each run", False),
+                }
+            ),
+            "which files the runs keep",
+            BY_PARTS,
+        ),
+        "responses": Field(ListOf(Text()), "columns of the table that the overview draws", OPTIONAL),
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class SweepFile:
+    """A sweep file that has no faults of its own; what the case says of its values is not known yet."""
+
+    path: Path
+    base: Path
+    parameters: AnyMapping[str, Listed | Range]  # by key of the case
+    design: str
+    samples: int | None
+    seed: int
+    fixed: tuple[str, ...]  # overrides that all runs have
+    responses: tuple[str, ...] | None
+    places: AnyMapping[KeyPath, Place]  # of all keys
+
+
+def read_sweep_file(path: Path) -> SweepFile:
+    """The sweep of a YAML file; raises CaseError with all its faults."""
+    report = Report(str(path))
+    root = read_file(path, report)
+    if not isinstance(root, Table):
+        if root is not None and not report.faults:
+            report.fault((), "the file holds no mapping; a sweep is written as key: value", root.place)
+        raise report.error()
+    values: Any = FORMAT.read(root, (), Context(report, Units(), path.parent))
+    base = path.parent / values["base"] if report.sound("base") else path
+    if report.sound("base"):
+        _check_base(base, report)
+    if report.sound("parameters") and report.sound("set"):
+        for key in values["parameters"]:
+            if key in values["set"]:
+                report.fault(("set", key), "is a parameter too; give it in one place", report.places["set", key])
+    if report.sound("parameters") and report.sound("design"):
+        _check_design(values, report)
+    if report.faults:
+        raise report.error()
+    output = values["output"]
+    kept = (f"output.frames={output['frames']}", f"output.figures={str(output['figures']).lower()}")
+    responses = values.get("responses")
+    return SweepFile(
+        path=path,
+        base=base,
+        parameters=values["parameters"],
+        design=values["design"],
+        samples=values.get("samples"),
+        seed=values.get("seed", 0),
+        fixed=(*kept, *(f"{key}={text}" for key, text in values["set"].items())),
+        responses=None if responses is None else tuple(responses),
+        places=report.places,
+    )
+
+
+def _check_base(base: Path, report: Report) -> None:
+    if not base.is_file():
+        names = sorted(file.name for file in base.parent.glob("*.yaml"))
+        report.fault(("base",), f"there is no case file {base}{did_you_mean(base.name, names)}")
+
+
+def _check_design(values: Any, report: Report) -> None:
+    """Report what doesn't suit the design: numbers of values, keys of another design."""
+    design, parameters = values["design"], values["parameters"]
+    if design == "latin_hypercube":
+        if "samples" not in values and report.sound("samples"):
+            report.fault(("samples",), f"missing: a Latin hypercube needs a number of runs, 1 to {MOST_RUNS}")
+    else:
+        for key in ("samples", "seed"):
+            if key in values:
+                report.fault((key,), f"is for design: latin_hypercube; this is a {design}")
+    for key, value in parameters.items():
+        _check_parameter(("parameters", key), value, design, report)
+    if not report.sound("parameters"):
+        return
+    counts = {key: value.count for key, value in parameters.items()}
+    if design == "zip" and len(set(counts.values())) > 1:
+        listed = ", ".join(f"{key}: {count}" for key, count in counts.items())
+        report.fault(("parameters",), f"a zip takes as many values of each parameter; given are {listed}")
+    n_runs = 1
+    for count in counts.values():
+        n_runs *= count if design == "grid" else 1
+    if max(n_runs, *counts.values()) > MOST_RUNS:
+        report.fault(("parameters",), f"this makes {max(n_runs, *counts.values())} runs; at most {MOST_RUNS} are taken")
+
+
+def _check_parameter(path: KeyPath, value: Listed | Range, design: str, report: Report) -> None:
+    if isinstance(value, Range) and design == "latin_hypercube" and value.n is not None:
+        report.fault((*path, "n"), "has no place in a Latin hypercube: `samples` is the number of its values")
+    if isinstance(value, Range) and design != "latin_hypercube" and value.n is None:
+        report.fault((*path, "n"), f"missing: the number of values from {value.low:g} to {value.high:g}")
+    if isinstance(value, Listed) and design == "grid":
+        for text in dict.fromkeys(text for text in value.texts if value.texts.count(text) > 1):
+            report.fault(path, f"has the value {text} twice: a grid would make the same run again")

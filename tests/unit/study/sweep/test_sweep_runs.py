@@ -1,0 +1,232 @@
+"""Real, short sweeps on workers of this machine: rows are those of single runs, and what breaks is repeated or told."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import dask
+import pytest
+from distributed import Client, LocalCluster
+
+from crackgrow import cli
+from crackgrow.errors import CaseError
+from crackgrow.results.writer import RunWriter
+from crackgrow.run import grow
+from crackgrow.study.one_run import write_run
+from crackgrow.study.sweep import runner
+from crackgrow.study.sweep.cluster import SETTINGS, ClusterError
+from crackgrow.study.sweep.job import Job, Values
+from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
+from crackgrow.study.sweep.runner import MissingPackageError, sweep
+
+ROOT = Path(__file__).parents[4]
+FLAW = ROOT / "cases" / "compression30.yaml"
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+PATIENCE = 60.0  # s, for what happens at last
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+
+
+def written(folder: Path, friction: str = "[0, -1, 0.3]", steps: int = 1) -> Path:
+    """A sweep over friction; a negative one is refused."""
+    path = folder / "study.yaml"
+    path.write_text(
+        f"base: {FLAW}\nset: {{numerics.spacing: 4, growth.steps: {steps}}}\n"
+        f"parameters: {{cracks.flaw.contact.friction: {friction}}}\n"
+    )
+    return path
+
+
+def until(holds) -> None:
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def alone(plan: SweepPlan, number: int, folder: Path) -> dict[str, str]:
+    """The tables of a run without any workers."""
+    case = plan.runs[number].case
+    assert case is not None
+    writer = RunWriter(case, folder)
+    writer.begin()
+    write_run(writer, grow(case))
+    return tables(folder)
+
+
+def tables(folder: Path) -> dict[str, str]:
+    return {name: (folder / name).read_text() for name in ("tips.csv", "paths.csv", "contact.csv", "case.yaml")}
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """A scheduler with two workers, as another program would offer it."""
+    with (
+        dask.config.set({**SETTINGS, "distributed.scheduler.allowed-failures": 1}),
+        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+    ):
+        yield cluster.scheduler_address
+
+
+def test_command_line_runs_what_is_missing_and_nothing_else(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    path, out = written(tmp_path), tmp_path / "out"
+    monkeypatch.setattr(sys, "argv", ["crackgrow"])
+    command = ["sweep", str(path), "--out", str(out), "--workers", "2", "--memory", "2GB"]
+    assert cli.main(command) == 0
+    told, complaints = capfd.readouterr()
+    assert complaints == ""
+    assert "[3/3]" in told
+    assert "001 friction=-1: refused: cracks.flaw.contact.friction: '-1' is out of range" in told
+    assert "2 runs done, 1 not" in told
+    rows = rows_of(out / "sweep.csv")
+    assert [row["status"] for row in rows] == ["completed", "refused", "completed"]
+    assert (out / "sweep.png").exists()
+    assert not (out / "000_friction=0" / "frames").exists()
+    plan = plan_sweep(path, out)
+    assert tables(plan.runs[2].folder) == alone(plan, 2, tmp_path / "alone")
+
+    when = (plan.runs[0].folder / "summary.json").stat().st_mtime_ns
+    (plan.runs[2].folder / "summary.json").write_text('{"status": "running"}')
+    assert cli.main([*command, "--resume"]) == 0
+    told, complaints = capfd.readouterr()
+    assert complaints == ""
+    assert "2 runs done, 1 of them done before, 1 not" in told
+    assert "000 friction=0" not in told
+    assert (plan.runs[0].folder / "summary.json").stat().st_mtime_ns == when
+    again = rows_of(out / "sweep.csv")
+    assert [{**row, "seconds": "", "peak_memory_mb": ""} for row in again] == [
+        {**row, "seconds": "", "peak_memory_mb": ""} for row in rows
+    ]
+
+
+def test_workers_have_one_thread_for_linear_algebra_and_bounded_memory(tmp_path: Path):
+    def look(job: Job) -> Values:
+        import os
+        import resource
+
+        from crackgrow.study.sweep.job import bounded_memory
+        from crackgrow.study.threads import THREAD_SETTINGS
+
+        with bounded_memory(job.memory):
+            limit = resource.getrlimit(resource.RLIMIT_DATA)[0]
+        threads = ",".join(os.environ.get(name, "none") for name in THREAD_SETTINGS)
+        return {"status": "looked", "reason": threads, "n_dofs": limit}
+
+    rows = list(sweep(plan_sweep(written(tmp_path, "[0]"), tmp_path), workers=1, memory="1GB", function=look))
+    assert rows[0].values["reason"] == "1,1,1"
+    if sys.platform == "linux":
+        assert rows[0].values["n_dofs"] == 8e8
+
+
+def test_run_of_a_killed_worker_is_gone_on_with(address: str, tmp_path: Path):
+    plan = plan_sweep(written(tmp_path, "[0]", steps=8), tmp_path / "out")
+    steps = plan.runs[0].folder / "steps.csv"
+
+    def kill() -> None:
+        until(lambda: steps.is_file() and len(steps.read_text().splitlines()) > 3)
+        busy = next(worker for worker, keys in client.processing().items() if keys)
+        os.kill(client.run(os.getpid)[busy], signal.SIGKILL)
+
+    killer = threading.Thread(target=kill)
+    with Client(address, set_as_default=False) as client:
+        killer.start()
+        rows = list(sweep(plan, scheduler=address))
+        killer.join()
+    assert [row.values["status"] for row in rows] == ["completed"]
+    assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
+    assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
+
+
+def test_run_that_kills_its_workers_is_told_and_the_others_are_run(address: str, tmp_path: Path):
+    def deadly(job: Job) -> Values:
+        import os
+
+        from crackgrow.study.sweep.job import run_job
+
+        if job.number == 0:
+            os.kill(os.getpid(), 9)
+        if job.number == 1:
+            raise ValueError("a bug")
+        return run_job(job)
+
+    plan = plan_sweep(written(tmp_path, "[0, 0.1, -1, 0.2]"), tmp_path)
+    found = {row.run.number: row.values for row in sweep(plan, scheduler=address, function=deadly)}
+    assert found[1]["reason"] == "internal error: ValueError: a bug"
+    assert [found[number]["status"] for number in range(4)] == ["failed", "failed", "refused", "completed"]
+    assert str(found[0]["reason"]).startswith("worker lost: 2 workers died of this run")
+    table = rows_of(tmp_path / "sweep.csv")
+    assert [row["status"] for row in table] == ["failed", "failed", "refused", "completed"]
+
+
+def test_wrong_addresses_sizes_and_missing_packages_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    plan = plan_sweep(written(tmp_path), tmp_path)
+    monkeypatch.setattr("crackgrow.study.sweep.cluster.CONNECT", "0.2s")
+    with pytest.raises(ClusterError, match=r"no Dask scheduler at tcp://127\.0\.0\.1:9"):
+        list(sweep(plan, scheduler="tcp://127.0.0.1:9"))
+    with pytest.raises(CaseError, match="--memory: 'much' is no size of a memory"):
+        list(sweep(plan, memory="much"))
+    monkeypatch.setattr(runner, "find_spec", lambda name: None if name == "pyarrow" else object())
+    with pytest.raises(MissingPackageError, match=r"sweeps need pyarrow, .* pip install 'crackgrow\[sweep\]'"):
+        list(sweep(plan))
+
+
+@pytest.mark.slow
+def test_cluster_started_by_hand_is_used(tmp_path: Path):
+    place = tmp_path / "scheduler.json"
+    dask = [sys.executable, "-m", "dask"]
+    scheduler = [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", place]
+    worker = [*dask, "worker", "--scheduler-file", place, "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1"]
+    with (tmp_path / "log").open("w") as log:
+        started = [
+            subprocess.Popen(list(map(str, command)), env=ENVIRONMENT, cwd=tmp_path, stdout=log, stderr=log)
+            for command in (scheduler, worker, worker)
+        ]
+        try:
+            until(lambda: place.is_file() and place.read_text().endswith("}"))
+            address = json.loads(place.read_text())["address"]
+            plan = plan_sweep(written(tmp_path), tmp_path / "out")
+            rows = list(sweep(plan, scheduler=address))
+        finally:
+            for process in reversed(started):
+                process.terminate()
+            for process in started:
+                process.wait(PATIENCE)
+    assert sorted(str(row.values["status"]) for row in rows) == ["completed", "completed", "refused"]
+    assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
+
+
+@pytest.mark.slow
+def test_interrupted_sweep_leaves_a_whole_table_and_says_how_to_go_on(tmp_path: Path):
+    path, out = written(tmp_path, "[0, 0.1, 0.2]", steps=6), tmp_path / "out"
+    command = [sys.executable, "-m", "crackgrow", "sweep", str(path), "--out", str(out), "--workers", "1"]
+    process = subprocess.Popen(
+        command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    assert process.stdout is not None
+    for line in process.stdout:
+        if line.startswith("[1/3]"):
+            break
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: the workers get it too
+    _, complaints = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 130
+    assert complaints.splitlines() == [
+        f"crackgrow: interrupted, what has ended is in {out}; go on with: {' '.join(command)} --resume"
+    ]
+    rows = rows_of(out / "sweep.csv")
+    assert [row["status"] for row in rows] == ["completed", "waiting", "waiting"]
+    done = subprocess.run([*command, "--resume"], env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert [row["status"] for row in rows_of(out / "sweep.csv")] == 3 * ["completed"]
