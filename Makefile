@@ -7,18 +7,21 @@ MAKEFLAGS += --no-print-directory
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-all verify stability lint check bench clean distclean
+.PHONY: help run case-exists test test-all browser verify stability lint check bench wheel readme clean distclean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make run CASE=name [ARGS=...]  run cases/name.yaml into outputs/name"
 	@echo "make test                      tests without the slow ones"
 	@echo "make test-all                  all tests"
+	@echo "make browser                   the report in Chromium (needs chromium and chromedriver)"
 	@echo "make verify                    references and exact solutions: a table and pictures in outputs/verification"
 	@echo "make stability [ARGS=--short]  extremes of all kinds: a table and a picture in outputs/stability"
 	@echo "make lint                      ruff and mypy"
 	@echo "make check                     lint and test"
 	@echo "make bench [ARGS=--quick]      benchmarks: ratios against a baseline, tables in tests/benchmarks"
+	@echo "make wheel                     the package as a wheel, in dist"
+	@echo "make readme [ARGS=--all]       run the commands of README.md, with --all the long ones too"
 	@echo "make clean | distclean         remove outputs and caches | and .venv"
 
 # Without the stamp the environment is new or half made: start afresh. With it, only bring the versions up to date.
@@ -52,6 +55,9 @@ test: $(STAMP)
 test-all: $(STAMP)
 	@$(PY) -m pytest -q
 
+browser: $(STAMP)
+	@$(PY) -m pytest -q -m browser tests/browser
+
 verify: $(STAMP)
 	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) -m tests.verification.verify $(ARGS)
 
@@ -66,6 +72,15 @@ check: lint test
 
 bench: $(STAMP)
 	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) -m tests.benchmarks.run $(ARGS)
+
+# Without a build folder: setuptools would pack what an earlier build has left in it.
+wheel: $(STAMP)
+	@rm -rf build dist
+	@$(PY) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
+	@ls dist/*.whl
+
+readme: $(STAMP)
+	@$(PY) -m tests.readme.run $(ARGS)
 
 clean:
 	@find outputs -mindepth 1 ! -name .gitkeep -delete

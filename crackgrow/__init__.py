@@ -11,9 +11,10 @@ solid          elasticity: stiffness, loads, supports, linear solver, stress
 contact        crack faces: contact points, jump, Coulomb law, the contact solvers
 fracture       tip stress, stress intensity, growth criteria, advance of a tip
 run            one step, and the loop over the steps
-results        tables, frames and figures on disk, made from the results alone
+results        tables, frames, figures and a report on disk, made from the results alone
 study          what several runs tell: how far apart their crack paths are, what extremes do to a scene,
                what accuracy costs, what parameters do: one run for each combination
+api            a case solved or run from Python: arrays, tables, fields at points
 cli            the command line, the only place that prints
 """
 
@@ -23,10 +24,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from crackgrow.api import Run, Solution, run_case, solve
     from crackgrow.case import dump_case, load_case
+    from crackgrow.case.json_schema import case_schema
     from crackgrow.case.model import Case
+    from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4
     from crackgrow.results.overview import overview
+    from crackgrow.results.render import render
+    from crackgrow.results.report import write_report
     from crackgrow.results.resume import find_resumption
+    from crackgrow.results.view import view
     from crackgrow.results.writer import RunWriter
     from crackgrow.run import grow
     from crackgrow.run.result import RunEnd, StepResult
@@ -47,26 +54,37 @@ __version__ = "0.1.0"
 __all__ = [
     "Case",
     "Comparison",
+    "Run",
     "RunEnd",
     "RunWriter",
+    "Solution",
     "StepResult",
     "__version__",
+    "case_schema",
     "compare_paths",
     "comparison_csv",
     "comparison_text",
     "dump_case",
+    "find_ffmpeg",
     "find_resumption",
     "grow",
     "load_case",
     "overview",
     "plan_sweep",
     "plan_trade",
+    "render",
+    "run_case",
+    "solve",
     "stability",
     "stability_line",
     "sweep",
     "sweep_line",
     "trade",
     "trade_line",
+    "view",
+    "write_gif",
+    "write_mp4",
+    "write_report",
     "write_stability",
 ]
 
@@ -74,25 +92,36 @@ __all__ = [
 _HOMES = {
     "Case": "crackgrow.case.model",
     "Comparison": "crackgrow.study.comparison",
+    "Run": "crackgrow.api",
     "RunEnd": "crackgrow.run.result",
     "RunWriter": "crackgrow.results.writer",
+    "Solution": "crackgrow.api",
     "StepResult": "crackgrow.run.result",
+    "case_schema": "crackgrow.case.json_schema",
     "compare_paths": "crackgrow.study.compare",
     "comparison_csv": "crackgrow.study.comparison_text",
     "comparison_text": "crackgrow.study.comparison_text",
     "dump_case": "crackgrow.case",
+    "find_ffmpeg": "crackgrow.results.animation",
     "find_resumption": "crackgrow.results.resume",
     "grow": "crackgrow.run",
     "load_case": "crackgrow.case",
     "overview": "crackgrow.results.overview",
     "plan_sweep": "crackgrow.study.sweep.plan",
     "plan_trade": "crackgrow.study.trade.plan",
+    "render": "crackgrow.results.render",
+    "run_case": "crackgrow.api",
+    "solve": "crackgrow.api",
     "stability": "crackgrow.study.stability.runner",
     "stability_line": "crackgrow.study.stability.table",
     "sweep": "crackgrow.study.sweep.runner",
     "sweep_line": "crackgrow.study.sweep.runner",
     "trade": "crackgrow.study.trade.runner",
     "trade_line": "crackgrow.study.trade.row",
+    "view": "crackgrow.results.view",
+    "write_gif": "crackgrow.results.animation",
+    "write_mp4": "crackgrow.results.animation",
+    "write_report": "crackgrow.results.report",
     "write_stability": "crackgrow.study.stability.writer",
 }
 

@@ -71,9 +71,9 @@ def rock_problem(kind: str, n_points: int) -> tuple[ContactProblem, Floats]:
     contact, n = configuration.contact, configuration.faces.n
     u, _ = contact.system.solve(configuration.loads(1.0), configuration.held.given)
     rows = np.arange(n)
-    response = contact.columns.of(rows, rows)
+    rock = contact.onto(rows, rows).compliance
     free = np.concatenate([contact.gap_of @ u, contact.slip_of @ u])
-    return condensed(contact, response, free, np.ones(n), np.zeros(n), rows, rows, np.zeros(n)), contact.weights
+    return condensed(contact, rock, free, np.ones(n), np.zeros(n), rows, rows, np.zeros(n)), contact.weights
 
 
 def with_law(problem: ContactProblem, friction: float, cohesion: float) -> ContactProblem:

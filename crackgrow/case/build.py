@@ -149,4 +149,4 @@ def _numerics(numerics: Resolved) -> Numerics:
 
 
 def _output(output: Resolved) -> Output:
-    return Output(output["frames"], tuple(dict.fromkeys(output["fields"])), output["figures"])
+    return Output(output["frames"], tuple(dict.fromkeys(output["fields"])), output["figures"], output["report"])

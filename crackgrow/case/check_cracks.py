@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from shapely import LineString, Point, Polygon
 
-from crackgrow.case.check_meetings import ENDS_WITH_TIP, check_meetings
+from crackgrow.case.check_meetings import ENDS_WITH_TIP, check_meetings, meets_itself
 from crackgrow.case.layout import SHORTEST, Scene
 from crackgrow.case.model import Floats
 from crackgrow.case.segments import common_parts
@@ -40,7 +40,7 @@ def check_cracks(scene: Scene) -> None:
         if spacing is not None and length < SHORTEST * spacing:
             limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
             _refuse(scene, name, f"length {scene.length(length)} is less than {limit}")
-        if name in scene.hosts:
+        if name in scene.hosts and not meets_itself(scene, name):
             around = surroundings[scene.hosts[name]]
             problem = _problem(scene, points, around)
             if problem:

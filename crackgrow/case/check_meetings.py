@@ -6,13 +6,13 @@ import numpy as np
 import shapely
 
 from crackgrow.case.layout import Scene
-from crackgrow.case.segments import Ids, Segments, close_segments, common_parts, places_between, segments_of
+from crackgrow.case.segments import MOST_PAIRS, Ids, Segments, close_segments, common_parts, places_between, segments_of
 
 ENDS_WITH_TIP = {"both": ("start", "end"), "start": ("start",), "end": ("end",)}
 
 
 def check_meetings(scene: Scene, names: list[str], refused_tips: set[tuple[str, str]]) -> None:
-    """Report cracks of these names that meet themselves, run along each other, or meet another one with a tip.
+    """Report cracks of these names that run along each other, or meet another one with a tip; none meets itself.
 
     refused_tips: crack and end of tips that have a fault already
     """
@@ -20,18 +20,16 @@ def check_meetings(scene: Scene, names: list[str], refused_tips: set[tuple[str, 
         return
     segments = segments_of([scene.cracks[name] for name in names])
     pairs = close_segments(segments, scene.tolerance)
+    if len(pairs) > MOST_PAIRS:
+        scene.report.fault(("cracks",), f"the cracks cross or touch more than {MOST_PAIRS} times")
+        return
     lines = segments.lines[pairs]
     parts = common_parts(segments.ends[pairs[:, 0]], segments.ends[pairs[:, 1]], scene.tolerance)
     runs = ~np.isnan(parts[:, 0, 0])
-    own = lines[:, 0] == lines[:, 1]
-    refused: set[str] = set()
     along: set[tuple[str, str]] = set()
-    for index in np.flatnonzero(runs | (own & (pairs[:, 1] - pairs[:, 0] > 1))).tolist():
+    for index in np.flatnonzero(runs & (lines[:, 0] != lines[:, 1])).tolist():
         one, other = (names[line] for line in lines[index])
-        if one == other and one not in refused:
-            refused.add(one)
-            _refuse_itself(scene, segments, one, pairs[index])
-        elif one != other and (one, other) not in along:
+        if (one, other) not in along:
             along.add((one, other))
             shown = " to ".join(scene.point(end) for end in parts[index])
             message = f"runs along crack '{one}' from {shown}; cracks may meet at points only: shorten one of them"
@@ -39,21 +37,27 @@ def check_meetings(scene: Scene, names: list[str], refused_tips: set[tuple[str, 
     _check_tips(scene, names, segments, along, refused_tips)
 
 
+def meets_itself(scene: Scene, name: str) -> bool:
+    """Whether a crack crosses, touches or lies on itself; reports the first place."""
+    segments = segments_of([scene.cracks[name]])
+    pairs = close_segments(segments, scene.tolerance)
+    parts = common_parts(segments.ends[pairs[:, 0]], segments.ends[pairs[:, 1]], scene.tolerance)
+    found = np.flatnonzero(~np.isnan(parts[:, 0, 0]) | (pairs[:, 1] - pairs[:, 0] > 1))
+    if len(found):
+        _refuse_itself(scene, segments, name, pairs[found[0]])
+    return len(found) > 0
+
+
 def _refuse_itself(scene: Scene, segments: Segments, name: str, pair: Ids) -> None:
     """Report that two segments of a crack cross, touch or lie on each other."""
     first, second = pair.tolist()
     if second - first == 1:
-        vertex, where = _vertex(segments, second), scene.point(segments.ends[second, 0])
-        message = f"folds back on itself at vertex {vertex} {where}; end it there"
+        where = scene.point(segments.ends[second, 0])
+        message = f"folds back on itself at vertex {second} {where}; end it there"
     else:
         where = scene.point(places_between(segments, pair[None])[0])
         message = f"crosses or touches itself at {where}; give it as two cracks, which may meet there"
     scene.report.fault(("cracks", name, "path"), message)
-
-
-def _vertex(segments: Segments, index: int) -> int:
-    """Return the number of the vertex of its crack at which a segment begins."""
-    return index - int(np.searchsorted(segments.lines, segments.lines[index]))
 
 
 def _check_tips(

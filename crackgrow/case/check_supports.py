@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -50,9 +51,10 @@ def _check_points(scene: Scene) -> None:
         support["body"] = body
         for other, its_body, at, held in seen:
             twice = sorted(held & components)
-            if twice and its_body == body and np.hypot(*(point - at)) <= scene.tolerance:
+            if twice and its_body == body and math.dist(point, at) <= scene.tolerance:
                 message = f"{' and '.join(twice)} at {where} is prescribed already by supports.{other}"
                 scene.report.fault((*key, "displacement"), message)
+                break
         seen.append((index, body, point, components))
 
 

@@ -13,6 +13,7 @@ from crackgrow.case.accuracy import AUTO, PRESETS, Lengths, automatic_spacing
 from crackgrow.case.model import EdgeRegion, Floats
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines, with_common_corners
 from crackgrow.case.report import Path, Report
+from crackgrow.case.segments import segments_of
 from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
 from crackgrow.case.units import Units
 
@@ -136,9 +137,9 @@ def _settle_spacing(scene: Scene) -> None:
     """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds."""
     given = scene.get("numerics", "spacing")
     accuracy = scene.get("numerics", "accuracy")
-    if given is None or accuracy is None:
+    if given is None:
         return
-    if not (scene.bodies and all(scene.report.sound(key) for key in ("bodies", "cracks", "growth"))):
+    if not (accuracy and scene.bodies and all(scene.report.sound(key) for key in ("bodies", "cracks", "growth"))):
         if given == AUTO:
             scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
         return
@@ -214,12 +215,18 @@ def _hosts(cracks: dict[str, Floats], bodies: list[BodyShape]) -> dict[str, str]
     names = [name for name, points in cracks.items() if len(points) > 1]
     if not names or not bodies:
         return {}
+    if len(bodies) == 1:
+        return dict.fromkeys(names, bodies[0].name)
+    segments = segments_of([cracks[name] for name in names])
     lines = np.array([LineString(cracks[name]) for name in names], dtype=object)
     polygons = np.array([body.polygon for body in bodies], dtype=object)
     tree = shapely.STRtree(polygons)
     hosts = tree.nearest(lines)
     line_ids, body_ids = tree.query(lines, predicate="intersects")
-    inside = shapely.length(shapely.intersection(lines[line_ids], polygons[body_ids]))
+    inside = [  # segment by segment: a line that crosses itself often takes very long
+        float(shapely.length(shapely.intersection(segments.shapes[segments.lines == line], polygons[body])).sum())
+        for line, body in zip(line_ids.tolist(), body_ids.tolist(), strict=True)
+    ]
     longest_last = np.lexsort((-body_ids, inside))
     hosts[line_ids[longest_last]] = body_ids[longest_last]  # of several values for one crack the last one stays
     return {name: bodies[host].name for name, host in zip(names, hosts.tolist(), strict=True)}

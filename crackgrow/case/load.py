@@ -19,7 +19,7 @@ from crackgrow.case.layout import Scene, scene_of
 from crackgrow.case.model import Case
 from crackgrow.case.overrides import apply_override
 from crackgrow.case.reader import Table, read_file
-from crackgrow.case.report import Report
+from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Context
 from crackgrow.case.scene import CASE, UNITS_SPEC
 from crackgrow.case.units import Units
@@ -49,6 +49,8 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     """
     report = Report(str(path))
     root = read_file(path, report)
+    if Path(path).stem in ("", ".", ".."):  # the case is named after its file, and its results after the case
+        report.fault((), "the file has no name of its own; wanted: such as my_case.yaml", Place(str(path), None))
     if not isinstance(root, Table):
         if root is not None and not report.faults:
             report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
@@ -75,4 +77,5 @@ def _units_of(root: Table) -> Units | None:
         return Units()
     scratch = Report("")
     values: Any = UNITS_SPEC.read(root.entries["units"].node, ("units",), Context(scratch, Units()))
-    return None if scratch.faults else Units(**values)
+    sound = isinstance(values, dict) and all(isinstance(unit, str) for unit in values.values())
+    return Units(**values) if sound else None  # what the parser refused is no fault of the scratch report

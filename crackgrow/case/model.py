@@ -231,6 +231,7 @@ class Output:
     frames: Literal["every_step", "first_and_last", "none"]
     fields: tuple[str, ...]  # of "displacement", "stress"
     figures: bool
+    report: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)

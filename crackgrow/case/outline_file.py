@@ -7,14 +7,18 @@ from pathlib import Path as FilePath
 
 import shapely
 
-from crackgrow.case.reader import MAX_BYTES, Node, Scalar
+from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, quoted
 from crackgrow.case.scalars import INVALID, Context, refuse
 from crackgrow.case.units import UNITS, QuantityError, parse_number
 
+MAX_BYTES = 2 * 2**20
+MOST_CORNERS = 5000  # of an outline; a disk has 360
+
 Corners = list[list[float]]  # m, not closed
 
 _READERS = {".geojson": shapely.from_geojson, ".json": shapely.from_geojson, ".wkt": shapely.from_wkt}
+ENDINGS = tuple(_READERS)
 
 
 class OutlineError(ValueError):
@@ -56,6 +60,8 @@ def _polygon_of(file: FilePath) -> shapely.Polygon:
         kinds = [part.geom_type for part in parts]
         found = f"{len(kinds)} shapes" if len(kinds) > 1 else kinds[0] if kinds and not parts[0].is_empty else "nothing"
         raise OutlineError(f"holds {found}")
+    if len(shapely.get_coordinates(parts[0])) > MOST_CORNERS:
+        raise OutlineError(f"has {len(shapely.get_coordinates(parts[0]))} corners, more than {MOST_CORNERS}")
     if not parts[0].is_valid:
         raise OutlineError(f"holds a polygon that is not valid: {clean(shapely.is_valid_reason(parts[0]))}")
     return parts[0]

@@ -68,9 +68,10 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of a few words."""
+    """One of a few words, perhaps with a line about each."""
 
     words: tuple[str, ...]
+    docs: tuple[str, ...] = ()
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""

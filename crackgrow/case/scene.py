@@ -7,7 +7,7 @@ from typing import Final
 from crackgrow.case.accuracy import AUTO, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import LengthOrFormula
-from crackgrow.case.outline_file import OutlineFile, with_file_holes, without_file
+from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, without_file
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import (
     NOT_NEGATIVE,
@@ -39,6 +39,7 @@ from crackgrow.case.units import UNITS
 
 LENGTH: Final = Quantity("length")
 POINT: Final = ListOf(LENGTH, 2)
+POINTS: Final = ListOf(POINT, at_most=MOST_CORNERS)
 
 UNITS_SPEC: Final = Mapping(
     {
@@ -61,14 +62,14 @@ DISK: Final = Mapping(
 
 _SIMPLE_SHAPES: Final = (
     {"rectangle": Field(RECTANGLE, "a rectangle along the axes")},
-    {"polygon": Field(ListOf(POINT), "corners in drawing order, [[x, y], ...]")},
+    {"polygon": Field(POINTS, "corners in drawing order, [[x, y], ...]")},
     {"disk": Field(DISK, "a disk")},
     {"file": Field(OutlineFile(), "a file with a polygon")},
 )
 
 HOLE: Final = Converted(OneOf(tuple(Mapping(form) for form in _SIMPLE_SHAPES)), without_file)
 
-_HOLES: Final = Field(ListOf(HOLE), "holes: shapes inside of the outline", OPTIONAL)
+_HOLES: Final = Field(ListOf(HOLE, at_most=300), "holes: shapes inside of the outline", OPTIONAL)
 
 SHAPE: Final = Converted(OneOf(tuple(Mapping({**form, "holes": _HOLES}) for form in _SIMPLE_SHAPES)), with_file_holes)
 
@@ -110,16 +111,18 @@ PATH: Final = OneOf(
                 "angle": Field(Quantity("angle"), "direction from start to end, counter-clockwise from x"),
             }
         ),
-        Mapping({"points": Field(ListOf(POINT), "vertices from start to end, [[x, y], ...]")}),
+        Mapping({"points": Field(POINTS, "vertices from start to end, [[x, y], ...]")}),
     )
 )
+
+_AFTER_SLIP: Final = Choice(("lost", "kept"), ("none is left", "stays where the point is closed"))
 
 _CONTACT_KEYS: Final = Mapping(
     {
         "friction": Field(Number(NOT_NEGATIVE), "Coulomb's friction coefficient"),
         "cohesion": Field(Quantity("stress", NOT_NEGATIVE), "cohesion of the closed faces"),
         "residual_friction": Field(Number(NOT_NEGATIVE), "friction of points that have slipped or opened", OPTIONAL),
-        "cohesion_after_slip": Field(Choice(("lost", "kept")), "cohesion of points that slipped or opened", "lost"),
+        "cohesion_after_slip": Field(_AFTER_SLIP, "cohesion of points that slipped or opened", "lost"),
         "dilation_angle": Field(Quantity("angle", Bounds(at_least=0, below=90)), "faces part by tan of it x slip", 0.0),
     }
 )
@@ -135,10 +138,15 @@ def _with_residual(value: object, path: Path, context: Context) -> object:
 
 CONTACT: Final = Converted(_CONTACT_KEYS, _with_residual)
 
+TIPS: Final = Choice(
+    ("both", "start", "end", "none"),
+    ("both ends", "the first point alone", "the last point alone", "it stays as it is"),
+)
+
 CRACK: Final = Mapping(
     {
         "path": Field(PATH, "where the crack runs"),
-        "tips": Field(Choice(("both", "start", "end", "none")), "ends at which the crack can grow", "both"),
+        "tips": Field(TIPS, "ends at which the crack can grow", "both"),
         "contact": Field(WordOr(("none",), CONTACT), "law of the closed faces; none: they never touch each other"),
     }
 )
@@ -222,15 +230,31 @@ TIP_STRESS: Final = Mapping(
     {"radius": Field(Quantity("length", POSITIVE), "Shepard averaging radius, a material length")},
 )
 
-CRITERION: Final = Choice(("strength", "directional_strength", "max_hoop_stress"))
+CRITERION: Final = Choice(
+    ("strength", "directional_strength", "max_hoop_stress"),
+    (
+        "averaged stress of the tip: across its major principal stress, else on a Mohr-Coulomb plane",
+        "hoop tension and shear on every ray from the tip; follows the path of K_II = 0 better",
+        "direction of the largest hoop stress, from K_I and K_II",
+    ),
+)
+
+ADVANCE: Final = Choice(
+    ("most_critical", "in_turn", "all"),
+    ("one tip a step", "one tip a step, of those that have grown least", "every tip that meets the criterion"),
+)
+
+DIRECTION: Final = Choice(
+    ("explicit", "implicit"), ("that at the old tip", "corrected until K_II vanishes at the new tip; max_hoop_stress")
+)
 
 GROWTH: Final = Mapping(
     {
         "steps": Field(Integer(Bounds(at_least=0, at_most=10000)), "growth steps; 0: the criterion is only judged"),
         "increment": Field(Quantity("length", POSITIVE), "length added to a tip in one step"),
-        "advance": Field(Choice(("most_critical", "in_turn", "all")), "tips that advance in a step"),
+        "advance": Field(ADVANCE, "tips that advance in a step"),
         "criterion": Field(CRITERION, "when and where a tip grows"),
-        "direction": Field(Choice(("explicit", "implicit")), "implicit: corrected at the new tip", "explicit"),
+        "direction": Field(DIRECTION, "implicit: corrected at the new tip", "explicit"),
         "tip_stress": Field(TIP_STRESS, "how the stress at a tip is taken"),
         "unload_between_steps": Field(
             Switch(), "start every step from the unloaded state; false: friction remembers", True
@@ -238,6 +262,13 @@ GROWTH: Final = Mapping(
     }
 )
 
+_ACCURACY: Final = Choice(
+    tuple(PRESETS), tuple(f"spacing auto: a crack of {p.per_crack:g} spacings or more" for p in PRESETS.values())
+)
+_DISCRETIZATION: Final = Choice(
+    ("mortar", "gauss"), ("on average round nodes along the faces", "at Gauss points; wants a finite stiffness")
+)
+_SOLVER: Final = Choice(("newton", "lemke"), ("semismooth Newton", "complementary pivots; slow with many points"))
 _CONTACT_STIFFNESS: Final = WordOr(("rigid",), Number(POSITIVE))
 _SUPPORT_WIDTH: Final = Number(Bounds(at_least=1.25, at_most=4), 0.25)
 _GAUSS_POINTS: Final = Integer(Bounds(at_least=2, at_most=10))
@@ -248,8 +279,8 @@ def _numerics(preset: Preset, spacing: object) -> Mapping:
     contact = Mapping(
         {
             "stiffness": Field(_CONTACT_STIFFNESS, "rigid, or kappa in k = kappa E / h", "rigid"),
-            "discretization": Field(Choice(("mortar", "gauss")), "where contact is enforced", "mortar"),
-            "solver": Field(Choice(("newton", "lemke")), "how the contact problem is solved", "newton"),
+            "discretization": Field(_DISCRETIZATION, "where contact is enforced", "mortar"),
+            "solver": Field(_SOLVER, "how the contact problem is solved", "newton"),
             "spacing": Field(
                 Number(Bounds(at_least=0.5, at_most=4)), "least distance of contact nodes, in h", preset.contact_spacing
             ),
@@ -257,7 +288,7 @@ def _numerics(preset: Preset, spacing: object) -> Mapping:
     )
     return Mapping(
         {
-            "accuracy": Field(Choice(tuple(PRESETS)), "preset of what is left out here", STANDARD),
+            "accuracy": Field(_ACCURACY, "preset of what is left out here", STANDARD),
             "spacing": Field(WordOr((AUTO,), Quantity("length", POSITIVE)), "lattice spacing h", spacing),
             "auto_rule": Field(Text(), "what gave an automatic spacing; written by the program", OPTIONAL),
             "support": Field(_SUPPORT_WIDTH, "half width of a patch, in spacings", preset.support),
@@ -278,16 +309,19 @@ OUTPUT: Final = Mapping(
         "frames": Field(Choice(("every_step", "first_and_last", "none")), "steps written as frames", "every_step"),
         "fields": Field(ListOf(Choice(("displacement", "stress"))), "fields in a frame", ["displacement", "stress"]),
         "figures": Field(Switch(), "draw pictures and plots", True),
+        "report": Field(Switch(), "write report.html at the end", True),
     }
 )
+
+PLANE: Final = Choice(("strain", "stress"), ("a long body, no strain across", "a thin plate, no stress across"))
 
 CASE: Final = Mapping(
     {
         "title": Field(Text(), "what the scene is"),
         "source": Field(Text(may_be_empty=True), "where the scene comes from", ""),
         "units": Field(UNITS_SPEC, "what bare numbers mean", BY_PARTS),
-        "plane": Field(Choice(("strain", "stress")), "plane strain or plane stress"),
-        "bodies": Field(Named("body", BODY), "the pieces of rock"),
+        "plane": Field(PLANE, "plane strain or plane stress"),
+        "bodies": Field(Named("body", BODY, at_most=200), "the pieces of rock"),
         "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
         "interfaces": Field(ListOf(INTERFACE), "contact between bodies that share a boundary", []),
         "supports": Field(ListOf(SUPPORT), "prescribed displacements and rigid foundations", []),

@@ -15,6 +15,9 @@ from crackgrow.case.scalars import INVALID, Context, Spec, refuse
 
 _NAME = re.compile(r"\w[\w-]{0,63}")
 
+MOST_ITEMS: Final = 1000  # of a list, unless it says otherwise: beyond, checks take too long
+SHOWN_UNKNOWN: Final = 50  # of more keys that a mapping does not take only the number is told
+
 REQUIRED: Final = object()  # the key must be given
 OPTIONAL: Final = object()  # the key may be left out and then stays out
 BY_PARTS: Final = object()  # left out means: as if it were given without any key in it
@@ -77,8 +80,11 @@ class Mapping:
     def _report_unknown(self, node: Table, path: Path, context: Context) -> set[str]:
         """Report keys that the mapping does not take; return the keys that were probably meant."""
         guesses = set()
-        for key, entry in node.entries.items():
-            if key not in self.fields:
+        unknown = [(key, entry) for key, entry in node.entries.items() if key not in self.fields]
+        if len(unknown) > SHOWN_UNKNOWN:
+            context.report.fault(path, f"{len(unknown)} unknown keys; allowed: {', '.join(self.fields)}")
+        else:
+            for key, entry in unknown:
                 free = [known for known in self.fields if known not in node.entries]
                 hint = did_you_mean(key, free) or did_you_mean(key, self.fields)
                 message = f"unknown key; allowed: {', '.join(self.fields)}{hint}"
@@ -166,7 +172,8 @@ class ListOf:
     """A list of values of one kind."""
 
     spec: Spec
-    length: int | None = None  # None: any
+    length: int | None = None  # None: any up to `at_most`
+    at_most: int = MOST_ITEMS
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
@@ -179,6 +186,9 @@ class ListOf:
         if self.length is not None and len(node.items) != self.length:
             message = f"a list of {len(node.items)} given; wanted: {self.describe()}"
             context.report.fault(path, message)
+            return INVALID
+        if len(node.items) > self.at_most:
+            context.report.fault(path, f"a list of {len(node.items)} given; wanted: {self.at_most} at most")
             return INVALID
         values = []
         for index, item in enumerate(node.items):
@@ -208,6 +218,7 @@ class Named:
 
     thing: str
     spec: Spec
+    at_most: int = MOST_ITEMS
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
@@ -217,6 +228,9 @@ class Named:
         """Return a dict of the values in file order."""
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
+        if len(node.entries) > self.at_most:
+            context.report.fault(path, f"{len(node.entries)} names given; wanted: {self.at_most} at most")
+            return INVALID
         values: dict[str, object] = {}
         for name, entry in node.entries.items():
             inner = (*path, name)

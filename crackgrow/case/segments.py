@@ -13,6 +13,9 @@ from crackgrow.case.model import Floats
 
 Ids = NDArray[np.int64]
 
+MOST_PAIRS = 200_000  # of segments that come close; cracks of a scene make a few per crack
+CHUNK = 64  # segments that are looked at together
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segments:
@@ -33,10 +36,20 @@ def segments_of(lines: Sequence[Floats]) -> Segments:
 
 
 def close_segments(segments: Segments, tolerance: float) -> Ids:
-    """Return the pairs `(m, 2) int`, i < j in order, of segments that come within the tolerance."""
-    pairs = segments.tree.query(segments.shapes, predicate="dwithin", distance=tolerance).T
-    pairs = pairs[pairs[:, 0] < pairs[:, 1]]
-    return np.asarray(pairs[np.lexsort(pairs.T[::-1])], dtype=np.int64)
+    """Return the pairs `(m, 2) int`, i < j in order, of segments that come within the tolerance.
+
+    Of more than MOST_PAIRS the first ones are returned, a few more than that.
+    """
+    found, n = [np.zeros((0, 2), dtype=np.int64)], 0
+    for start in range(0, len(segments.shapes), CHUNK):
+        some = segments.shapes[start : start + CHUNK]
+        pairs = segments.tree.query(some, predicate="dwithin", distance=tolerance).T + np.array([start, 0])
+        pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+        found.append(pairs[np.lexsort(pairs.T[::-1])])
+        n += len(pairs)
+        if n > MOST_PAIRS:
+            break
+    return np.concatenate(found)
 
 
 def common_parts(first: Floats, second: Floats, tolerance: float) -> Floats:

@@ -20,6 +20,7 @@ Resolved = dict[str, Any]  # a part of the resolved case
 
 RECTANGLE_EDGES: Final = ("bottom", "right", "top", "left")
 ARC: Final = "arc"  # the edge of a disk
+CHUNK: Final = 64  # sides that are looked at together
 HOLE: Final = "hole{}"  # the edge of a hole
 DISK_SIDES: Final = 360  # a disk is a polygon with a corner at every whole degree
 REPEATED_VERTEX: Final = 1e-9  # vertices nearer than this part of the line's extent are one
@@ -195,12 +196,17 @@ def _problem_of(points: Floats, names: tuple[str, ...], units: Units) -> str | N
         return "the corners lie on a line; they enclose no area"
     n = len(points)
     sides = shapely.linestrings(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
-    pairs = shapely.STRtree(sides).query(sides, predicate="dwithin", distance=REPEATED_VERTEX * size)
-    for first, second in sorted(zip(*pairs.tolist(), strict=True)):
-        if 2 <= second - first <= n - 2:  # no neighbours; if those fold back, a side next to them touches too
-            x, y = shapely.shortest_line(sides[first], sides[second]).coords[0]
+    tree = shapely.STRtree(sides)
+    for start in range(0, n, CHUNK):  # the first that cross end the search: there may be millions
+        some = sides[start : start + CHUNK]
+        first, second = tree.query(some, predicate="dwithin", distance=REPEATED_VERTEX * size)
+        first = first + start
+        apart = (second - first >= 2) & (second - first <= n - 2)  # if neighbours fold back, one next to them touches
+        if apart.any():
+            one, other = min(zip(first[apart].tolist(), second[apart].tolist(), strict=True))
+            x, y = shapely.shortest_line(sides[one], sides[other]).coords[0]
             place = f"({units.show(x, 'length')}, {units.show(y, 'length')})"
-            return f"edges {names[first]} and {names[second]} cross or touch at {place}"
+            return f"edges {names[one]} and {names[other]} cross or touch at {place}"
     return None
 
 
@@ -208,12 +214,14 @@ def _check_holes(rings: list[DrawnRing], key: Path, report: Report) -> None:
     """Report holes that do not lie clear of the outline and of each other."""
     outline, *holes = (Polygon(ring.points) for ring in rings)
     tolerance = REPEATED_VERTEX * math.hypot(*np.ptp(rings[0].points, axis=0))
+    tree = shapely.STRtree(holes)
+    shapely.prepare(outline)
     for index, hole in enumerate(holes):
         where = (*key, "holes", index)
         if not outline.contains(hole) or outline.exterior.dwithin(hole.exterior, tolerance):
             report.fault(where, f"{HOLE.format(index)} is not inside of the outline, clear of it")
-        for other in range(index):
-            if hole.dwithin(holes[other], tolerance):
+        for other in sorted(tree.query(hole, predicate="dwithin", distance=tolerance).tolist()):
+            if other < index:
                 report.fault(where, f"{HOLE.format(index)} overlaps or touches {HOLE.format(other)}")
 
 

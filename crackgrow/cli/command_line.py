@@ -10,7 +10,11 @@ from pathlib import Path
 import crackgrow
 from crackgrow.cli.compare import add_compare
 from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, complain
+from crackgrow.cli.new import add_new
+from crackgrow.cli.render import add_render
+from crackgrow.cli.report import add_report
 from crackgrow.cli.run import check, run
+from crackgrow.cli.schema import add_schema
 from crackgrow.cli.stability import add_stability
 from crackgrow.cli.sweep import add_sweep
 from crackgrow.cli.trade import add_trade
@@ -57,8 +61,12 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(command=run)
     command = commands.add_parser("check", parents=[case], help="validate a case and say what it models")
     command.set_defaults(command=check)
+    add_report(commands)
+    add_render(commands)
     add_compare(commands)
     add_stability(commands)
     add_trade(commands)
+    add_new(commands)
+    add_schema(commands)
     add_sweep(commands)
     return parser

@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import ContactProblem, ContactSolution, complementarity_residual
@@ -18,16 +17,13 @@ from crackgrow.errors import SolveError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FEW_POINTS = 64
-"""Up to so many points their jumps are all computed at once."""
-
 UNSYMMETRIC = 1e-2
 """A compliance of contact that is unsymmetric by more than this fraction of its largest entry is refused."""
 
 
 def condensed(
     contact: ContactSystem,
-    response: Floats,
+    rock: Floats,
     free: Floats,
     friction: Floats,
     cohesion: Floats,
@@ -37,12 +33,13 @@ def condensed(
 ) -> ContactProblem:
     """The problem of the contact points `rows` (k,), with tangential rows of the points `sliding` (k,) or (0,).
 
-    With dilation the gap's rows are those of the gap less `rise` (n,) times the slip. Raises SolveError where that
-    leaves a point without resistance, and where round-off has spoilt the compliance of the rock.
+    `rock` is the compliance of the rock between these rows, per unit traction. With dilation the gap's rows are those
+    of the gap less `rise` (n,) times the slip. Raises SolveError where that leaves a point without resistance, and
+    where round-off has spoilt the compliance of the rock.
     """
     law = contact.law
-    compliance = np.concatenate([_jumps(contact.gap_of, rows, response), _jumps(contact.slip_of, sliding, response)])
-    _check_reciprocal(compliance, np.concatenate([contact.weights[rows], contact.weights[sliding]]))
+    _check_reciprocal(rock, np.concatenate([contact.weights[rows], contact.weights[sliding]]))
+    compliance = rock.copy()
     compliance[np.diag_indices_from(compliance)] += np.concatenate([law.compliance[rows], law.compliance[sliding]])
     n = len(rows)
     if rise[rows].any():  # where there is dilation there is friction: the points that slide are `rows`
@@ -62,24 +59,21 @@ def condensed(
     return ContactProblem(compliance, free, friction[rows], cohesion[rows], scale)
 
 
-def _jumps(operator: csr_array, rows: Ints, response: Floats) -> Floats:
-    """Jumps (k, l) of the points `rows` (k,) in the displacements `response` (n_dofs, l)."""
-    if operator.shape[0] <= FEW_POINTS and len(rows):  # then taking rows out of a sparse matrix is what takes time
-        return np.asarray((operator @ response)[rows])
-    return np.asarray(operator[rows] @ response)
-
-
 def _check_reciprocal(compliance: Floats, weights: Floats) -> None:
     """Raise SolveError unless the compliance S W (k, k) of the rock comes from a symmetric S that resists (Betti)."""
     symmetric = compliance / weights
     least, largest = float(symmetric.diagonal().min()), float(np.abs(symmetric).max())
     off = float(np.abs(symmetric - symmetric.T).max())
     if least <= 0.0 or off > UNSYMMETRIC * largest:
-        what = "not positive" if least <= 0.0 else f"unsymmetric by {off / largest:.1g} of its largest entry"
-        raise SolveError(
-            f"the system is ill conditioned: the compliance of the rock between contact points is {what}; a sliver of "
-            "rock or a crack's tip may lie too close to a lattice line: change numerics.spacing or the crack a little"
-        )
+        raise spoilt("not positive" if least <= 0.0 else f"unsymmetric by {off / largest:.1g} of its largest entry")
+
+
+def spoilt(what: str) -> SolveError:
+    """The error where the compliance of the rock is `what`."""
+    return SolveError(
+        f"the system is ill conditioned: the compliance of the rock between contact points is {what}; a sliver of rock "
+        "or a crack's tip may lie too close to a lattice line: change numerics.spacing or the crack a little"
+    )
 
 
 def solved(

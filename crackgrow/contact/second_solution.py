@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.contact.condensation import Rock
 from crackgrow.contact.coulomb import STICK, active_set, jump
 from crackgrow.contact.solve import OVERLAP, ContactOutcome
 from crackgrow.contact.system import ContactSystem
@@ -59,7 +60,7 @@ def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSo
 def _closes_others(contact: ContactSystem, outcome: ContactOutcome, change: Floats) -> bool:
     """Whether a change (2 k,) Pa of the tractions lets points overlap that the solver did not have to deal with."""
     rows = outcome.rows
-    u = outcome.u - contact.columns.of(rows, rows) @ change
-    gap = contact.gap_of @ u - outcome.dilation
+    known = Rock(outcome.u, outcome.multipliers, outcome.gap, outcome.slip)
+    gap = contact.onto(rows, rows).jumps(known, change)[0] - outcome.dilation
     gap[rows] = 0.0
     return bool(gap.min() < -OVERLAP * np.abs(gap).max())

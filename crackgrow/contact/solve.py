@@ -19,13 +19,14 @@ other way than it was taken to.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.contact.condensed import condensed, solved
+from crackgrow.contact.condensation import Condensation, Rock
+from crackgrow.contact.condensed import condensed, solved, spoilt
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactProblem, complementarity_residual
 from crackgrow.contact.law import ContactMemory
 from crackgrow.contact.system import ContactSystem
@@ -49,6 +50,15 @@ TOUCHING = 1e-8
 
 AT_LIMIT = 1e-9
 """Shear closer to the cohesion of faces that touch than this fraction of it has reached it: they slip."""
+
+ROUND_OFF = 1e-12
+"""Jumps by the compliance that differ from those of the displacements by less than this fraction are the same."""
+
+SPOILT = 1e-2
+"""If they differ by more, nothing can be made of the compliance."""
+
+MOST_CORRECTIONS = 3
+"""What differs after so many corrections is round-off of the displacements themselves."""
 
 MOST_TURNS = 60
 """Solves after which points whose slip still turns round are given up."""
@@ -103,7 +113,8 @@ def solve_increment(
     """One increment; `last` is the outcome under nearly the same loads, if there is one."""
     u_free, multipliers = contact.system.solve(loads, given) if without is None else without
     size = displacement_size(loads, u_free if last is None else last.u, given)
-    trial = _Increment(contact, u_free, multipliers, memory, OVERLAP * size, last)
+    free = Rock(u_free, multipliers, contact.gap_of @ u_free, contact.slip_of @ u_free)
+    trial = _Increment(contact, loads, given, free, memory, OVERLAP * size, last)
     dilation = contact.law.dilation
     if dilation is None or not dilation.any():
         return trial.outcome(np.zeros(len(contact.weights)))
@@ -130,15 +141,15 @@ class _Increment:
     def __init__(
         self,
         contact: ContactSystem,
-        u_free: Floats,
-        multipliers: Floats,
+        loads: Floats,
+        given: Floats,
+        free: Rock,
         memory: ContactMemory,
         tolerance: float,
         last: ContactOutcome | None,
     ) -> None:
         self._contact, self._memory, self._tolerance = contact, memory, tolerance
-        self._u_free, self._multipliers = u_free, multipliers
-        self._gap, self._slip = contact.gap_of @ u_free, contact.slip_of @ u_free
+        self._loads, self._given, self._free = loads, given, free
         self._taken = memory.coheres(contact.law)
         self._broken = memory.broken.copy()
         self._opened = np.zeros(len(contact.weights), dtype=bool)  # in this increment: they do not cohere in it
@@ -148,12 +159,11 @@ class _Increment:
         """The solution where slip s opens the faces by `rise` (n,) times s: the tangent of the dilation, signed."""
         contact, law, memory = self._contact, self._contact.law, self._memory
         n, taken, breakable = len(contact.weights), self._taken, law.breakable
-        free_gap, free_slip = self._gap - rise * self._slip, self._slip - memory.slip
         p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
         notes: set[str] = set()
-        iterations, complementarity = 0, 0.0
-        u, multipliers = self._u_free, self._multipliers
-        gap, slip = free_gap, self._slip
+        iterations, n_corrections, complementarity = 0, 0, 0.0
+        u, multipliers, slip = self._free.u, self._free.multipliers, self._free.slip
+        gap = self._free.gap - rise * slip
         problem: ContactProblem | None = None
         taken |= gap < -self._tolerance
         while taken.any():
@@ -162,9 +172,10 @@ class _Increment:
             frictional = (friction > 0.0) | (cohesion > 0.0)
             rows = np.flatnonzero(taken)
             sliding = rows if frictional[rows].any() else rows[:0]
-            response = contact.columns.of(rows, sliding)
+            rock = contact.onto(rows, sliding)
+            free_gap, free_slip = self._free.gap - rise * self._free.slip, self._free.slip - memory.slip
             free = np.concatenate([free_gap[rows], free_slip[sliding]])
-            problem = condensed(contact, response, free, friction, cohesion, rows, sliding, rise)
+            problem = condensed(contact, rock.compliance, free, friction, cohesion, rows, sliding, rise)
             start = None if self._last is None else np.concatenate([self._last[0][rows], self._last[1][sliding]])
             weights = None if rise.any() else contact.weights[rows]
             solution, note = solved(problem, weights, contact.solver, start)
@@ -175,9 +186,8 @@ class _Increment:
             p_n[rows] = solution.traction[: len(rows)]
             p_t[sliding] = solution.traction[len(rows) :]
             self._last = p_n, p_t
-            u = self._u_free - response @ solution.traction
-            slip = contact.slip_of @ u
-            gap = contact.gap_of @ u - rise * (slip - law.compliance * p_t)
+            gap, slip = rock.jumps(self._free, solution.traction)
+            gap = gap - rise * (slip - law.compliance * p_t)
             unpressed = p_n[rows] >= -UNPRESSED * np.max(np.abs(free) / problem.compliance.diagonal())
             # where springs hold pieces, the jump without contact says nothing
             noise = self._tolerance if contact.loose else TOUCHING * float(np.abs(free).max())
@@ -196,8 +206,10 @@ class _Increment:
             elif opening.any():
                 self._opened |= opening
             else:
-                multipliers = multipliers - contact.columns.multipliers(rows, sliding) @ solution.traction
-                break
+                u, multipliers = rock.displacements(self._free, self._loads, self._given, solution.traction)
+                if n_corrections == MOST_CORRECTIONS or not self._corrected(rock, u, solution.traction):
+                    break
+                n_corrections += 1
         dilation = rise * (slip - law.compliance * p_t)
         apart = (state == OPEN) & (gap > self._tolerance)
         return ContactOutcome(
@@ -219,3 +231,21 @@ class _Increment:
             rows=np.flatnonzero(taken),
             problem=problem,
         )
+
+    def _corrected(self, rock: Condensation, u: Floats, t: Floats) -> bool:
+        """Whether the free jumps had to be corrected, since those of the displacements `u` (n_dofs,) under `t` differ.
+
+        The compliance is good to the round-off of one elimination, the displacements are refined. Raises SolveError
+        where the compliance is wrong altogether.
+        """
+        contact, free = self._contact, self._free
+        gap, slip = rock.jumps(free, t)
+        more_gap, more_slip = contact.gap_of @ u - gap, contact.slip_of @ u - slip
+        size = max(float(np.abs(jumps).max()) for jumps in (free.gap, free.slip, gap, slip))
+        off = max(float(np.abs(jumps).max()) for jumps in (more_gap, more_slip))
+        if not off <= SPOILT * size:
+            raise spoilt(f"wrong by {off / size:.1g} of the jumps")
+        if off <= ROUND_OFF * size:
+            return False
+        self._free = replace(free, gap=free.gap + more_gap, slip=free.slip + more_slip)
+        return True

@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
+from crackgrow.contact.condensation import ByElimination, BySolutions, Condensation
 from crackgrow.contact.law import ContactLaw
 from crackgrow.solid.linear_solver import ConstrainedSystem
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+FEW_NUMBERS = 1_000_000
+"""Up to so many numbers the displacements per unit traction at all contact points are solved for, as they are needed.
+
+Measured: one load then costs about the same by elimination, and each further one more, a solve that columns save.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,9 +37,27 @@ class ContactSystem:
     solver: Literal["newton", "lemke"]
     loose: bool = False  # whether `system` holds pieces by springs, in whose compliance that of the rock is lost
     columns: _Columns = field(init=False, repr=False)  # displacements per unit traction, found when needed
+    _between: _Between = field(init=False, repr=False)  # the compliance between the points, found when needed
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "columns", _Columns(self.system, self.gap_of, self.slip_of, self.weights))
+        object.__setattr__(self, "_between", _Between(self.system, self.gap_of, self.slip_of))
+
+    def onto(self, rows: Ints, sliding: Ints) -> Condensation:
+        """The rock condensed onto the normal tractions of points `rows` (k,) and the tangential ones of `sliding` (l,).
+
+        Which way depends on nothing but the system. Columns take memory and time in proportion to unknowns and points,
+        but then give displacements without any other solve. Where they are many the compliance of all points is found
+        at once by elimination alone. Not so where springs hold pieces: those columns are refined.
+        """
+        between = None
+        if not self.loose and 2 * self.gap_of.shape[0] * self.gap_of.shape[1] > FEW_NUMBERS:
+            between = self._between.compliance
+        if between is None:
+            responses = self.columns.of(rows, sliding)
+            multipliers = self.columns.multipliers(rows, sliding)
+            return BySolutions(self.gap_of, self.slip_of, rows, sliding, responses, multipliers)
+        return ByElimination(self.system, self._between.operator, self.weights, between, rows, sliding)
 
 
 class _Columns:
@@ -73,3 +100,20 @@ class _Columns:
         found = zip(u.T, multipliers.T, strict=True)
         for known, some in zip(self._known, new, strict=True):
             known.update({row: next(found) for row in some})
+
+
+class _Between:
+    """The compliance between all contact points, S = G K0^-1 G', found once and only when needed."""
+
+    def __init__(self, system: ConstrainedSystem, gap_of: csr_array, slip_of: csr_array) -> None:
+        self._system, self._operators = system, (gap_of, slip_of)
+
+    @cached_property
+    def operator(self) -> csr_array:
+        """G (2 n, n_dofs), gaps first."""
+        return csr_array(vstack(self._operators, format="csr"))
+
+    @cached_property
+    def compliance(self) -> Floats | None:
+        """S (2 n, 2 n), None where elimination alone does not give it."""
+        return self._system.compliance(self.operator)

@@ -13,7 +13,6 @@ import shapely
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import KDTree
 
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import GeometryError
@@ -93,7 +92,7 @@ def _searched(line: CrackGeometry, vertices: Floats, edges: Edges, n_whole: int)
     segments = shapely.linestrings(np.stack([line.points[:-1], line.points[1:]], axis=1))
     segment, hit = shapely.STRtree(middles).query(segments, predicate="dwithin", distance=ON_LINE)
     used = np.unique(np.concatenate([edges.a[candidates], edges.b[candidates]]))
-    corners = used[KDTree(vertices[used]).query(line.points)[1]]
+    corners = used[shapely.STRtree(shapely.points(vertices[used])).nearest(shapely.points(line.points))]
     chain = _chain(vertices, corners, edges.a[candidates[hit]], edges.b[candidates[hit]], segment, line)
     return candidates[hit[chain]], segment[chain]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Protocol
 
 import matplotlib as mpl
 import numpy as np
@@ -32,6 +33,26 @@ LONG_SIDE = 7.0  # inches
 DPI = 150
 MOST_CONTACT_ROWS = 6  # surfaces in one figure
 MOST_STEP_TICKS = 11  # on the colour bar of steps, and of points named by their step
+
+
+class Cells(Protocol):
+    """Triangles (t, 3) and quads (q, 4) of a mesh."""
+
+    @property
+    def triangles(self) -> NDArray[np.int64]: ...
+
+    @property
+    def quads(self) -> NDArray[np.int64]: ...
+
+
+class Displaced(Protocol):
+    """Points (n, 2) m that are displaced."""
+
+    @property
+    def points(self) -> Floats: ...
+
+    @property
+    def displacement(self) -> Floats: ...
 
 
 def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
@@ -78,7 +99,7 @@ def draw_sigma_1(path: Path, case: Case, frame: Frame, step: int) -> None:
     points = (frame.points + magnification * (frame.displacement - frame.displacement.mean(axis=0))) * scale
     sigma_1, _ = principal_stresses(frame.stress)
     sigma, stress_unit = (sigma_1 / 1e6, "MPa") if np.abs(sigma_1).max(initial=0.0) >= 1e4 else (sigma_1, "Pa")
-    norm, colormap = _stress_colours(sigma)
+    norm, colormap = colours_of(sigma)
     low, high = _extent([points])
     figure, axes = _equal_axes(low, high, unit)
     polygons = [*points[frame.triangles], *points[frame.quads]]
@@ -174,7 +195,7 @@ def _most_slip(curve: Sequence[LoadPoint], unit: str) -> list[tuple[Floats, str]
     return [(slips[largest], f"largest slip of {largest} [{unit}]")]
 
 
-def displayed_magnification(frame: Frame) -> float:
+def displayed_magnification(frame: Displaced) -> float:
     """Factor, two digits, that draws the largest displacement off the mean as DISPLACED_SHARE of the size.
 
     It is 1 where nothing is displaced.
@@ -186,7 +207,7 @@ def displayed_magnification(frame: Frame) -> float:
     return float(f"{DISPLACED_SHARE * size / largest:.1e}")
 
 
-def boundary_edges(frame: Frame) -> NDArray[np.int64]:
+def boundary_edges(frame: Cells) -> NDArray[np.int64]:
     """Edges (n, 2) that one cell alone has: the outline and both faces of the cracks."""
     edges = [np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in _cell_groups(frame)]
     unique, counts = np.unique(np.sort(np.concatenate(edges), axis=1), axis=0, return_counts=True)
@@ -194,11 +215,11 @@ def boundary_edges(frame: Frame) -> NDArray[np.int64]:
     return outer
 
 
-def _cell_groups(frame: Frame) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _cell_groups(frame: Cells) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return frame.triangles.reshape(-1, 3), frame.quads.reshape(-1, 4)
 
 
-def _stress_colours(values: Floats) -> tuple[Normalize, str]:
+def colours_of(values: Floats) -> tuple[Normalize, str]:
     """Limits that outliers don't move; two-sided and symmetrical where both signs matter."""
     low, high = (float(limit) for limit in np.percentile(values, COLOUR_PERCENTILES))
     largest = max(abs(low), abs(high))

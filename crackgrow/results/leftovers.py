@@ -8,9 +8,11 @@ from pathlib import Path
 
 from crackgrow.results.atomic import OutputError, temporary_path
 from crackgrow.results.checkpoint_file import remove_checkpoints
+from crackgrow.results.rendered import rendered_files
 
+REPORT = "report.html"
 FILES = ("case.yaml", "summary.json", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
-         "events.csv", "run.log")  # fmt: skip
+         "events.csv", "run.log", REPORT)  # fmt: skip
 FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
            "figures/load_curve.png")  # fmt: skip
 SERIES = {
@@ -50,7 +52,11 @@ def remove_half_written(folder: Path, case_name: str) -> None:
 
 
 def remove_frames(folder: Path, first: int) -> None:
-    """Remove the frames of the steps from `first` on, and half written ones; raises OutputError."""
+    """Remove the frames of the steps from `first` on, half written ones, and all pictures made of frames.
+
+    Raises OutputError.
+    """
+    _remove(folder, [str(path.relative_to(folder)) for path in rendered_files(folder)])
     for sub, pattern in SERIES.items():
         for path in sorted((folder / sub).glob("*")):
             match = pattern.fullmatch(path.name)

@@ -25,7 +25,7 @@ from crackgrow.results.summary import program_commit
 from crackgrow.results.tables import fits
 from crackgrow.run.result import Checkpoint
 
-FREE = ("title", "source", "output.figures", "growth.steps")
+FREE = ("title", "source", "output.figures", "output.report", "growth.steps")
 FINISHED = ("completed", "arrested", "broke_through")
 MOST_DIFFERENCES = 20  # that are told
 

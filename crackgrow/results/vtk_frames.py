@@ -9,6 +9,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import pyvista
 from numpy.typing import NDArray
+from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from crackgrow.results.atomic import write_atomically, write_text
@@ -59,7 +60,11 @@ def crack_lines(faces: Sequence[CrackFaces]) -> pyvista.PolyData:
         mesh.point_data[name] = np.concatenate([getattr(face, name) for face in faces])
     mesh.point_data["state"] = np.concatenate([face.state for face in faces]).astype(np.int8)
     mesh.cell_data["crack"] = np.arange(len(faces), dtype=np.int32)
-    mesh.field_data["crack_names"] = [face.crack for face in faces]
+    names = vtkStringArray()  # itself: pyvista takes no letters beyond ASCII
+    names.SetName("crack_names")
+    for face in faces:
+        names.InsertNextValue(face.crack)
+    mesh.GetFieldData().AddArray(names)
     return mesh
 
 

@@ -15,6 +15,7 @@ from crackgrow.results import tables
 from crackgrow.results.atomic import write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.leftovers import (
+    REPORT,
     cracks_name,
     frame_name,
     remove_file,
@@ -82,6 +83,7 @@ class RunWriter:
         self._curve = [LoadPoint(**point) for point in results["curve"]]
         self._memory, self._resumed = results["memory"], [*results["resumed"], step]
         remove_half_written(self.folder, self.case.name)
+        remove_file(self.folder / REPORT)  # of a run that had ended
         write_text(self.folder / "case.yaml", self._settings)
         for table in self._growing:
             table.cut(results["tables"][table.path.name])
@@ -121,7 +123,7 @@ class RunWriter:
             self._draw_sigma_1("sigma_1_first.png", result)
 
     def finish(self, end: RunEnd) -> None:
-        """Write the final paths, what is left of frames, the figures, and last the summary."""
+        """Write the final paths, what is left of frames, the figures, the summary, and last the report."""
         try:
             self._write_paths(end.cracks)
             self._write_events(end.events)
@@ -136,6 +138,7 @@ class RunWriter:
             if self.error_line:
                 self._log.write(self.error_line)
             self._log.write(f"{end.status}: {end.reason}")
+        self._write_report()
 
     def fail(self, reason: str) -> None:
         """End a run that broke off: what was solved is kept, the status is `failed`."""
@@ -153,6 +156,13 @@ class RunWriter:
         memory = max(self._memory, peak_memory_mb())
         summary = summarize(self.case, self._tally, end, self._log.seconds, memory, self._resumed)
         write_text(self.folder / "summary.json", summary_text(summary))
+
+    def _write_report(self) -> None:
+        """Made from the files, so it comes last; a run that ends without one has told why."""
+        if self.case.output.report:
+            from crackgrow.results.report import write_report  # here: a run without it needs none of it
+
+            write_report(self.folder)
 
     def _write_checkpoint(self, result: StepResult) -> None:
         if result.checkpoint is None:

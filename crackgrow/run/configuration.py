@@ -166,7 +166,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         springs = loose_springs(cover, matrix, free) if free else None
         stiff = matrix if springs is None else springs.added_to(matrix)
         factors = None if before is None else before.contact.system.factors
-        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors)
+        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors, loose=springs is not None)
     weights = faces.weights * scene.lattice.spacing
     law = _law(scene, faces, growing)
     contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))

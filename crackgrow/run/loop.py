@@ -39,6 +39,20 @@ def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResu
     run: `broke_through` where a piece of rock comes loose that nothing holds, else `failed`; the end has the cracks and
     the events of that step, and the estimated error of the last one that was solved.
     """
+    steps = solved_steps(case, checkpoint)
+    while True:
+        try:
+            result, _ = next(steps)
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            return end
+        yield result
+
+
+def solved_steps(
+    case: Case, checkpoint: Checkpoint | None = None
+) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
+    """As `grow`, each result with the solution that it tells of."""
     scene = make_scene(case)
     begun = beginning(case) if checkpoint is None else restored(case, checkpoint)
     steps = _static(scene, begun) if case.growth is None else _growth(scene, case.growth, begun)
@@ -49,7 +63,7 @@ def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResu
         except StopIteration as stop:
             end: RunEnd = stop.value
             return end if last is None else replace(end, energy_error=_last_error(*last))
-        yield last[0]
+        yield last
 
 
 def _last_error(result: StepResult, solution: StepSolution) -> float:

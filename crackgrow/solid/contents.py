@@ -5,12 +5,13 @@ The key is a hash of all that in the front's own numbering: fronts with the same
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import csc_array, csr_array
 
 from crackgrow.solid.fronts import MULTIPLIER, Fronts
 from crackgrow.solid.matrix import EqualElements, SymmetricMatrix
@@ -21,11 +22,15 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Elements:
-    """Equal elements sorted by the front of the function of theirs that is eliminated first."""
+    """Elements with equally many functions, sorted by the front of the function of theirs that is eliminated first."""
 
-    alike: EqualElements
     positions: Ints  # (e, k) of the first unknown of each function
+    kind: Ints  # (e,) which of the matrices
     starts: Ints  # (fronts + 1,)
+    names: Ints  # (kinds, 4) hash of what each matrix was made from
+    terms: Floats  # (kinds, 4 q) what the unknowns have in common of each pair of functions,
+    first: Ints  # (q,) the first one
+    second: Ints  # (q,) and the second
 
 
 class Contents:
@@ -34,13 +39,9 @@ class Contents:
     def __init__(self, matrix: SymmetricMatrix, fronts: Fronts) -> None:
         """`matrix` (n, n) in the numbering of the unknowns, multipliers included."""
         self._fronts = fronts
-        self._elements = [_sorted(part, fronts) for part in matrix.elements]
-        entries = coo_array(matrix.rest)
-        row, column = fronts.position[entries.coords[0]], fronts.position[entries.coords[1]]
-        lower = row >= column
-        columns = csc_array((entries.data[lower], (row[lower], column[lower])), shape=matrix.shape)
-        columns.sort_indices()
-        self._columns = columns
+        self._elements = _sorted(matrix.elements, fronts)
+        self._columns = _lower_columns(matrix.rest, fronts)
+        self._numbers = np.full(len(fronts.order), -1)  # of the unknowns of a front, while it is assembled
         self._constrained = bool(np.any(fronts.code == MULTIPLIER))
         self._children: list[list[int]] = [[] for _ in range(fronts.n)]
         for child, parent in enumerate(fronts.parent.tolist()):
@@ -59,27 +60,26 @@ class Contents:
 
     def assembled(self, front: int) -> tuple[Floats, Floats]:
         """Lower triangle of a front without its children: own columns (p + b, p) and the rest (b, b)."""
-        fronts = self._fronts
-        p, b = int(fronts.starts[front + 1] - fronts.starts[front]), len(fronts.boundary[front])
-        total = np.zeros((p + b) * p + b * b)
-        for part in self._elements:
-            mine = part.positions[part.starts[front] : part.starts[front + 1]]
-            if not len(mine):
-                continue
-            dofs = (self.local(front, mine)[:, :, None] + np.arange(2)).reshape(len(mine), -1)
-            first, second = np.tril_indices(dofs.shape[1])
-            row, column = np.maximum(dofs[:, first], dofs[:, second]), np.minimum(dofs[:, first], dofs[:, second])
-            at = np.where(column < p, row * p + column, (p + b) * p + (row - p) * b + column - p)
-            terms = np.tile(part.alike.matrix[first, second], len(dofs))
-            total += np.bincount(at.ravel(), terms, len(total))
-        start = int(fronts.starts[front])
-        pointers = self._columns.indptr[start : start + p + 1]
+        fronts, number = self._fronts, self._numbers
+        start, end = fronts.starts[front : front + 2].tolist()
+        boundary = fronts.boundary[front]
+        p, b = end - start, len(boundary)
+        number[start:end], number[boundary] = np.arange(p), np.arange(p, p + b)
+        pointers = self._columns.indptr[start : end + 1]
         entries = slice(pointers[0], pointers[-1])
-        rows = self.local(front, self._columns.indices[entries])
-        numbers = np.append(np.arange(start, start + p), fronts.boundary[front])
-        if np.any(numbers.take(rows, mode="clip") != self._columns.indices[entries]):
+        rows = number[self._columns.indices[entries]]
+        places = [rows * p + np.repeat(np.arange(p), np.diff(pointers))]
+        terms = [self._columns.data[entries]]
+        for part in self._elements:
+            mine = slice(part.starts[front], part.starts[front + 1])
+            functions = number[part.positions[mine]]
+            places.append(_places(functions[:, part.first], functions[:, part.second], p, b).ravel())
+            terms.append(part.terms[part.kind[mine]].ravel())
+        number[start:end], number[boundary] = -1, -1
+        if np.any(rows < 0):
             raise ValueError("unknowns are coupled whose places are further apart than couplings reach")
-        total[rows * p + np.repeat(np.arange(p), np.diff(pointers))] += self._columns.data[entries]
+        sums = np.bincount(np.concatenate(places), np.concatenate(terms), (p + b) * p + b * b)
+        total = np.asarray(sums, dtype=np.float64)  # where nothing is, there are integers
         return total[: (p + b) * p].reshape(p + b, p), total[(p + b) * p :].reshape(b, b)
 
     def keys(self) -> list[bytes]:
@@ -102,8 +102,7 @@ class Contents:
             for element, codes in elements:
                 first, last = element.starts[front : front + 2].tolist()
                 if last > first:
-                    digest.update(element.alike.key)
-                    parts.append(codes[first:last])
+                    parts += [element.names[element.kind[first:last]], codes[first:last]]
             if end > begin:
                 parts += [per_column[own], entry[begin:end], columns.data[begin:end]]
             for child in self._children[front]:
@@ -137,9 +136,47 @@ class Contents:
         return entry
 
 
-def _sorted(part: EqualElements, fronts: Fronts) -> _Elements:
-    """Equal elements in the order of their fronts."""
-    positions = fronts.position[2 * part.functions]
-    front = np.searchsorted(fronts.starts, positions.min(axis=1, initial=len(fronts.order)), side="right") - 1
-    order = np.argsort(front, kind="stable")
-    return _Elements(part, positions[order], np.searchsorted(front[order], np.arange(fronts.n + 1)))
+def _sorted(elements: Sequence[EqualElements], fronts: Fronts) -> list[_Elements]:
+    """Elements in the order of their fronts."""
+    found = []
+    for n in sorted({part.functions.shape[1] for part in elements if part.functions.size}):
+        alike = [part for part in elements if part.functions.shape[1] == n]
+        positions = fronts.position[2 * np.concatenate([part.functions for part in alike])]
+        kind = np.repeat(np.arange(len(alike)), [len(part.functions) for part in alike])
+        front = np.searchsorted(fronts.starts, positions.min(axis=1), side="right") - 1
+        order = np.argsort(front, kind="stable")
+        starts = np.searchsorted(front[order], np.arange(fronts.n + 1))
+        names = np.array([np.frombuffer(sha256(part.key).digest(), dtype=np.int64) for part in alike])
+        first, second = np.tril_indices(n)
+        terms = np.array([part.matrix.reshape(n, 2, n, 2)[first, :, second].ravel() for part in alike])
+        found.append(_Elements(positions[order], kind[order], starts, names, terms, first, second))
+    return found
+
+
+def _places(first: Ints, second: Ints, p: int, b: int) -> Ints:
+    """Places (..., 2, 2) of the entries of pairs of functions in the two parts, (p + b, p) and (b, b), of a front.
+
+    The first unknowns of the functions have the numbers `first` and `second` (...) in it. Of entries that mirror each
+    other it is that in the lower triangle; a function with itself has both.
+    """
+    row, column = np.maximum(first, second), np.minimum(first, second)
+    own = column < p
+    width = np.where(own, p, b)
+    at = row * width + column + np.where(own, 0, p * p - p)
+    places = np.empty((*at.shape, 2, 2), dtype=np.int64)
+    by_first, by_second = np.where(first >= second, width, 1), np.where(first >= second, 1, width)
+    for a in (0, 1):
+        for c in (0, 1):
+            places[..., a, c] = at + a * by_first + c * by_second
+    return places
+
+
+def _lower_columns(matrix: csc_array, fronts: Fronts) -> csc_array:
+    """The lower triangle (n, n) of a symmetric matrix in the order of elimination, the rows of a column ascending."""
+    n_entries = np.diff(matrix.indptr)[fronts.order]
+    ends = np.cumsum(n_entries)
+    entry = np.arange(matrix.nnz) + np.repeat(matrix.indptr[fronts.order] - ends + n_entries, n_entries)
+    row, column = np.repeat(np.arange(len(ends)), n_entries), fronts.position[matrix.indices[entry]]
+    lower = np.flatnonzero(column <= row)
+    starts = np.searchsorted(lower, np.append(0, ends))
+    return csc_array(csr_array((matrix.data[entry[lower]], column[lower], starts), shape=matrix.shape))

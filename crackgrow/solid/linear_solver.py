@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import block_array, csc_array, csr_array, diags_array
+from scipy.sparse import block_array, block_diag, csc_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
 from crackgrow.errors import SolveError
@@ -42,8 +42,9 @@ ROUND_OFF = 1e-14
 """Residuals below this fraction of the terms that they are sums of are round-off."""
 
 FEW = 8
-"""So many right-hand sides are refined at least once. The error of a factorization is the same in all solves: loose
-springs that follow the rock would find a place, far away, where it balances loads that nothing else does."""
+"""So many right-hand sides are refined at least once where loose springs hold pieces. The error of a factorization is
+the same in all solves: springs that follow the rock would find a place, far away, where it balances loads that nothing
+else does."""
 
 FEW_CONSTRAINTS = 16
 """Up to so many constraints the responses to all of them cost less than the solves that they save."""
@@ -74,8 +75,9 @@ class Factorization:
     factors: Mapping[bytes, Factor]
     """What another factorization may have in common with this one."""
 
-    solve: Callable[[Floats], Floats]
-    """Gives the solution (n,) or (n, m), unrefined, for right-hand sides."""
+    _solve: Callable[[Floats], Floats]
+
+    _products: Callable[[csr_array], Floats] | None
 
     def __init__(
         self, matrix: SymmetricMatrix, fronts: Fronts | None = None, known: Mapping[bytes, Factor] | None = None
@@ -89,16 +91,24 @@ class Factorization:
             raise SolveError("the stiffness matrix has entries that are not finite")
         if not np.all(diagonal != 0.0):
             raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
-        self.note, self.factors = "", {}
+        self.note, self.factors, self._products = "", {}, None
         if fronts is not None:
             try:
                 by_fronts = Multifrontal(matrix, fronts, known)
             except NotQuasiDefiniteError as error:
                 self.note = f"factorized by SuperLU: {error}"
             else:
-                self.factors, self.solve = by_fronts.factors, by_fronts.solve
+                self.factors, self._solve, self._products = by_fronts.factors, by_fronts.solve, by_fronts.products
                 return
-        self.solve = _by_superlu(matrix.tocsc(), diagonal)
+        self._solve = _by_superlu(matrix.tocsc(), diagonal)
+
+    def solve(self, right: Floats) -> Floats:
+        """Solution (n,) or (n, m) for the right-hand sides `right`, unrefined."""
+        return self._solve(right)
+
+    def products(self, right: csr_array) -> Floats | None:
+        """R' A^-1 R (k, k) of right-hand sides R (n, k), unrefined, for less than their solutions; None by SuperLU."""
+        return None if self._products is None else self._products(right)
 
 
 def _by_superlu(matrix: csc_array, diagonal: Floats) -> Callable[[Floats], Floats]:
@@ -127,11 +137,14 @@ class ConstrainedSystem:
         constraints: csr_array,
         places: Places | None = None,
         known: Mapping[bytes, Factor] | None = None,
+        loose: bool = False,
     ) -> None:
         """`stiffness` (n, n) Pa, `constraints` (m, n), `places` of the n unknowns; without them SuperLU factorizes.
 
-        `known` are the `factors` of another system, that may be in common with this one.
+        `known` are the `factors` of another system, that may be in common with this one. `loose` is whether springs
+        that are far softer than the rock hold parts of it.
         """
+        self._loose = loose
         self.stiffness = symmetric(stiffness)
         self.constraints = constraints
         self._share = abs(constraints)
@@ -139,7 +152,8 @@ class ConstrainedSystem:
         size = self._share @ self.stiffness.diagonal() / total  # row by row, of the size of the entries it meets
         fronts, coupling = (None, np.ones(len(size), dtype=bool)) if places is None else fronts_of(places, constraints)
         self._rho = np.where(coupling, size, 0.0)
-        self._factorization = Factorization(self._held(YIELDING / size), fronts, known)
+        self._yielding = YIELDING / size
+        self._factorization = Factorization(self._held(), fronts, known)
         self._responses: Floats | None = None  # (n + m, m) to the constraints, found when they pay
 
     @property
@@ -171,8 +185,27 @@ class ConstrainedSystem:
                 raise SolveError(f"the supports contradict each other by {left:.3g} m")
         return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
 
-    def _held(self, yielding: Floats) -> SymmetricMatrix:
-        """The quasi-definite matrix (n + m, n + m), with constraints that yield by `yielding` (m,)."""
+    def compliance(self, rows: csr_array) -> Floats | None:
+        """G u (k, k) of `rows` G (k, n), the displacements u by the loads G', unrefined; None where it is not cheap.
+
+        Symmetric to the last bit. With R = [[G', 0], [0, 1]] the products R' A^-1 R are [[G u, M'], [M, P]], where M
+        are multipliers, and P those of unit pulls: of C u they miss d M and add 1 + d P to it.
+        """
+        k, m = rows.shape[0], self.constraints.shape[0]
+        if m > max(FEW_CONSTRAINTS, k):
+            return None
+        products = self._factorization.products(csr_array(block_diag([rows.T, eye_array(m)], format="csr")))
+        if products is None:
+            return None
+        compliance, multipliers, of_pulls = products[:k, :k], products[k:, :k], products[k:, k:]
+        pulls = np.zeros((m, k))
+        for _ in range(HARDENINGS):
+            pulls -= self._yielding[:, None] * (multipliers + of_pulls @ pulls) + pulls
+        taken_away = multipliers.T @ pulls
+        return np.asarray(compliance + 0.5 * (taken_away + taken_away.T))
+
+    def _held(self) -> SymmetricMatrix:
+        """The quasi-definite matrix (n + m, n + m), with constraints that yield."""
         n, m = self.constraints.shape[1], self.constraints.shape[0]
         if m == 0:
             return self.stiffness
@@ -182,7 +215,9 @@ class ConstrainedSystem:
             shape=(n + m, n + m),
         )
         penalty = self.constraints.T @ diags_array(self._rho) @ self.constraints
-        corner = block_array([[penalty, self.constraints.T], [self.constraints, diags_array(-yielding)]], format="csc")
+        corner = block_array(
+            [[penalty, self.constraints.T], [self.constraints, diags_array(-self._yielding)]], format="csc"
+        )
         return SymmetricMatrix(self.stiffness.elements, csc_array(held + corner))
 
     def _refined(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
@@ -191,26 +226,31 @@ class ConstrainedSystem:
         Refinement goes on until it finds nothing but round-off, seen on one sum of all columns with signs at random.
         """
         u, multipliers = self._step(loads, wanted)
-        size = np.abs(loads).max(axis=0)
-        sign = np.random.default_rng(0).choice([-1.0, 1.0], loads.shape[1])
-        sign = sign / np.where(size >= np.finfo(float).tiny, size, 1.0)  # nothing is left to refine of what is smaller
+        sign = np.ones(1) if loads.shape[1] == 1 else _signs(loads)
         last = np.inf
         for done in range(REFINEMENTS):
-            if done or loads.shape[1] > FEW:
-                error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
+            force: Floats | None = None
+            if done or not self._loose or loads.shape[1] > FEW:
+                one_of_all = loads @ sign, u @ sign, multipliers @ sign
+                force = self._residual(*one_of_all)
+                error = self._backward_error(force, *one_of_all)
                 if error <= ROUND_OFF or error > 0.5 * last:
                     break
                 last = error
-            force = loads - self.stiffness @ u - self.constraints.T @ multipliers
-            du, dm = self._step(force, wanted - self.constraints @ u)
+            if force is None or loads.shape[1] > 1:
+                force = self._residual(loads, u, multipliers)
+            du, dm = self._step(force.reshape(loads.shape), wanted - self.constraints @ u)
             u, multipliers = u + du, multipliers + dm
         return u, multipliers
 
-    def _backward_error(self, loads: Floats, u: Floats, multipliers: Floats) -> float:
+    def _residual(self, loads: Floats, u: Floats, multipliers: Floats) -> Floats:
+        """Loads (n,) or (n, k) that nothing balances."""
+        return np.asarray(loads - self.stiffness @ u - self.constraints.T @ multipliers)
+
+    def _backward_error(self, residual: Floats, loads: Floats, u: Floats, multipliers: Floats) -> float:
         """The largest residual, row by row relative to the sum of the absolute terms (Oettli, Prager 1964)."""
-        residual = np.abs(loads - self.stiffness @ u - self.constraints.T @ multipliers)
         terms = np.abs(loads) + self.stiffness.sizes(u) + self._share.T @ np.abs(multipliers)
-        return float(np.max(residual[terms > 0.0] / terms[terms > 0.0], initial=0.0))
+        return float(np.max(np.abs(residual[terms > 0.0]) / terms[terms > 0.0], initial=0.0))
 
     def _step(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """As `_refined`, without refinement but for the yielding of the constraints."""
@@ -234,3 +274,11 @@ class ConstrainedSystem:
         return self._factorization.solve(
             np.concatenate([np.zeros((self.constraints.shape[1], missing.shape[1])), missing])
         )
+
+
+def _signs(loads: Floats) -> Floats:
+    """What weighs the columns of `loads` (n, k) alike in a sum of them all, with signs at random."""
+    size = np.abs(loads).max(axis=0)
+    sign = np.random.default_rng(0).choice([-1.0, 1.0], loads.shape[1])
+    # nothing is left to refine of what is smaller
+    return np.asarray(sign / np.where(size >= np.finfo(float).tiny, size, 1.0))

@@ -6,8 +6,8 @@ elements, multiply them by the one element matrix, and add up what comes out.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ class EqualElements:
     key: bytes  # what the matrix was made from
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class SymmetricMatrix:
     """The sum (n, n) of `elements` and of a sparse `rest` (n, n)."""
 
@@ -43,11 +43,25 @@ class SymmetricMatrix:
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product with vectors (n,) or (n, m)."""
-        return self._product(self.rest, [part.matrix for part in self.elements], vectors)
+        total = np.asarray(self.rest @ vectors)
+        if not self.elements:
+            return total
+        columns = total.reshape(len(total), -1)
+        for k, vector in enumerate(vectors.reshape(len(total), -1).T):
+            pairs, sums = vector.reshape(-1, 2), np.zeros((len(total) // 2, 2))
+            for part in self.elements:
+                step = max(1, AT_ONCE // len(part.matrix))
+                for start in range(0, len(part.functions), step):
+                    functions = part.functions[start : start + step]
+                    forces = (pairs[functions].reshape(len(functions), -1) @ part.matrix).reshape(-1, 2)
+                    for component in (0, 1):
+                        sums[:, component] += np.bincount(functions.ravel(), forces[:, component], len(sums))
+            columns[:, k] += sums.ravel()
+        return columns.reshape(total.shape)
 
     def sizes(self, vectors: Floats) -> Floats:
         """The product of the absolute values of all terms with those of vectors (n,) or (n, m)."""
-        return self._product(abs(self.rest), [np.abs(part.matrix) for part in self.elements], np.abs(vectors))
+        return self._absolute @ np.abs(vectors)
 
     def diagonal(self) -> Floats:
         """The diagonal (n,)."""
@@ -80,22 +94,11 @@ class SymmetricMatrix:
             total = total + csc_array(coo_array((values, (rows, columns)), shape=self.shape))
         return csc_array(total)
 
-    def _product(self, rest: csc_array, matrices: Sequence[Floats], vectors: Floats) -> Floats:
-        total = np.asarray(rest @ vectors)
-        if not self.elements:
-            return total
-        columns = total.reshape(len(total), -1)
-        for k, vector in enumerate(vectors.reshape(len(total), -1).T):
-            pairs, sums = vector.reshape(-1, 2), np.zeros((len(total) // 2, 2))
-            for part, matrix in zip(self.elements, matrices, strict=True):
-                step = max(1, AT_ONCE // len(matrix))
-                for start in range(0, len(part.functions), step):
-                    functions = part.functions[start : start + step]
-                    forces = (pairs[functions].reshape(len(functions), -1) @ matrix).reshape(-1, 2)
-                    for component in (0, 1):
-                        sums[:, component] += np.bincount(functions.ravel(), forces[:, component], len(sums))
-            columns[:, k] += sums.ravel()
-        return columns.reshape(total.shape)
+    @cached_property
+    def _absolute(self) -> SymmetricMatrix:
+        """The sum of the absolute values of all terms."""
+        parts = tuple(replace(part, matrix=np.abs(part.matrix)) for part in self.elements)
+        return SymmetricMatrix(parts, abs(self.rest))
 
 
 def symmetric(matrix: csc_array | SymmetricMatrix) -> SymmetricMatrix:

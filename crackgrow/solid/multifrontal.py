@@ -9,6 +9,7 @@ All dense blocks are stored by rows. LAPACK, which stores by columns, is handed 
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
+from scipy.sparse import csr_array
 
 from crackgrow.errors import SolveError
 from crackgrow.solid.contents import Contents
@@ -48,7 +50,17 @@ class _Placed:
     start: int
     end: int
     signs: list[tuple[int, int]]  # the ranges of unknowns with D = -1
+    coupled: Ints  # (b,) the later unknowns that it is coupled to
     boundary: list[tuple[int, int, int]]  # runs of it: the first unknown, begin and end in `below`
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Passed:
+    """What elimination leaves of sparse right-hand sides to later unknowns."""
+
+    columns: Ints  # (c,) the right-hand sides, ascending
+    at: Ints  # (b,) the unknowns, ascending
+    values: Floats  # (c, b)
 
 
 class Multifrontal:
@@ -85,12 +97,7 @@ class Multifrontal:
                 self.n_factorized += 1
             self.factors[key] = factor
             signs = [(a, b) for a, b in ((0, n_early), (n_early + n_placed, end - start)) if b > a]
-            self._placed.append(_Placed(factor, start, end, signs, _runs(fronts.boundary[k], -1)))
-
-    @property
-    def n_entries(self) -> int:
-        """Number of entries stored, those left to parents included."""
-        return sum(f.diagonal.size + f.below.size + f.update.size for f in self.factors.values())
+            self._placed.append(_Placed(factor, start, end, signs, fronts.boundary[k], _runs(fronts.boundary[k], -1)))
 
     def solve(self, right: Floats) -> Floats:
         """Solution (n,) or (n, m) for the right-hand sides `right`."""
@@ -114,6 +121,55 @@ class Multifrontal:
         solution = np.empty_like(x)
         solution[self._order] = x
         return solution.reshape(right.shape)
+
+    def products(self, right: csr_array) -> Floats:
+        """R' A^-1 R (k, k), symmetric to the last bit, for sparse right-hand sides R (n, k), by elimination alone.
+
+        With A = L D L' it is Y' D Y with Y = L^-1 R. In a front only those columns are at work that have entries in its
+        subtree; what it takes off later rows goes to its parent, and Y is never held as a whole.
+        """
+        rows = csr_array(right[self._order])
+        rows.sum_duplicates()
+        total = np.zeros((rows.shape[1], rows.shape[1]))
+        ends = [placed.end for placed in self._placed]
+        passed: dict[int, list[_Passed]] = {}
+        for number, placed in enumerate(self._placed):
+            columns, y = _gathered(placed, rows, passed.pop(number, []))
+            if not len(columns):
+                continue
+            factor, p = placed.factor, placed.end - placed.start
+            mine = np.ascontiguousarray(y[:, :p])
+            dtrsm(1.0, factor.diagonal.T, mine.T, lower=0, trans_a=1, overwrite_b=1)
+            product = mine @ mine.T
+            for a, b in placed.signs:
+                product -= 2.0 * (mine[:, a:b] @ mine[:, a:b].T)
+            total[np.ix_(columns, columns)] += product
+            if len(placed.coupled):
+                left = y[:, p:] - mine @ factor.below.T
+                parent = bisect_right(ends, int(placed.coupled[0]))
+                passed.setdefault(parent, []).append(_Passed(columns, placed.coupled, left))
+        return total
+
+
+def _gathered(placed: _Placed, rows: csr_array, children: list[_Passed]) -> tuple[Ints, Floats]:
+    """Right-hand sides that are at work in a front, ascending, and their entries (c, p + b) there, one a row.
+
+    They are those of the sparse `rows` (n, k) of the front's own unknowns, and what its `children` pass on.
+    """
+    pointers = rows.indptr[placed.start : placed.end + 1]
+    entries = slice(pointers[0], pointers[-1])
+    columns = np.unique(np.concatenate([rows.indices[entries], *(child.columns for child in children)]))
+    p = placed.end - placed.start
+    y = np.zeros((len(columns), p + len(placed.coupled)))
+    if not len(columns):
+        return columns, y
+    y[np.searchsorted(columns, rows.indices[entries]), np.repeat(np.arange(p), np.diff(pointers))] = rows.data[entries]
+    for child in children:
+        mine = np.searchsorted(columns, child.columns)
+        on_boundary = p + np.searchsorted(placed.coupled, child.at)
+        for first, a, b in _runs(np.where(child.at < placed.end, child.at - placed.start, on_boundary), p):
+            y[mine, first : first + b - a] += child.values[:, a:b]
+    return columns, y
 
 
 def _extend_add(front: Floats, rest: Floats, at: Ints, update: Floats) -> None:

@@ -1,7 +1,8 @@
 """The multifrontal factorization against SuperLU: prints a table, CPU seconds beside residuals.
 
 Plates with many flaws, with one and with none: factorizing the held stiffness, once with all that goes with it, and
-solving for the tractions of contact points, as many as are used at most. Medians; the second row of a scene is SuperLU.
+solving for the tractions of contact points, as many as are used at most; from nothing, after a tip has grown by one
+spacing, and by SuperLU. Medians.
 """
 
 from __future__ import annotations
@@ -9,22 +10,30 @@ from __future__ import annotations
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.configuration import assemble
+from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.dissection import places_of_unknowns
+from crackgrow.solid.fronts import fronts_of
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.solid.multifrontal import Factor
+
+Floats = NDArray[np.float64]
 
 ROOT = Path(__file__).parents[2]
 RIGHT_HAND_SIDES = 220
+LARGEST = "compression30, 0.1 mm"
 APART = 3.0  # mm, flaws from each other and from the outline
 PLATE = """
 title: A plate with flaws under uniaxial compression
@@ -89,47 +98,75 @@ def timed(run: Callable[[], object], repetitions: int) -> float:
     return float(np.median(seconds))
 
 
-def measure(name: str, case: Case, repetitions: int) -> None:
-    """Two rows of the table."""
-    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
-    configuration = assemble(make_scene(case), growing)
-    matrix, held = configuration.matrix, configuration.held.matrix
-    contact = configuration.contact
-    operators = [np.arange(min(RIGHT_HAND_SIDES // 2, op.shape[0])) for op in (contact.gap_of, contact.slip_of)]
-    columns = [
-        (op[rows].T * contact.weights[rows]).toarray()
-        for op, rows in zip((contact.gap_of, contact.slip_of), operators, strict=True)
-    ]
-    loads = np.concatenate(columns, axis=1)
-    if not loads.shape[1]:
-        loads = np.random.default_rng(0).normal(size=(len(loads), RIGHT_HAND_SIDES))
-    for places in (places_of_unknowns(configuration.cover), None):
-        factorize = timed(lambda places=places: ConstrainedSystem(matrix, held, places), repetitions)
-        system = ConstrainedSystem(matrix, held, places)
-        one = timed(lambda system=system: system.solve(configuration.loads(1.0)), repetitions)
-        many = timed(lambda system=system: system.solve(loads), repetitions)
+def cracked(case: Case, advance: float = 0.0) -> tuple[GrowingCrack, ...]:
+    """The cracks of a case, the first one with its end moved straight on by `advance` (m)."""
+    growing = [GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks]
+    if advance:
+        crack = case.cracks[0]
+        step = np.diff(crack.points[-2:], axis=0)
+        points = np.concatenate([crack.points, crack.points[-1:] + advance * step / np.hypot(*step[0])])
+        growing[0] = GrowingCrack(replace(crack, points=points), np.append(growing[0].steps, 1))
+    return tuple(growing)
+
+
+def measure(name: str, case: Case, repetitions: int, by_superlu: bool) -> None:
+    """Rows of the table: from nothing, after the first crack has grown by a spacing, and by SuperLU."""
+    scene = make_scene(case)
+    first = assemble(scene, cracked(case))
+    rows: list[tuple[str, Configuration, Mapping[bytes, Factor]]] = [("fronts", first, {})]
+    if case.cracks:
+        grown = assemble(scene, cracked(case, case.numerics.spacing), first)
+        rows.append(("fronts, one tip grown", grown, first.contact.system.factors))
+    if by_superlu:
+        rows.append(("SuperLU", first, {}))
+    for how, configuration, known in rows:
+        matrix, held = configuration.matrix, configuration.held.matrix
+        places = None if how == "SuperLU" else places_of_unknowns(configuration.cover)
+        factorize = timed(partial(ConstrainedSystem, matrix, held, places, known), repetitions)
+        system = ConstrainedSystem(matrix, held, places, known)
+        n_fronts = "" if places is None else fronts_of(places, held)[0].n
+        n_new = "" if places is None else len(system.factors.keys() - known.keys())
+        loads = tractions(configuration)
+        one = timed(partial(system.solve, configuration.loads(1.0)), repetitions)
+        many = timed(partial(system.solve, loads), 1)
         u, multipliers = system.solve(loads)
         residual = np.abs(matrix @ u + held.T @ multipliers - loads).max() / np.abs(loads).max()
-        cells = [name, len(loads), f"{matrix.nnz / 1e6:.1f}", "SuperLU" if places is None else "fronts"]
-        cells += [f"{factorize:.3f}", f"{one:.3f}", loads.shape[1], f"{many:.3f}", f"{residual:.0e}"]
+        cells = [name, len(loads), how, n_fronts, n_new, f"{factorize:.3f}", f"{one:.3f}"]
+        cells += [loads.shape[1], f"{many:.3f}", f"{residual:.0e}"]
         print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
 
 
+def tractions(configuration: Configuration) -> Floats:
+    """Loads (n_dofs, k) of tractions at contact points; at random where there are none."""
+    contact = configuration.contact
+    operators = (contact.gap_of, contact.slip_of)
+    some = [np.arange(min(RIGHT_HAND_SIDES // 2, op.shape[0])) for op in operators]
+    columns = [(op[rows].T * contact.weights[rows]).toarray() for op, rows in zip(operators, some, strict=True)]
+    loads = np.concatenate(columns, axis=1)
+    return loads if loads.shape[1] else np.random.default_rng(0).normal(size=(len(loads), RIGHT_HAND_SIDES))
+
+
 def main() -> None:
-    """Print the table of the scenes named on the command line, or of all."""
+    """Print the table of the scenes named on the command line, or of all but the largest."""
     print(
-        "| scene | unknowns | entries (1e6) | by | factorize (s) | one load (s) | loads | their solve (s) | residual |"
+        "| scene | unknowns | by | fronts | factorized | factorize (s) | one load (s) | loads | their solve (s) "
+        "| residual |"
     )
-    print("|---|---|---|---|---|---|---|---|---|")
-    scenes: dict[str, tuple[Callable[[], Case], int]] = {
-        "interface_friction01": (lambda: load_case(ROOT / "cases" / "interface_friction01.yaml"), 15),
-        "compression30": (lambda: load_case(ROOT / "cases" / "compression30.yaml"), 15),
-        "50 flaws": (lambda: plate(50, 100.0, 2.0), 3),
-        "200 x 200": (lambda: plate(0, 400.0, 2.0), 1),
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    compression30 = ROOT / "cases" / "compression30.yaml"
+    scenes: dict[str, tuple[Callable[[], Case], int, bool]] = {
+        "interface_friction01": (lambda: load_case(ROOT / "cases" / "interface_friction01.yaml"), 15, True),
+        "compression30": (lambda: load_case(compression30), 15, True),
+        "50 flaws": (lambda: plate(50, 100.0, 2.0), 3, True),
+        "compression30, 0.43 mm": (lambda: load_case(compression30, ["numerics.spacing=0.43"]), 3, True),
+        "200 x 200": (lambda: plate(0, 400.0, 2.0), 1, True),
+        "compression30, 0.2 mm": (lambda: load_case(compression30, ["numerics.spacing=0.2"]), 3, True),
+        LARGEST: (lambda: load_case(compression30, ["numerics.spacing=0.1"]), 1, False),
     }
-    for name, (make, repetitions) in scenes.items():
-        if name in (sys.argv[1:] or scenes):
-            measure(name, make(), repetitions)
+    wanted = sys.argv[1:] or [name for name in scenes if name != LARGEST]
+    for name, (make, repetitions, by_superlu) in scenes.items():
+        if name in wanted:
+            measure(name, make(), repetitions, by_superlu)
 
 
 if __name__ == "__main__":

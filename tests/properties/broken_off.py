@@ -44,11 +44,11 @@ def wait_for(process: subprocess.Popen[str], start: str) -> bool:
 
 
 def contents(folder: Path) -> dict[str, object]:
-    """What files of a run hold, but for times, pictures, the log and checkpoints."""
+    """What files of a run hold, but for times, pictures, the log, the report and checkpoints."""
     found: dict[str, object] = {}
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
-        if path.is_dir() or name == "run.log" or name.startswith("checkpoint/"):
+        if path.is_dir() or name in ("run.log", "report.html") or name.startswith("checkpoint/"):
             continue
         if name == "steps.csv":
             found[name] = without_times(path.read_text())

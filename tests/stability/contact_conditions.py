@@ -25,7 +25,7 @@ from crackgrow.contact.faces import FacePoints
 from crackgrow.contact.solve import ContactMemory, ContactOutcome
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.run.configuration import Configuration
+from crackgrow.run.configuration import Configuration, Equilibrium
 from crackgrow.solid.linear_solver import displacement_size
 from crackgrow.solid.recovery import displacement_at
 
@@ -66,11 +66,11 @@ def recorded() -> Iterator[list[Increment]]:
 
     def equilibrium(
         configuration: Configuration, factor: float, memory: ContactMemory | None, holding: float = 1.0
-    ) -> tuple[ContactOutcome, float]:
-        outcome, residual = solve(configuration, factor, memory, holding)
+    ) -> Equilibrium:
+        state = solve(configuration, factor, memory, holding)
         before = memory or ContactMemory.fresh(configuration.faces.n)
-        found.append(Increment(configuration, factor, holding, before, outcome, residual))
-        return outcome, residual
+        found.append(Increment(configuration, factor, holding, before, state.outcome, state.residual))
+        return state
 
     Configuration.equilibrium = equilibrium  # type: ignore[method-assign]
     try:

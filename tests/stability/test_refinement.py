@@ -1,7 +1,7 @@
 """Every solve checks its residual and refines: a factorization that is off by 1e-5 changes no result.
 
 What a step solves by: supports' responses, loads, columns of contact points, pieces on springs, tractions of a critical
-load, a corrected direction. All of it goes through `ConstrainedSystem.solve`.
+load, a corrected direction. All of it goes through `ConstrainedSystem.solve`, or is corrected by what does.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from crackgrow.case import load_case
 from crackgrow.run import grow
@@ -39,9 +40,11 @@ def last_step(name: str, settings: tuple[str, ...]) -> StepResult:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_rough_factorization_changes_no_result(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("few_numbers", [0, np.inf], ids=["by elimination", "by solutions"])
+def test_rough_factorization_changes_no_result(scene: str, few_numbers: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("crackgrow.contact.system.FEW_NUMBERS", few_numbers)
     plain = last_step(*SCENES[scene])
-    exact = Factorization.solve
+    exact, exact_products = Factorization.solve, Factorization.products
     n_solves = 0
 
     def rough(self: Factorization, right: np.ndarray) -> np.ndarray:
@@ -51,7 +54,15 @@ def test_rough_factorization_changes_no_result(scene: str, monkeypatch: pytest.M
         off = 1.0 + OFF * np.random.default_rng(len(found)).choice([-1.0, 1.0], len(found))
         return found * (off if found.ndim == 1 else off[:, None])
 
+    def rough_products(self: Factorization, right: csr_array) -> np.ndarray | None:
+        found = exact_products(self, right)
+        if found is None:
+            return None
+        off = 1.0 + OFF * np.random.default_rng(len(found)).choice([-1.0, 1.0], len(found))
+        return off[:, None] * found * off
+
     monkeypatch.setattr(Factorization, "solve", rough)
+    monkeypatch.setattr(Factorization, "products", rough_products)
     found = last_step(*SCENES[scene])
     assert n_solves > 2
     assert found.residual < 1e-9

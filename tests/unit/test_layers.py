@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
     "errors", "case", "geometry", "cover", "approximation", "quadrature", "solid", "contact", "fracture", "run",
-    "results", "study", "cli",
+    "results", "study", "api", "cli",
 )  # fmt: skip
 RESULTS_MAY_READ = ("crackgrow", "crackgrow.errors", "crackgrow.case", "crackgrow.run.result", "crackgrow.results")
 ENTRIES = ("__init__.py", "__main__.py")  # the concept map with its lazy names, and python -m

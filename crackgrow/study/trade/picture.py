@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from crackgrow.results.atomic import write_atomically
 from crackgrow.study.trade.pareto import pareto_front
-from crackgrow.study.trade.row import ERRORS, REFERENCE, Row
+from crackgrow.study.trade.row import ENERGY, ERRORS, REFERENCE, Row
 
 TIME = "cpu_seconds"
 LABELS = {
@@ -25,6 +25,8 @@ LABELS = {
     "shear_error": "contact shear, relative to all tractions",
     "slip_error": "slip, relative",
     "energy_error": "strain energy, relative",
+    "true_energy_error": "energy norm, relative",
+    "error_estimate": "energy norm as the run estimates it",
     "path_hausdorff": "path, Hausdorff [m]",
     "path_frechet": "path, Frechet [m]",
     "length_error": "grown length [m]",
@@ -42,7 +44,7 @@ COLOURS = colormaps["viridis"]
 def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
     """Draw all errors that any row has, and that are not zero in all of them, into a PNG. Raises OutputError."""
     solved = [row for row in rows if row.solved and row.name != REFERENCE]
-    shown = [name for name in ERRORS if any(row.number(name) > LEAST for row in solved)]
+    shown = [name for name in (*ERRORS, *ENERGY) if any(row.number(name) > LEAST for row in solved)]
     across = max(1, min(ACROSS, len(shown)))
     down = max(1, math.ceil(len(shown) / across))
     figure = Figure(figsize=(across * PANEL[0], down * PANEL[1] + 0.8), layout="constrained")

@@ -8,14 +8,14 @@ import json
 import math
 import statistics
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 from crackgrow.case import Case
 from crackgrow.errors import CaseError, Fault
 from crackgrow.study.trade.grid import Setting
-from crackgrow.study.trade.measures import Errors
+from crackgrow.study.trade.measures import NO_ERRORS, Errors
 from crackgrow.study.trade.worker import Cost
 
 REFERENCE = "reference"  # the name of its row
@@ -23,10 +23,11 @@ PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
 SETTINGS = (
     "accuracy", "spacing", "support", "quadrature", "contact_spacing", "stiffness", "solver", "tip_radius", "increment",
 )  # fmt: skip
+ENERGY = ("true_energy_error", "error_estimate")  # of the same norm, against the reference and by the run itself
 ERRORS = tuple(field.name for field in fields(Errors))
 COSTS = ("cpu_seconds", "wall_seconds", "cpu_first_step", "cpu_step", "wall_first_step", "wall_step",
          *(f"wall_{phase}" for phase in PHASES), "peak_memory_mb")  # fmt: skip
-COLUMNS = ("setting", "preset", *SETTINGS, "status", "reason", "steps", "n_dofs", *ERRORS, *COSTS, "repeats")
+COLUMNS = ("setting", "preset", *SETTINGS, "status", "reason", "steps", "n_dofs", *ERRORS, *ENERGY, *COSTS, "repeats")
 ENDED_WELL = ("completed", "arrested", "broke_through")
 
 NAN = float("nan")
@@ -59,22 +60,40 @@ class Row:
         return float(self.cells[column] or NAN)
 
 
-def row_of(setting: Setting, case: Case | None, cost: Cost, folder: Path, errors: Errors, repeats: int) -> Row:
-    """The row of a run; `case` is None where the setting is no case at all."""
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A run that has ended, whatever came of it, with its results."""
+
+    setting: Setting
+    case: Case | None  # None where the setting is no case at all
+    cost: Cost
+    folder: Path
+    repeats: int = 1
+
+    def with_note(self, note: str) -> Run:
+        """The same run with something to say after the reason of its end."""
+        return replace(self, cost=replace(self.cost, reason=f"{self.cost.reason}; {note}"))
+
+
+def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = NAN) -> Row:
+    """The row of a run with its errors."""
+    setting, case, cost = run.setting, run.case, run.cost
     values: dict[str, Value] = {
         "setting": setting.name,
         "preset": setting.preset,
         **({} if case is None else _settings(case)),
         "status": cost.status,
         "reason": " ".join(cost.reason.split()),
-        "repeats": repeats,
+        "repeats": run.repeats,
     }
     if cost.cpu_steps:
-        summary: Any = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        summary: Any = json.loads((run.folder / "summary.json").read_text(encoding="utf-8"))
         by_phase = summary["wall_seconds"]["by_phase"]
         values |= {"steps": summary["steps_done"], "n_dofs": summary["n_dofs"]["first"]}
         values |= {f"wall_{phase}": float(by_phase.get(phase, 0.0)) for phase in PHASES}
-        values |= asdict(errors)
+        values |= {**asdict(errors), "true_energy_error": true_energy_error}
+        estimate = summary["error_estimate"]["energy_norm_percent"]["last" if _static(case) else "first"]
+        values["error_estimate"] = None if estimate is None else estimate / 100.0
         values |= {"cpu_first_step": cost.cpu_steps[0], "wall_first_step": cost.wall_steps[0]}
         values |= {"cpu_step": _mean(cost.cpu_steps[1:]), "wall_step": _mean(cost.wall_steps[1:])}
     values |= {name: getattr(cost, name) for name in ("cpu_seconds", "wall_seconds", "peak_memory_mb")}
@@ -104,7 +123,7 @@ def trade_line(row: Row) -> str:
     """A row on a line of the terminal."""
     if not row.solved:
         return f"{row.name:48} {row.cells['status']}: {row.cells['reason']}"
-    names = ("K_error", "path_hausdorff", "pressure_error", "slip_error", "energy_error")
+    names = ("K_error", "path_hausdorff", "pressure_error", "slip_error", *ENERGY)
     shown = " ".join(f"{name.removesuffix('_error')} {row.number(name):.2g}" for name in names if row.cells[name])
     return f"{row.name:48} {row.cells['n_dofs']:>7} dofs {row.number('cpu_seconds'):8.2f} s  {shown}".rstrip()
 
@@ -124,6 +143,11 @@ def _settings(case: Case) -> dict[str, Value]:
         "tip_radius": None if growth is None else growth.tip_radius,
         "increment": None if growth is None else growth.increment,
     }
+
+
+def _static(case: Case | None) -> bool:
+    """Whether errors are those of the last step, the last load factor."""
+    return case is not None and case.growth is None
 
 
 def _mean(seconds: Sequence[float]) -> float:

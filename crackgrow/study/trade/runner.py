@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 from crackgrow.case import load_case
-from crackgrow.errors import SolveError
+from crackgrow.errors import CrackgrowError, SolveError
 from crackgrow.results.atomic import write_text
+from crackgrow.study.trade.energy import EnergyReference
 from crackgrow.study.trade.grid import FINER, Setting, case_or_none
-from crackgrow.study.trade.measures import NO_ERRORS, check_results, errors_of
+from crackgrow.study.trade.measures import check_results, errors_of
 from crackgrow.study.trade.picture import draw
 from crackgrow.study.trade.plan import Plan
 from crackgrow.study.trade.process import run_in_processes
-from crackgrow.study.trade.row import ENDED_WELL, REFERENCE, Row, csv_text, read_rows, row_of
+from crackgrow.study.trade.row import ENDED_WELL, REFERENCE, Row, Run, csv_text, read_rows, row_of
 
 TABLE, PICTURE = "trade.csv", "trade.png"
 JUDGED = FINER * (1 - 1e-9)  # of the reference's spacing: runs from there on are held against it
@@ -46,10 +46,11 @@ def trade(plan: Plan, *, repeat: int = 1, resume: bool = False, timeout: float |
         write_text(table, csv_text(rows))
         yield rows[-1]
     check_results(plan.reference_folder)
-    least = JUDGED * load_case(plan.reference_folder / "case.yaml").numerics.spacing
+    energy = EnergyReference(load_case(plan.reference_folder / "case.yaml"))
     for number, setting in enumerate(plan.settings):
         if setting.name not in known:
-            rows.append(_row(plan, setting, plan.folder / "runs" / f"{number:03d}", least, repeat, timeout))
+            run = _run(plan, setting, plan.folder / "runs" / f"{number:03d}", repeat, timeout)
+            rows.append(_judged(plan, run, energy))
             write_text(table, csv_text(rows))
             yield rows[-1]
     draw(plan.folder / PICTURE, plan.file.load().title, rows)
@@ -57,26 +58,30 @@ def trade(plan: Plan, *, repeat: int = 1, resume: bool = False, timeout: float |
 
 def _reference(plan: Plan, overrides: tuple[str, ...], timeout: float | None) -> Row:
     """Make the run that the others are held against. Raises SolveError where it ends otherwise than it should."""
-    setting = Setting(REFERENCE, plan.run_overrides(overrides))
-    folder = plan.reference_folder
-    cost = run_in_processes(plan.file, setting.overrides, folder, 1, timeout)
-    if cost.status not in ENDED_WELL:
+    run = _run(plan, Setting(REFERENCE, overrides), plan.reference_folder, 1, timeout)
+    if run.cost.status not in ENDED_WELL:
         given = " ".join(overrides)
-        raise SolveError(f"the reference ({given}) is {cost.status}: {cost.reason}; give another by --reference")
-    return row_of(setting, plan.file.load(*setting.overrides), cost, folder, NO_ERRORS, 1)
+        raise SolveError(
+            f"the reference ({given}) is {run.cost.status}: {run.cost.reason}; give another by --reference"
+        )
+    return row_of(run)
 
 
-def _row(plan: Plan, setting: Setting, folder: Path, least: float, repeat: int, timeout: float | None) -> Row:
-    """Run a setting and hold its results against the reference; one that is no case is refused by its own run.
-
-    least: m, the spacing from which on the reference is fine enough to judge
-    """
+def _run(plan: Plan, setting: Setting, folder: Path, repeat: int, timeout: float | None) -> Run:
+    """Run a setting; one that is no case is refused by its own run."""
     overrides = plan.run_overrides(setting.overrides)
     cost = run_in_processes(plan.file, overrides, folder, repeat, timeout)
-    case = case_or_none(plan.file, overrides)
-    errors = NO_ERRORS
-    if case is not None and cost.cpu_steps and case.numerics.spacing >= least:
-        errors = errors_of(folder, plan.reference_folder, grows=plan.grows)
-    elif cost.cpu_steps:
-        cost = replace(cost, reason=f"{cost.reason}; {NOT_JUDGED}")
-    return row_of(setting, case, cost, folder, errors, repeat)
+    return Run(setting, case_or_none(plan.file, overrides), cost, folder, repeat)
+
+
+def _judged(plan: Plan, run: Run, energy: EnergyReference) -> Row:
+    """The row of a run, held against the reference where it was solved and the reference is fine enough."""
+    if run.case is None or not run.cost.cpu_steps:
+        return row_of(run)
+    if run.case.numerics.spacing < JUDGED * energy.spacing:
+        return row_of(run.with_note(NOT_JUDGED))
+    errors = errors_of(run.folder, plan.reference_folder, grows=plan.grows)
+    try:
+        return row_of(run, errors, energy.error(run.case))
+    except CrackgrowError as error:  # bodies that differ, such as those of a reference from elsewhere
+        return row_of(run.with_note(f"no distance in energy: {error}"), errors)

@@ -132,3 +132,9 @@ def test_spacing_that_a_tiny_length_makes_too_fine_tells_its_rule():
     (fault,) = caught.value.faults
     assert fault.key == "numerics.spacing"
     assert "(auto: growth.increment / " in fault.message
+
+
+def test_a_word_that_is_no_preset_is_the_only_fault_of_a_case_without_spacing(tmp_path: Path):
+    with pytest.raises(CaseError) as caught:
+        load_case(without_numerics(tmp_path, "accuracy: finest"))
+    assert [fault.key for fault in caught.value.faults] == ["numerics.accuracy"]

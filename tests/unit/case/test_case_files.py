@@ -103,6 +103,27 @@ def test_harmless_tags_and_anchors_are_accepted(tmp_path: Path):
     assert load_case(written(tmp_path, data)).bodies[0].material.young == 1e10
 
 
+@pytest.mark.parametrize("units", ["!x {length: mm}", "{length: !x mm}", "*me"])
+def test_units_that_the_parser_refuses(units: str, tmp_path: Path):
+    data = COMPRESSION.replace(b"{length: mm, stress: MPa}", units.encode())
+    with pytest.raises(CaseError, match="units"):
+        load_case(written(tmp_path, data))
+
+
+def test_more_than_checks_can_take_is_refused(tmp_path: Path):
+    vertices = ", ".join(f"[{x}, 0]" for x in range(5001))
+    with pytest.raises(CaseError, match="a list of 5001 given; wanted: 5000 at most"):
+        load_case(written(tmp_path, COMPRESSION), [f"cracks.flaw.path={{points: [{vertices}]}}"])
+    with pytest.raises(CaseError, match="1001 names given; wanted: 1000 at most"):
+        load_case(
+            written(
+                tmp_path, COMPRESSION.replace(b"  flaw:", b"".join(b"  c%d: 1\n" % k for k in range(1000)) + b"  flaw:")
+            )
+        )
+    with pytest.raises(CaseError, match="60 unknown keys; allowed: title, "):
+        load_case(written(tmp_path, COMPRESSION + b"".join(b"key%d: 1\n" % k for k in range(60))))
+
+
 def test_recursive_and_exploding_aliases(tmp_path: Path):
     lines = ["a0: &a0 [x, x]", *(f"a{n}: &a{n} [*a{n - 1}, *a{n - 1}]" for n in range(1, 60)), "me: &me [*me]"]
     with pytest.raises(CaseError) as caught:

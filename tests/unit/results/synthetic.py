@@ -48,7 +48,12 @@ def make_case(**output: Any) -> Case:
     outline = np.array([[-x, -y], [x, -y], [x, y], [-x, y]])
     edges = ("bottom", "right", "top", "left")
     body = Body("rock", (Ring(outline, edges),), Material(1e10, 0.25), Strength(5e5, 1e7, 40.0))
-    settings = {"frames": "every_step", "fields": ("displacement", "stress"), "figures": False} | output
+    settings = {
+        "frames": "every_step",
+        "fields": ("displacement", "stress"),
+        "figures": False,
+        "report": False,
+    } | output
     return Case(
         name="block",
         title="A block with a crack",

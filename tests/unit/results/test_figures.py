@@ -66,10 +66,10 @@ def test_boundary_edges_are_outline_and_both_crack_faces() -> None:
 
 def test_colours_are_symmetrical_for_both_signs_and_ignore_outliers() -> None:
     values = np.concatenate([np.linspace(-1.0, 2.0, 1000), [1e9]])
-    norm, _ = figures._stress_colours(values)
+    norm, _ = figures.colours_of(values)
     assert norm.vmin == -norm.vmax
     assert norm.vmax == pytest.approx(1.94, rel=1e-2)
-    norm, _ = figures._stress_colours(np.linspace(1.0, 2.0, 101))
+    norm, _ = figures.colours_of(np.linspace(1.0, 2.0, 101))
     assert (norm.vmin, norm.vmax) == (pytest.approx(1.02), pytest.approx(1.98))
 
 

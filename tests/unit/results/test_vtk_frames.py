@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +57,14 @@ def test_cracks_round_trip(tmp_path: Path) -> None:
         np.testing.assert_array_equal(mesh.point_data[name], getattr(face, name))
     np.testing.assert_array_equal(mesh.cell_data["crack"], [0])
     assert list(mesh.field_data["crack_names"]) == ["flaw"]
+
+
+def test_names_in_any_script_round_trip(tmp_path: Path) -> None:
+    result = make_result(2)
+    named = replace(result, faces=tuple(replace(face, crack="Spalt_ü節") for face in result.faces))
+    vtk_frames.write_cracks(tmp_path / "a.vtp", named)
+    names = pyvista.read(tmp_path / "a.vtp").GetFieldData().GetAbstractArray("crack_names")
+    assert names.GetValue(0) == "Spalt_ü節"
 
 
 def test_series_lists_files_at_their_steps(tmp_path: Path) -> None:

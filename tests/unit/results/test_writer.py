@@ -166,11 +166,12 @@ def test_figure_that_fails_does_not_take_the_summary_with_it(tmp_path: Path, mon
 
 def test_earlier_results_go_and_other_files_stay(tmp_path: Path) -> None:
     mine = ["summary.json", "block.pvd", "frames/step_0007.vtu", "frames/step_12345.vtu", "frames/.step_0008.tmp.vtu",
-            "cracks/step_0007.vtp", "figures/path.png", ".summary.tmp.json", "figures/load_curve.png"]  # fmt: skip
+            "cracks/step_0007.vtp", "figures/path.png", ".summary.tmp.json", "figures/load_curve.png", "report.html",
+            "render/sigma_1/step_0007.png", "render/sigma_1/animation.gif"]  # fmt: skip
     others = ["notes.txt", "other.pvd", "frames/step_1.vtu", "frames/mine.vtu", "figures/own.png",
-              "cracks/step_0007.csv", "checkpoint/state"]  # fmt: skip
+              "cracks/step_0007.csv", "checkpoint/state", "render/sigma_1/own.png"]  # fmt: skip
     for name in mine + others:
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(name)
     RunWriter(make_case(), tmp_path).begin()
     assert files(tmp_path) == TABLES | set(others)

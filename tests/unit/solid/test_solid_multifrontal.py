@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from scipy.sparse.linalg import spsolve
 from crackgrow.solid import multifrontal as module
 from crackgrow.solid.dissection import Places, dissect, places_of_unknowns
 from crackgrow.solid.fronts import LEAF, Fronts, fronts_of
-from crackgrow.solid.linear_solver import ConstrainedSystem, Factorization
+from crackgrow.solid.linear_solver import FEW_CONSTRAINTS, ConstrainedSystem, Factorization
 from crackgrow.solid.matrix import SymmetricMatrix, symmetric
 from crackgrow.solid.multifrontal import Multifrontal, NotQuasiDefiniteError
 from crackgrow.solid.stiffness import stiffness_after
@@ -195,6 +196,69 @@ def test_constraints_hold_also_where_they_repeat_each_other(k: int) -> None:
     np.testing.assert_allclose(u, by_lu, atol=1e-10 * size)
     np.testing.assert_allclose(constraints @ u, 0.0, atol=1e-13 * size)
     np.testing.assert_allclose(matrix @ u + constraints.T @ m - loads, 0.0, atol=1e-11 * np.abs(loads).max())
+
+
+@pytest.mark.parametrize("n", [1, 5, 12, 30])
+def test_products_of_solutions_need_elimination_alone(n: int) -> None:
+    """R' A^-1 R by solutions; columns near each other, far apart, equal and empty; entries given in parts."""
+    matrix, places = lattice(n, n)
+    rng = np.random.default_rng(40)
+    scale = np.sqrt(matrix.diagonal())
+    row, column = rng.integers(len(scale), size=90), rng.integers(1, 25, size=90)
+    right = csr_array((scale[row] * rng.normal(size=90), (row, column)), shape=(len(scale), 30))
+    right = csr_array(np.hstack([right.toarray(), right.toarray()[:, 3:5]]))
+    multifrontal = Multifrontal(symmetric(matrix), fronts_of(places_at(places), free(matrix))[0])
+    products = multifrontal.products(right)
+    expected = right.T @ multifrontal.solve(right.toarray())
+    np.testing.assert_array_equal(products, products.T)
+    np.testing.assert_allclose(products, expected, atol=1e-13 * np.abs(expected).max())
+    parts = csr_array((np.full(2, 0.5), [0, 0], [0, 2, *[2] * (len(scale) - 1)]), shape=(len(scale), 1))
+    whole = csr_array(([1.0], ([0], [0])), shape=(len(scale), 1))
+    np.testing.assert_array_equal(multifrontal.products(parts), multifrontal.products(whole))
+
+
+def test_products_never_hold_all_right_hand_sides_at_once(build: type[Build]) -> None:
+    """300 loads on one line of a plate: a quarter of the numbers that their solutions are is enough."""
+    matrix, fronts = plate(build, 100)
+    nodes = places_of_unknowns(build.block((100, 100), support=2.0).cover).nodes
+    loaded = np.flatnonzero(np.abs(nodes[:, 1] - 50) <= 1)[:300]
+    right = csr_array((np.ones(300), (loaded, np.arange(300))), shape=(len(nodes), 300))
+    multifrontal = Multifrontal(matrix, fronts)
+    tracemalloc.start()
+    products = multifrontal.products(right)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 8 * right.shape[0] * right.shape[1] / 4
+    some = right[:, [0, 150, 299]]
+    np.testing.assert_allclose(products[:, [0, 150, 299]], right.T @ multifrontal.solve(some.toarray()), rtol=1e-9)
+
+
+@pytest.mark.parametrize("n", [5, 20, 31])
+def test_compliance_is_that_of_held_constraints(n: int) -> None:
+    """G u under the loads G', where constraints reach far, repeat each other and give way by `YIELDING` at first."""
+    system, matrix, _ = constrained(n, 18)
+    rng = np.random.default_rng(41)
+    rows = np.zeros((20, matrix.shape[0]))
+    for row in rows:
+        row[rng.integers(len(row), size=6)] = rng.normal(size=6)
+    rows *= np.sqrt(matrix.diagonal())
+    found = system.compliance(csr_array(rows))
+    assert found is not None
+    expected = rows @ system.solve(rows.T.copy())[0]
+    np.testing.assert_array_equal(found, found.T)
+    np.testing.assert_allclose(found, expected, atol=1e-13 * np.abs(expected).max())
+
+
+def test_compliance_is_left_to_solutions_where_it_is_not_cheap() -> None:
+    """By SuperLU, and with many constraints for few rows."""
+    system, matrix, constraints = constrained(12, 42)
+    rows = csr_array(np.eye(3, matrix.shape[0]))
+    assert system.compliance(rows) is not None
+    assert ConstrainedSystem(matrix, constraints).compliance(rows) is None
+    many = csr_array(np.eye(FEW_CONSTRAINTS + 1, matrix.shape[0]))
+    places = places_at(lattice(12, 42)[1])
+    assert ConstrainedSystem(matrix, many, places).compliance(rows) is None
+    assert ConstrainedSystem(matrix, many[:FEW_CONSTRAINTS], places).compliance(rows) is not None
 
 
 def test_prescribed_displacements() -> None:

@@ -43,6 +43,8 @@ def test_rows_tell_errors_and_costs(study: tuple[Plan, list[Row]]):
     assert reference.cells["K_error"] == ""
     assert [row.number("spacing") for row in rows] == [0.002, 0.005, 0.004]
     assert 0.0 < fine.number("K_error") < coarse.number("K_error") < 0.1  # 2 spacings a flaw; README has 2 % from one
+    assert 0.0 < fine.number("true_energy_error") < coarse.number("true_energy_error") < 0.5
+    assert 0.2 < coarse.number("error_estimate") / coarse.number("true_energy_error") < 5.0  # it is an estimate
     assert 0.0 < fine.number("path_hausdorff") <= fine.number("path_frechet") < 2e-3  # less than an increment
     for row in rows:
         assert row.number("cpu_seconds") >= row.number("cpu_first_step") + row.number("cpu_step") > 0.0
@@ -126,6 +128,17 @@ def test_run_that_the_reference_is_too_coarse_for_is_not_judged(study: tuple[Pla
     assert row.cells["reason"].endswith("not judged: the spacing is less than 2 times that of the reference")
     assert row.cells["K_error"] == ""
     assert row.number("cpu_seconds") > 0.0
+
+
+def test_reference_of_another_body_is_told_in_the_row(study: tuple[Plan, list[Row]], tmp_path: Path):
+    """The reference has the whole body, the run a narrower one: no point outside of it has a stress there."""
+    plan, _ = study
+    narrow = ["bodies.rock.shape.rectangle.width=28", "supports.0.at=[-14, -27.5]", "supports.1.at=[14, -27.5]"]
+    (row,) = trade(small(tmp_path, ["spacing=5"], reference=[str(plan.reference_folder)], overrides=narrow))
+    assert row.cells["status"] == "completed"
+    assert "no distance in energy: " in row.cells["reason"]
+    assert row.cells["true_energy_error"] == ""
+    assert row.number("K_error") > 0.0
 
 
 def test_run_that_takes_too_long_or_crashes_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -1,0 +1,290 @@
+"""A case solved or run from Python: arrays, tables, and fields at points, all in SI units.
+
+`solve` gives the first step of a case, `run_case` all of them. The examples are a session in the folder of `cases`.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Generator
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from crackgrow.case.model import Case
+from crackgrow.cover.elements import locate
+from crackgrow.errors import CrackgrowError
+from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.results import data_frames
+from crackgrow.results.atomic import OutputError
+from crackgrow.results.writer import RunWriter
+from crackgrow.run.error import estimated_error
+from crackgrow.run.frame import make_frame
+from crackgrow.run.loop import solved_steps
+from crackgrow.run.result import Frame, RunEnd, StepResult
+from crackgrow.run.step import StepSolution
+from crackgrow.solid import recovery
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Steps = Generator[tuple[StepResult, StepSolution], None, RunEnd]
+
+
+def solve(case: Case) -> Solution:
+    """Solve step 0 of a case: the given cracks under their loads, as the first step of a run does.
+
+    With growth that is the whole load history, without it the first of its load factors.
+
+        >>> import crackgrow
+        >>> case = crackgrow.load_case("cases/compression30.yaml", ["numerics.spacing=3"])
+        >>> solution = crackgrow.solve(case)
+        >>> solution.tips[["crack", "tip", "K_II"]].round(-4)
+          crack    tip       K_II
+        0  flaw  start -5750000.0
+        1  flaw    end -5750000.0
+        >>> solution.displacement_at([0.0, 0.02]).round(6)   # m, at x = 0, y = 20 mm
+        array([-1.60e-05, -4.55e-04])
+        >>> solution.stress_at([[0.0, 0.02], [0.1, 0.0]]).round(-5)   # Pa: xx, yy, xy; nan outside of the rock
+        array([[ -1100000., -98800000.,   -500000.],
+               [       nan,        nan,        nan]])
+
+    Raises GeometryError or SolveError where the step can't be solved.
+    """
+    return _solution(case, solved_steps(case))
+
+
+def run_case(case: Case, out: str | Path | None = None) -> Run:
+    """Run a case to its end, as `crackgrow run` does; with a folder `out` it leaves there what that leaves.
+
+        >>> import crackgrow
+        >>> case = crackgrow.load_case("cases/compression30.yaml", ["numerics.spacing=3", "growth.steps=2"])
+        >>> run = crackgrow.run_case(case)
+        >>> run.status, run.reason
+        ('completed', 'all 2 growth steps are done')
+        >>> run.steps[["step", "n_dofs", "crack_length"]]
+           step  n_dofs  crack_length
+        0     0     880         0.010
+        1     1     880         0.012
+        2     2     880         0.014
+        >>> run.path("flaw").round(4)   # m
+        array([[-0.0039, -0.0045],
+               [-0.0043, -0.0025],
+               [ 0.0043,  0.0025],
+               [ 0.0039,  0.0045]])
+
+    What was solved before an error or an interrupt is kept in the folder. Raises GeometryError or SolveError where
+    step 0 (without growth: any) can't be solved, OutputError where the folder can't be written. A later step that
+    fails ends the run, and `status` and `reason` tell.
+    """
+    steps = solved_steps(case)
+    if out is None:
+        return _collected(case, steps, lambda result: None)
+    writer = RunWriter(case, Path(out))
+    writer.begin()
+    try:
+        run = _collected(case, steps, writer.add)
+        writer.finish(run.end)
+    except BaseException as error:
+        with suppress(OutputError):  # a disk that refuses now doesn't hide the first error
+            _break_off(writer, error)
+        raise
+    return run
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tables:
+    """Tables of some steps: columns, units and values as in the CSV files of the same names."""
+
+    case: Case
+    results: tuple[StepResult, ...]  # step by step, frozen NumPy arrays: contact points, crack faces, energies ...
+
+    @property
+    def steps(self) -> pd.DataFrame:
+        """As steps.csv, a row a step; `seconds_output` is without the writing of frames."""
+        return data_frames.steps_frame(self.results)
+
+    @property
+    def tips(self) -> pd.DataFrame:
+        """As tips.csv, a row for each step and tip: place (m), K_I and K_II (Pa sqrt(m)), the criterion."""
+        return data_frames.tips_frame(self.results)
+
+    @property
+    def contact(self) -> pd.DataFrame:
+        """As contact.csv, a row for each step and contact point: tractions (Pa), opening and slip (m), state."""
+        return data_frames.contact_frame(self.results)
+
+    @property
+    def reactions(self) -> pd.DataFrame:
+        """As reactions.csv, a row for each step and support, foundation or interface: force (N/m)."""
+        return data_frames.reactions_frame(self.results)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is unsure in these steps, and why, as in summary.json; empty if nothing is."""
+        return tuple(f"step {result.step}: {text}" for result in self.results for text in result.warnings)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution(_Tables):
+    """A solved step."""
+
+    _solved: StepSolution = field(repr=False)
+
+    @property
+    def result(self) -> StepResult:
+        """The step as frozen NumPy arrays: contact points, crack faces, tips, reactions, energies, warnings."""
+        return self.results[0]
+
+    @property
+    def paths(self) -> pd.DataFrame:
+        """The cracks as they lie in this step, with the columns of paths.csv: a row for each vertex."""
+        return data_frames.paths_frame(self.result.cracks)
+
+    @property
+    def frame(self) -> Frame:
+        """The specimen as a mesh, double along cracks: nodes (m), displacement (m), stress in the cells (Pa)."""
+        solved = self._solved
+        return make_frame(solved.cover, solved.materials, solved.outcome.u, estimated_error(solved))
+
+    def displacement_at(self, points: ArrayLike) -> Floats:
+        """Displacement (..., 2) m at points (..., 2) in m; nan outside of the rock.
+
+        A point on a crack or between two bodies has the displacement of one of the sides.
+        """
+        at, shape = _places(points)
+        inside, local, elements = self._located(at)
+        found = np.full((len(at), 2), np.nan)
+        found[inside] = recovery.displacement_at(self._solved.cover, self._solved.outcome.u, local, elements)
+        return found.reshape(*shape, 2)
+
+    def stress_at(self, points: ArrayLike) -> Floats:
+        """Stress (..., 3) Pa: xx, yy, xy, tension positive, at points (..., 2) in m; nan outside and at tips.
+
+        In-situ stress is included. A point on a crack or between two bodies has the stress of one of the sides.
+        """
+        at, shape = _places(points)
+        inside, local, elements = self._located(at)
+        solved = self._solved
+        found = np.full((len(at), 3), np.nan)
+        found[inside] = recovery.stress_at(solved.cover, solved.materials, solved.outcome.u, local, elements)
+        for tip in solved.cover.tips:
+            found[inside[np.hypot(*(local - tip.point).T) < ON_LINE]] = np.nan
+        return found.reshape(*shape, 3)
+
+    def _located(self, at: Floats) -> tuple[Ints, Floats, Ints]:
+        """Which of the points (n, 2) lie in the rock (m,), their lattice coordinates (m, 2) and elements (m,)."""
+        lattice, cells = self._solved.cover.lattice, self._solved.cover.elements
+        low, high = lattice.to_metres(np.array([[0, 0], lattice.shape]))
+        near = np.flatnonzero(np.all((at >= low) & (at <= high), axis=1))
+        local = lattice.to_lattice(at[near])
+        elements = locate(lattice, cells, local)
+        inside = elements >= 0
+        return near[inside], local[inside], elements[inside]
+
+    def _repr_html_(self) -> str:
+        result = self.result
+        words = [f"step {result.step}", f"load factor {result.load_factor:g}", f"{result.n_dofs} unknowns"]
+        if np.isfinite(result.energy_error):
+            words.append(f"estimated error {result.energy_error:.2g} % of the energy norm")
+        return _summary(self, ", ".join(words), self.tips)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run(_Tables):
+    """A run that has ended."""
+
+    end: RunEnd
+    last: Solution  # the last step that was solved
+
+    @property
+    def status(self) -> str:
+        """How the run ended: completed, arrested, broke_through or failed."""
+        return self.end.status
+
+    @property
+    def reason(self) -> str:
+        """Why it ended, in words."""
+        return self.end.reason
+
+    @property
+    def paths(self) -> pd.DataFrame:
+        """As paths.csv: the cracks at the end, a row for each vertex with the step that made it."""
+        return data_frames.paths_frame(self.end.cracks)
+
+    @property
+    def events(self) -> pd.DataFrame:
+        """As events.csv: tips that have met a crack, a hole, the outline or an interface."""
+        events = [event for result in self.results for event in result.events]
+        return data_frames.events_frame([*events, *self.end.events])
+
+    def path(self, crack: str) -> Floats:
+        """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
+        return {path.name: path.points for path in self.end.cracks}[crack]
+
+    def solution(self, step: int) -> Solution:
+        """A step with its fields, for stress and displacement at points; raises IndexError if there is no such step.
+
+        All but the last are solved again from their checkpoint, to the same bits: a run keeps no fields but its last.
+
+            >>> import crackgrow
+            >>> case = crackgrow.load_case("cases/compression30.yaml", ["numerics.spacing=3", "growth.steps=2"])
+            >>> crackgrow.run_case(case).solution(1).stress_at([0.0, 0.02]).round(-5)   # Pa: xx, yy, xy
+            array([ -1500000., -98300000.,   -500000.])
+        """
+        numbers = [result.step for result in self.results]
+        if step not in numbers:
+            raise IndexError(f"step {step}: the run has steps {numbers[0]} to {numbers[-1]}")
+        if step == self.last.result.step:
+            return self.last
+        return _solution(self.case, solved_steps(self.case, self.results[numbers.index(step)].checkpoint))
+
+    def _repr_html_(self) -> str:
+        return _summary(self, f"{self.status}: {self.reason}; tips of step {self.last.result.step}:", self.last.tips)
+
+
+def _solution(case: Case, steps: Steps) -> Solution:
+    """The first of some steps."""
+    result, solved = next(steps)
+    return Solution(case, (result,), solved)
+
+
+def _collected(case: Case, steps: Steps, add: Callable[[StepResult], None]) -> Run:
+    """The run with all its steps, each handed to `add` as it comes."""
+    results: list[StepResult] = []
+    while True:
+        try:
+            result, solved = next(steps)
+        except StopIteration as stop:
+            return Run(case, tuple(results), stop.value, Solution(case, (result,), solved))
+        add(result)
+        results.append(replace(result, mesh=None))  # the mesh would keep the fields of every step
+
+
+def _break_off(writer: RunWriter, error: BaseException) -> None:
+    """End the files of a run that an error ends."""
+    if isinstance(error, KeyboardInterrupt):
+        writer.interrupt("interrupted")
+    elif isinstance(error, CrackgrowError):
+        writer.fail(str(error))
+    else:
+        writer.fail(f"internal error: {type(error).__name__}: {error}")
+
+
+def _places(points: ArrayLike) -> tuple[Floats, tuple[int, ...]]:
+    """Points (n, 2), and the shape that they came in."""
+    at = np.asarray(points, dtype=np.float64)
+    if at.ndim == 0 or at.shape[-1] != 2:
+        raise ValueError(f"points have the shape {at.shape}: wanted are x and y in m, (..., 2)")
+    return at.reshape(-1, 2), at.shape[:-1]
+
+
+def _summary(shown: Solution | Run, text: str, tips: pd.DataFrame) -> str:
+    """A heading, a line, the warnings and a table, as HTML."""
+    title = f"<b>{html.escape(shown.case.name)}</b>: {html.escape(shown.case.title)}"
+    lines = [title, html.escape(text), *(html.escape(f"warning: {warning}") for warning in shown.warnings)]
+    table = tips[["crack", "tip", "x", "y", "K_I", "K_II"]].to_html(index=False)
+    return f"<div>{'<br>'.join(lines)}{table}</div>"

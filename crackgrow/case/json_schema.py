@@ -1,0 +1,172 @@
+"""The case format as JSON Schema, for editors: made of the same specs that read a case, key by key.
+
+Draft 7 is what YAML plugins know best. It sees one value at a time: whether names are those of bodies and cracks, and
+what geometry asks, the reader alone can tell. Never does it refuse what the reader accepts.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any, Final
+
+from crackgrow.case.along import LengthOrAngle
+from crackgrow.case.formula import ALPHABET, LengthOrFormula
+from crackgrow.case.outline_file import ENDINGS, OutlineFile
+from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
+from crackgrow.case.scene import CASE
+from crackgrow.case.schema import (
+    BY_PARTS,
+    OPTIONAL,
+    REQUIRED,
+    Chosen,
+    Converted,
+    Field,
+    ListOf,
+    Mapping,
+    Named,
+    OneOf,
+    OneOrList,
+)
+from crackgrow.case.units import LARGEST, UNITS
+
+Schema = dict[str, Any]
+
+DRAFT: Final = "http://json-schema.org/draft-07/schema#"
+
+_NUMBER: Final = r"[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?"
+_NOT_ZERO: Final = "[^a-zA-Z]*[1-9]"  # ahead of a number: it has a digit, before its exponent, that is not 0
+_NAME: Final = r"^[^\x00-,./:-@\[-^`{-\x7f-][^\x00-,./:-@\[-^`{-\x7f]{0,63}$"  # letters of any script; no - at first
+
+
+def case_schema() -> str:
+    """The JSON Schema of a case file as text."""
+    head: Schema = {"$schema": DRAFT, "title": "crackgrow case", "description": "One scene of frictional crack growth."}
+    return json.dumps(head | schema_of(CASE), indent=1, ensure_ascii=False) + "\n"
+
+
+def schema_of(spec: Spec) -> Schema:
+    """What a spec accepts, as far as JSON Schema can say it."""
+    match spec:
+        case Mapping():
+            return _mapping(spec)
+        case Chosen():
+            return _chosen(spec)
+        case OneOf(forms):
+            return {"anyOf": [schema_of(form) for form in forms]}
+        case Converted(inner):
+            return schema_of(inner)
+        case Named(_, inner, at_most):
+            names = {"propertyNames": {"pattern": _NAME}, "maxProperties": at_most}
+            return {"type": "object", **names, "additionalProperties": schema_of(inner)}
+        case ListOf(inner, length, at_most):
+            sized = {"maxItems": at_most} if length is None else {"minItems": length, "maxItems": length}
+            return {"type": "array", "items": schema_of(inner), **sized}
+        case OneOrList(inner):
+            return {"anyOf": [schema_of(inner), schema_of(ListOf(inner))]}
+        case WordOr(words, inner):
+            return {"anyOf": [{"enum": list(words)}, schema_of(inner)]}
+        case _:
+            return _scalar(spec)
+
+
+def _scalar(spec: Spec) -> Schema:
+    match spec:
+        case Text(may_be_empty):  # an editor takes 2017 and true for no texts, the reader does
+            pattern = {} if may_be_empty else {"pattern": r"\S"}
+            return {"type": ["string", "number", "boolean"], **pattern}
+        case Choice(words, docs):
+            return {"enum": list(words), **({"enumDescriptions": list(docs)} if docs else {})}
+        case Switch():
+            return {"type": "boolean"}
+        case Number(bounds):
+            return {"type": "number", **_limits(bounds, LARGEST)}
+        case Integer(bounds):
+            return {"type": "integer", **_limits(bounds, LARGEST)}
+        case Quantity(kind, bounds):
+            return {"anyOf": [_bare(kind, bounds), _with_unit(kind, bounds)]}
+        case LengthOrAngle():
+            texts = [_with_unit(kind, ANY) for kind in ("length", "angle")]
+            return {"anyOf": [_bare("length", ANY), *texts]}
+        case LengthOrFormula():
+            formula = {"type": "string", "pattern": rf"^(?!\s*{_NUMBER}\s*$)({ALPHABET})+$"}
+            return {"anyOf": [_bare("length", ANY), _with_unit("length", ANY), formula]}
+        case OutlineFile():
+            letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in ENDINGS]
+            return {"type": "string", "pattern": rf"\.({'|'.join(letters)})$"}
+    raise TypeError(f"{type(spec).__name__} has no form in JSON Schema")
+
+
+def _mapping(spec: Mapping) -> Schema:
+    required = [key for key, field in spec.fields.items() if field.default is REQUIRED]
+    return {
+        "type": "object",
+        "properties": {key: _property(field) for key, field in spec.fields.items()},
+        "additionalProperties": False,
+        **({"required": required} if required else {}),
+        **({"minProperties": 1} if spec.at_least_one else {}),
+    }
+
+
+def _chosen(spec: Chosen) -> Schema:
+    """The forms differ in their defaults alone: one mapping tells all of them, and what each of them requires."""
+    schema = _mapping(spec.otherwise)
+    always = schema.pop("required", [])
+    chosen = next(iter(spec.forms.values()))
+    given = [key for key, field in chosen.fields.items() if field.default is REQUIRED]
+    for key, field in chosen.fields.items():
+        if field.default is not REQUIRED and key in always:
+            schema["properties"][key]["description"] += f"; default where {spec.key} is given: {field.default}"
+    return schema | {"anyOf": [{"required": [spec.key, *given]}, {"required": always}]}
+
+
+def _property(field: Field) -> Schema:
+    """What a key accepts, with what an editor shows of it."""
+    words = f"{field.doc}: {field.spec.describe()}{_units(field.spec)}"
+    plain = field.default not in (REQUIRED, OPTIONAL, BY_PARTS)
+    if field.default in (OPTIONAL, BY_PARTS):
+        words += "; may be left out"
+    elif plain:
+        words += f"; default: {json.dumps(field.default, ensure_ascii=False)}"
+    return {"description": words, **schema_of(field.spec), **({"default": field.default} if plain else {})}
+
+
+def _units(spec: Spec) -> str:
+    """The units that a quantity, or each item of a list of them, may have, and what a bare number means."""
+    match spec:
+        case Quantity(kind):
+            bare = {"length": "in units.length", "stress": "in units.stress"}.get(kind, f"in {next(iter(UNITS[kind]))}")
+            return f" ({' | '.join(UNITS[kind])}; a bare number is {bare})"
+        case LengthOrFormula():
+            return _units(Quantity("length"))
+        case ListOf(inner) | WordOr(_, inner):
+            return _units(inner)
+    return ""
+
+
+def _limits(bounds: Bounds, largest: float) -> Schema:
+    """Bounds of a number, and the size beyond which there is nothing physical."""
+    low = {"exclusiveMinimum": bounds.above} if bounds.above is not None else {"minimum": bounds.at_least}
+    high = {"exclusiveMaximum": bounds.below} if bounds.below is not None else {"maximum": bounds.at_most}
+    limits = {key: value for key, value in (low | high).items() if value is not None}
+    return limits | {key: size for key, size in (("minimum", -largest), ("maximum", largest)) if _open(limits, key)}
+
+
+def _open(limits: Schema, key: str) -> bool:
+    return key not in limits and f"exclusive{key.capitalize()}" not in limits
+
+
+def _bare(kind: str, bounds: Bounds) -> Schema:
+    """A bare number; its unit is another key's business, so that the largest one is that of the smallest unit."""
+    return {"type": "number", **_limits(bounds, LARGEST / float(min(UNITS[kind].values())))}
+
+
+def _with_unit(kind: str, bounds: Bounds) -> Schema:
+    """A text of a number and a unit; of its bounds a pattern can tell the sign."""
+    sign = ""
+    if bounds.above == 0:
+        sign = rf"(?!\s*-)(?={_NOT_ZERO})"
+    elif bounds.at_least == 0:
+        sign = rf"(?!\s*-{_NOT_ZERO})"
+    units = "|".join(re.escape(unit) for unit in UNITS[kind])
+    return {"type": "string", "pattern": rf"^{sign}\s*{_NUMBER}\s*({units})\s*$"}

@@ -1,0 +1,67 @@
+"""`crackgrow new`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.template import MODELINE, SCHEMA_FILE, template_text, templates
+from crackgrow.errors import CaseError, Fault
+
+HELP = """\
+Write a commented case to start from, as NAME.yaml into the folder `cases` if there is one, else here; a NAME with a
+folder or with .yaml goes where it says. What exists is never overwritten.
+"""
+EXAMPLES = """\
+examples:
+  crackgrow new my_slope
+  crackgrow new studies/shear --template interface
+  crackgrow check cases/my_slope.yaml
+"""
+
+
+def new(arguments: argparse.Namespace) -> int:
+    """`crackgrow new`: write a case to start from."""
+    file = _file_of(arguments.name)
+    text = template_text(arguments.template)
+    if (file.parent / SCHEMA_FILE).is_file():
+        text = MODELINE + text
+    try:
+        if not file.parent.is_dir():
+            file.parent.mkdir(parents=True)
+        with file.open("x", encoding="utf-8") as stream:
+            stream.write(text)
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        message = f"cannot be written: {getattr(error, 'strerror', None) or error}"
+        if isinstance(error, FileExistsError) and file.exists():
+            message = "exists already, and is left as it is"
+        raise CaseError([Fault(str(file), None, "", message)]) from None
+    say(f"wrote {file}\nnext: crackgrow check {file}, then crackgrow run {file}")
+    return EXIT_DONE
+
+
+def _file_of(name: str) -> Path:
+    path = Path(name)
+    if path.suffix in (".yaml", ".yml"):
+        return path
+    folder = Path("cases")
+    return (folder if path.parent == Path() and folder.is_dir() else path.parent) / f"{path.name}.yaml"
+
+
+def add_new(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command and its arguments."""
+    known = templates()
+    listed = "\n".join(f"  {name:<12} {line}" for name, line in known.items())
+    command = commands.add_parser(
+        "new",
+        help="write a commented case to start from",
+        description=HELP,
+        epilog=f"templates:\n{listed}\n\n{EXAMPLES}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("name", metavar="NAME", help="the name of the case, or its file")
+    command.add_argument(
+        "--template", choices=tuple(known), default="compression", help="which one (default: compression)"
+    )
+    command.set_defaults(command=new)

@@ -1,0 +1,41 @@
+"""`crackgrow report`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import crackgrow
+from crackgrow.cli.console import EXIT_DONE, say
+
+HELP = """\
+Write report.html of a result folder: the scene, crack paths, stress intensity, loads, tractions along the faces,
+energies, checks with their limits, warnings and the case, on one page that needs no network. Every run ends with one,
+unless output.report is false; this makes it again, from the files of the folder alone.
+"""
+EXAMPLES = """\
+With pictures that `crackgrow render` has made before, the slider of the page moves those too.
+
+examples:
+  crackgrow report outputs/compression30
+  crackgrow render outputs/compression30 && crackgrow report outputs/compression30
+"""
+
+
+def report(arguments: argparse.Namespace) -> int:
+    """`crackgrow report`: the page about a run, made again."""
+    say(str(crackgrow.write_report(arguments.folder)))
+    return EXIT_DONE
+
+
+def add_report(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command and its arguments."""
+    command = commands.add_parser(
+        "report",
+        help="write report.html of a result folder again",
+        description=HELP,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
+    command.set_defaults(command=report)

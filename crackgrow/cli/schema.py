@@ -1,0 +1,46 @@
+"""`crackgrow schema`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import crackgrow
+from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.results.atomic import write_text
+
+HELP = """\
+Print the JSON Schema (draft 7) of case files: with it an editor completes keys and words, shows what a key means and
+in which units, and marks mistakes as they are typed. It is made from what the reader itself checks with.
+"""
+EXAMPLES = """\
+examples:
+  crackgrow schema --out cases/case.schema.json
+
+VS Code with the YAML plugin, and any editor with yaml-language-server, then follow a comment at the top of a case,
+  # yaml-language-server: $schema=case.schema.json
+which names the schema relative to the case. What it cannot tell, such as names and geometry, `crackgrow check` does.
+"""
+
+
+def schema(arguments: argparse.Namespace) -> int:
+    """`crackgrow schema`: print or write the JSON Schema of case files."""
+    text = crackgrow.case_schema()
+    if arguments.out is None:
+        say(text, end="")
+    else:
+        write_text(arguments.out, text)
+    return EXIT_DONE
+
+
+def add_schema(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command and its arguments."""
+    command = commands.add_parser(
+        "schema",
+        help="print the JSON Schema of case files, for editors",
+        description=HELP,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("--out", type=Path, metavar="FILE", help="write it to a file")
+    command.set_defaults(command=schema)

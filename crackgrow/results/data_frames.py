@@ -1,0 +1,44 @@
+"""The CSV tables as pandas DataFrames: the same columns, rows and values, in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import pandas as pd
+
+from crackgrow.results import tables
+from crackgrow.run.result import CrackPath, Event, StepResult
+
+
+def tips_frame(results: Iterable[StepResult]) -> pd.DataFrame:
+    """Rows of tips.csv: one for each step and tip."""
+    return _frame(tables.TIPS, [row for result in results for row in tables.tip_rows(result)])
+
+
+def contact_frame(results: Iterable[StepResult]) -> pd.DataFrame:
+    """Rows of contact.csv: one for each step and contact point."""
+    return _frame(tables.CONTACT, [row for result in results for row in tables.contact_rows(result)])
+
+
+def reactions_frame(results: Iterable[StepResult]) -> pd.DataFrame:
+    """Rows of reactions.csv: one for each step and support, foundation or interface."""
+    return _frame(tables.REACTIONS, [row for result in results for row in tables.reaction_rows(result)])
+
+
+def steps_frame(results: Iterable[StepResult]) -> pd.DataFrame:
+    """Rows of steps.csv: one for each step; `seconds_output` is without the writing of frames."""
+    return _frame(tables.STEPS, [tables.step_row(result, seconds_frames=0.0) for result in results])
+
+
+def paths_frame(cracks: Iterable[CrackPath]) -> pd.DataFrame:
+    """Rows of paths.csv: one for each vertex of each crack."""
+    return _frame(tables.PATHS, tables.path_rows(cracks))
+
+
+def events_frame(events: Iterable[Event]) -> pd.DataFrame:
+    """Rows of events.csv: one for each tip that has met something."""
+    return _frame(tables.EVENTS, tables.event_rows(events))
+
+
+def _frame(columns: Sequence[str], rows: Sequence[Sequence[tables.Value]]) -> pd.DataFrame:
+    return pd.DataFrame([list(row) for row in rows], columns=pd.Index(columns))

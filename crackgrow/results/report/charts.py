@@ -1,0 +1,119 @@
+"""The plots against the steps and the load curve, as data that `chart.js` draws."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.results.folder import RunFolder
+from crackgrow.results.units import (
+    ENERGIES,
+    INTENSITIES,
+    LENGTHS,
+    STRESSES,
+    Unit,
+    rounded_all,
+    unit_of,
+)
+
+Floats = NDArray[np.float64]
+Chart = dict[str, Any]
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9")
+MOST_TIPS = 6  # that one plot shows
+
+
+def charts(run: RunFolder) -> list[Chart]:
+    """The plots that tell something: none against the steps where there is but one.
+
+    A chart has title, xlabel, ylabel and series; a series has name, colour, dash, x, y and `steps`, the step of each
+    of its points.
+    """
+    if len(run.solved) < 2:
+        return []
+    factor = run.steps.numbers("load_factor")
+    found = [*_tip_charts(run)]
+    if len(set(factor.tolist())) > 1:
+        found.append(_load_curve(run, factor))
+        found.append(_by_step(run, "Load factor", "load factor", [("load factor", factor)], (1.0, "")))
+    for title, column, units in (
+        ("Crack length", "crack_length", LENGTHS),
+        ("Displacement of the loads", "load_displacement", LENGTHS),
+    ):
+        values = run.steps.numbers(column)
+        unit = unit_of(values, units)
+        found.append(_by_step(run, title, f"{title.lower()} [{unit[1]}]", [(title.lower(), values)], unit))
+    found.append(_energies(run))
+    return found
+
+
+def drawn_tips(run: RunFolder) -> list[tuple[str, str]]:
+    """The tips that plots show, those that have grown most first: name of the crack, and which end."""
+    advances: dict[tuple[str, str], int] = {}
+    for crack, tip, advanced in zip(*(run.tips.words(name) for name in ("crack", "tip", "advanced")), strict=True):
+        advances[crack, tip] = advances.get((crack, tip), 0) + (advanced == "true")
+    return sorted(advances, key=lambda tip: -advances[tip])[:MOST_TIPS]
+
+
+def _tip_charts(run: RunFolder) -> list[Chart]:
+    tips = drawn_tips(run)
+    if not tips:
+        return []
+    steps = run.tips.steps()
+    owner = list(zip(run.tips.words("crack"), run.tips.words("tip"), strict=True))
+    n_tips = len(set(owner))
+    rest = f" ({len(tips)} of {n_tips} tips)" if n_tips > len(tips) else ""
+    found = []
+    for title, columns, units in (
+        ("Stress intensity", ("K_I", "K_II"), INTENSITIES),
+        ("Stress at the tips", ("sigma_1", "sigma_3"), STRESSES),
+    ):
+        values = [run.tips.numbers(column) for column in columns]
+        if not np.isfinite(values).any():
+            continue
+        unit = unit_of(np.concatenate(values), units)
+        series = []
+        for number, tip in enumerate(tips):
+            mine = np.array([other == tip for other in owner])
+            for column, of_column, dash in zip(columns, values, ("", "5 3"), strict=True):
+                name = f"{column} {' '.join(tip)}"
+                y = rounded_all(of_column[mine], unit[0])
+                series.append(_series(name, COLOURS[number], dash, steps[mine].tolist(), y, steps[mine].tolist()))
+        found.append(_chart(f"{title}{rest}", "step", f"{', '.join(columns)} [{unit[1]}]", series))
+    return found
+
+
+def _load_curve(run: RunFolder, factor: Floats) -> Chart:
+    displacement = run.steps.numbers("load_displacement")
+    unit = unit_of(displacement, LENGTHS)
+    x = rounded_all(displacement, unit[0])
+    series = [_series("load factor", COLOURS[0], "", x, rounded_all(factor), run.solved)]
+    return _chart("Load curve", f"displacement of the loads [{unit[1]}]", "load factor", series)
+
+
+def _energies(run: RunFolder) -> Chart:
+    names = ("work", "strain_energy", "dissipation", "released_energy")
+    values = [(name.replace("_", " "), run.steps.numbers(name)) for name in names]
+    unit = unit_of(np.concatenate([column for _, column in values]), ENERGIES)
+    return _by_step(run, "Energies", f"energy per thickness [{unit[1]}]", values, unit)
+
+
+def _by_step(run: RunFolder, title: str, label: str, columns: Sequence[tuple[str, Floats]], unit: Unit) -> Chart:
+    series = [
+        _series(name, colour, dash, run.solved, rounded_all(values, unit[0]), run.solved)
+        for (name, values), colour, dash in zip(columns, COLOURS, ("", "5 3", "", ""), strict=False)
+    ]
+    return _chart(title, "step", label, series)
+
+
+def _chart(title: str, xlabel: str, ylabel: str, series: Sequence[dict[str, Any]]) -> Chart:
+    return {"title": title, "xlabel": xlabel, "ylabel": ylabel, "series": list(series)}
+
+
+def _series(
+    name: str, colour: str, dash: str, x: Sequence[float | None], y: Sequence[float | None], steps: Sequence[int]
+) -> dict[str, Any]:
+    return {"name": name, "colour": colour, "dash": dash, "x": list(x), "y": list(y), "steps": list(steps)}

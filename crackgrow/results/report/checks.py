@@ -1,0 +1,81 @@
+"""How good a run is: its worst checks with their limits, and what it estimates of its error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.results.folder import RunFolder
+from crackgrow.results.report.markup import Markup, tag
+from crackgrow.results.units import shown
+
+Floats = NDArray[np.float64]
+
+RESIDUAL_LIMIT = 1e-9  # from which a step warns
+COMPLEMENTARITY_LIMIT = 1e-8  # above which contact is not solved
+ENERGY_LIMIT = 1e-5  # to which increments of load are divided
+OVERLAP_LIMIT = 0.05  # of the largest jump of the step, from which it warns
+PENETRATION_LIMIT = 1e-6  # of the largest jump of the step: beyond round-off
+
+WHAT = {
+    "residual": "equilibrium residual",
+    "penetration": "penetration at contact points, by the step's largest jump",
+    "complementarity": "complementarity of contact",
+    "overlap": "overlap anywhere along the faces, by the step's largest jump",
+    "energy_error": "error of the energy balance",
+}
+LIMITS = {
+    "residual": RESIDUAL_LIMIT,
+    "penetration": PENETRATION_LIMIT,
+    "complementarity": COMPLEMENTARITY_LIMIT,
+    "overlap": OVERLAP_LIMIT,
+    "energy_error": ENERGY_LIMIT,
+}
+
+
+def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
+    """Rows of the table of checks: name, worst value, step, limit, verdict."""
+    jumps = _largest_jumps(run)
+    for name, words in WHAT.items():
+        values = np.abs(run.steps.numbers(name))
+        if name in ("penetration", "overlap"):
+            values = np.divide(values, jumps, out=np.zeros_like(values), where=jumps > 0.0)
+        if len(values) == 0:
+            continue
+        worst = int(np.argmax(np.where(np.isnan(values), np.inf, values)))
+        good = bool(values[worst] <= LIMITS[name])
+        verdict = tag("span", "ok" if good else "above the limit", class_="good" if good else "bad")
+        yield words, shown(float(values[worst]), 3), run.solved[worst], f"{LIMITS[name]:g}", verdict
+
+
+def estimate_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows of what the run estimates of its own error, if it does: any numbers that the summary has of it."""
+    return list(_flat(summary.get("error_estimate") or {}, ""))
+
+
+def _flat(values: dict[str, Any], before: str) -> Iterator[tuple[str, str]]:
+    for key, value in values.items():
+        name = f"{before}{key.replace('_percent', ' [%]').replace('_', ' ')}"
+        if isinstance(value, dict):
+            yield from _flat(value, f"{name}, ")
+        else:
+            yield name, shown(math.nan if value is None else value) if not isinstance(value, str) else value
+
+
+def _largest_jumps(run: RunFolder) -> Floats:
+    """Largest jump (m) at the contact points of each solved step; 0 where there are none."""
+    steps = run.contact.steps()
+    sizes = np.hypot(run.contact.numbers("opening"), run.contact.numbers("slip"))
+    largest = np.zeros(len(run.solved))
+    np.maximum.at(largest, np.searchsorted(run.solved, steps), sizes)
+    return largest
+
+
+def status_badge(status: str) -> Markup:
+    """How the run ended, in a word."""
+    kind = {"failed": "bad", "interrupted": "doubtful", "running": "doubtful"}.get(status, "good")
+    return tag("strong", status, class_=f"badge {kind}")

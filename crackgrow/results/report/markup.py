@@ -1,0 +1,50 @@
+"""HTML and SVG as text: whatever comes from a case is escaped on the way in."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from html import escape
+
+SHORT = 12  # characters of a cell that is not broken
+
+
+class Markup(str):
+    """Text that is markup already."""
+
+    __slots__ = ()
+
+
+def text(value: object) -> Markup:
+    """A value as markup: escaped, unless it is markup."""
+    return value if isinstance(value, Markup) else Markup(escape(str(value), quote=True))
+
+
+def tag(name: str, *content: object, **attributes: object) -> Markup:
+    """An element; `_` in the name of an attribute is a dash, at the end of it nothing; None leaves it out."""
+    words = [f'{key.rstrip("_").replace("_", "-")}="{text(value)}"' for key, value in attributes.items()
+             if value is not None]  # fmt: skip
+    return Markup(f"<{' '.join([name, *words])}>{join(content)}</{name}>")
+
+
+def join(parts: Iterable[object], between: str = "") -> Markup:
+    """Parts one after another."""
+    return Markup(between.join(text(part) for part in parts))
+
+
+def table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> Markup:
+    """A table in a box of its own that scrolls where it is too wide."""
+    head = tag("tr", *(tag("th", name, scope="col") for name in header))
+    body = [tag("tr", *(_cell(cell) for cell in row)) for row in rows]
+    whole = tag("table", tag("caption", caption), tag("thead", head), tag("tbody", *body))
+    return tag("div", whole, class_="scroll", tabindex="0", role="region", aria_label=caption)
+
+
+def _cell(content: object) -> Markup:
+    return tag("td", content, class_="short" if len(str(content)) <= SHORT else None)
+
+
+def json_script(data: object, id_: str) -> Markup:
+    """Data for the scripts of the page; no text in it can end the element."""
+    content = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    return Markup(f'<script type="application/json" id="{text(id_)}">{content}</script>')

@@ -1,0 +1,90 @@
+"""What the page shows of one step and changes with the slider: tips, and tractions and jumps along the faces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from crackgrow.results.folder import RunFolder, TextTable
+from crackgrow.results.report.view import View
+from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, shown, unit_of
+
+MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
+MOST_TIP_ROWS = 8_000  # about 1 MB
+CONTACT_COLUMNS = (
+    (("s",), LENGTHS),
+    (("normal_traction", "tangential_traction"), STRESSES),
+    (("opening", "slip"), LENGTHS),
+)  # those in one tuple are drawn together
+
+
+def tip_data(run: RunFolder, view: View) -> dict[str, Any]:
+    """Rows of the table of tips by step, under a header with units, and where the tips lie in the picture.
+
+    steps     by step: a row for each tip
+    places     by step: x and y (px), and whether the tip advances, for each tip
+    """
+    tips = run.tips
+    K = unit_of(np.concatenate([tips.numbers("K_I"), tips.numbers("K_II")]), INTENSITIES)
+    stress = unit_of(np.concatenate([tips.numbers("sigma_1"), tips.numbers("sigma_3")]), STRESSES)
+    header = ["crack", "tip", f"K_I [{K[1]}]", f"K_II [{K[1]}]", f"sigma_1 [{stress[1]}]", f"sigma_3 [{stress[1]}]"]
+    header += ["criterion", "kink [°]", "advances"]
+    sizes = {"K_I": K[0], "K_II": K[0], "sigma_1": stress[0], "sigma_3": stress[0], "kink_deg": 1.0}
+    numbers = [rounded_all(tips.numbers(name), size) for name, size in sizes.items()]
+    *of_tip, kink = numbers
+    advances = tips.words("advanced")
+    columns = (tips.words("crack"), tips.words("tip"), *of_tip, tips.words("criterion"), kink, advances)
+    pixels = np.round(view.pixels(np.column_stack([tips.numbers("x"), tips.numbers("y")])), 1).tolist()
+    rows: dict[int, list[Any]] = {}
+    places: dict[int, list[Any]] = {}
+    kept = _kept_steps(tips, MOST_TIP_ROWS)
+    for step, row, place in zip(tips.steps().tolist(), zip(*columns, strict=True), pixels, strict=True):
+        if step not in kept:
+            continue
+        rows.setdefault(step, []).append(list(row))
+        places.setdefault(step, []).append([*place, row[-1] == "true"])
+    return {"header": header, "steps": rows, "places": places}
+
+
+def contact_data(run: RunFolder) -> dict[str, Any]:
+    """Contact points by surface and step.
+
+    units     by column, the name of its unit
+    surfaces     by name and step: the columns s, normal_traction, tangential_traction, opening, slip, state
+    left_out     whether steps were left out to keep the page small
+    """
+    table, steps = run.contact, run.contact.steps()
+    kept = _kept_steps(table, MOST_CONTACT_ROWS)
+    units: dict[str, Unit] = {}
+    for names, choice in CONTACT_COLUMNS:
+        unit = unit_of(np.concatenate([table.numbers(name) for name in names]), choice)
+        units |= dict.fromkeys(names, unit)
+    columns = {name: rounded_all(table.numbers(name), unit[0]) for name, unit in units.items()}
+    surfaces: dict[str, dict[int, dict[str, list[Any]]]] = {}
+    for k, (step, name) in enumerate(zip(steps.tolist(), table.words("crack"), strict=True)):
+        if step not in kept:
+            continue
+        of_step = surfaces.setdefault(name, {}).setdefault(step, {})
+        for column, values in columns.items():
+            of_step.setdefault(column, []).append(values[k])
+        of_step.setdefault("state", []).append(table.words("state")[k])
+    return {
+        "units": {column: unit[1] for column, unit in units.items()},
+        "surfaces": surfaces,
+        "left_out": len(kept) < len(set(steps.tolist())),
+    }
+
+
+def _kept_steps(table: TextTable, most: int) -> set[int]:
+    """Steps of a table that the page shows, so that it has about as many rows as `most`; the last one always."""
+    steps = np.unique(table.steps())[::-1]
+    return set(steps[:: max(1, -(-len(table) // most))].tolist())
+
+
+def step_words(run: RunFolder) -> dict[int, str]:
+    """What the slider says of each step."""
+    words = {}
+    for step, factor, n in zip(run.solved, run.steps.numbers("load_factor"), run.steps.words("n_dofs"), strict=True):
+        words[step] = f"load factor {shown(float(factor))}, {n} unknowns"
+    return {place: words.get(place, "after the last advance, not solved") for place in run.places}

@@ -1,0 +1,38 @@
+"""Units in which numbers are read easily."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
+STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
+INTENSITIES = tuple((size, f"{name}√m") for size, name in STRESSES)
+ENERGIES = ((1e3, "kJ/m"), (1.0, "J/m"), (1e-3, "mJ/m"), (1e-6, "µJ/m"))
+
+NO_NUMBER = "\N{EN DASH}"
+SIGNIFICANT = 6  # digits of what is drawn and shown; the tables of the run have all
+
+Unit = tuple[float, str]
+"""Size in SI units, and name."""
+
+
+def unit_of(values: Iterable[float], units: Sequence[Unit]) -> Unit:
+    """The largest of `units` (from large to small) in which the largest of the values is at least 1, else the last."""
+    largest = max((abs(value) for value in values if math.isfinite(value)), default=0.0)
+    return next((unit for unit in units if largest >= 0.9999 * unit[0]), units[-1])
+
+
+def rounded(value: float, unit: float = 1.0) -> float | None:
+    """A value in a unit of this size, to SIGNIFICANT digits; None where it is no number."""
+    return float(f"{value / unit:.{SIGNIFICANT}g}") if math.isfinite(value) else None
+
+
+def rounded_all(values: Iterable[float], unit: float = 1.0) -> list[float | None]:
+    """Each of the values `rounded`."""
+    return [rounded(float(value), unit) for value in values]
+
+
+def shown(value: float, digits: int = 4) -> str:
+    """A number as a reader sees it; a dash where there is none."""
+    return f"{value:.{digits}g}" if math.isfinite(value) else NO_NUMBER

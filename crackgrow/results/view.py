@@ -1,0 +1,72 @@
+"""An interactive window of a run's frames, where there is a display."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import pyvista
+
+from crackgrow.errors import CrackgrowError
+from crackgrow.results.figures import colours_of, displayed_magnification
+from crackgrow.results.frame_files import field_unit, frame_files, read_frame
+
+
+class NoDisplayError(CrackgrowError):
+    """There is no display to open a window on; the message says what to do instead."""
+
+    exit_code = 3
+
+
+def check_display(folder: Path) -> None:
+    """Raise NoDisplayError where no window can be opened."""
+    unix = sys.platform not in ("win32", "darwin")
+    if unix and not os.environ.get("DISPLAY") and not os.environ.get("WAYLAND_DISPLAY"):
+        raise NoDisplayError(
+            f"there is no display to open a window on: `crackgrow render {folder}` draws pictures without one; or open "
+            f"the .pvd in {folder} in ParaView where there is one, or log in by `ssh -X`"
+        )
+
+
+def view(folder: Path, field: str = "sigma_1", warp: float | None = None) -> None:
+    """Open a window with a slider over the steps, and return when it is closed.
+
+    Raises FolderError where there is nothing to see, NoDisplayError.
+    """
+    check_display(folder)
+    plotter = pyvista.Plotter(title=f"crackgrow: {folder}")
+    fill(plotter, folder, field, warp)
+    plotter.show()
+
+
+def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None) -> None:
+    """Put the last frame into a plotter, with a slider that changes it; raises FolderError."""
+    files = frame_files(folder)
+    steps = sorted(files)
+    last = read_frame(steps[-1], files[steps[-1]], field)
+    factor = displayed_magnification(last) if warp is None else warp
+    size, name = field_unit(field, last.values)
+    norm, colours = colours_of(last.values / size)
+    label = f"{field} [{name}]" if name else field
+
+    untyped: Any = plotter  # the declared types of some methods are not those of what they wrap
+
+    def show(value: float) -> None:
+        step = min(steps, key=lambda other: abs(other - value))
+        frame = read_frame(step, files[step], field)
+        grid = pyvista.read(files[step]).warp_by_vector("displacement", factor=factor)
+        grid[label] = frame.values / size
+        looks: dict[str, Any] = {"cmap": colours, "clim": (norm.vmin, norm.vmax), "show_scalar_bar": False}
+        plotter.add_mesh(grid, name="specimen", scalars=label, **looks)
+        edges = grid.extract_feature_edges(feature_edges=False, manifold_edges=False, non_manifold_edges=False)
+        plotter.add_mesh(edges, name="edges", color="black", line_width=1)
+        plotter.add_text(f"step {step}, displacement x {factor:.3g}", name="caption", font_size=10)
+
+    show(steps[-1])
+    untyped.add_scalar_bar(label, vertical=True, position_x=0.88, position_y=0.2, height=0.6)
+    if len(steps) > 1:
+        place = {"pointa": (0.03, 0.08), "pointb": (0.28, 0.08)}
+        untyped.add_slider_widget(show, (steps[0], steps[-1]), value=steps[-1], title="step", fmt="%.0f", **place)
+    plotter.camera_position = "xy"

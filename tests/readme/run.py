@@ -1,0 +1,110 @@
+"""Run the commands of README.md, in its order, in a copy of the checkout. Exit code 1: one of them fails.
+
+python -m tests.readme.run [--all]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from tests.readme.commands import Command, commands
+
+ROOT = Path(__file__).resolve().parents[2]
+
+NEEDS_A_WINDOW = (
+    "paraview outputs/compression30/compression30.pvd",
+    "paraview outputs/my_rock/my_rock.pvd",
+)
+"""Never run: the program is none of ours, and waits for its user."""
+
+NEEDS_A_PROGRAM = {"crackgrow render outputs/compression30 --mp4 --out pictures": "ffmpeg"}
+"""Only run where there is a program that the environment does not bring along."""
+
+LONG = (
+    "crackgrow stability",
+    "crackgrow trade cases/compression30.yaml --repeat 3 --reference numerics.spacing=0.25 "
+    "--axis spacing=3,2,1.5,1,0.75,0.5 support=1.5,2 quadrature=3,4 contact_spacing=1.25,2",
+    "crackgrow trade cases/interface_friction04.yaml --repeat 3 "
+    "--axis spacing=0.2,0.1,0.05,0.04,0.025 support=1.5,2 quadrature=3,4 contact_spacing=1.25,2",
+)
+"""Minutes each: only with --all."""
+
+EXIT_CODES = {'crackgrow compare outputs/coarse outputs/compression30 --tolerance "0.15 mm"': 1}
+"""Of commands that are meant to end otherwise than with 0."""
+
+COPIED = ("Makefile", "README.md", "pyproject.toml", ".requirements.lock", "crackgrow", "cases", "tests")
+TIMEOUT = 1800  # s
+SHOWN_LINES = 30  # of a command that fails, its last ones
+NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the commands; returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--all", action="store_true", help="the long ones too")
+    left_out = {*NEEDS_A_WINDOW, *(text for text, program in NEEDS_A_PROGRAM.items() if shutil.which(program) is None)}
+    if not parser.parse_args(argv).all:
+        left_out |= set(LONG)
+    failed, n_run = 0, 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = checkout(Path(name))
+        for command in commands((ROOT / "README.md").read_text(encoding="utf-8")):
+            if command.text in left_out:
+                print(f"README.md:{command.line}: left out: {command.text}", flush=True)
+                continue
+            started = time.perf_counter()
+            fault = fault_of(command, folder)
+            words = f"FAILED, {fault}" if fault else "done"
+            print(
+                f"README.md:{command.line}: {time.perf_counter() - started:.0f} s, {words}: {command.text}", flush=True
+            )
+            failed, n_run = failed + bool(fault), n_run + 1
+    print(f"{n_run - failed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+def checkout(folder: Path) -> Path:
+    """A copy of what is needed of the checkout, with its environment: commands may write what they like."""
+    for name in COPIED:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy2(ROOT / name, folder / name)  # with its time, which says whether the environment is up to date
+    (folder / ".venv").symlink_to(ROOT / ".venv")
+    return folder
+
+
+def fault_of(command: Command, folder: Path) -> str:
+    """Run a command; what is wrong with how it ends or what it prints, empty if nothing is."""
+    shell = {"sh": ["bash", "-c"], "python": [str(ROOT / ".venv/bin/python"), "-c"]}[command.language]
+    path = os.pathsep.join([str(ROOT / ".venv/bin"), os.environ["PATH"]])
+    environment = {**os.environ, "PATH": path, "PYTHONPATH": str(folder)}
+    done = subprocess.run(
+        [*shell, command.text], cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+        timeout=TIMEOUT, check=False,
+    )  # fmt: skip
+    wanted = EXIT_CODES.get(command.text, 0)
+    if done.returncode != wanted:
+        said = f"{done.stdout}{done.stderr}".splitlines()[-SHOWN_LINES:]
+        return "\n".join([f"exit code {done.returncode} instead of {wanted}", *said, ""])
+    printed = {without_numbers(line) for line in done.stdout.splitlines()}
+    missing = [line for line in command.prints if without_numbers(line) not in printed]
+    return f"it does not print {missing[0]!r} but\n{done.stdout}" if missing else ""
+
+
+def without_numbers(line: str) -> str:
+    """A line's words: its numbers may be those of another version or machine, its blanks follow from them."""
+    return " ".join(NUMBER.sub("#", line).split())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,43 @@
+"""Short runs whose reports are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from PIL import Image
+
+from crackgrow.case import load_case
+from crackgrow.results.writer import RunWriter
+from crackgrow.run import grow
+from crackgrow.run.result import RunEnd
+
+CASES = Path(__file__).resolve().parents[1] / "cases"
+COARSE = ("numerics.spacing=4", "growth.steps=3", "output.frames=none", "output.figures=false")
+HOSTILE = '<script>document.title = "owned"</script> & "quotes" </title>'
+
+
+def make_run(folder: Path, overrides: Sequence[str] = (), failing: str = "", case: str = "compression30") -> Path:
+    """Run a coarse scene into a folder; with `failing`, break it off for this reason after its second step."""
+    scene = load_case(CASES / f"{case}.yaml", [*COARSE, *overrides])
+    writer = RunWriter(scene, folder)
+    writer.begin()
+    steps = grow(scene)
+    while True:
+        try:
+            result = next(steps)
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            writer.finish(end)
+            return folder
+        writer.add(result)
+        if failing and result.step == 1:
+            writer.fail(failing)
+            return folder
+
+
+def paint(folder: Path, steps: Sequence[int], size: tuple[int, int] = (60, 90)) -> None:
+    """Pictures as `crackgrow render` leaves them, a shade of grey for each step."""
+    (folder / "render" / "sigma_1").mkdir(parents=True)
+    for step in steps:
+        Image.new("RGB", size, (40 * step % 256,) * 3).save(folder / "render" / "sigma_1" / f"step_{step:04d}.png")

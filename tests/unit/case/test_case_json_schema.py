@@ -1,0 +1,121 @@
+"""The JSON Schema says of a value what the reader says, and tells people what every key is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jsonschema import Draft7Validator
+
+from crackgrow.case.json_schema import case_schema, schema_of
+from crackgrow.case.reader import parse
+from crackgrow.case.report import Place, Report
+from crackgrow.case.scalars import Bounds, Context, Number, Quantity, Spec
+from crackgrow.case.scene import CASE, CONTACT, CRACK, LOAD, LOADING, NUMERICS, PATH, REGION, SHAPE, SUPPORT
+from crackgrow.case.schema import Named
+from crackgrow.case.units import Units
+from tests.unit.case.scenes import EVERYTHING, text_of
+from tests.yaml12 import read_yaml12
+
+CASES = Path(__file__).parents[3] / "cases"
+SCHEMA = json.loads(case_schema())
+
+
+def schema_accepts(spec: Spec, text: str) -> bool:
+    return bool(Draft7Validator(schema_of(spec)).is_valid(read_yaml12(text)))
+
+
+def reader_accepts(spec: Spec, text: str) -> bool:
+    report = Report("scene.yaml")
+    node = parse(text, report, Place("scene.yaml", 1))
+    if node is None:  # no value at all
+        return False
+    spec.read(node, (), Context(report, Units("mm", "MPa")))
+    return not report.faults
+
+
+def test_it_is_a_schema():
+    Draft7Validator.check_schema(SCHEMA)
+
+
+def test_the_one_beside_the_cases_is_up_to_date():
+    """If not: crackgrow schema --out cases/case.schema.json."""
+    assert (CASES / "case.schema.json").read_text(encoding="utf-8") == case_schema()
+
+
+@pytest.mark.parametrize("file", sorted(CASES.glob("*.yaml")), ids=lambda file: file.stem)
+def test_shipped_cases_are_accepted_and_name_it(file: Path):
+    text = file.read_text(encoding="utf-8")
+    assert [error.message for error in Draft7Validator(SCHEMA).iter_errors(read_yaml12(text))] == []
+    assert "# yaml-language-server: $schema=case.schema.json\n" in text
+
+
+def test_everything_is_accepted():
+    assert Draft7Validator(SCHEMA).is_valid(read_yaml12(text_of(EVERYTHING)))
+
+
+@pytest.mark.parametrize(
+    ("spec", "good", "bad"),
+    [
+        (Quantity("length", Bounds(above=0)), ["31", "31 mm", "'31mm'", "1e-3", ".5 m", "5.", "+2 cm"],
+         ["0", "-1", "-1 mm", "0 mm", "31 kg", "'31'", "none", "[1]", "1 mm mm", ".inf", "1e99", "~", "true"]),
+        (Quantity("stress", Bounds(at_least=0)), ["0", "0 MPa", "-0 Pa", "10 GPa"], ["-1 Pa", "1 mm", "x"]),
+        (Quantity("acceleration"), ["-9.81", "-9.81 m/s^2"], ["9.81 m/s", "g"]),
+        (Number(Bounds(above=-1, at_most=0.5)), ["0.25", "0.5"], ["-1", "0.6", "'0.25'", "0.25 mm"]),
+        (LOADING, ["critical", "{history: [1, -0.5]}", "{}"], ["crit", "{history: 1}", "{histry: [1]}", "[1]"]),
+        (NUMERICS, ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}"],
+         ["{}", "{support: 2}", "{accuracy: finest}", "{spacing: automatic}", "{spacing: 1, quadrature: 2.5}",
+          "{spacing: 1, contact: {stiffness: soft}}", "{spacing: 1, support: 5}"]),
+        (CONTACT, ["{friction: 0.3, cohesion: 0}"], ["{friction: 0.3}", "{friction: -1, cohesion: 0}", "none"]),
+        (CRACK, ["{path: {points: [[0, 0], [1, 2]]}, contact: none}"],
+         ["{path: {points: [[0, 0, 1]]}, contact: none}", "{path: {points: [[0, 0]]}, contact: no}",
+          "{path: {center: [0, 0], points: []}, contact: none}", "{path: {}, contact: none}"]),
+        (PATH, ["{center: [0, 0], length: 3, angle: 30 deg}"], ["{center: [0, 0], length: 3}"]),
+        (SHAPE, ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
+         ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dxf}", "{circle: 1}"]),
+        (REGION, ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
+        (SUPPORT, ["{at: [0, 0], displacement: {x: 0}}", '{at: [0, 0], displacement: {y: "0.09*x - max(y, 1)"}}',
+                   "{on: {body: a, edge: b}, contact: {friction: 1, cohesion: 0}}"],
+         ["{at: [0, 0], displacement: {}}", "{at: [0, 0]}", '{at: [0, 0], displacement: {y: "0.09*z"}}',
+          '{at: [0, 0], displacement: {y: "5"}}']),
+        (LOAD, ["{body: a, gravity: [0, -9.81 m/s^2], held: true}", "{crack: a, pressure: 1}"],
+         ["{body: a, gravity: [0]}", "{body: a, gravity: [0, 1], stress: [0, 0, 0]}",
+          "{crack: a, pressure: 1, held: 1}"]),
+        (Named("crack", Number()), ["{flaw_1-b: 1}", "{späne: 1}", "{7: 1}"],
+         ["{a b: 1}", "{a/b: 1}", "{-a: 1}", "{..: 1}"]),
+    ],
+)  # fmt: skip
+def test_schema_and_reader_agree(spec: Spec, good: list[str], bad: list[str]):
+    for judge in (reader_accepts, schema_accepts):
+        assert [text for text in good if not judge(spec, text)] == []
+        assert [text for text in bad if judge(spec, text)] == []
+
+
+def properties(schema: Any) -> Iterator[tuple[str, dict[str, Any]]]:
+    if isinstance(schema, dict):
+        for key, value in schema.items():
+            if key == "properties":
+                yield from value.items()
+            yield from properties(value)
+    elif isinstance(schema, list):
+        for value in schema:
+            yield from properties(value)
+
+
+def test_every_key_is_described_and_every_quantity_tells_its_units():
+    found = list(properties(SCHEMA))
+    assert len(found) > 60
+    assert [name for name, its in found if not its.get("description")] == []
+    young = next(its for name, its in found if name == "young")
+    assert "Pa | kPa | MPa | GPa; a bare number is in units.stress" in young["description"]
+    support = next(its for name, its in found if name == "support")
+    assert support["default"] == 2.0
+    criterion = next(its for name, its in found if name == "criterion")
+    assert len(criterion["enum"]) == len(criterion["enumDescriptions"]) == 3
+
+
+def test_a_key_of_the_reader_is_a_key_of_the_schema():
+    assert list(SCHEMA["properties"]) == list(CASE.fields)

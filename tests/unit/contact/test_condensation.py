@@ -1,0 +1,155 @@
+"""The rock condensed onto contact points by elimination alone: the same as by displacements per unit traction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from crackgrow.contact import system as module
+from crackgrow.contact.condensation import ByElimination, BySolutions, Rock
+from crackgrow.contact.coulomb import SLIP
+from crackgrow.contact.law import ContactLaw
+from crackgrow.contact.solve import ContactOutcome, solve_contact
+from crackgrow.contact.system import ContactSystem
+from crackgrow.errors import SolveError
+from crackgrow.solid.dissection import places_of_unknowns
+from crackgrow.solid.linear_solver import ConstrainedSystem
+from tests.unit.contact.test_contact_solve import Block, compression, tilting, uniform
+
+
+def by_fronts(block: Block) -> Block:
+    """The block with a factorization that elimination goes by."""
+    places = places_of_unknowns(block.sample.cover)
+    return replace(block, system=ConstrainedSystem(block.system.stiffness, block.system.constraints, places))
+
+
+def contact_of(block: Block, **law: float) -> ContactSystem:
+    n = block.faces.n
+    values = {"friction": 0.0, "cohesion": 0.0, "compliance": 0.0, **law}
+    laws = ContactLaw(**{name: np.full(n, value) for name, value in values.items()})
+    return ContactSystem(block.system, *block.operators(), block.faces.weights, laws, "newton")
+
+
+def solve(block: Block, monkeypatch: pytest.MonkeyPatch, by: type, **law: float) -> ContactOutcome:
+    """The block's contact, condensed by one way or the other."""
+    monkeypatch.setattr(module, "FEW_NUMBERS", 0 if by is ByElimination else np.inf)
+    contact, points = contact_of(block, **law), np.arange(1)
+    assert type(contact.onto(points, points)) is by
+    return solve_contact(contact, block.loads, block.given)
+
+
+def assert_alike(one: ContactOutcome, other: ContactOutcome, tolerance: float = 1e-10) -> None:
+    np.testing.assert_array_equal(one.state, other.state)
+    size = np.abs(other.u).max()
+    for name in ("u", "gap", "slip", "dilation"):
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=tolerance * size, err_msg=name)
+    names = ("normal_traction", "tangential_traction")
+    largest = max(np.abs(getattr(other, name)).max() for name in names)
+    for name in names:
+        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=tolerance * largest, err_msg=name)
+    np.testing.assert_allclose(one.multipliers, other.multipliers, atol=tolerance * np.abs(other.multipliers).max())
+
+
+LAWS = {
+    "smooth": {},
+    "rough": {"friction": 0.4},
+    "elastic": {"friction": 0.2, "compliance": 1e-3},
+    "cohesive": {"friction": 0.2, "cohesion": 0.4},
+    "dilating": {"friction": 0.2, "dilation": 0.1},
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("loading", ["sliding", "tilting"])
+def test_both_ways_lead_to_the_same_state(build, monkeypatch: pytest.MonkeyPatch, loading: str, law: str) -> None:
+    block = by_fronts(tilting(build) if loading == "tilting" else uniform(build, compression(2.0), 25.0))
+    one, other = (solve(block, monkeypatch, by, **LAWS[law]) for by in (ByElimination, BySolutions))
+    assert len(one.rows)
+    assert_alike(one, other)
+    size = np.abs(one.u).max()
+    gap_of, slip_of = block.operators()
+    np.testing.assert_allclose(gap_of @ one.u, one.gap, atol=1e-12 * size)
+    np.testing.assert_allclose(slip_of @ one.u, one.slip, atol=1e-12 * size)
+    assert one.penetration < 1e-14 * size
+
+
+def test_unloaded_faces_keep_what_slip_has_locked_in(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is loaded, so that the jumps without tractions are zero; cohesion holds a part of the slip."""
+    block = by_fronts(uniform(build, np.array([[0.0, 0.5], [0.5, -2.0]]), 0.0, slip=0.004))
+    found = []
+    for few in (0, np.inf):
+        monkeypatch.setattr(module, "FEW_NUMBERS", few)
+        contact = contact_of(block, cohesion=0.4, kept=True)
+        slipped = solve_contact(contact, block.loads, block.given)
+        assert (slipped.state == SLIP).all()
+        found.append(solve_contact(contact, 0.0 * block.loads, 0.0 * block.given, slipped.memory))
+    assert np.abs(found[0].slip).max() > 1e-4
+    assert_alike(*found)
+
+
+def test_condensations_are_the_same_operator(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compliance, jumps at all points, displacements and multipliers under tractions at some points."""
+    block = by_fronts(uniform(build, compression(2.0), 25.0))
+    rng, n = np.random.default_rng(50), block.faces.n
+    rows, sliding = np.array([1, 4, 5]), np.array([0, 5])
+    u, multipliers = block.system.solve(block.loads, block.given)
+    gap_of, slip_of = block.operators()
+    free, t = Rock(u, multipliers, gap_of @ u, slip_of @ u), rng.normal(size=5)
+    found = []
+    for few in (0, np.inf):
+        monkeypatch.setattr(module, "FEW_NUMBERS", few)
+        onto = contact_of(block).onto(rows, sliding)
+        found.append((onto.compliance, *onto.jumps(free, t), *onto.displacements(free, block.loads, block.given, t)))
+    assert found[0][1].shape == (n,)
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-11 * np.abs(other).max())
+
+
+def test_all_points_cost_two_solves(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One without the tractions and one with them."""
+    solved: list[int] = []
+    exact = ConstrainedSystem.solve
+
+    def counted(self, loads, given=None):
+        solved.append(loads.size // len(loads))
+        return exact(self, loads, given)
+
+    monkeypatch.setattr(ConstrainedSystem, "solve", counted)
+    outcome = solve(by_fronts(uniform(build, compression(2.0), 25.0)), monkeypatch, ByElimination, friction=0.2)
+    assert len(outcome.rows) > 5
+    assert solved == [1, 1]
+
+
+def test_a_compliance_that_is_a_little_off_changes_no_result(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    block = by_fronts(tilting(build))
+    plain = solve(block, monkeypatch, ByElimination, friction=0.4)
+    exact = ConstrainedSystem.compliance
+
+    def rough(self, rows):
+        found = exact(self, rows)
+        off = 1e-5 * np.random.default_rng(51).uniform(-1.0, 1.0, found.shape)
+        return found * (1.0 + off + off.T)
+
+    monkeypatch.setattr(ConstrainedSystem, "compliance", rough)
+    assert_alike(solve(block, monkeypatch, ByElimination, friction=0.4), plain)
+
+
+def test_a_compliance_spoilt_by_round_off_is_refused(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    block = by_fronts(uniform(build, compression(2.0), 25.0))
+    exact = ConstrainedSystem.compliance
+    monkeypatch.setattr(ConstrainedSystem, "compliance", lambda self, rows: 1.1 * exact(self, rows))
+    with pytest.raises(SolveError, match=r"ill conditioned.*wrong by 0\.0.*numerics\.spacing"):
+        solve(block, monkeypatch, ByElimination, friction=0.2)
+
+
+def test_pieces_on_springs_and_systems_without_fronts_are_left_to_solutions(
+    build, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "FEW_NUMBERS", 0)
+    block, points = uniform(build, compression(2.0), 25.0), np.arange(3)
+    assert type(contact_of(block).onto(points, points)) is BySolutions  # by SuperLU
+    contact = contact_of(by_fronts(block))
+    assert type(contact.onto(points, points)) is ByElimination
+    assert type(replace(contact, loose=True).onto(points, points)) is BySolutions

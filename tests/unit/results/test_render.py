@@ -1,0 +1,173 @@
+"""Pictures of frames: one scale for all, displaced and open cracks, sizes, animations, and what is refused."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyvista
+from PIL import Image
+
+from crackgrow.results import animation, render, view
+from crackgrow.results.atomic import OutputError
+from crackgrow.results.folder import FolderError
+from crackgrow.results.frame_files import frame_files, read_frame
+from tests.report_runs import make_run
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of four steps with frames."""
+    return make_run(tmp_path_factory.mktemp("run"), ["output.frames=every_step"])
+
+
+def pixels(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB"), dtype=np.int64)
+
+
+def test_every_frame_is_drawn_in_the_size_asked_for(folder: Path, tmp_path: Path) -> None:
+    drawn = list(render.render(folder, size=(300, 420), out=tmp_path))
+    assert drawn == [tmp_path / "sigma_1" / f"step_{step:04d}.png" for step in range(4)]
+    assert {pixels(path).shape for path in drawn} == {(420, 300, 3)}
+    assert all(len(np.unique(pixels(path).reshape(-1, 3), axis=0)) > 30 for path in drawn)
+
+
+def test_colour_scale_and_place_are_the_same_in_all_pictures(folder: Path, tmp_path: Path) -> None:
+    first, *_, last = (pixels(path) for path in render.render(folder, size=(600, 840), out=tmp_path))
+    bar = slice(470, 600)  # right of the specimen: its colour bar, and what that says
+    np.testing.assert_array_equal(first[60:, bar], last[60:, bar])
+    assert (first[60:, :470] != last[60:, :470]).any()
+
+
+def test_open_cracks_show_what_is_behind(folder: Path, tmp_path: Path) -> None:
+    behind = round(255 * float(render.BEHIND))
+
+    def share_open(warp: float) -> float:
+        *_, path = render.render(folder, warp=warp, size=(400, 560), out=tmp_path)
+        shown = pixels(path)[140:420, 110:230]  # the middle of the rock
+        return float((shown == behind).all(axis=2).mean())
+
+    assert share_open(0.0) == 0.0
+    assert 0.0 < share_open(10.0) < share_open(30.0)
+
+
+@pytest.mark.parametrize("field", ["displacement", "sigma_3", "stress_xy", "body", "energy_error"])
+def test_other_fields_are_drawn(folder: Path, tmp_path: Path, field: str) -> None:
+    (path,) = render.render(folder, field, steps=[2], size=(300, 420), out=tmp_path)
+    assert path == tmp_path / field / "step_0002.png"
+    assert path.stat().st_size > 5000
+
+
+def test_a_frame_reads_back_with_its_values(folder: Path) -> None:
+    files = frame_files(folder)
+    frames = {field: read_frame(3, files[3], field) for field in ("displacement", "sigma_1", "sigma_3", "stress_xy")}
+    size = frames["displacement"]
+    assert size.by_point
+    np.testing.assert_allclose(size.values, np.hypot(*size.displacement.T), rtol=1e-6)
+    assert not frames["sigma_1"].by_point
+    radius = (frames["sigma_1"].values - frames["sigma_3"].values) / 2
+    assert (np.abs(frames["stress_xy"].values) <= radius * (1 + 1e-9)).all()
+
+
+def test_earlier_pictures_of_the_field_go_and_others_stay(folder: Path, tmp_path: Path) -> None:
+    list(render.render(folder, steps=[0, 3], size=(200, 280), out=tmp_path))
+    list(render.render(folder, "sigma_3", steps=[0], size=(200, 280), out=tmp_path))
+    (tmp_path / "sigma_1" / "own.png").write_text("mine")
+    list(render.render(folder, steps=[1], size=(200, 280), out=tmp_path))
+    left = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.png"))
+    assert left == ["sigma_1/own.png", "sigma_1/step_0001.png", "sigma_3/step_0000.png"]
+
+
+def test_what_is_not_there_is_refused(folder: Path, tmp_path: Path) -> None:
+    with pytest.raises(FolderError, match=r"has no frame of step 7, 9; it has those of 0 to 3$"):
+        list(render.render(folder, steps=[0, 7, 9], out=tmp_path))
+    with pytest.raises(FolderError, match=r"no field 'sigma_2'; it has displacement, stress_xx, .*sigma_3"):
+        list(render.render(folder, "sigma_2", out=tmp_path))
+    with pytest.raises(FolderError, match="not a folder of results"):
+        list(render.render(tmp_path))
+    without = make_run(tmp_path / "without", ["growth.steps=0"])
+    with pytest.raises(FolderError, match=r"no frames to draw: run the case with output\.frames=every_step"):
+        list(render.render(without))
+
+
+def test_gif_shows_the_pictures_in_order(tmp_path: Path) -> None:
+    shades = (10, 120, 240)
+    for step, shade in enumerate(shades):
+        Image.new("RGB", (30, 20), (shade,) * 3).save(tmp_path / f"{step}.png")
+    striped = np.repeat(np.array(shades, dtype=np.uint8), 10)[None, :, None].repeat(20, axis=0).repeat(3, axis=2)
+    Image.fromarray(striped).save(tmp_path / "3.png")  # the last picture, whose colours are those of all
+    animation.write_gif(tmp_path / "a.gif", [tmp_path / f"{k}.png" for k in range(4)])
+    with Image.open(tmp_path / "a.gif") as film:
+        assert film.n_frames == 4  # type: ignore[attr-defined]
+        assert film.info["loop"] == 0
+        for number, shade in enumerate(shades):
+            film.seek(number)
+            assert set(np.unique(np.asarray(film.convert("L")))) == {shade}
+
+
+def test_mp4_is_made_by_ffmpeg_and_refused_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    Image.new("RGB", (31, 21)).save(tmp_path / "0.png")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(OutputError, match="an MP4 needs ffmpeg, which is not found"):
+        animation.write_mp4(tmp_path / "a.mp4", [tmp_path / "0.png"])
+    program = tmp_path / "ffmpeg"  # a stand-in: writes what it is given to its last argument, or fails
+    program.write_text(
+        f"#!{sys.executable}\nimport sys\nframes = sys.stdin.buffer.read()\n"
+        "open(sys.argv[-1], 'wb').write(frames)\nsys.exit('bad frame' if len(frames) > 1000 else 0)\n"
+    )
+    program.chmod(0o755)
+    animation.write_mp4(tmp_path / "a.mp4", [tmp_path / "0.png"] * 2)
+    assert (tmp_path / "a.mp4").read_bytes() == 2 * (tmp_path / "0.png").read_bytes()
+    with pytest.raises(OutputError, match=r"cannot write .*b\.mp4: ffmpeg: bad frame"):
+        animation.write_mp4(tmp_path / "b.mp4", [tmp_path / "0.png"] * 50)
+    assert not (tmp_path / "b.mp4").exists()
+
+
+def test_view_without_a_display_says_what_to_do(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(view.sys, "platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(
+        view.NoDisplayError, match=f"no display to open a window on: `crackgrow render {folder}`"
+    ) as told:
+        view.view(folder)
+    assert told.value.exit_code == 3
+
+
+def test_window_shows_the_displaced_specimen_of_the_step_on_its_slider(folder: Path) -> None:
+    plotter = pyvista.Plotter(off_screen=True)
+    view.fill(plotter, folder, "sigma_1", 100.0)
+    files = frame_files(folder)
+
+    def height() -> float:
+        low, high = plotter.actors["specimen"].bounds[2:4]
+        return float(high - low)
+
+    def drawn(step: int) -> float:
+        frame = read_frame(step, files[step], "sigma_1")
+        return float(np.ptp(frame.points[:, 1] + 100.0 * frame.displacement[:, 1]))
+
+    assert height() == pytest.approx(drawn(3))
+    (slider,) = plotter.widgets.slider_widgets
+    slider.GetRepresentation().SetValue(1.0)
+    slider.InvokeEvent("EndInteractionEvent")
+    assert height() == pytest.approx(drawn(1))
+    assert drawn(1) != pytest.approx(drawn(3))
+    plotter.close()
+
+
+def test_render_needs_no_display(folder: Path, tmp_path: Path) -> None:
+    environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    root = Path(__file__).resolve().parents[3]
+    command = [sys.executable, "-m", "crackgrow", "render", str(folder), "--steps", "1-2", "--size", "200x280"]
+    done = subprocess.run(
+        [*command, "--out", str(tmp_path)], capture_output=True, text=True, check=False, cwd=root,
+        env=environment | {"PYTHONPATH": str(root)},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    assert [Path(line).name for line in done.stdout.splitlines()] == ["step_0001.png", "step_0002.png", "animation.gif"]

@@ -1,0 +1,332 @@
+"""The report: made from the files alone, well formed, self-contained, with the numbers of the tables."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from crackgrow.case import load_case
+from crackgrow.contact.coulomb import SOLVED_RESIDUAL
+from crackgrow.results.folder import FolderError
+from crackgrow.results.report import checks, pictures, write_report
+from crackgrow.results.writer import RunWriter
+from crackgrow.run.cautions import LARGE_OVERLAP, LARGE_RESIDUAL
+from crackgrow.run.increments import BALANCED
+from tests.report_runs import CASES, HOSTILE, make_run, paint
+
+VOID = ("meta", "input", "img")
+ROUNDING = 1e-5  # six digits are shown
+PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "µ": 1e-6, "n": 1e-9, "": 1.0}
+
+
+class Page(HTMLParser):
+    """A page taken apart; every element that is opened has to be closed, in order."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.content: dict[str, str] = {}
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        inner = self.open[-1] if self.open else ""
+        self.content[inner] = self.content.get(inner, "") + data
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What the scripts of the page draw."""
+        text = self.content["script"]
+        decoded: dict[str, Any] = json.JSONDecoder().raw_decode(text)[0]
+        return decoded
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make_run(tmp_path_factory.mktemp("run"), [f"title='{HOSTILE}'"])
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path) -> Page:
+    return read(folder)
+
+
+def read(folder: Path) -> Page:
+    return Page((folder / "report.html").read_text(encoding="utf-8"))
+
+
+def rows(folder: Path, name: str) -> list[dict[str, str]]:
+    with (folder / name).open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def in_si(shown: float | None, label: str) -> float:
+    """A number of the page as it is in the tables, by the unit in its label."""
+    match = re.search(r"\[([GMkmµn]?)(?:Pa|m|J/m)(?:√m)?\]", label)
+    assert match, label
+    return math.nan if shown is None else shown * PREFIXES[match[1]]
+
+
+def test_page_is_well_formed_and_needs_no_network(page: Page) -> None:
+    assert page.elements[0] == ("html", {"lang": "en"})
+    for _, attributes in page.elements:
+        for name in ("src", "href", "xlink:href", "srcset", "action"):
+            assert (attributes.get(name) or "").split(":")[0] in ("", "data")
+    assert "url(" not in page.content["style"]
+    assert "@import" not in page.content["style"]
+    urls = re.findall(r"https?://[^\"'\s]*", page.content["style"] + page.content["script"])
+    assert set(urls) <= {"http://www.w3.org/2000/svg"}  # a name, not a place
+    policy = next(attributes["content"] for tag, attributes in page.elements if "http-equiv" in attributes)
+    assert policy is not None
+    assert policy.startswith("default-src 'none'")
+
+
+def test_everything_from_the_case_is_escaped(page: Page, folder: Path) -> None:
+    assert page.content["h1"] == HOSTILE
+    assert [tag for tag, _ in page.elements].count("script") == 2
+    assert page.content["pre"] == (folder / "case.yaml").read_text()
+
+
+def test_tips_are_those_of_the_table(page: Page, folder: Path) -> None:
+    tips, table = page.data["tips"], rows(folder, "tips.csv")
+    shown = [row for step in sorted(tips["steps"], key=int) for row in tips["steps"][step]]
+    assert [row[:2] for row in shown] == [[row["crack"], row["tip"]] for row in table]
+    for column, name in enumerate(("K_I", "K_II", "sigma_1", "sigma_3"), start=2):
+        values = [in_si(row[column], tips["header"][column]) for row in shown]
+        np.testing.assert_allclose(values, [float(row[name]) for row in table], rtol=ROUNDING)
+    assert [row[6] for row in shown] == [row["criterion"] for row in table]
+    np.testing.assert_allclose([row[7] for row in shown], [float(row["kink_deg"]) for row in table], rtol=ROUNDING)
+
+
+def test_contact_points_are_those_of_the_table(page: Page, folder: Path) -> None:
+    contact, table = page.data["contact"], rows(folder, "contact.csv")
+    assert not contact["left_out"]
+    steps = contact["surfaces"]["flaw"]
+    for name, unit in contact["units"].items():
+        values = [in_si(value, f"[{unit}]") for step in sorted(steps, key=int) for value in steps[step][name]]
+        np.testing.assert_allclose(values, [float(row[name]) for row in table], rtol=ROUNDING)
+    states = [state for step in sorted(steps, key=int) for state in steps[step]["state"]]
+    assert states == [row["state"] for row in table]
+
+
+def test_curves_are_those_of_the_table_of_steps(page: Page, folder: Path) -> None:
+    table, charts = rows(folder, "steps.csv"), {chart["title"]: chart for chart in page.data["charts"]}
+    for title, names in {
+        "Crack length": ["crack_length"],
+        "Displacement of the loads": ["load_displacement"],
+        "Energies": ["work", "strain_energy", "dissipation", "released_energy"],
+    }.items():
+        chart = charts[title]
+        for line, name in zip(chart["series"], names, strict=True):
+            assert line["x"] == [int(row["step"]) for row in table]
+            values = [in_si(value, chart["ylabel"]) for value in line["y"]]
+            np.testing.assert_allclose(values, [float(row[name]) for row in table], rtol=ROUNDING, atol=1e-300)
+    assert "Load curve" not in charts  # the load is the same at every step
+
+
+def test_a_load_that_varies_gets_its_curve(tmp_path: Path) -> None:
+    charts = {chart["title"]: chart for chart in read(make_run(tmp_path, ["loading=critical"])).data["charts"]}
+    curve = charts["Load curve"]["series"][0]
+    table = rows(tmp_path, "steps.csv")
+    np.testing.assert_allclose(curve["y"], [float(row["load_factor"]) for row in table], rtol=ROUNDING)
+    shown = [in_si(value, charts["Load curve"]["xlabel"]) for value in curve["x"]]
+    np.testing.assert_allclose(shown, [float(row["load_displacement"]) for row in table], rtol=ROUNDING)
+
+
+def test_segments_of_the_path_have_their_steps_and_places(page: Page, folder: Path) -> None:
+    drawn = [attributes for _, attributes in page.elements if "data-step" in attributes]
+    vertices = rows(folder, "paths.csv")
+    assert len(drawn) == len(vertices) - 1
+    assert sorted(int(segment["data-step"] or "") for segment in drawn) == [0, 1, 2, 3]
+    lengths = {int(item["data-step"] or ""): np.ptp(ends(item["d"] or ""), axis=0) for item in drawn}
+    scale = np.hypot(*lengths[0]) / 0.010  # px/m: the given crack is 10 mm long
+    for step in (1, 2, 3):
+        assert np.hypot(*lengths[step]) == pytest.approx(0.002 * scale, abs=0.03)
+
+
+def ends(path: str) -> np.ndarray[Any, Any]:
+    return np.array([pair.split(",") for pair in re.split("[ML]", path)[1:]], dtype=float)
+
+
+@pytest.mark.parametrize(("how", "status"), [("fail", "failed"), ("interrupt", "interrupted")])
+def test_a_run_that_solved_nothing_shows_the_scene_and_why(tmp_path: Path, how: str, status: str) -> None:
+    writer = RunWriter(load_case(CASES / "compression30.yaml"), tmp_path)
+    writer.begin()
+    getattr(writer, how)("no solution <here>")
+    page = read(tmp_path)
+    assert page.content["strong"] == status
+    assert "no solution <here>" in page.content["p"]
+    assert page.data["places"] == [0]
+    assert [attributes["class"] for _, attributes in page.elements if "data-step" in attributes] == ["given"]
+
+
+def test_a_run_that_failed_later_shows_what_was_solved(tmp_path: Path) -> None:
+    page = read(make_run(tmp_path, failing="no solution at all"))
+    assert page.content["strong"] == "failed"
+    assert "no solution at all" in page.content["p"]
+    assert page.data["places"] == [0, 1]
+    assert len(page.data["tips"]["steps"]) == 2
+
+
+def test_report_is_made_again_from_a_copy_of_the_files(folder: Path, tmp_path: Path) -> None:
+    for file in folder.glob("*.*"):
+        if file.name != "report.html":
+            (tmp_path / file.name).write_bytes(file.read_bytes())
+    assert write_report(tmp_path).read_bytes() == (folder / "report.html").read_bytes()
+
+
+def test_no_report_where_none_is_wanted(tmp_path: Path) -> None:
+    make_run(tmp_path, ["output.report=false", "growth.steps=0"])
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_folder_without_results_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FolderError, match=r"is not a folder of results: summary\.json cannot be read"):
+        write_report(tmp_path)
+
+
+def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    make_run(tmp_path)
+    paint(tmp_path, [0, 2, 3, 9])  # 9: of no step of this run
+    write_report(tmp_path)
+    shown = read(tmp_path).data["pictures"]
+    assert [picture["step"] for picture in shown] == [0, 2, 3]
+    assert all(picture["uri"].startswith("data:image/jpeg;base64,") for picture in shown)
+    monkeypatch.setattr(pictures, "MOST_PICTURES", 2)
+    write_report(tmp_path)
+    assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [0, 3]
+    monkeypatch.setattr(pictures, "MOST_BYTES", 100)
+    write_report(tmp_path)
+    assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
+
+
+def test_limits_of_checks_are_those_of_the_solver() -> None:
+    limits = (checks.RESIDUAL_LIMIT, checks.OVERLAP_LIMIT, checks.COMPLEMENTARITY_LIMIT, checks.ENERGY_LIMIT)
+    assert limits == (LARGE_RESIDUAL, LARGE_OVERLAP, SOLVED_RESIDUAL, BALANCED)
+
+
+@pytest.mark.parametrize(
+    ("value", "verdict"), [("2e-10", "ok"), ("2e-9", "above the limit"), ("nan", "above the limit")]
+)
+def test_a_check_beyond_its_limit_is_told(folder: Path, tmp_path: Path, value: str, verdict: str) -> None:
+    copy(folder, tmp_path, "steps.csv", {2: {"residual": value}})
+    write_report(tmp_path)
+    text = (tmp_path / "report.html").read_text()
+    row = re.search(r"<tr><td[^>]*>equilibrium residual</td>(.*?)</tr>", text)
+    assert row is not None
+    assert re.sub("<.*?>", "|", row[1]).strip("|").split("||")[1] == "2"
+    assert f">{verdict}</span>" in row[1]
+
+
+def copy(folder: Path, target: Path, name: str, changes: dict[int, dict[str, str]]) -> None:
+    """Copy a run with some cells of a table changed, by number of the row."""
+    for file in folder.glob("*.*"):
+        (target / file.name).write_bytes(file.read_bytes())
+    table = rows(folder, name)
+    for number, cells in changes.items():
+        table[number] |= cells
+    with (target / name).open("w", newline="") as out:
+        writer = csv.DictWriter(out, list(table[0]))
+        writer.writeheader()
+        writer.writerows(table)
+
+
+def test_estimates_of_error_are_shown_where_the_run_makes_some(folder: Path, tmp_path: Path) -> None:
+    copy(folder, tmp_path, "steps.csv", {})
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    estimate = {"energy_norm_percent": {"first": 4.25, "last": None}, "K_spread_percent": 0.5}
+    (tmp_path / "summary.json").write_text(json.dumps(summary | {"error_estimate": estimate}))
+    write_report(tmp_path)
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", (tmp_path / "report.html").read_text())
+    at = cells.index("energy norm [%], first")
+    assert cells[at : at + 6] == [
+        "energy norm [%], first", "4.25", "energy norm [%], last", "\N{EN DASH}", "K spread [%]", "0.5",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("commit", "modified", "told"),
+    [
+        (None, None, ""),
+        ("0123456789abcdef", False, " (0123456789ab)"),
+        ("0123456789abcdef", True, " (0123456789ab, modified)"),
+    ],
+)
+def test_commit_is_told_where_there_is_one(
+    folder: Path, tmp_path: Path, commit: str | None, modified: bool | None, told: str
+) -> None:
+    """An installed program is of no commit."""
+    copy(folder, tmp_path, "steps.csv", {})
+    summary = json.loads((tmp_path / "summary.json").read_text()) | {"git_commit": commit, "git_modified": modified}
+    (tmp_path / "summary.json").write_text(json.dumps(summary))
+    write_report(tmp_path)
+    assert f"crackgrow {summary['version']}{told} " in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_report_loads_nothing_heavy(folder: Path) -> None:
+    heavy = ("pyvista", "vtkmodules", "matplotlib", "PIL", "pandas")
+    code = (
+        "import sys; from pathlib import Path; from crackgrow.results.report import write_report; "
+        f"write_report(Path({str(folder)!r})); sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)"
+    )
+    done = run_python(["-c", code])
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def run_python(arguments: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    root = Path(__file__).resolve().parents[3]
+    environment = os.environ | {"PYTHONPATH": str(root)}
+    return subprocess.run(
+        [sys.executable, *arguments], capture_output=True, text=True, cwd=root, env=environment, check=False
+    )
+
+
+def test_a_long_run_makes_no_large_page(folder: Path, tmp_path: Path) -> None:
+    copy(folder, tmp_path, "steps.csv", {})
+    n_steps = 150
+    for name, n in (("steps.csv", 1), ("tips.csv", 200), ("contact.csv", 400)):
+        like = rows(folder, name)[-1]
+        names = {"tips.csv": [f"f{k}" for k in range(n)]}.get(name, ["flaw"] * n)
+        cells = [like | {"step": str(step)} | ({"crack": crack} if "crack" in like else {})
+                 for step in range(n_steps) for crack in names]  # fmt: skip
+        lines = [",".join(row.values()) for row in cells]
+        (tmp_path / name).write_text("\n".join([",".join(like), *lines]) + "\n")
+    paint(tmp_path, [0])
+    noise = np.random.default_rng(0).integers(0, 256, (700, 700, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(tmp_path / "render" / "sigma_1" / "step_0000.png")
+    for step in range(10, n_steps):
+        (tmp_path / "render" / "sigma_1" / f"step_{step:04d}.png").symlink_to("step_0000.png")
+    path = write_report(tmp_path)
+    assert path.stat().st_size < 5_000_000
+    data = Page(path.read_text(encoding="utf-8")).data
+    for shown in (data["tips"]["steps"], data["contact"]["surfaces"]["flaw"]):
+        steps = sorted(int(step) for step in shown)
+        assert steps[-1] == n_steps - 1
+        assert len(steps) > 30
+        assert len(set(np.diff(steps))) == 1
+    steps = [picture["step"] for picture in data["pictures"]]
+    assert steps[-1] == n_steps - 1
+    assert steps[0] < 60  # thinned, not cut off

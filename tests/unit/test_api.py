@@ -1,0 +1,188 @@
+"""The Python interface: its examples run, its tables are those on disk, its fields are those that were solved."""
+
+from __future__ import annotations
+
+import doctest
+import html
+import json
+import subprocess
+import sys
+from collections.abc import Generator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from pandas.testing import assert_frame_equal
+
+import crackgrow
+from crackgrow import api
+from crackgrow.case.model import Case
+from crackgrow.errors import SolveError
+from crackgrow.run.result import RunEnd, StepResult
+from crackgrow.run.step import StepSolution
+
+ROOT = Path(__file__).resolve().parents[2]
+COARSE = ("numerics.spacing=3", "output.figures=false")
+TABLES = ("tips", "contact", "reactions", "steps", "paths", "events")
+MPA = 1e6
+
+
+def case(name: str, *overrides: str) -> Case:
+    return crackgrow.load_case(ROOT / "cases" / f"{name}.yaml", [*COARSE, *overrides])
+
+
+def read(path: Path) -> pd.DataFrame:
+    """A table; an empty text is a text."""
+    return pd.read_csv(path, keep_default_na=False, na_values=["nan"])
+
+
+def without_times(table: pd.DataFrame) -> pd.DataFrame:
+    return table.drop(columns=[name for name in table if name.startswith("seconds_")])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("run")
+
+
+@pytest.fixture(scope="module")
+def run(folder: Path) -> crackgrow.Run:
+    """Two steps of growth, written to the folder."""
+    return crackgrow.run_case(case("compression30", "growth.steps=2", "output.frames=every_step"), folder)
+
+
+def test_examples_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    found = doctest.testmod(api)
+    assert found.attempted >= 10
+    assert found.failed == 0
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_tables_are_those_on_disk(run: crackgrow.Run, folder: Path, name: str) -> None:
+    table, on_disk = without_times(getattr(run, name)), without_times(read(folder / f"{name}.csv"))
+    assert list(table) == list(on_disk)
+    if name == "events":  # none here: the columns alone are compared
+        assert len(table) == len(on_disk) == 0
+    else:
+        assert len(table) > 0
+        assert_frame_equal(table, on_disk, check_exact=True)  # to the last bit
+
+
+def test_folder_is_that_of_the_command(run: crackgrow.Run, folder: Path) -> None:
+    summary = json.loads((folder / "summary.json").read_text())
+    assert (summary["status"], summary["stop_reason"]) == (run.status, run.reason)
+    assert summary["error_estimate"]["energy_norm_percent"]["last"] == run.end.energy_error
+    assert len(list((folder / "frames").glob("*.vtu"))) == 3
+
+
+def test_events_of_a_run_are_those_of_its_steps_and_of_its_end() -> None:
+    run = crackgrow.run_case(case("tension0", "growth.steps=30", "growth.increment=4", "output.frames=none"))
+    assert run.status == "broke_through"
+    assert set(run.events["kind"]) == {"break_through"}
+    assert run.events["step"].max() == run.steps["step"].max() + len(run.end.events[:1])
+
+
+def test_solution_is_the_first_step_of_a_run(run: crackgrow.Run) -> None:
+    solution = crackgrow.solve(run.case)
+    for name in ("tips", "contact", "reactions"):
+        table = getattr(run, name)
+        assert_frame_equal(getattr(solution, name), table[table["step"] == 0], check_exact=True)
+    assert solution.paths["step"].max() == 0
+
+
+def test_step_that_is_solved_again_is_the_same(run: crackgrow.Run) -> None:
+    again = run.solution(1)
+    table = run.tips
+    assert_frame_equal(again.tips, table[table["step"] == 1].reset_index(drop=True), check_exact=True)
+    assert run.solution(2) is run.last
+    with pytest.raises(IndexError, match="steps 0 to 2"):
+        run.solution(3)
+
+
+def test_fields_at_points_are_those_of_the_frame(run: crackgrow.Run) -> None:
+    frame, solution = run.last.frame, run.last
+    corners = frame.points[frame.triangles]
+    cells = np.concatenate([corners.mean(axis=1), frame.points[frame.quads].mean(axis=1)])
+    size = np.abs(frame.stress).max()
+    np.testing.assert_allclose(solution.stress_at(cells), frame.stress, rtol=0, atol=1e-6 * size)
+    _, counts = np.unique(frame.points.round(9), axis=0, return_counts=True)
+    assert (counts > 1).any()  # nodes are double along the crack, where a point has two displacements
+    far = np.abs(frame.points).max(axis=1) > 0.0115
+    found = solution.displacement_at(frame.points[far])
+    np.testing.assert_allclose(found, frame.displacement[far], rtol=0, atol=1e-9 * np.abs(found).max())
+
+
+def test_uniform_compression_is_exact() -> None:
+    """Friction beyond tan of the flaw's slope to the load: the flaw sticks, and the plate is as one without it."""
+    solution = crackgrow.solve(case("compression30", "cracks.flaw.contact.friction=0.9"))
+    points = np.array([[[0.0, 0.02], [0.01, 0.004]], [[-0.012, -0.01], [0.0, -0.0275]]])
+    stress = solution.stress_at(points)
+    assert stress.shape == (2, 2, 3)
+    np.testing.assert_allclose(stress, np.broadcast_to([0.0, -100 * MPA, 0.0], (2, 2, 3)), atol=1e-4 * MPA)
+    E, nu, height = 1e10, 0.25, 0.0275
+    expected = -100 * MPA / E * np.stack([-nu * (1 + nu) * points[..., 0], (1 - nu**2) * (points[..., 1] + height)])
+    np.testing.assert_allclose(solution.displacement_at(points), np.moveaxis(expected, 0, -1), atol=1e-11)
+
+
+def test_there_is_nothing_outside_and_no_stress_at_a_tip() -> None:
+    solution = crackgrow.solve(case("compression30"))
+    tip = solution.tips[["x", "y"]].to_numpy()[0]
+    outside = [[0.1, 0.0], [1e300, 0.0], [np.nan, 0.0], [0.0, np.inf]]
+    assert np.isnan(solution.stress_at([*outside, tip])).all()
+    assert np.isnan(solution.displacement_at(outside)).all()
+    assert np.isfinite(solution.displacement_at(tip)).all()
+    assert np.isfinite(solution.stress_at(tip + np.array([1e-5, 0.0]))).all()
+    assert solution.stress_at(np.empty((0, 2))).shape == (0, 3)
+
+
+@pytest.mark.parametrize("points", [1.0, [1.0, 2.0, 3.0], [[1.0], [2.0]]])
+def test_points_of_another_shape_are_refused(points: object) -> None:
+    solution = crackgrow.solve(case("compression30"))
+    with pytest.raises(ValueError, match="x and y in m"):
+        solution.stress_at(points)
+
+
+def test_warnings_are_told() -> None:
+    solution = crackgrow.solve(case("compression30", "numerics.support=1.5"))
+    (warning,) = [text for text in solution.warnings if "numerics.support" in text]
+    assert warning.startswith("step 0: ")
+    assert html.escape(warning) in solution._repr_html_()
+
+
+def test_summaries_for_notebooks_escape_the_title(run: crackgrow.Run) -> None:
+    solution = crackgrow.solve(case("compression30", 'title="a < b"'))
+    assert "a &lt; b" in solution._repr_html_()
+    assert "<td>flaw</td>" in solution._repr_html_()
+    assert "completed: all 2 growth steps are done" in run._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "reason"),
+    [
+        (SolveError("too soft"), "failed", "too soft"),
+        (KeyboardInterrupt(), "interrupted", "interrupted"),
+        (ZeroDivisionError("by zero"), "failed", "internal error: ZeroDivisionError: by zero"),
+    ],
+)
+def test_what_was_solved_before_an_error_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, status: str, reason: str
+) -> None:
+    solved_steps = api.solved_steps
+
+    def breaking(case: Case) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
+        yield next(solved_steps(case))
+        raise error
+
+    monkeypatch.setattr(api, "solved_steps", breaking)
+    with pytest.raises(type(error)):
+        crackgrow.run_case(case("compression30", "output.frames=none"), tmp_path / "out")
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    assert (summary["status"], summary["stop_reason"]) == (status, reason)
+    assert len(read(tmp_path / "out/tips.csv")) == 2
+
+
+def test_importing_the_package_loads_no_numpy() -> None:
+    code = "import sys, crackgrow; dir(crackgrow); sys.exit('numpy' in sys.modules or 'pandas' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0
