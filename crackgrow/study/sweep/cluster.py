@@ -16,8 +16,7 @@ from dask.utils import parse_bytes
 from distributed import Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
 from distributed.utils import silence_logging_cmgr
 
-from crackgrow.errors import CaseError, CrackgrowError, Fault
-from crackgrow.study.one_run import reason_of
+from crackgrow.errors import CaseError, CrackgrowError, Fault, reason_of
 from crackgrow.study.sweep.job import Job, Values
 from crackgrow.study.threads import THREAD_SETTINGS
 
