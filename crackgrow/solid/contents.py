@@ -18,6 +18,7 @@ from crackgrow.solid.matrix import EqualElements, SymmetricMatrix
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Int32s = NDArray[np.int32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +42,7 @@ class Contents:
         self._fronts = fronts
         self._elements = _sorted(matrix.elements, fronts)
         self._columns = _lower_columns(matrix.rest, fronts)
-        self._numbers = np.full(len(fronts.order), -1)  # of the unknowns of a front, while it is assembled
+        self._rows, self._functions = self._numbered()
         self._constrained = bool(np.any(fronts.code == MULTIPLIER))
         self._children: list[list[int]] = [[] for _ in range(fronts.n)]
         for child, parent in enumerate(fronts.parent.tolist()):
@@ -60,24 +61,15 @@ class Contents:
 
     def assembled(self, front: int) -> tuple[Floats, Floats]:
         """Lower triangle of a front without its children: own columns (p + b, p) and the rest (b, b)."""
-        fronts, number = self._fronts, self._numbers
-        start, end = fronts.starts[front : front + 2].tolist()
-        boundary = fronts.boundary[front]
-        p, b = end - start, len(boundary)
-        number[start:end], number[boundary] = np.arange(p), np.arange(p, p + b)
+        start, end = self._fronts.starts[front : front + 2].tolist()
+        p, b = end - start, len(self._fronts.boundary[front])
         pointers = self._columns.indptr[start : end + 1]
-        entries = slice(pointers[0], pointers[-1])
-        rows = number[self._columns.indices[entries]]
-        places = [rows * p + np.repeat(np.arange(p), np.diff(pointers))]
-        terms = [self._columns.data[entries]]
-        for part in self._elements:
-            mine = slice(part.starts[front], part.starts[front + 1])
-            functions = number[part.positions[mine]]
-            places.append(_places(functions[:, part.first], functions[:, part.second], p, b).ravel())
-            terms.append(part.terms[part.kind[mine]].ravel())
-        number[start:end], number[boundary] = -1, -1
-        if np.any(rows < 0):
-            raise ValueError("unknowns are coupled whose places are further apart than couplings reach")
+        places = [self._rows[front].astype(np.int64) * p + np.repeat(np.arange(p), np.diff(pointers))]
+        terms = [self._columns.data[pointers[0] : pointers[-1]]]
+        for part, functions in zip(self._elements, self._functions[front], strict=True):
+            numbers = functions.astype(np.int64)
+            places.append(_places(numbers[:, part.first], numbers[:, part.second], p, b).ravel())
+            terms.append(part.terms[part.kind[part.starts[front] : part.starts[front + 1]]].ravel())
         sums = np.bincount(np.concatenate(places), np.concatenate(terms), (p + b) * p + b * b)
         total = np.asarray(sums, dtype=np.float64)  # where nothing is, there are integers
         return total[: (p + b) * p].reshape(p + b, p), total[(p + b) * p :].reshape(b, b)
@@ -86,33 +78,27 @@ class Contents:
         """The key of every front."""
         fronts, columns = self._fronts, self._columns
         per_column = np.diff(columns.indptr)
-        entry = self._entry_codes()
-        elements = [
-            (part, fronts.code[part.positions] - np.repeat(fronts.corner, np.diff(part.starts))[:, None])
-            for part in self._elements
-        ]
         found: list[bytes] = []
         starts, pointers = fronts.starts.tolist(), columns.indptr[fronts.starts].tolist()
         shape = np.column_stack([np.diff(fronts.starts), fronts.n_early, fronts.n_placed])
         for front, (boundary, corner) in enumerate(zip(fronts.boundary, fronts.corner, strict=True)):
             own, begin, end = slice(starts[front], starts[front + 1]), pointers[front], pointers[front + 1]
-            parts = [shape[front], self._relative(fronts.code[own], corner)]
+            parts: list[NDArray[np.generic]] = [shape[front], self._relative(fronts.code[own], corner)]
             parts.append(self._relative(fronts.code[boundary], corner))
             digest = sha256()
-            for element, codes in elements:
-                first, last = element.starts[front : front + 2].tolist()
-                if last > first:
-                    parts += [element.names[element.kind[first:last]], codes[first:last]]
+            for part, functions in zip(self._elements, self._functions[front], strict=True):
+                if len(functions):
+                    parts += [part.names[part.kind[part.starts[front] : part.starts[front + 1]]], functions]
             if end > begin:
-                parts += [per_column[own], entry[begin:end], columns.data[begin:end]]
+                parts += [per_column[own], self._rows[front], columns.data[begin:end]]
             for child in self._children[front]:
                 digest.update(found[child])
                 parts.append(fronts.corner[child] - corner)
                 if self._constrained:
                     border = fronts.boundary[child]
                     parts.append(self.local(front, border[fronts.code[border] == MULTIPLIER]))
-            for part in parts:
-                digest.update(np.int64(part.size).tobytes() + part.tobytes())
+            for array in parts:
+                digest.update(np.int64(array.size).tobytes() + array.tobytes())
             found.append(digest.digest())
         return found
 
@@ -120,20 +106,23 @@ class Contents:
         """Codes of unknowns within a box; multipliers are not told apart."""
         return np.where(codes == MULTIPLIER, codes, codes - corner) if self._constrained else codes - corner
 
-    def _entry_codes(self) -> Ints:
-        """Codes of the rows of all entries of the rest, by front."""
+    def _numbered(self) -> tuple[list[Int32s], list[list[Int32s]]]:
+        """Front by front, the numbers in it of the rows of all entries, and of the functions (e, k) of its elements."""
         fronts, columns = self._fronts, self._columns
-        front_of = np.repeat(np.arange(fronts.n), np.diff(columns.indptr[fronts.starts]))
-        row = columns.indices
-        entry = np.asarray(fronts.code[row] - fronts.corner[front_of])
-        if self._constrained:
-            column = np.repeat(np.arange(len(fronts.order)), np.diff(columns.indptr))
-            of_multiplier = np.flatnonzero((fronts.code[row] == MULTIPLIER) | (fronts.code[column] == MULTIPLIER))
-            front_of = front_of[of_multiplier]
-            for front in np.unique(front_of).tolist():
-                here = of_multiplier[front_of == front]
-                entry[here] = MULTIPLIER + self.local(front, row[here])
-        return entry
+        number = np.full(len(fronts.order), -1, dtype=np.int32)  # in one front at a time
+        rows, functions = [], []
+        starts = fronts.starts.tolist()
+        pointers = columns.indptr[fronts.starts].tolist()
+        for front, boundary in enumerate(fronts.boundary):
+            start, end = starts[front : front + 2]
+            number[start:end] = np.arange(end - start)
+            number[boundary] = np.arange(end - start, end - start + len(boundary))
+            rows.append(number[columns.indices[pointers[front] : pointers[front + 1]]])
+            functions.append([number[p.positions[p.starts[front] : p.starts[front + 1]]] for p in self._elements])
+            number[start:end], number[boundary] = -1, -1
+            if min(numbers.min(initial=0) for numbers in (rows[-1], *functions[-1])) < 0:
+                raise ValueError("unknowns are coupled whose places are further apart than couplings reach")
+        return rows, functions
 
 
 def _sorted(elements: Sequence[EqualElements], fronts: Fronts) -> list[_Elements]:

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-LEAF = 300
+LEAF = 200
 """Boxes with at most so many unknowns are not cut."""
 
 WITHIN = 1 << 12

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import block_array, block_diag, csc_array, csr_array, diags_array, eye_array
+from scipy.sparse import block_diag, csc_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
 from crackgrow.errors import SolveError
@@ -214,11 +214,9 @@ class ConstrainedSystem:
             (rest.data, rest.indices, np.append(rest.indptr, [rest.nnz] * m)),
             shape=(n + m, n + m),
         )
-        penalty = self.constraints.T @ diags_array(self._rho) @ self.constraints
-        corner = block_array(
-            [[penalty, self.constraints.T], [self.constraints, diags_array(-self._yielding)]], format="csc"
+        return SymmetricMatrix(
+            self.stiffness.elements, csc_array(held + _corner(self.constraints, self._rho, self._yielding))
         )
-        return SymmetricMatrix(self.stiffness.elements, csc_array(held + corner))
 
     def _refined(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k).
@@ -282,3 +280,25 @@ def _signs(loads: Floats) -> Floats:
     sign = np.random.default_rng(0).choice([-1.0, 1.0], loads.shape[1])
     # nothing is left to refine of what is smaller
     return np.asarray(sign / np.where(size >= np.finfo(float).tiny, size, 1.0))
+
+
+def _corner(constraints: csr_array, rho: Floats, yielding: Floats) -> csc_array:
+    """[[C' rho C, C'], [C, -d]] (n + m, n + m) of constraints C (m, n), rho (m,) and d (m,).
+
+    It is symmetric: its columns are the rows of C' [rho C, 1] and of [C, -d].
+    """
+    m, n = constraints.shape
+    ends, counts, last = constraints.indptr[1:], np.diff(constraints.indptr), n + np.arange(m)
+    starts = constraints.indptr + np.arange(m + 1)
+    indices = np.insert(constraints.indices, ends, last)
+    pushed = np.insert(np.repeat(rho, counts) * constraints.data, ends, 1.0)
+    of_unknowns = csr_array(constraints.T) @ csr_array((pushed, indices, starts), shape=(m, n + m))
+    of_multipliers = np.insert(constraints.data, ends, -yielding)
+    return csc_array(
+        (
+            np.concatenate([of_unknowns.data, of_multipliers]),
+            np.concatenate([of_unknowns.indices, indices]),
+            np.concatenate([of_unknowns.indptr, of_unknowns.nnz + starts[1:]]),
+        ),
+        shape=(n + m, n + m),
+    )
