@@ -28,6 +28,7 @@ CONNECT: Final = "15s"
 SETTINGS: Final = {
     "distributed.scheduler.allowed-failures": LOST_WORKERS,
     "distributed.admin.tick.limit": "1h",  # nobody wants to know of a busy machine
+    "distributed.worker.profile.enabled": False,  # it would look at every worker a hundred times a second
 }
 
 
