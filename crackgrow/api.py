@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
-from crackgrow.errors import CrackgrowError
+from crackgrow.errors import reason_of
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results import data_frames
 from crackgrow.results.atomic import OutputError
@@ -268,10 +268,8 @@ def _break_off(writer: RunWriter, error: BaseException) -> None:
     """End the files of a run that an error ends."""
     if isinstance(error, KeyboardInterrupt):
         writer.interrupt("interrupted")
-    elif isinstance(error, CrackgrowError):
-        writer.fail(str(error))
     else:
-        writer.fail(f"internal error: {type(error).__name__}: {error}")
+        writer.fail(reason_of(error))
 
 
 def _places(points: ArrayLike) -> tuple[Floats, tuple[int, ...]]:

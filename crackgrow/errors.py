@@ -53,3 +53,12 @@ class FreePieceError(SolveError):
     def __init__(self, what: str, remedy: str) -> None:
         self.what, self.remedy = what, remedy
         super().__init__(f"{what}; {remedy}")
+
+
+def reason_of(error: BaseException) -> str:
+    """Why a run broke off, in a line: what the program raises on purpose speaks for itself."""
+    if isinstance(error, CrackgrowError):
+        return " ".join(str(error).split())
+    if isinstance(error, MemoryError):
+        return " ".join(f"out of memory: {error}".split())
+    return " ".join(f"internal error: {type(error).__name__}: {error}".split())

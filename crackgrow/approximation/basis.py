@@ -17,7 +17,7 @@ from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.approximation.tip_functions import tip_functions, tip_values
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import entries, list_starts
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, tip_angle
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -177,7 +177,10 @@ def _polar(cover: Cover, points: Floats, elements: Ints, on: _OnPoints) -> Itera
     order = np.argsort(tips, kind="stable")
     for rows in np.split(order, np.flatnonzero(np.diff(tips[order])) + 1):
         tip, at = cover.tips[tips[rows[0]]], on.point[rows]
-        yield tip, rows, *tip_angle(tip, points[at], cover.elements.reference[elements[at]])
+        element = elements[at]
+        first = np.append(True, element[1:] != element[:-1])  # points of an element mostly follow each other
+        side = side_angle(tip, cover.elements.reference[element[first]])
+        yield tip, rows, *polar_beside(tip, points[at], side[np.cumsum(first) - 1])
 
 
 def value_matrix(basis: Basis | Values, n_functions: int) -> csr_array:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
-from crackgrow.errors import CrackgrowError
+from crackgrow.errors import CrackgrowError, reason_of
 from crackgrow.results.atomic import OutputError
 from crackgrow.results.progress import Progress
 
@@ -51,11 +51,8 @@ def run(arguments: argparse.Namespace) -> int:
         _break_off(writer.interrupt, "interrupted")
         complain(f"crackgrow: interrupted; go on with: {_resuming(arguments, folder)}")
         return EXIT_INTERRUPTED
-    except CrackgrowError as error:
-        _break_off(writer.fail, str(error))
-        raise
     except Exception as error:
-        _break_off(writer.fail, f"internal error: {type(error).__name__}: {error}")
+        _break_off(writer.fail, reason_of(error))
         raise
     finally:
         progress.close()

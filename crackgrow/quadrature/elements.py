@@ -8,6 +8,7 @@ triangles have their apex at it, and those near it are halved until they are sma
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -47,6 +48,7 @@ class ElementPoints:
     element: Ints  # (n,)
 
 
+@lru_cache(maxsize=1)
 def plain_elements(cover: Cover) -> Bools:
     """Which elements are rectangles with four edges, none on a surface, and without tip functions: (elements,)."""
     elements = cover.elements
@@ -56,7 +58,9 @@ def plain_elements(cover: Cover) -> Bools:
     plain[elements.ring_element[slanted]] = False
     beside = np.concatenate([elements.edges.left[cover.touching], elements.edges.right[cover.touching]])
     plain[beside[beside >= 0]] = False
-    return np.asarray(plain & ~cover.enrichment.tips.any & (cover.crumbs.of_element < 0))
+    plain &= ~cover.enrichment.tips.any & (cover.crumbs.of_element < 0)
+    plain.flags.writeable = False
+    return np.asarray(plain)
 
 
 def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:

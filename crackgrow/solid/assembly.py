@@ -15,7 +15,6 @@ from scipy.sparse import csc_array, csr_array
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,15 +26,15 @@ class HalfMatrix:
     entries: Floats  # (2, p, 2) component of the first function, pair, component of the second function
 
 
-def half(matrix: Floats, coupled: Bools) -> HalfMatrix:
-    """Half of a symmetric `matrix` (2, 2, k, k) [component, component, function, function], where it is `coupled`.
+def half(n: int, pairs: Ints, matrix: Floats) -> HalfMatrix:
+    """Half of a symmetric matrix of n functions that is zero but for some pairs of them.
 
-    coupled: (k, k), symmetric, which functions have any entries together
+    pairs: (p,) n times the first function plus the second, which is not the smaller one; ascending
+    matrix: (2, 2, p) [component of the first, component of the second, pair]
     """
-    first, second = np.nonzero(np.triu(coupled))
-    entries = matrix[:, :, first, second].transpose(0, 2, 1).copy()
-    entries[:, first == second] *= 0.5
-    return HalfMatrix(np.bincount(first, minlength=len(coupled)), second.astype(np.int32), entries)
+    first, second = np.divmod(pairs, n)
+    entries = matrix.transpose(0, 2, 1) * np.where(first == second, 0.5, 1.0)[:, None]
+    return HalfMatrix(np.bincount(first, minlength=n), second.astype(np.int32), np.ascontiguousarray(entries))
 
 
 def sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> csc_array:

@@ -21,7 +21,7 @@ from scipy.sparse.linalg import splu
 from crackgrow.errors import SolveError
 from crackgrow.solid.dissection import Places
 from crackgrow.solid.fronts import Fronts, fronts_of
-from crackgrow.solid.matrix import SymmetricMatrix, symmetric
+from crackgrow.solid.matrix import SymmetricMatrix, bordered, symmetric
 from crackgrow.solid.multifrontal import Factor, Multifrontal, NotQuasiDefiniteError
 
 Floats = NDArray[np.float64]
@@ -206,17 +206,9 @@ class ConstrainedSystem:
 
     def _held(self) -> SymmetricMatrix:
         """The quasi-definite matrix (n + m, n + m), with constraints that yield."""
-        n, m = self.constraints.shape[1], self.constraints.shape[0]
-        if m == 0:
+        if self.constraints.shape[0] == 0:
             return self.stiffness
-        rest = self.stiffness.rest
-        held = csc_array(
-            (rest.data, rest.indices, np.append(rest.indptr, [rest.nnz] * m)),
-            shape=(n + m, n + m),
-        )
-        return SymmetricMatrix(
-            self.stiffness.elements, csc_array(held + _corner(self.constraints, self._rho, self._yielding))
-        )
+        return bordered(self.stiffness, self.constraints, self._rho, self._yielding)
 
     def _refined(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k).
@@ -280,25 +272,3 @@ def _signs(loads: Floats) -> Floats:
     sign = np.random.default_rng(0).choice([-1.0, 1.0], loads.shape[1])
     # nothing is left to refine of what is smaller
     return np.asarray(sign / np.where(size >= np.finfo(float).tiny, size, 1.0))
-
-
-def _corner(constraints: csr_array, rho: Floats, yielding: Floats) -> csc_array:
-    """[[C' rho C, C'], [C, -d]] (n + m, n + m) of constraints C (m, n), rho (m,) and d (m,).
-
-    It is symmetric: its columns are the rows of C' [rho C, 1] and of [C, -d].
-    """
-    m, n = constraints.shape
-    ends, counts, last = constraints.indptr[1:], np.diff(constraints.indptr), n + np.arange(m)
-    starts = constraints.indptr + np.arange(m + 1)
-    indices = np.insert(constraints.indices, ends, last)
-    pushed = np.insert(np.repeat(rho, counts) * constraints.data, ends, 1.0)
-    of_unknowns = csr_array(constraints.T) @ csr_array((pushed, indices, starts), shape=(m, n + m))
-    of_multipliers = np.insert(constraints.data, ends, -yielding)
-    return csc_array(
-        (
-            np.concatenate([of_unknowns.data, of_multipliers]),
-            np.concatenate([of_unknowns.indices, indices]),
-            np.concatenate([of_unknowns.indptr, of_unknowns.nnz + starts[1:]]),
-        ),
-        shape=(n + m, n + m),
-    )

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import coo_array, csc_array, csr_array
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -104,3 +104,23 @@ class SymmetricMatrix:
 def symmetric(matrix: csc_array | SymmetricMatrix) -> SymmetricMatrix:
     """A sparse matrix as a sum without elements; what is a sum already stays."""
     return matrix if isinstance(matrix, SymmetricMatrix) else SymmetricMatrix((), matrix)
+
+
+def bordered(matrix: SymmetricMatrix, constraints: csr_array, rho: Floats, yielding: Floats) -> SymmetricMatrix:
+    """[[K + C' rho C, C'], [C, -d]] (n + m, n + m) of K (n, n), constraints C (m, n), rho (m,) and d (m,).
+
+    What is added to K is symmetric: its columns are the rows of C' [rho C, 1] and of [C, -d].
+    """
+    m, n = constraints.shape
+    rest, ends, counts = matrix.rest, constraints.indptr[1:], np.diff(constraints.indptr)
+    starts = constraints.indptr + np.arange(m + 1)
+    indices = np.insert(constraints.indices, ends, n + np.arange(m))
+    pushed = np.insert(np.repeat(rho, counts) * constraints.data, ends, 1.0)
+    of_unknowns = csr_array(constraints.T) @ csr_array((pushed, indices, starts), shape=(m, n + m))
+    of_multipliers = np.insert(constraints.data, ends, -yielding)
+    data = np.concatenate([of_unknowns.data, of_multipliers])
+    rows = np.concatenate([of_unknowns.indices, indices])
+    pointers = np.concatenate([of_unknowns.indptr, of_unknowns.nnz + starts[1:]])
+    added = csc_array((data, rows, pointers), shape=(n + m, n + m))
+    held = csc_array((rest.data, rest.indices, np.append(rest.indptr, [rest.nnz] * m)), shape=added.shape)
+    return SymmetricMatrix(matrix.elements, csc_array(held + added))

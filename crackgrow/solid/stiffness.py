@@ -78,36 +78,30 @@ def stiffness_after(
 
 
 def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:
-    """Integral of B' D B (k, 2, k, 2) from gradients (n, k, 2) and weights (n,): function, component, twice."""
-    return _elastic(material, products(gradients, weights)).transpose(2, 0, 3, 1)
+    """Integral of B' D B (k, 2, k, 2) from gradients (2, k, n) and weights (n,): function, component, twice."""
+    xx, xy, yy = products(gradients, weights)
+    return _elastic(material, xx, xy, xy.T, yy).transpose(2, 0, 3, 1)
 
 
 def products(gradients: Floats, weights: Floats) -> tuple[Floats, Floats, Floats]:
     """Integrals of phi_i,x phi_j,x, phi_i,x phi_j,y and phi_i,y phi_j,y, each (k, k), as `element_matrix`."""
-    x, y = gradients.transpose(2, 1, 0) * np.sqrt(weights)
+    x, y = gradients * np.sqrt(weights)
     return x @ x.T, x @ y.T, y @ y.T
 
 
 def consistent(gradients: Floats, weights: Floats, rim_values: Floats, normals: Floats) -> Floats:
-    """Gradients (n, k, 2) of k functions at quadrature points with weights (n,), shifted by a constant per function.
+    """Gradients (2, k, n) of k functions at quadrature points with weights (n,), shifted by a constant per function.
 
-    Their integral then equals that of phi n along the rim, given by values (m, k) and normals times lengths (m, 2).
+    Their integral then equals that of phi n along the rim, given by values (k, m) and normals times lengths (m, 2).
     """
-    components = gradients.transpose(2, 1, 0)
-    shift = (normals.T @ rim_values - components @ weights) / weights.sum()
-    return np.asarray((components + shift[:, :, None]).transpose(2, 1, 0))
+    shift = ((rim_values @ normals).T - gradients @ weights) / weights.sum()
+    return np.asarray(gradients + shift[:, :, None])
 
 
-def _elastic(material: PlaneElasticity, integrals: Floats | tuple[Floats, Floats, Floats]) -> Floats:
-    """The matrix (2, 2, k, k) [component, component, function, function] from its `products`."""
-    xx, xy, yy = integrals
-    off_diagonal = material.c12 * xy + material.c33 * xy.T
-    return np.array(
-        [
-            [material.c11 * xx + material.c33 * yy, off_diagonal],
-            [off_diagonal.T, material.c11 * yy + material.c33 * xx],
-        ]
-    )
+def _elastic(material: PlaneElasticity, xx: Floats, xy: Floats, yx: Floats, yy: Floats) -> Floats:
+    """The matrix (2, 2, ...) [component, component, pair of functions] from their `products` (...)."""
+    c11, c12, c33 = material.c11, material.c12, material.c33
+    return np.array([[c11 * xx + c33 * yy, c12 * xy + c33 * yx], [c12 * yx + c33 * xy, c11 * yy + c33 * xx]])
 
 
 def plain_key(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> bytes:
@@ -123,7 +117,8 @@ def _plain(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> 
     area = weights * kind.size.prod()
     _, gradients = mls(kind.low + local * kind.size, lattice.support, lattice.reach)
     rim, normals = rectangle_rim(kind.low, kind.size)
-    gradients = consistent(gradients, area, mls_values(rim, lattice.support, lattice.reach), normals)
+    rim_values = mls_values(rim, lattice.support, lattice.reach).T
+    gradients = consistent(gradients.transpose(2, 1, 0), area, rim_values, normals)
     matrix = element_matrix(material, gradients[:, kind.covers], area)
     return matrix.reshape(2 * len(matrix), -1)
 
@@ -140,27 +135,41 @@ def _integrated(
             for part in (inside, rim)
         )
         basis = basis_at(cover, inside.points[at], inside.element[at])
-        values = values_at(cover, rim.points[on], rim.element[on]).values
-        weights, normals = inside.weights[at], rim.weights[on]
+        values = values_at(cover, rim.points[on], rim.element[on]).values.T
+        gradients, weights, normals = basis.gradients.transpose(2, 1, 0), inside.weights[at], rim.weights[on]
         point = rim_point = 0
         for number, span in zip(batch, spans, strict=True):
             k, local = len(clusters.functions[number]), clusters.local_of(number)
-            total, carried, begin = np.zeros((3, k * k)), np.zeros((span.stop - span.start, k)), 0
+            places: list[Ints] = []
+            terms: list[tuple[Floats, Floats, Floats]] = []
+            begin = 0
             sizes = (np.diff(start[span.start : span.stop + 1]).tolist() for start in (inside.start, rim.start))
-            for element, (n_inside, n_rim) in enumerate(zip(*sizes, strict=True)):
+            for n_inside, n_rim in zip(*sizes, strict=True):
                 used = np.flatnonzero(basis.ids[point] >= 0)
                 mine, begin = local[begin : begin + len(used)], begin + len(used)
                 these, those = slice(point, point + n_inside), slice(rim_point, rim_point + n_rim)
                 point, rim_point = these.stop, those.stop
-                gradients = consistent(
-                    basis.gradients[these, used], weights[these], values[those, used], normals[those]
-                )
-                places = (k * mine[:, None] + mine).ravel()
-                for integral, term in zip(total, products(gradients, weights[these]), strict=True):
-                    integral[places] = integral.take(places) + term.ravel()
-                carried[element, mine] = 1.0
+                own = consistent(gradients[:, used, these], weights[these], values[used, those], normals[those])
+                places.append((k * mine[:, None] + mine).ravel())
+                terms.append(products(own, weights[these]))
             material = materials[cover.elements.body[clusters.elements[span.start]]]
-            yield number, half(_elastic(material, total.reshape(3, k, k)), carried.T @ carried > 0.0)
+            yield number, _half_of_sum(material, k, places, terms)
+
+
+def _half_of_sum(
+    material: PlaneElasticity, k: int, places: Sequence[Ints], terms: Sequence[tuple[Floats, Floats, Floats]]
+) -> HalfMatrix:
+    """The half of the matrix of k functions from the `products` of elements at their places in a (k, k) table."""
+    place = np.concatenate(places)
+    coupled = np.zeros(k * k, dtype=bool)
+    coupled[place] = True
+    pairs = np.flatnonzero(np.triu(coupled.reshape(k, k)))
+    xx, xy, yy = (
+        np.asarray(np.bincount(place, np.concatenate([term.ravel() for term in of_elements]), k * k), dtype=np.float64)
+        for of_elements in zip(*terms, strict=True)
+    )
+    mirrored = pairs % k * k + pairs // k
+    return half(k, pairs, _elastic(material, xx[pairs], xy[pairs], xy[mirrored], yy[pairs]))
 
 
 def _batches(cover: Cover, clusters: Clusters, chosen: Sequence[int]) -> list[list[int]]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 
-from crackgrow.errors import CrackgrowError
+from crackgrow.errors import reason_of
+from crackgrow.results.atomic import OutputError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.result import RunEnd, StepResult
 
@@ -24,14 +26,6 @@ def write_run(writer: RunWriter, steps: Iterator[StepResult]) -> RunEnd:
                 return end
             writer.add(result)
     except Exception as error:
-        writer.fail(reason_of(error))
+        with suppress(OutputError):  # a disk that refuses now doesn't hide the first error
+            writer.fail(reason_of(error))
         raise
-
-
-def reason_of(error: BaseException) -> str:
-    """Why a run broke off, in a line: what the program raises on purpose speaks for itself."""
-    if isinstance(error, CrackgrowError):
-        return " ".join(str(error).split())
-    if isinstance(error, MemoryError):
-        return " ".join(f"out of memory: {error}".split())
-    return " ".join(f"internal error: {type(error).__name__}: {error}".split())

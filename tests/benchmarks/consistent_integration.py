@@ -31,6 +31,7 @@ from crackgrow.quadrature.elements import plain_elements  # noqa: E402
 from crackgrow.quadrature.rims import RimPoints  # noqa: E402
 from crackgrow.run.scene import make_scene  # noqa: E402
 from crackgrow.run.step import StepSolution, solve_step  # noqa: E402
+from crackgrow.solid import clusters  # noqa: E402
 from crackgrow.solid import stiffness as module  # noqa: E402
 from crackgrow.solid.recovery import displacement_at  # noqa: E402
 
@@ -45,13 +46,13 @@ def correction(on: bool) -> Iterator[None]:
     if on:
         yield
         return
-    kept = module.consistent, module.rim_points
+    kept = module.consistent, clusters.rim_points
     module.consistent = lambda gradients, *_: gradients
-    module.rim_points = _no_rims
+    clusters.rim_points = _no_rims
     try:
         yield
     finally:
-        module.consistent, module.rim_points = kept
+        module.consistent, clusters.rim_points = kept
 
 
 def _no_rims(cover) -> RimPoints:

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import venv
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -20,10 +20,11 @@ NO_PART = ("__pycache__", "*.pyc")
 pytestmark = pytest.mark.slow
 
 
-def run(command: Sequence[str | Path], folder: Path, environment: Mapping[str, str] | None = None) -> str:
-    """Run a command to its end and return what it says; one that fails is shown."""
+def run(command: Sequence[str | Path], folder: Path) -> str:
+    """Run a command to its end, without what would lead Python elsewhere, and return what it says."""
+    alone = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     done = subprocess.run(
-        [str(word) for word in command], cwd=folder, env=environment, capture_output=True, text=True, check=False
+        [str(word) for word in command], cwd=folder, env=alone, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
     return done.stdout
@@ -52,12 +53,6 @@ def program(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "bin"
 
 
-@pytest.fixture
-def alone() -> dict[str, str]:
-    """The environment without what would lead Python elsewhere."""
-    return {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-
-
 def test_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
     package = ROOT / "crackgrow"
     files = {path.relative_to(ROOT).as_posix() for path in package.rglob("*") if path.is_file()}
@@ -66,9 +61,9 @@ def test_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
     assert packed == wanted
 
 
-def test_scene_runs_outside_of_the_repository(program: Path, alone: dict[str, str], tmp_path: Path) -> None:
+def test_scene_runs_outside_of_the_repository(program: Path, tmp_path: Path) -> None:
     shutil.copy(ROOT / "cases/compression30.yaml", tmp_path)
-    said = run([program / "crackgrow", "run", "compression30.yaml"], tmp_path, alone)
+    said = run([program / "crackgrow", "run", "compression30.yaml"], tmp_path)
     assert "completed: all 22 growth steps are done" in said
     summary = json.loads((tmp_path / "outputs/compression30/summary.json").read_text())
     assert summary["status"] == "completed"
@@ -77,19 +72,17 @@ def test_scene_runs_outside_of_the_repository(program: Path, alone: dict[str, st
     assert (tmp_path / "outputs/compression30/report.html").is_file()
 
 
-def test_case_from_a_template_is_made_outside_of_the_repository(
-    program: Path, alone: dict[str, str], tmp_path: Path
-) -> None:
-    run([program / "crackgrow", "new", "rock"], tmp_path, alone)
-    assert "crack flaw" in run([program / "crackgrow", "check", "rock.yaml"], tmp_path, alone)
+def test_case_from_a_template_is_made_outside_of_the_repository(program: Path, tmp_path: Path) -> None:
+    run([program / "crackgrow", "new", "rock"], tmp_path)
+    assert "crack flaw" in run([program / "crackgrow", "check", "rock.yaml"], tmp_path)
 
 
-def test_python_interface_works_outside_of_the_repository(program: Path, alone: dict[str, str], tmp_path: Path) -> None:
+def test_python_interface_works_outside_of_the_repository(program: Path, tmp_path: Path) -> None:
     shutil.copy(ROOT / "cases/compression30.yaml", tmp_path)
     code = (
         "import crackgrow; case = crackgrow.load_case('compression30.yaml', ['numerics.spacing=3']); "
         "print(crackgrow.__file__); print(len(crackgrow.solve(case).tips))"
     )
-    home, n_tips = run([program / "python", "-c", code], tmp_path, alone).splitlines()
+    home, n_tips = run([program / "python", "-c", code], tmp_path).splitlines()
     assert Path(home).is_relative_to(program.parent)
     assert n_tips == "2"

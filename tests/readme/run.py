@@ -26,9 +26,6 @@ NEEDS_A_WINDOW = (
 )
 """Never run: the program is none of ours, and waits for its user."""
 
-NEEDS_A_PROGRAM = {"crackgrow render outputs/compression30 --mp4 --out pictures": "ffmpeg"}
-"""Only run where there is a program that the environment does not bring along."""
-
 LONG = (
     "crackgrow stability",
     "crackgrow trade cases/compression30.yaml --repeat 3 --reference numerics.spacing=0.25 "
@@ -51,9 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the commands; returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--all", action="store_true", help="the long ones too")
-    left_out = {*NEEDS_A_WINDOW, *(text for text, program in NEEDS_A_PROGRAM.items() if shutil.which(program) is None)}
-    if not parser.parse_args(argv).all:
-        left_out |= set(LONG)
+    left_out = NEEDS_A_WINDOW if parser.parse_args(argv).all else (*NEEDS_A_WINDOW, *LONG)
     failed, n_run = 0, 0
     with tempfile.TemporaryDirectory() as name:
         folder = checkout(Path(name))

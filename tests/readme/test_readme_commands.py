@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.readme.commands import Command, commands
-from tests.readme.run import EXIT_CODES, LONG, NEEDS_A_PROGRAM, NEEDS_A_WINDOW, ROOT, fault_of
+from tests.readme.run import EXIT_CODES, LONG, NEEDS_A_WINDOW, ROOT, fault_of
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -53,10 +53,10 @@ def test_faults_of_a_command(tmp_path: Path, command: Command, fault: str) -> No
 
 def test_lists_name_commands_of_the_readme() -> None:
     shown = {command.text for command in commands(README)}
-    assert {*NEEDS_A_WINDOW, *NEEDS_A_PROGRAM, *LONG, *EXIT_CODES} - shown == set()
+    assert {*NEEDS_A_WINDOW, *LONG, *EXIT_CODES} - shown == set()
 
 
 def test_most_of_the_readme_is_run() -> None:
     shown = commands(README)
     assert {"make run CASE=compression30"} <= {command.text for command in shown}
-    assert len(shown) > 2 * len({*NEEDS_A_WINDOW, *NEEDS_A_PROGRAM, *LONG})
+    assert len(shown) > 2 * len({*NEEDS_A_WINDOW, *LONG})

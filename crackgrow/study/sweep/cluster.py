@@ -14,19 +14,21 @@ from typing import Final
 import dask
 from dask.utils import parse_bytes
 from distributed import Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
+from distributed.utils import silence_logging_cmgr
 
-from crackgrow.errors import CaseError, CrackgrowError, Fault
-from crackgrow.study.one_run import reason_of
+from crackgrow.errors import CaseError, CrackgrowError, Fault, reason_of
 from crackgrow.study.sweep.job import Job, Values
 from crackgrow.study.threads import THREAD_SETTINGS
 
 LOOPBACK: Final = "127.0.0.1"
 LOST_WORKERS: Final = 2  # a run may lose so many and is repeated; the next one is its own fault
+GONE: Final = "the Dask scheduler is gone; what has ended is in the table, go on with --resume"
 POLL: Final = 1.0  # s, between looks at how many workers there are
 CONNECT: Final = "15s"
 SETTINGS: Final = {
     "distributed.scheduler.allowed-failures": LOST_WORKERS,
     "distributed.admin.tick.limit": "1h",  # nobody wants to know of a busy machine
+    "distributed.worker.profile.enabled": False,  # it would look at every worker a hundred times a second
 }
 
 
@@ -65,6 +67,7 @@ def connected(scheduler: str | None, workers: int, memory: int | None) -> Iterat
     """
     with contextlib.ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
+        stack.enter_context(silence_logging_cmgr(logging.CRITICAL))  # what becomes of workers is told by the table
         ours = scheduler is None
         if scheduler is None:
             cluster = LocalCluster(
@@ -76,7 +79,7 @@ def connected(scheduler: str | None, workers: int, memory: int | None) -> Iterat
                 scheduler_kwargs={"dashboard_address": f"{LOOPBACK}:0"},  # else its HTTP server asks for a fixed port
                 memory_limit="auto" if memory is None else memory,
                 env=dict.fromkeys(THREAD_SETTINGS, "1"),
-                silence_logs=logging.CRITICAL,  # what becomes of a worker is told by the table
+                silence_logs=logging.CRITICAL,
             )
             scheduler = stack.enter_context(cluster).scheduler_address
         try:
@@ -102,7 +105,7 @@ def run_all(client: Client, jobs: Sequence[Job], function: Callable[[Job], Value
         try:
             workers = list(client.nthreads())
         except OSError as error:
-            raise ClusterError(f"the Dask scheduler is gone: {error}") from error
+            raise ClusterError(f"{GONE}: {error}") from error
         busy = {address for _, address, _ in running.values()}
         for address in [address for address in workers if address not in busy]:
             if waiting and len(running) < len(workers):
@@ -124,7 +127,7 @@ def _outcome(future: Future[Values]) -> Values:
         values: Values = future.result()
         return values
     if future.status != "error":
-        raise ClusterError(f"the Dask scheduler is gone (a run is {future.status})")
+        raise ClusterError(f"{GONE}: a run is {future.status}")
     error = future.exception()
     if isinstance(error, KilledWorker):
         reason = f"worker lost: {error.allowed_failures + 1} workers died of this run, for want of memory perhaps"

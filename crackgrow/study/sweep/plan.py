@@ -45,7 +45,7 @@ class SweepPlan:
     responses: tuple[str, ...] | None  # columns that the overview draws; None: it chooses
 
 
-def plan_sweep(path: Path, folder: Path | None = None) -> SweepPlan:
+def plan_sweep(path: str | Path, folder: str | Path | None = None) -> SweepPlan:
     """Read a sweep file and check every combination.
 
     folder: of the results; default outputs/<name of the file>
@@ -53,8 +53,9 @@ def plan_sweep(path: Path, folder: Path | None = None) -> SweepPlan:
     Combinations that the case refuses are part of the plan. Raises CaseError with all faults of the file, with those
     that all combinations share, such as a key that doesn't exist, and where there is no combination left.
     """
+    path = Path(path)
+    folder = Path("outputs") / path.stem if folder is None else Path(folder)
     file = read_sweep_file(path)
-    folder = folder or Path("outputs") / path.stem
     names = short_names(tuple(file.parameters))
     runs, refused = [], []
     for number, values in enumerate(combinations(file)):

@@ -9,10 +9,11 @@ import numpy as np
 import scipy.linalg
 
 from crackgrow.case.model import Case
+from crackgrow.errors import reason_of
 from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
-from crackgrow.study.one_run import reason_of, write_run
+from crackgrow.study.one_run import write_run
 from crackgrow.study.sweep.job import Values
 from crackgrow.study.sweep.measured import measured
 

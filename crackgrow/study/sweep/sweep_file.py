@@ -32,6 +32,7 @@ FORMAT: Final = Mapping(
                 {
                     "frames": Field(Choice(("every_step", "first_and_last", "none")), "frames of each run", "none"),
                     "figures": Field(Switch(), "pictures of each run", False),
+                    "report": Field(Switch(), "report.html of each run", False),
                 }
             ),
             "which files the runs keep",
@@ -78,7 +79,7 @@ def read_sweep_file(path: Path) -> SweepFile:
     if report.faults:
         raise report.error()
     output = values["output"]
-    kept = (f"output.frames={output['frames']}", f"output.figures={str(output['figures']).lower()}")
+    kept = tuple(f"output.{key}={str(value).lower()}" for key, value in output.items())
     responses = values.get("responses")
     return SweepFile(
         path=path,

@@ -9,7 +9,7 @@ from scipy.sparse import csc_array, csr_array, diags_array
 from crackgrow.case.model import PointSupport
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem, Factorization
-from crackgrow.solid.matrix import symmetric
+from crackgrow.solid.matrix import bordered, symmetric
 
 N = 30
 
@@ -177,3 +177,15 @@ def test_body_that_is_free_to_move_is_refused(build, cracks: list, held: list) -
     supports = [PointSupport("rock", np.array(point), displacement) for point, displacement in held]
     with pytest.raises(SolveError, match="free to move"):
         sample.solve(supports, {"top": (0.1, 1.0), "right": (0.3, 0.0)})
+
+
+def test_the_bordered_matrix_is_that_of_its_blocks() -> None:
+    """Also with a constraint that adds nothing to K, and one on no unknown."""
+    rng = np.random.default_rng(41)
+    C, K = rng.normal(size=(5, 20)) * (rng.uniform(size=(5, 20)) < 0.3), rng.normal(size=(20, 20))
+    C[3], K = 0.0, K + K.T
+    rho, yielding = np.array([2.0, 0.0, 1.5, 0.7, 3.0]), rng.uniform(size=5)
+    expected = np.block([[K + C.T @ np.diag(rho) @ C, C.T], [C, -np.diag(yielding)]])
+    found = bordered(symmetric(csc_array(K)), csr_array(C), rho, yielding)
+    np.testing.assert_allclose(found.tocsc().toarray(), expected, atol=1e-14)
+    np.testing.assert_allclose(found.diagonal(), expected.diagonal(), atol=1e-14)

@@ -89,12 +89,12 @@ set: {title: "a, b: [c]"}
     assert {case.title for case in cases if case} == {"a, b: [c]"}
 
 
-def test_runs_keep_no_frames_and_figures_unless_asked(tmp_path: Path):
+def test_runs_keep_only_tables_unless_asked(tmp_path: Path):
     text = f"parameters: {{{ANGLE}: [30]}}\n"
     for more, frames, figures in (("", "none", False), ("output: {frames: first_and_last}", "first_and_last", False)):
         case = plan_sweep(written(tmp_path, text + more)).runs[0].case
         assert case is not None
-        assert (case.output.frames, case.output.figures) == (frames, figures)
+        assert (case.output.frames, case.output.figures, case.output.report) == (frames, figures, False)
 
 
 def test_all_faults_of_a_file_are_told_at_once_with_their_lines(tmp_path: Path):

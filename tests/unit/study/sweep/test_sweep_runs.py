@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import dask
 import pytest
@@ -31,6 +32,7 @@ from crackgrow.study.sweep.runner import MissingPackageError, sweep
 ROOT = Path(__file__).parents[4]
 FLAW = ROOT / "cases" / "compression30.yaml"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+SHIPPED = "cases/sweeps/angle_friction.yaml"
 PATIENCE = 60.0  # s, for what happens at last
 
 
@@ -169,6 +171,36 @@ def test_run_that_kills_its_workers_is_told_and_the_others_are_run(address: str,
     assert str(found[0]["reason"]).startswith("worker lost: 2 workers died of this run")
     table = rows_of(tmp_path / "sweep.csv")
     assert [row["status"] for row in table] == ["failed", "failed", "refused", "completed"]
+
+
+def test_recipe_for_slurm_needs_no_more_of_its_cluster_than_an_address(
+    address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    """The script of the README, with the workers of this machine in place of SLURM's."""
+
+    class Cluster:
+        scheduler_address = address
+
+        def __init__(self, **settings: object) -> None:
+            assert settings["cores"] == settings["processes"] == 1
+
+        def __enter__(self) -> Cluster:
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def scale(self, jobs: int) -> None:
+            assert jobs > 0
+
+    scripts = (ROOT / "README.md").read_text(encoding="utf-8").split("```text\n")[1:]
+    script = next(text for text in scripts if "SLURMCluster" in text).split("```")[0]
+    monkeypatch.setitem(sys.modules, "dask_jobqueue", SimpleNamespace(SLURMCluster=Cluster))
+    monkeypatch.chdir(tmp_path)
+    assert script.count(SHIPPED) == 1
+    exec(script.replace(SHIPPED, str(written(tmp_path, "[0.3]"))), {"__name__": "__main__"})
+    assert capsys.readouterr().out.startswith("000 friction=0.3: completed, 1 steps")
+    assert (tmp_path / "outputs" / "study" / "sweep.csv").exists()
 
 
 def test_wrong_addresses_sizes_and_missing_packages_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
