@@ -23,6 +23,7 @@ from crackgrow.study.threads import THREAD_SETTINGS
 LOOPBACK: Final = "127.0.0.1"
 LOST_WORKERS: Final = 2  # a run may lose so many and is repeated; the next one is its own fault
 GONE: Final = "the Dask scheduler is gone; what has ended is in the table, go on with --resume"
+LEAST_MEMORY: Final = 200_000_000  # bytes: the program and its libraries alone take about so much
 POLL: Final = 1.0  # s, between looks at how many workers there are
 CONNECT: Final = "15s"
 SETTINGS: Final = {
@@ -46,12 +47,18 @@ class ClusterError(CrackgrowError):
 
 
 def bytes_of(memory: str) -> int:
-    """Bytes of a text such as 2GB; raises CaseError."""
+    """Bytes of a text such as 2GB; raises CaseError, also where no run fits into it."""
     try:
-        return int(parse_bytes(memory))
+        size = int(parse_bytes(memory))
     except ValueError:
-        message = f"'{memory}' is no size of a memory; wanted: such as 2GB or 500MiB"
-        raise CaseError([Fault("--memory", None, "", message)]) from None
+        raise _memory_error(f"'{memory}' is no size of a memory") from None
+    if size < LEAST_MEMORY:
+        raise _memory_error(f"'{memory}' is {size} bytes; a worker takes {LEAST_MEMORY // 10**6} MB at least")
+    return size
+
+
+def _memory_error(message: str) -> CaseError:
+    return CaseError([Fault("--memory", None, "", f"{message}; wanted: such as 2GB or 500MiB")])
 
 
 def available_cores() -> int:
@@ -62,6 +69,8 @@ def available_cores() -> int:
 @contextlib.contextmanager
 def connected(scheduler: str | None, workers: int, memory: int | None) -> Iterator[Client]:
     """A client of the scheduler at an address, or of `workers` processes of this machine with `memory` bytes each.
+
+    memory: None does not bound them
 
     Raises ClusterError.
     """
@@ -77,7 +86,7 @@ def connected(scheduler: str | None, workers: int, memory: int | None) -> Iterat
                 host=LOOPBACK,
                 dashboard_address=None,
                 scheduler_kwargs={"dashboard_address": f"{LOOPBACK}:0"},  # else its HTTP server asks for a fixed port
-                memory_limit="auto" if memory is None else memory,
+                memory_limit=0 if memory is None else memory,  # 0: not bounded
                 env=dict.fromkeys(THREAD_SETTINGS, "1"),
                 silence_logs=logging.CRITICAL,
             )

@@ -12,6 +12,7 @@ ENDING: Final = ("status", "reason")
 COSTS: Final = (
     "steps", "load_factor", "n_dofs", "seconds", "peak_memory_mb", "energy_error_percent", "K_spread_percent",
 )  # fmt: skip
+TAKEN: Final = frozenset({*FIRST, *ENDING, *COSTS})  # no parameter can be called so
 OF_TIPS: Final = ("K_I_first", "K_II_first", "K_I_last", "K_II_last", "x", "y")
 """After CRACK.TIP: Pa sqrt(m) at the first and at the last step, and the end of its path, m."""
 

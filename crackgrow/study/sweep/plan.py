@@ -12,7 +12,7 @@ from crackgrow.case import Case, load_case
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import is_number
 from crackgrow.errors import CaseError, Fault
-from crackgrow.study.sweep.columns import response_columns
+from crackgrow.study.sweep.columns import TAKEN, response_columns
 from crackgrow.study.sweep.design import combinations
 from crackgrow.study.sweep.sweep_file import SweepFile, read_sweep_file
 
@@ -75,7 +75,7 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> SweepPlan:
 
 
 def short_names(keys: Sequence[str]) -> tuple[str, ...]:
-    """The last parts of the keys, as many as tell them apart."""
+    """The last parts of the keys, as many as tell them apart, and from the other columns of the table."""
     return tuple(_shortest(key, [other for other in keys if other != key]) for key in keys)
 
 
@@ -83,7 +83,7 @@ def _shortest(key: str, others: Iterable[str]) -> str:
     parts = key.split(".")
     for n in range(1, len(parts)):
         tail = ".".join(parts[-n:])
-        if not any(other == tail or other.endswith(f".{tail}") for other in others):
+        if tail not in TAKEN and not any(other == tail or other.endswith(f".{tail}") for other in others):
             return tail
     return key
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -68,26 +69,38 @@ def sweep(
     size = None if memory is None else bytes_of(memory)
     table = SweepTable(plan, {})
     jobs = []
+    settled = []
     for run in plan.runs:
         if run.case is None:
             table.found[run.number] = {"status": REFUSED, "reason": run.refusal}
-            yield SweepRow(run, table.row(run), True)
+            settled.append(SweepRow(run, table.row(run), True))
         elif resume and done(run):
             table.found[run.number] = measured(run.folder)
-            yield SweepRow(run, table.row(run), False)
+            settled.append(SweepRow(run, table.row(run), False))
         else:
-            if not resume:
-                remove_leftovers(run.folder, run.case.name)
             jobs.append(job_of(run.number, run.folder, run.case, size))
-    table.write()
-    if jobs:
-        with connected(scheduler, min(workers or available_cores(), len(jobs)), size) as client:
-            for job, values in run_all(client, jobs, function):
-                run = plan.runs[job.number]
-                table.found[run.number] = values
-                table.write()
-                yield SweepRow(run, table.row(run), True)
+    with contextlib.ExitStack() as stack:
+        client = None
+        if jobs:
+            n_workers = min(workers or available_cores(), len(jobs))
+            client = stack.enter_context(connected(scheduler, n_workers, size))
+        if not resume:  # only now: earlier results are kept where nothing can run
+            _remove_earlier(plan)
+        table.write()
+        yield from settled
+        for job, values in run_all(client, jobs, function) if client is not None else ():
+            run = plan.runs[job.number]
+            table.found[run.number] = values
+            table.write()
+            yield SweepRow(run, table.row(run), True)
     draw(plan.folder / "sweep.png", table)
+
+
+def _remove_earlier(plan: SweepPlan) -> None:
+    """Remove what an earlier sweep has left in the folders of the runs; raises OutputError."""
+    for run in plan.runs:
+        if run.case is not None:
+            remove_leftovers(run.folder, run.case.name)
 
 
 def done(run: Run) -> bool:

@@ -179,6 +179,7 @@ def test_names_are_as_short_as_they_can_be(tmp_path: Path):
     keys = ("cracks.a.path.angle", "cracks.b.path.angle", "numerics.spacing", "spacing.numerics.spacing")
     assert short_names(keys) == ("a.path.angle", "b.path.angle", "numerics.spacing", "spacing.numerics.spacing")
     assert short_names((ANGLE, FRICTION)) == ("angle", "friction")
+    assert short_names(("growth.steps",)) == ("growth.steps",)  # steps is a column of its own
     assert folder_name(7, "angle=30 traction=[0, -1e8]/x") == "007_angle=30_traction=_0_-1e8_x"
     plan = plan_sweep(written(tmp_path, f"parameters: {{{ANGLE}: {{from: 0, to: 1, n: 4}}}}"), tmp_path)
     assert [run.folder.name for run in plan.runs][1] == "001_angle=0.333333"

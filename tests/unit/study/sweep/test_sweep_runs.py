@@ -119,15 +119,22 @@ def test_workers_have_one_thread_for_linear_algebra_and_bounded_memory(tmp_path:
         import os
         import resource
 
+        from distributed import get_worker
+
         from crackgrow.study.sweep.job import bounded_memory
         from crackgrow.study.threads import THREAD_SETTINGS
 
         with bounded_memory(job.memory):
             limit = resource.getrlimit(resource.RLIMIT_DATA)[0]
         threads = ",".join(os.environ.get(name, "none") for name in THREAD_SETTINGS)
-        return {"status": "looked", "reason": threads, "n_dofs": limit}
+        manager = get_worker().memory_manager
+        return {"status": "looked", "reason": threads, "n_dofs": limit, "steps": manager.memory_limit}
 
-    rows = list(sweep(plan_sweep(written(tmp_path, "[0]"), tmp_path), workers=1, memory="1GB", function=look))
+    plan = plan_sweep(written(tmp_path, "[0]"), tmp_path)
+    (free,) = sweep(plan, workers=1, function=look)
+    assert free.values["steps"] is None
+    rows = list(sweep(plan, workers=1, memory="1GB", function=look))
+    assert rows[0].values["steps"] == 1e9
     assert rows[0].values["reason"] == "1,1,1"
     if sys.platform == "linux":
         assert rows[0].values["n_dofs"] == 8e8
@@ -210,9 +217,24 @@ def test_wrong_addresses_sizes_and_missing_packages_are_told(tmp_path: Path, mon
         list(sweep(plan, scheduler="tcp://127.0.0.1:9"))
     with pytest.raises(CaseError, match="--memory: 'much' is no size of a memory"):
         list(sweep(plan, memory="much"))
+    with pytest.raises(
+        CaseError, match="--memory: '4' is 4 bytes; a worker takes 200 MB at least; wanted: such as 2GB"
+    ):
+        list(sweep(plan, memory="4"))
     monkeypatch.setattr(runner, "find_spec", lambda name: None if name == "pyarrow" else object())
     with pytest.raises(MissingPackageError, match=r"sweeps need pyarrow, .* pip install 'crackgrow\[sweep\]'"):
         list(sweep(plan))
+
+
+def test_earlier_results_are_kept_where_nothing_can_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    plan = plan_sweep(written(tmp_path, "[0, -1]"), tmp_path)
+    for path in (tmp_path / "sweep.csv", plan.runs[0].folder / "summary.json"):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("earlier")
+    monkeypatch.setattr("crackgrow.study.sweep.cluster.CONNECT", "0.2s")
+    with pytest.raises(ClusterError):
+        list(sweep(plan, scheduler="tcp://127.0.0.1:9"))
+    assert (tmp_path / "sweep.csv").read_text() == (plan.runs[0].folder / "summary.json").read_text() == "earlier"
 
 
 @pytest.mark.slow

@@ -69,6 +69,16 @@ def test_both_files_hold_every_run(table: SweepTable):
         assert columns[name].to_pylist() == [float(row[name]) if row[name] else None for row in rows]
 
 
+def test_parameter_with_the_name_of_a_column_keeps_its_values(tmp_path: Path):
+    path = tmp_path / "study.yaml"
+    path.write_text(f"base: {FLAW}\nparameters: {{growth.steps: [4, 3]}}\n")
+    plan = plan_sweep(path, tmp_path)
+    SweepTable(plan, {1: {"status": "arrested", "reason": "", "steps": 2}}).write()
+    columns = parquet.read_table(plan.folder / "sweep.parquet")
+    assert columns["growth.steps"].to_pylist() == [4.0, 3.0]
+    assert columns["steps"].to_pylist() == [None, 2]
+
+
 def test_overview_takes_words_as_values_and_runs_that_are_missing(table: SweepTable, tmp_path: Path):
     draw(tmp_path / "sweep.png", table)
     assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
