@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,11 +11,11 @@ from crackgrow.case import Case, load_case
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import is_number
 from crackgrow.errors import CaseError, Fault
+from crackgrow.study.folder_names import folder_names
 from crackgrow.study.sweep.columns import TAKEN, response_columns
 from crackgrow.study.sweep.design import combinations
 from crackgrow.study.sweep.sweep_file import SweepFile, read_sweep_file
 
-LONGEST_NAME: Final = 120  # letters of a folder: file systems take 255 bytes
 MOST_FAULTS: Final = 20  # that are told where no combination is a case
 _FROM_OVERRIDE: Final = "--set "
 
@@ -58,12 +57,13 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> SweepPlan:
     file = read_sweep_file(path)
     names = short_names(tuple(file.parameters))
     runs, refused = [], []
-    for number, values in enumerate(combinations(file)):
-        name = " ".join(f"{key}={_shown(value)}" for key, value in zip(names, values, strict=True))
+    combined = combinations(file)
+    run_names = [_run_name(names, values) for values in combined]
+    for number, (name, words, values) in enumerate(zip(run_names, folder_names(run_names), combined, strict=True)):
         overrides = [f"{key}={value}" for key, value in zip(file.parameters, values, strict=True)]
         case, faults = _case(file, overrides)
         refusal = "; ".join(f"{fault.key}: {fault.message}" if fault.key else fault.message for fault in faults)
-        runs.append(Run(number, name, folder / folder_name(number, name), values, case, refusal))
+        runs.append(Run(number, name, folder / words, values, case, refusal))
         refused.append(faults)
     shared = [fault for fault in refused[0] if all(fault in faults for faults in refused)]
     if shared or all(refused):
@@ -88,14 +88,9 @@ def _shortest(key: str, others: Iterable[str]) -> str:
     return key
 
 
-def folder_name(number: int, name: str) -> str:
-    """Such as 003_angle=30_friction=0.2: letters that every file system takes."""
-    words = re.sub(r"[^\w.=+-]+", "_", name).strip("_")
-    return f"{number:03d}_{words}"[:LONGEST_NAME]
-
-
-def _shown(value: str) -> str:
-    return f"{float(value):.6g}" if is_number(value) else value
+def _run_name(names: Sequence[str], values: Sequence[str]) -> str:
+    shown = (f"{float(value):.6g}" if is_number(value) else value for value in values)
+    return " ".join(f"{name}={text}" for name, text in zip(names, shown, strict=True))
 
 
 def _case(file: SweepFile, overrides: Sequence[str]) -> tuple[Case | None, tuple[Fault, ...]]:

@@ -14,6 +14,7 @@ from pyarrow import parquet
 
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically, write_text
+from crackgrow.study.cells import cell_text
 from crackgrow.study.sweep.columns import COSTS, ENDING, FIRST
 from crackgrow.study.sweep.job import Values
 from crackgrow.study.sweep.plan import Run, SweepPlan
@@ -71,7 +72,7 @@ def csv_text(columns: Sequence[str], rows: Sequence[Values]) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([_text(row.get(column)) for column in columns] for row in rows)
+    writer.writerows([cell_text(row.get(column)) for column in columns] for row in rows)
     return out.getvalue()
 
 
@@ -84,9 +85,3 @@ def _numbers(row: Values, schema: pyarrow.Schema) -> Mapping[str, object]:
             value = None if math.isnan(float(value)) else float(value)
         cells[field.name] = value
     return cells
-
-
-def _text(value: str | float | int | None) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return ""
-    return repr(value) if isinstance(value, float) else str(value)

@@ -13,7 +13,7 @@ from crackgrow.errors import CaseError
 from crackgrow.study.trade.axes import KEYS, Axes, CaseFile, preset_overrides
 
 FINER = 2.0  # times: the reference's spacing below the finest that is judged
-UNWRITTEN = ("output.frames=none", "output.figures=false")
+UNWRITTEN = ("output.frames=none", "output.figures=false", "output.report=false")
 
 
 @dataclass(frozen=True, slots=True)

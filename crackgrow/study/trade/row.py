@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -14,6 +13,8 @@ from typing import Any
 
 from crackgrow.case import Case
 from crackgrow.errors import CaseError, Fault
+from crackgrow.results.resume import FINISHED
+from crackgrow.study.cells import cell_text
 from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.measures import NO_ERRORS, Errors
 from crackgrow.study.trade.worker import Cost
@@ -28,7 +29,6 @@ ERRORS = tuple(field.name for field in fields(Errors))
 COSTS = ("cpu_seconds", "wall_seconds", "cpu_first_step", "cpu_step", "wall_first_step", "wall_step",
          *(f"wall_{phase}" for phase in PHASES), "peak_memory_mb")  # fmt: skip
 COLUMNS = ("setting", "preset", *SETTINGS, "status", "reason", "steps", "n_dofs", *ERRORS, *ENERGY, *COSTS, "repeats")
-ENDED_WELL = ("completed", "arrested", "broke_through")
 
 NAN = float("nan")
 Value = str | float | int | None
@@ -53,7 +53,7 @@ class Row:
     @property
     def solved(self) -> bool:
         """Whether the run ended as runs should."""
-        return self.cells["status"] in ENDED_WELL
+        return self.cells["status"] in FINISHED
 
     def number(self, column: str) -> float:
         """The value in a column, nan where there is none."""
@@ -97,7 +97,7 @@ def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = NAN)
         values |= {"cpu_first_step": cost.cpu_steps[0], "wall_first_step": cost.wall_steps[0]}
         values |= {"cpu_step": _mean(cost.cpu_steps[1:]), "wall_step": _mean(cost.wall_steps[1:])}
     values |= {name: getattr(cost, name) for name in ("cpu_seconds", "wall_seconds", "peak_memory_mb")}
-    return Row({column: _text(values.get(column)) for column in COLUMNS})
+    return Row({column: cell_text(values.get(column)) for column in COLUMNS})
 
 
 def csv_text(rows: Sequence[Row]) -> str:
@@ -152,9 +152,3 @@ def _static(case: Case | None) -> bool:
 
 def _mean(seconds: Sequence[float]) -> float:
     return statistics.fmean(seconds) if seconds else NAN
-
-
-def _text(value: Value) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return ""
-    return repr(value) if isinstance(value, float) else str(value)

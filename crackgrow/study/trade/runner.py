@@ -8,13 +8,15 @@ from pathlib import Path
 from crackgrow.case import load_case
 from crackgrow.errors import CrackgrowError, SolveError
 from crackgrow.results.atomic import write_text
+from crackgrow.results.resume import FINISHED
+from crackgrow.study.folder_names import folder_names
 from crackgrow.study.trade.energy import EnergyReference
 from crackgrow.study.trade.grid import FINER, Setting, case_or_none
 from crackgrow.study.trade.measures import check_results, errors_of
 from crackgrow.study.trade.picture import draw
 from crackgrow.study.trade.plan import Plan
 from crackgrow.study.trade.process import run_in_processes
-from crackgrow.study.trade.row import ENDED_WELL, REFERENCE, Row, Run, csv_text, read_rows, row_of
+from crackgrow.study.trade.row import REFERENCE, Row, Run, csv_text, read_rows, row_of
 
 TABLE, PICTURE = "trade.csv", "trade.png"
 JUDGED = FINER * (1 - 1e-9)  # of the reference's spacing: runs from there on are held against it
@@ -47,9 +49,10 @@ def trade(plan: Plan, *, repeat: int = 1, resume: bool = False, timeout: float |
         yield rows[-1]
     check_results(plan.reference_folder)
     energy = EnergyReference(load_case(plan.reference_folder / "case.yaml"))
-    for number, setting in enumerate(plan.settings):
+    folders = folder_names(setting.name for setting in plan.settings)
+    for setting, words in zip(plan.settings, folders, strict=True):
         if setting.name not in known:
-            run = _run(plan, setting, plan.folder / "runs" / f"{number:03d}", repeat, timeout)
+            run = _run(plan, setting, plan.folder / "runs" / words, repeat, timeout)
             rows.append(_judged(plan, run, energy))
             write_text(table, csv_text(rows))
             yield rows[-1]
@@ -59,7 +62,7 @@ def trade(plan: Plan, *, repeat: int = 1, resume: bool = False, timeout: float |
 def _reference(plan: Plan, overrides: tuple[str, ...], timeout: float | None) -> Row:
     """Make the run that the others are held against. Raises SolveError where it ends otherwise than it should."""
     run = _run(plan, Setting(REFERENCE, overrides), plan.reference_folder, 1, timeout)
-    if run.cost.status not in ENDED_WELL:
+    if run.cost.status not in FINISHED:
         given = " ".join(overrides)
         raise SolveError(
             f"the reference ({given}) is {run.cost.status}: {run.cost.reason}; give another by --reference"

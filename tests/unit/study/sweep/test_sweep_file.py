@@ -10,7 +10,7 @@ import pytest
 from crackgrow.case import PointSupport, load_case
 from crackgrow.errors import CaseError
 from crackgrow.study.sweep.design import combinations
-from crackgrow.study.sweep.plan import folder_name, plan_sweep, short_names
+from crackgrow.study.sweep.plan import plan_sweep, short_names
 from crackgrow.study.sweep.sweep_file import SweepFile, read_sweep_file
 
 CASES = Path(__file__).parents[4] / "cases"
@@ -180,10 +180,17 @@ def test_names_are_as_short_as_they_can_be(tmp_path: Path):
     assert short_names(keys) == ("a.path.angle", "b.path.angle", "numerics.spacing", "spacing.numerics.spacing")
     assert short_names((ANGLE, FRICTION)) == ("angle", "friction")
     assert short_names(("growth.steps",)) == ("growth.steps",)  # steps is a column of its own
-    assert folder_name(7, "angle=30 traction=[0, -1e8]/x") == "007_angle=30_traction=_0_-1e8_x"
     plan = plan_sweep(written(tmp_path, f"parameters: {{{ANGLE}: {{from: 0, to: 1, n: 4}}}}"), tmp_path)
-    assert [run.folder.name for run in plan.runs][1] == "001_angle=0.333333"
+    assert [run.folder.name for run in plan.runs][1] == "angle=0.333333"
     assert plan.runs[1].values == ("0.333333333333",)
+
+
+def test_more_values_leave_the_folders_of_runs_as_they_are(tmp_path: Path):
+    few, more = (
+        plan_sweep(written(tmp_path, f"parameters: {{{ANGLE}: {values}}}"), tmp_path)
+        for values in ("[30, 60]", "[15, 30, 45, 60]")
+    )
+    assert [run.folder for run in few.runs] == [more.runs[1].folder, more.runs[3].folder]
 
 
 def test_shipped_sweep_has_24_runs_that_are_cases():

@@ -96,7 +96,7 @@ def test_command_line_runs_what_is_missing_and_nothing_else(
     rows = rows_of(out / "sweep.csv")
     assert [row["status"] for row in rows] == ["completed", "refused", "completed"]
     assert (out / "sweep.png").exists()
-    assert not (out / "000_friction=0" / "frames").exists()
+    assert not (out / "friction=0" / "frames").exists()
     plan = plan_sweep(path, out)
     assert tables(plan.runs[2].folder) == alone(plan, 2, tmp_path / "alone")
 

@@ -69,7 +69,7 @@ def test_shorter_increments_take_more_steps_to_the_same_length(increment: str, s
     run = COMPRESSION.load(*with_length(COMPRESSION, (f"growth.increment={increment}",), 6))
     assert run.growth is not None
     assert run.growth.steps == steps
-    assert (run.output.frames, run.output.figures) == ("none", False)
+    assert (run.output.frames, run.output.figures, run.output.report) == ("none", False, False)
 
 
 def test_static_case_has_no_steps():

@@ -54,9 +54,9 @@ def test_rows_tell_errors_and_costs(study: tuple[Plan, list[Row]]):
 
 def test_run_of_a_row_is_what_the_case_gives(study: tuple[Plan, list[Row]]):
     plan, rows = study
-    case = load_case(plan.folder / "runs" / "000" / "case.yaml")
+    case = load_case(plan.folder / "runs" / "spacing=5" / "case.yaml")
     assert case.numerics.spacing == rows[1].number("spacing") == 0.005
-    summary = json.loads((plan.folder / "runs" / "000" / "summary.json").read_text())
+    summary = json.loads((plan.folder / "runs" / "spacing=5" / "summary.json").read_text())
     assert str(summary["n_dofs"]["first"]) == rows[1].cells["n_dofs"]
 
 
@@ -88,6 +88,16 @@ def test_resume_runs_what_is_missing_alone(study: tuple[Plan, list[Row]], monkey
         [row.cells[name] for name in errors] for row in rows
     ]
     assert list(trade(plan, resume=True)) == []
+
+
+def test_resume_with_other_axes_leaves_the_runs_that_are_there(study: tuple[Plan, list[Row]]):
+    plan, rows = study
+    other = small(plan.folder, ["spacing=6,5,4"])
+    (new,) = trade(other, resume=True)
+    assert new.name == "spacing=6"
+    assert {path.name for path in (plan.folder / "runs").iterdir()} == {"spacing=4", "spacing=5", "spacing=6"}
+    case = load_case(plan.folder / "runs" / "spacing=5" / "case.yaml")
+    assert case.numerics.spacing == rows[1].number("spacing")
 
 
 def test_resume_of_another_study_is_refused(study: tuple[Plan, list[Row]], tmp_path: Path):
