@@ -79,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
     add_render(commands)
     add_compare(commands)
     add_stability(commands)
-    add_trade(commands)
+    add_trade(commands, case)
     add_new(commands)
     add_schema(commands)
     add_sweep(commands)

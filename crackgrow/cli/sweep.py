@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import crackgrow
-from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, complain, count, say, spelled
+from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, count, say, spelled
 
 if TYPE_CHECKING:
     from crackgrow.study.sweep.plan import SweepPlan
@@ -31,16 +31,17 @@ def sweep(arguments: argparse.Namespace) -> int:
     """`crackgrow sweep`: a run for each combination of parameters."""
     plan = crackgrow.plan_sweep(arguments.sweep, arguments.out)
     try:
-        _run(plan, arguments)
+        n_done = _run(plan, arguments)
     except KeyboardInterrupt:
         complain(
             f"crackgrow: interrupted, what has ended is in {plan.folder}; go on with: {_resuming(arguments, plan)}"
         )
         return EXIT_INTERRUPTED
-    return EXIT_DONE
+    return EXIT_DONE if n_done else EXIT_UNSOLVED
 
 
-def _run(plan: SweepPlan, arguments: argparse.Namespace) -> None:
+def _run(plan: SweepPlan, arguments: argparse.Namespace) -> int:
+    """Run the sweep and tell of each run; returns how many are done."""
     n_runs, n_before, n_failed = len(plan.runs), 0, 0
     say(f"{plan.name}: {n_runs} runs over {', '.join(plan.parameters)}")
     rows = crackgrow.sweep(
@@ -57,6 +58,7 @@ def _run(plan: SweepPlan, arguments: argparse.Namespace) -> None:
             say(f"[{number}/{n_runs}] {crackgrow.sweep_line(row)}")
     before = f", {n_before} of them done before" if n_before else ""
     say(f"{n_runs - n_failed} runs done{before}, {n_failed} not\nresults in {plan.folder}")
+    return n_runs - n_failed
 
 
 def _resuming(arguments: argparse.Namespace, plan: SweepPlan) -> str:
@@ -76,10 +78,9 @@ def add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("sweep", type=Path, metavar="SWEEP.yaml", help="the sweep file")
-    command.add_argument("--workers", type=count, metavar="N", help="processes of this machine (default: one a core)")
-    command.add_argument(
-        "--scheduler", metavar="ADDRESS", help="use the workers of this Dask scheduler: tcp://HOST:PORT"
-    )
+    place = command.add_mutually_exclusive_group()
+    place.add_argument("--workers", type=count, metavar="N", help="processes of this machine (default: one a core)")
+    place.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of this Dask scheduler: tcp://HOST:PORT")
     command.add_argument("--memory", metavar="SIZE", help="of each worker, such as 2GB")
     command.add_argument("--resume", action="store_true", help="run what is missing, go on with what was broken off")
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<sweep>)")

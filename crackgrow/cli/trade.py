@@ -7,7 +7,7 @@ from pathlib import Path
 
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
-from crackgrow.cli.console import EXIT_DONE, count, say
+from crackgrow.cli.console import EXIT_DONE, EXIT_UNSOLVED, count, say
 
 HELP = """\
 Run a scene over a grid of settings and hold each run against a finer one: trade.csv has errors, seconds and memory of
@@ -44,21 +44,20 @@ def trade(arguments: argparse.Namespace) -> int:
         rows.append(row)
         say(crackgrow.trade_line(row))
     say(f"{len(rows)} new rows, {sum(not row.solved for row in rows)} not solved\nresults in {folder}")
-    return EXIT_DONE
+    names = {setting.name for setting in plan.settings}
+    solved = [row.solved for row in rows if row.name in names]  # not the reference, which is solved or ends it all
+    return EXIT_UNSOLVED if solved and not any(solved) else EXIT_DONE
 
 
-def add_trade(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_trade(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
         "trade",
+        parents=[case],
         help="measure what accuracy costs over a grid of settings",
         description=HELP,
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.add_argument("case", type=Path, metavar="CASE.yaml", help="the case file")
-    command.add_argument(
-        "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
     )
     command.add_argument("--axis", nargs="+", default=[], metavar="NAME=A,B,C", help="settings to vary, with values")
     command.add_argument(

@@ -53,7 +53,7 @@ def sweep(
     """Run what is planned and yield the row of each run as it ends, then draw the overview.
 
     workers: processes of this machine; default: one a core, no more than runs
-    scheduler: address of a Dask scheduler whose workers are used instead; they must see the same disk
+    scheduler: address of a Dask scheduler whose workers, however many, are used instead; they must see the same disk
     memory: such as "2GB", of each worker
     resume: leave runs alone that are done, and go on with those that were broken off
     function: what a worker does with a job

@@ -27,7 +27,7 @@ from crackgrow.study.sweep import runner
 from crackgrow.study.sweep.cluster import SETTINGS, ClusterError
 from crackgrow.study.sweep.job import Job, Values
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
-from crackgrow.study.sweep.runner import MissingPackageError, sweep
+from crackgrow.study.sweep.runner import MissingPackageError, SweepRow, sweep
 
 ROOT = Path(__file__).parents[4]
 FLAW = ROOT / "cases" / "compression30.yaml"
@@ -112,6 +112,25 @@ def test_command_line_runs_what_is_missing_and_nothing_else(
     assert [{**row, "seconds": "", "peak_memory_mb": ""} for row in again] == [
         {**row, "seconds": "", "peak_memory_mb": ""} for row in rows
     ]
+
+
+@pytest.mark.parametrize(("status", "code"), [("failed", 3), ("arrested", 0)])
+def test_exit_code_tells_whether_any_run_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, status: str, code: int
+):
+    def ended(plan: SweepPlan, **_: object) -> Iterator[SweepRow]:
+        values: Values = {"status": status, "reason": "so", "steps": 1, "seconds": 1.0, "peak_memory_mb": 1.0}
+        yield SweepRow(plan.runs[0], values, True)
+
+    monkeypatch.setattr("crackgrow.sweep", ended)
+    assert cli.main(["sweep", str(written(tmp_path, "[0]")), "--out", str(tmp_path)]) == code
+
+
+def test_workers_are_not_asked_for_beside_a_scheduler(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(["sweep", str(written(tmp_path)), "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"])
+    assert stopped.value.code == 2
+    assert "--scheduler: not allowed with argument --workers" in capsys.readouterr().err
 
 
 def test_workers_have_one_thread_for_linear_algebra_and_bounded_memory(tmp_path: Path):

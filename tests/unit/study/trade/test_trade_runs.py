@@ -12,9 +12,10 @@ from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, SolveError
 from crackgrow.study.trade import process
+from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.plan import Plan, plan_trade
 from crackgrow.study.trade.process import median_cost, run_in_processes
-from crackgrow.study.trade.row import COLUMNS, PHASES, Row, read_rows
+from crackgrow.study.trade.row import COLUMNS, PHASES, Row, Run, read_rows, row_of
 from crackgrow.study.trade.runner import trade
 from crackgrow.study.trade.worker import Cost
 
@@ -129,6 +130,18 @@ def test_failing_settings_are_rows_and_do_not_stop_the_rest(study: tuple[Plan, l
     assert solved.number("K_error") < 0.1
     assert len(read_rows(tmp_path / "trade.csv")) == 2
     assert (tmp_path / "trade.png").is_file()
+
+
+def test_trade_of_which_nothing_is_solved_is_told_by_its_exit_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    plan = small(tmp_path, ["spacing=5"])
+    rows = [
+        row_of(Run(Setting(name, ()), None, Cost(status, "", 1.0, 1.0, (), (), 1.0), tmp_path))
+        for name, status in (("reference", "completed"), ("spacing=5", "unsolved"))
+    ]
+    monkeypatch.setattr("crackgrow.plan_trade", lambda *_, **__: plan)
+    for given, code in ((rows, 3), (rows[:1], 0)):
+        monkeypatch.setattr("crackgrow.trade", lambda *_, given=given, **__: iter(given))
+        assert cli.main(["trade", str(FLAW), "--out", str(tmp_path)]) == code
 
 
 def test_run_that_the_reference_is_too_coarse_for_is_not_judged(study: tuple[Plan, list[Row]], tmp_path: Path):
