@@ -16,7 +16,7 @@ import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
 from crackgrow.errors import CrackgrowError, reason_of
-from crackgrow.results.atomic import OutputError
+from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.progress import Progress
 
 if TYPE_CHECKING:
@@ -34,6 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
         if not arguments.quiet:
             say(f"{found.finished}\nnothing is left to do, results in {folder}")
         return EXIT_DONE
+    if found is None:
+        _spare_case_file(arguments.case, folder)
     steps = crackgrow.grow(case, None if found is None else found.checkpoint)  # starts with its first step
     writer = crackgrow.RunWriter(case, folder)
     for remark in () if found is None else found.remarks:
@@ -64,6 +66,16 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.quiet:
         say(f"{end.status}: {end.reason}\nresults in {folder}")
     return EXIT_DONE
+
+
+def _spare_case_file(file: Path, folder: Path) -> None:
+    """Raise OccupiedError where the run's case.yaml would replace the file that the case was read from."""
+    written = folder / "case.yaml"
+    if written.exists() and written.samefile(file):
+        raise OccupiedError(
+            f"{file} is the case itself, which the run would replace by its settings in SI units; choose another "
+            "folder with --out, or rename the case"
+        )
 
 
 def _progress(case: Case, arguments: argparse.Namespace, first: int) -> Progress:

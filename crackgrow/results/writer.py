@@ -68,13 +68,16 @@ class RunWriter:
         self._resumed: list[int] = []
 
     def begin(self) -> None:
-        """Make the folder, remove what an earlier run left of these files, write case.yaml and empty tables."""
+        """Make the folder, remove what an earlier run left of these files, write case.yaml and empty tables.
+
+        Raises OccupiedError where there are such files but nothing shows that a run wrote them.
+        """
         remove_leftovers(self.folder, self.case.name)
+        self._write_summary(RUNNING)  # first of all: it shows that the files are a run's
         write_text(self.folder / "case.yaml", self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
         self._write_tables(*self._growing)
         self._write_paths(())
-        self._write_summary(RUNNING)
 
     def resume(self, found: Resumption) -> None:
         """Go on where an earlier run was broken off: what it left of the checkpoint's step and behind is removed."""

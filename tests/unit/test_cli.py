@@ -212,6 +212,18 @@ def test_disk_that_fills_during_a_run_exits_3(
     assert summary(scene / "outputs" / "block")["status"] == "failed"
 
 
+def test_case_file_in_the_folder_of_the_results_is_not_replaced(
+    scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (scene / "slope").mkdir()
+    (scene / "slope" / "case.yaml").write_text("# mine\n")
+    (scene / "slope" / "summary.json").write_text('{"stop_reason": "of an earlier run"}')
+    assert cli.main(["run", "slope/case.yaml", "--out", "slope"]) == 2
+    assert capsys.readouterr().err.startswith("crackgrow: slope/case.yaml is the case itself, which the run would")
+    assert (scene / "slope" / "case.yaml").read_text() == "# mine\n"
+    assert cli.main(["run", "slope/case.yaml", "--out", "other"]) == 0
+
+
 def test_missing_case_file_suggests_a_near_name(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["run", "blok.yaml"]) == 2
     assert "blok.yaml: no such case file; did you mean block.yaml?" in capsys.readouterr().err
