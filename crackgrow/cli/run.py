@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
-from crackgrow.errors import CrackgrowError, reason_of
+from crackgrow.errors import reason_of
 from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.progress import Progress
 
@@ -46,8 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:
-        with contextlib.suppress(OutputError), _uninterrupted():  # a small file may still fit
-            writer.fail(str(error))
+        _break_off(writer.fail, str(error))  # a small file may still fit
         raise OutputError(f"{error}; then go on with: {_resuming(arguments, folder)}") from error
     except KeyboardInterrupt:
         _break_off(writer.interrupt, "interrupted")
@@ -98,14 +97,17 @@ def _write_steps(steps: Iterator[StepResult], writer: RunWriter, progress: Progr
             writer.add(result)
         progress.show(result)
     progress.tell(end.events)
-    with _uninterrupted():
+    with _uninterrupted(ends=True):
         writer.finish(end)
     return end
 
 
 @contextlib.contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Ctrl-C waits until the block is done: what is written of a step is all of it."""
+def _uninterrupted(ends: bool = False) -> Iterator[None]:
+    """Ctrl-C waits until the block is done: what is written of a step is all of it.
+
+    With `ends` the run is at its end with the block, and nothing is left to interrupt.
+    """
     ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else somebody else sees to it
     if not ours or threading.current_thread() is not threading.main_thread():
         yield
@@ -116,17 +118,17 @@ def _uninterrupted() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    if pressed:
+    if pressed and not ends:
         raise KeyboardInterrupt
 
 
 def _break_off(end: Callable[[str], None], reason: str) -> None:
-    """End a run and keep what was solved; a disk that refuses now doesn't hide the first error."""
+    """End a run and keep what was solved; what goes wrong now is told, and doesn't hide the first error."""
     try:
-        with _uninterrupted():
+        with _uninterrupted(ends=True):
             end(reason)
-    except CrackgrowError as error:
-        complain(f"crackgrow: {error}")
+    except Exception as error:
+        complain(f"crackgrow: {reason_of(error)}")
 
 
 def _resuming(arguments: argparse.Namespace, folder: Path) -> str:

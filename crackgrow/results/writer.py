@@ -11,6 +11,7 @@ from typing import Literal
 from crackgrow import __version__
 from crackgrow.case import dump_case
 from crackgrow.case.model import Case
+from crackgrow.errors import reason_of
 from crackgrow.results import tables
 from crackgrow.results.atomic import write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
@@ -150,6 +151,16 @@ class RunWriter:
     def interrupt(self, reason: str) -> None:
         """As `fail`, where nothing is wrong: the status is `interrupted`."""
         self._break_off("interrupted", reason)
+
+    def break_off(self, error: BaseException) -> None:
+        """`interrupt` or `fail`, by what has ended the run; what goes wrong with that is a note to the first error."""
+        try:
+            if isinstance(error, KeyboardInterrupt):
+                self.interrupt("interrupted")
+            else:
+                self.fail(reason_of(error))
+        except Exception as second:
+            error.add_note(f"then the results could not be completed: {reason_of(second)}")
 
     def _break_off(self, status: Literal["failed", "interrupted"], reason: str) -> None:
         cracks = self._last.cracks if self._last is not None else ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
@@ -177,6 +178,36 @@ def test_interrupted_run_keeps_the_results_so_far_and_says_how_to_go_on(
     assert (written["status"], written["stop_reason"], written["n_solves"]) == ("interrupted", "interrupted", 2)
     command = "run block.yaml --out 'my results' --set plane=strain --resume"
     assert capsys.readouterr().err.endswith(f"crackgrow {command}\n")
+
+
+def test_interrupt_while_the_end_is_written_leaves_a_complete_run(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    finish = writer.RunWriter.finish
+
+    def pressed(self: writer.RunWriter, end: RunEnd) -> None:
+        finish(self, end)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(writer.RunWriter, "finish", pressed)
+    assert cli.main(["run", "block.yaml"]) == 0
+    assert summary(scene / "outputs" / "block")["status"] == "completed"
+    assert "go on with" not in capsys.readouterr().err
+
+
+def test_report_that_fails_does_not_hide_why_a_run_broke_off(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(self: writer.RunWriter) -> None:
+        raise IndexError("in the report")
+
+    monkeypatch.setattr(writer.RunWriter, "_write_report", fails)
+    for first, code in ((OutputError("no space"), 3), (SolveError("singular"), 3), (KeyboardInterrupt(), 130)):
+        monkeypatch.setattr(crackgrow, "grow", breaking(first))
+        assert cli.main(["run", "block.yaml"]) == code
+        second, told = capsys.readouterr().err.splitlines()
+        assert second == "crackgrow: internal error: IndexError: in the report"
+        assert told.startswith(f"crackgrow: {first or 'interrupted'}")
 
 
 def test_bug_shows_its_traceback_and_keeps_the_results(
