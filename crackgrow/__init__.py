@@ -29,9 +29,12 @@ if TYPE_CHECKING:
     from crackgrow.case import dump_case, load_case
     from crackgrow.case.json_schema import case_schema
     from crackgrow.case.model import Case
+    from crackgrow.errors import CaseError, CrackgrowError, GeometryError, SolveError
     from crackgrow.plan.picture import draw_scene
     from crackgrow.plan.text import plan_text
     from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4
+    from crackgrow.results.atomic import OccupiedError, OutputError
+    from crackgrow.results.folder import FolderError
     from crackgrow.results.overview import overview
     from crackgrow.results.render import render
     from crackgrow.results.report import write_report
@@ -56,11 +59,18 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Case",
+    "CaseError",
     "Comparison",
+    "CrackgrowError",
+    "FolderError",
+    "GeometryError",
+    "OccupiedError",
+    "OutputError",
     "Run",
     "RunEnd",
     "RunWriter",
     "Solution",
+    "SolveError",
     "StepResult",
     "__version__",
     "case_schema",
@@ -96,11 +106,18 @@ __all__ = [
 # Loaded on first use: importing crackgrow stays cheap, and the command line can set thread limits before numpy.
 _HOMES = {
     "Case": "crackgrow.case.model",
+    "CaseError": "crackgrow.errors",
     "Comparison": "crackgrow.study.comparison",
+    "CrackgrowError": "crackgrow.errors",
+    "FolderError": "crackgrow.results.folder",
+    "GeometryError": "crackgrow.errors",
+    "OccupiedError": "crackgrow.results.atomic",
+    "OutputError": "crackgrow.results.atomic",
     "Run": "crackgrow.api",
     "RunEnd": "crackgrow.run.result",
     "RunWriter": "crackgrow.results.writer",
     "Solution": "crackgrow.api",
+    "SolveError": "crackgrow.errors",
     "StepResult": "crackgrow.run.result",
     "case_schema": "crackgrow.case.json_schema",
     "compare_paths": "crackgrow.study.compare",

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import html
 from collections.abc import Callable, Generator
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -17,10 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
-from crackgrow.errors import reason_of
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results import data_frames
-from crackgrow.results.atomic import OutputError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.error import estimated_error
 from crackgrow.run.frame import make_frame
@@ -77,8 +74,9 @@ def run_case(case: Case, out: str | Path | None = None) -> Run:
                [ 0.0039,  0.0045]])
 
     What was solved before an error or an interrupt is kept in the folder. Raises GeometryError or SolveError where
-    step 0 (without growth: any) can't be solved, OutputError where the folder can't be written. A later step that
-    fails ends the run, and `status` and `reason` tell.
+    step 0 (without growth: any) can't be solved, OutputError where the folder can't be written, OccupiedError where it
+    has files of the same names that no run has written. A later step that fails ends the run, and `status` and
+    `reason` tell.
     """
     steps = solved_steps(case)
     if out is None:
@@ -89,8 +87,7 @@ def run_case(case: Case, out: str | Path | None = None) -> Run:
         run = _collected(case, steps, writer.add)
         writer.finish(run.end)
     except BaseException as error:
-        with suppress(OutputError):  # a disk that refuses now doesn't hide the first error
-            _break_off(writer, error)
+        writer.break_off(error)
         raise
     return run
 
@@ -262,14 +259,6 @@ def _collected(case: Case, steps: Steps, add: Callable[[StepResult], None]) -> R
             return Run(case, tuple(results), stop.value, Solution(case, (result,), solved))
         add(result)
         results.append(replace(result, mesh=None))  # the mesh would keep the fields of every step
-
-
-def _break_off(writer: RunWriter, error: BaseException) -> None:
-    """End the files of a run that an error ends."""
-    if isinstance(error, KeyboardInterrupt):
-        writer.interrupt("interrupted")
-    else:
-        writer.fail(reason_of(error))
 
 
 def _places(points: ArrayLike) -> tuple[Floats, tuple[int, ...]]:

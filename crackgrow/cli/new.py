@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from pathlib import Path
+from typing import TextIO
 
 from crackgrow.cli.console import EXIT_DONE, say
 from crackgrow.cli.template import MODELINE, SCHEMA_FILE, template_text, templates
@@ -31,18 +33,31 @@ def new(arguments: argparse.Namespace) -> int:
         if not file.parent.is_dir():
             file.parent.mkdir(parents=True)
         with file.open("x", encoding="utf-8") as stream:
-            stream.write(text)
+            _write_or_remove(stream, text, file)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         message = f"cannot be written: {getattr(error, 'strerror', None) or error}"
         if isinstance(error, FileExistsError) and file.exists():
             message = "exists already, and is left as it is"
         raise CaseError([Fault(str(file), None, "", message)]) from None
-    say(f"wrote {file}\nnext: crackgrow check {file}, then crackgrow run {file}")
+    quoted = shlex.quote(str(file))
+    say(f"wrote {file}\nnext: crackgrow check {quoted}, then crackgrow run {quoted}")
     return EXIT_DONE
+
+
+def _write_or_remove(stream: TextIO, text: str, file: Path) -> None:
+    """Write and close a new file; where that fails, half of a case is not left behind."""
+    try:
+        stream.write(text)
+        stream.close()  # what was buffered is on disk only now
+    except BaseException:
+        file.unlink()
+        raise
 
 
 def _file_of(name: str) -> Path:
     path = Path(name)
+    if not path.name:
+        raise CaseError([Fault(repr(name), None, "", "is no name of a case; allowed are those such as my_slope")])
     if path.suffix in (".yaml", ".yml"):
         return path
     folder = Path("cases")

@@ -39,10 +39,9 @@ def render(arguments: argparse.Namespace) -> int:
     """`crackgrow render`: pictures of the frames of a run, and an animation."""
     if arguments.animation == "mp4":
         crackgrow.find_ffmpeg()
-    steps = None if arguments.steps is None else [step for span in arguments.steps for step in span]
     pictures = []
     for picture in crackgrow.render(
-        arguments.folder, arguments.field, arguments.warp, steps, arguments.size, arguments.out
+        arguments.folder, arguments.field, arguments.warp, arguments.steps, arguments.size, arguments.out
     ):
         pictures.append(picture)
         say(str(picture))

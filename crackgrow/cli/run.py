@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
-from crackgrow.errors import CrackgrowError, reason_of
-from crackgrow.results.atomic import OutputError
+from crackgrow.errors import reason_of
+from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.progress import Progress
 
 if TYPE_CHECKING:
@@ -34,6 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
         if not arguments.quiet:
             say(f"{found.finished}\nnothing is left to do, results in {folder}")
         return EXIT_DONE
+    if found is None:
+        _spare_case_file(arguments.case, folder)
     steps = crackgrow.grow(case, None if found is None else found.checkpoint)  # starts with its first step
     writer = crackgrow.RunWriter(case, folder)
     for remark in () if found is None else found.remarks:
@@ -44,8 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:
-        with contextlib.suppress(OutputError), _uninterrupted():  # a small file may still fit
-            writer.fail(str(error))
+        _break_off(writer.fail, str(error))  # a small file may still fit
         raise OutputError(f"{error}; then go on with: {_resuming(arguments, folder)}") from error
     except KeyboardInterrupt:
         _break_off(writer.interrupt, "interrupted")
@@ -64,6 +65,16 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.quiet:
         say(f"{end.status}: {end.reason}\nresults in {folder}")
     return EXIT_DONE
+
+
+def _spare_case_file(file: Path, folder: Path) -> None:
+    """Raise OccupiedError where the run's case.yaml would replace the file that the case was read from."""
+    written = folder / "case.yaml"
+    if written.exists() and written.samefile(file):
+        raise OccupiedError(
+            f"{file} is the case itself, which the run would replace by its settings in SI units; choose another "
+            "folder with --out, or rename the case"
+        )
 
 
 def _progress(case: Case, arguments: argparse.Namespace, first: int) -> Progress:
@@ -86,14 +97,17 @@ def _write_steps(steps: Iterator[StepResult], writer: RunWriter, progress: Progr
             writer.add(result)
         progress.show(result)
     progress.tell(end.events)
-    with _uninterrupted():
+    with _uninterrupted(ends=True):
         writer.finish(end)
     return end
 
 
 @contextlib.contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Ctrl-C waits until the block is done: what is written of a step is all of it."""
+def _uninterrupted(ends: bool = False) -> Iterator[None]:
+    """Ctrl-C waits until the block is done: what is written of a step is all of it.
+
+    With `ends` the run is at its end with the block, and nothing is left to interrupt.
+    """
     ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else somebody else sees to it
     if not ours or threading.current_thread() is not threading.main_thread():
         yield
@@ -104,17 +118,17 @@ def _uninterrupted() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    if pressed:
+    if pressed and not ends:
         raise KeyboardInterrupt
 
 
 def _break_off(end: Callable[[str], None], reason: str) -> None:
-    """End a run and keep what was solved; a disk that refuses now doesn't hide the first error."""
+    """End a run and keep what was solved; what goes wrong now is told, and doesn't hide the first error."""
     try:
-        with _uninterrupted():
+        with _uninterrupted(ends=True):
             end(reason)
-    except CrackgrowError as error:
-        complain(f"crackgrow: {error}")
+    except Exception as error:
+        complain(f"crackgrow: {reason_of(error)}")
 
 
 def _resuming(arguments: argparse.Namespace, folder: Path) -> str:

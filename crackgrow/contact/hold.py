@@ -56,7 +56,9 @@ def solve_contact_of_pieces(
             )
             system = replace(contact, system=solver)
         try:
-            return solve_contact_held_loosely(system, stiff, pieces, loads, given, memory)
+            outcome = solve_contact_held_loosely(system, stiff, pieces, loads, given, memory)
+            told = (system.system.note,) if stiffer > 1.0 and system.system.note else ()
+            return replace(outcome, notes=(*outcome.notes, *told))
         except FreePieceError:
             raise
         except SolveError as error:

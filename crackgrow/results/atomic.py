@@ -16,6 +16,12 @@ class OutputError(CrackgrowError):
     exit_code = 3
 
 
+class OccupiedError(CrackgrowError):
+    """A folder with files that a run would replace though they are not known to be a run's; the message names one."""
+
+    exit_code = 2
+
+
 def temporary_path(path: Path) -> Path:
     """Where `path` is written before it is renamed: hidden, in the same folder, with the same suffix."""
     return path.with_name(f".{path.stem}.tmp{path.suffix}")

@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,19 @@ from numpy.typing import NDArray
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError
+from crackgrow.results import tables
 
 Floats = NDArray[np.float64]
+
+COLUMNS = {
+    "steps.csv": tables.STEPS,
+    "tips.csv": tables.TIPS,
+    "contact.csv": tables.CONTACT,
+    "paths.csv": tables.PATHS,
+    "events.csv": tables.EVENTS,
+}
+SUMMARY_KEYS = ("case", "title", "status", "stop_reason", "n_solves", "version", "git_commit", "git_modified", "n_dofs",
+                "wall_seconds", "peak_memory_mb", "error_estimate", "warnings")  # fmt: skip
 
 
 class FolderError(CrackgrowError):
@@ -30,6 +42,7 @@ class FolderError(CrackgrowError):
 class TextTable:
     """A CSV file: its columns by name, as text."""
 
+    path: Path
     columns: dict[str, list[str]]
 
     def __len__(self) -> int:
@@ -40,12 +53,23 @@ class TextTable:
         return self.columns[name]
 
     def numbers(self, name: str) -> Floats:
-        """A column (n,) as numbers; nan where it says so."""
-        return np.array(self.columns[name], dtype=float)
+        """A column (n,) as numbers; nan where it says so. Raises FolderError where it has other words."""
+        try:
+            return np.array(self.columns[name], dtype=float)
+        except ValueError as error:
+            raise damaged(self.path, f"{name}: {error}") from error
 
     def steps(self) -> NDArray[np.int64]:
-        """The column `step` (n,)."""
-        return np.array(self.columns["step"], dtype=np.int64)
+        """The column `step` (n,). Raises FolderError where it has other words."""
+        try:
+            return np.array(self.columns["step"], dtype=np.int64)
+        except ValueError as error:
+            raise damaged(self.path, f"step: {error}") from error
+
+    def of_steps(self, steps: Collection[int]) -> TextTable:
+        """The rows of these steps."""
+        kept = np.isin(self.steps(), list(steps)).tolist()
+        return TextTable(self.path, {name: list(compress(words, kept)) for name, words in self.columns.items()})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,17 +102,43 @@ class RunFolder:
 def read_run(folder: Path) -> RunFolder:
     """Read the files of a run.
 
+    A run that was killed while it wrote a step may have left rows of it in some tables: they are left out.
+
     Raises FolderError where one is missing or no longer whole, CaseError where case.yaml is not of this version.
     """
-    summary = json.loads(_text(folder, "summary.json"))
+    summary = _summary(folder)
     case_text = _text(folder, "case.yaml")
-    tables = [_table(folder, f"{name}.csv") for name in ("steps", "tips", "contact", "paths", "events")]
-    return RunFolder(folder, summary, load_case(folder / "case.yaml"), case_text, *tables)
+    steps, paths, events = (_table(folder, name) for name in ("steps.csv", "paths.csv", "events.csv"))
+    solved = steps.steps().tolist()
+    tips, contact = (_table(folder, name).of_steps(solved) for name in ("tips.csv", "contact.csv"))
+    case = load_case(folder / "case.yaml")
+    return RunFolder(folder, summary, case, case_text, steps, tips, contact, paths, events)
+
+
+def damaged(path: Path, what: str) -> FolderError:
+    """The error of a file that can't be read as what it should be."""
+    return FolderError(f"{path} is damaged, or of another version: {what}; run the case again")
+
+
+def _summary(folder: Path) -> dict[str, Any]:
+    path, text = folder / "summary.json", _text(folder, "summary.json")
+    try:
+        summary = json.loads(text)
+    except ValueError as error:
+        raise damaged(path, str(error)) from error
+    if not isinstance(summary, dict):
+        raise damaged(path, "it is no mapping")
+    missing = [key for key in SUMMARY_KEYS if key not in summary]
+    if missing:
+        raise damaged(path, f"it has no {', '.join(missing)}")
+    return summary
 
 
 def _text(folder: Path, name: str) -> str:
     try:
         return (folder / name).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise damaged(folder / name, str(error)) from error
     except OSError as error:
         raise FolderError(
             f"{folder} is not a folder of results: {name} cannot be read ({error.strerror}); give the folder that "
@@ -97,9 +147,15 @@ def _text(folder: Path, name: str) -> str:
 
 
 def _table(folder: Path, name: str) -> TextTable:
-    header, *rows = csv.reader(io.StringIO(_text(folder, name), newline=""))
-    return TextTable({column: _column(rows, index) for index, column in enumerate(header)})
-
-
-def _column(rows: Sequence[Sequence[str]], index: int) -> list[str]:
-    return [row[index] for row in rows]
+    path = folder / name
+    try:
+        rows = list(csv.reader(io.StringIO(_text(folder, name), newline="")))
+    except csv.Error as error:
+        raise damaged(path, str(error)) from error
+    header = rows.pop(0) if rows else []
+    if tuple(header) != COLUMNS[name]:
+        raise damaged(path, f"its columns are {', '.join(header) or 'none'}, not {', '.join(COLUMNS[name])}")
+    for number, row in enumerate(rows, 1):
+        if len(row) != len(header):
+            raise damaged(path, f"row {number} has {len(row)} values, the header has {len(header)}")
+    return TextTable(path, {column: [row[index] for row in rows] for index, column in enumerate(header)})

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -38,23 +39,34 @@ class DrawnFrame:
 
 
 def frame_files(folder: Path) -> dict[int, Path]:
-    """Frames of a run by step; raises FolderError where there are none."""
+    """Frames of a run by step, in order; raises FolderError where there are none."""
     matches = [(SERIES["frames"].fullmatch(path.name), path) for path in sorted((folder / "frames").glob("step_*.vtu"))]
     found = {int(match[1]): path for match, path in matches if match and ".tmp" not in path.name}
     if not found:
         raise FolderError(f"{folder} has no frames to draw: run the case with output.frames=every_step")
-    return found
+    return dict(sorted(found.items()))  # by number: step_10000 comes before step_9999 by name
 
 
-def chosen_files(folder: Path, steps: Sequence[int] | None) -> dict[int, Path]:
-    """The frames of these steps, of all where none are named; raises FolderError for a step without one."""
+def chosen_files(folder: Path, steps: Sequence[int | range] | None) -> dict[int, Path]:
+    """The frames of these steps, or ranges of them, of all where none are named.
+
+    Raises FolderError for a step without one.
+    """
     found = frame_files(folder)
-    missing = sorted(set(steps or ()) - set(found))
+    if steps is None:
+        return found
+    spans = [step if isinstance(step, range) else range(step, step + 1) for step in steps]
+    missing = [gap for span in spans for gap in _gaps(span, found)]
     if missing:
-        raise FolderError(
-            f"{folder} has no frame of step {', '.join(map(str, missing))}; it has those of {_spans(sorted(found))}"
-        )
-    return found if steps is None else {step: found[step] for step in sorted(set(steps))}
+        there = _words(range(step, step + 1) for step in found)
+        raise FolderError(f"{folder} has no frame of step {_words(missing)}; it has those of {there}")
+    return {step: path for step, path in found.items() if any(step in span for span in spans)}
+
+
+def _gaps(span: range, found: Iterable[int]) -> list[range]:
+    """What of a range of steps is not among those found, which are in order."""
+    edges = [span.start - 1, *(step for step in found if step in span), span.stop]
+    return [range(before + 1, after) for before, after in pairwise(edges) if before + 1 < after]
 
 
 def read_frame(step: int, path: Path, field: str) -> DrawnFrame:
@@ -89,7 +101,7 @@ def _values(grid: pyvista.UnstructuredGrid, field: str, path: Path) -> Floats:
     if field == "displacement":
         return np.asarray(np.linalg.norm(grid.point_data["displacement"], axis=1), dtype=float)
     if field in COMPONENTS and "stress" in grid.cell_data:
-        return np.asarray(grid.cell_data["stress"][:, ("xx", "yy", "zz", "xy").index(field[-2:])], dtype=float)
+        return np.asarray(grid.cell_data["stress"][:, COMPONENTS.index(field)], dtype=float)
     if field in grid.cell_data and grid.cell_data[field].ndim == 1:
         return np.asarray(grid.cell_data[field], dtype=float)
     known = ["displacement", *(COMPONENTS if "stress" in grid.cell_data else ())]
@@ -97,12 +109,17 @@ def _values(grid: pyvista.UnstructuredGrid, field: str, path: Path) -> Floats:
     raise FolderError(f"{path} has no field {field!r}; it has {', '.join(known)}")
 
 
-def _spans(steps: Sequence[int]) -> str:
-    """Steps in words: 0 to 5, 7."""
-    parts: list[list[int]] = []
-    for step in steps:
-        if parts and step == parts[-1][-1] + 1:
-            parts[-1][1:] = [step]
+def _merged(spans: Iterable[range]) -> list[range]:
+    """Ranges in order, as one where they touch or overlap."""
+    merged: list[range] = []
+    for span in sorted(spans, key=lambda span: span.start):
+        if merged and span.start <= merged[-1].stop:
+            merged[-1] = range(merged[-1].start, max(merged[-1].stop, span.stop))
         else:
-            parts.append([step])
-    return ", ".join(" to ".join(map(str, part)) for part in parts)
+            merged.append(span)
+    return merged
+
+
+def _words(spans: Iterable[range]) -> str:
+    """Ranges in words: 0 to 5, 7."""
+    return ", ".join(f"{span[0]} to {span[-1]}" if len(span) > 1 else str(span[0]) for span in _merged(spans))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
-from crackgrow.results.atomic import OutputError, temporary_path
-from crackgrow.results.checkpoint_file import remove_checkpoints
+from crackgrow.results.atomic import OccupiedError, OutputError, temporary_path
+from crackgrow.results.checkpoint_file import remove_checkpoints, steps_with_checkpoint
 from crackgrow.results.rendered import rendered_files
 
 REPORT = "report.html"
@@ -37,12 +39,44 @@ def series_names(case_name: str) -> tuple[str, str]:
 
 
 def remove_leftovers(folder: Path, case_name: str) -> None:
-    """Remove the files of an earlier run of this case, half written ones too; raises OutputError."""
+    """Remove the files of an earlier run, half written ones too, of this case or of another.
+
+    Raises OutputError, and OccupiedError where nothing shows that a run wrote them.
+    """
+    earlier = _summary(folder)
+    names = [*FILES, *FIGURES, *series_names(case_name)]
+    if earlier is None and not steps_with_checkpoint(folder):
+        _refuse_to_replace(folder, names)
+    elif earlier is not None and isinstance(earlier.get("case"), str):
+        names += [name for name in series_names(earlier["case"]) if Path(name).name == name]
     _remove(folder, ["summary.json"])  # nothing is lost of a folder that is read-only
     remove_checkpoints(folder)  # before the results without which they lead nowhere
-    _remove(folder, (*FILES, *FIGURES, *series_names(case_name)))
+    _remove(folder, names)
     remove_half_written(folder, case_name)
     remove_frames(folder, 0)
+
+
+def _summary(folder: Path) -> dict[str, Any] | None:
+    """The summary of a run in a folder, empty if it is damaged; None if there is none, or one of something else."""
+    try:
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    except OSError:
+        return None
+    except ValueError:
+        return {}
+    return summary if isinstance(summary, dict) and "stop_reason" in summary else None
+
+
+def _refuse_to_replace(folder: Path, names: Iterable[str]) -> None:
+    """Raise OccupiedError where a folder has one of these files, or frames."""
+    frames = [f"{sub}/{path.name}" for sub, path in _series_files(folder)]
+    found = [name for name in (*names, *frames) if (folder / name).exists()]
+    if found:
+        others = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        raise OccupiedError(
+            f"{folder / found[0]}{others} would be replaced, and nothing in {folder} (summary.json, checkpoint) shows "
+            "that a run wrote it; choose another folder, or remove the file if it is not needed"
+        )
 
 
 def remove_half_written(folder: Path, case_name: str) -> None:
@@ -57,11 +91,16 @@ def remove_frames(folder: Path, first: int) -> None:
     Raises OutputError.
     """
     _remove(folder, [str(path.relative_to(folder)) for path in rendered_files(folder)])
+    for sub, path in _series_files(folder):
+        match = SERIES[sub].fullmatch(path.name)
+        if match and (path.name.startswith(".") or int(match[1]) >= first):
+            _remove(folder, [f"{sub}/{path.name}"])
+
+
+def _series_files(folder: Path) -> Iterator[tuple[str, Path]]:
+    """Files of frames, half written ones too, with the folders that they are in."""
     for sub, pattern in SERIES.items():
-        for path in sorted((folder / sub).glob("*")):
-            match = pattern.fullmatch(path.name)
-            if match and (path.name.startswith(".") or int(match[1]) >= first):
-                _remove(folder, [f"{sub}/{path.name}"])
+        yield from ((sub, path) for path in sorted((folder / sub).glob("*")) if pattern.fullmatch(path.name))
 
 
 def remove_file(path: Path) -> None:

@@ -41,7 +41,7 @@ def render(
     folder: Path,
     field: str = "sigma_1",
     warp: float | None = None,
-    steps: Sequence[int] | None = None,
+    steps: Sequence[int | range] | None = None,
     size: tuple[int, int] | None = None,
     out: Path | None = None,
 ) -> Iterator[Path]:
@@ -49,7 +49,7 @@ def render(
 
     field: displacement (its size), or a field of the cells: sigma_1, sigma_3, stress_xx, ...
     warp: factor of the displacements; None: a visible one, the same for all steps
-    steps: those to draw; None: all that have frames
+    steps: those to draw, or ranges of them; None: all that have frames
     size: width and height in pixels
     out: folder of the pictures, `render` in that of the run if it is None; earlier pictures of the field go
 

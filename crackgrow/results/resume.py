@@ -28,6 +28,7 @@ from crackgrow.run.result import Checkpoint
 FREE = ("title", "source", "output.figures", "output.report", "growth.steps")
 FINISHED = ("completed", "arrested", "broke_through")
 MOST_DIFFERENCES = 20  # that are told
+NOT_GIVEN = "not given"  # in place of a value
 
 
 Differences = dict[str, tuple[str, str]]
@@ -101,13 +102,13 @@ def _differences(case: Case, stored: StoredCheckpoint) -> Differences:
     then = {"name": stored.case_name, **read_settings(stored.settings)}
     now = {"name": case.name, **read_settings(dump_case(case))}
     keys = [key for key in dict.fromkeys([*then, *now]) if then.get(key) != now.get(key)]
-    return {key: (then.get(key, "not given"), now.get(key, "not given")) for key in keys}
+    return {key: (then.get(key, NOT_GIVEN), now.get(key, NOT_GIVEN)) for key in keys}
 
 
 def _is_free(key: str, then: str, case: Case, step: int) -> bool:
     """Whether a setting that was `then` has no part in the results so far."""
     if key == "loading.history" and case.growth is None and isinstance(case.loading, LoadHistory):
-        return case.loading.factors[: step + 1] == tuple(json.loads(then)[: step + 1])
+        return then != NOT_GIVEN and case.loading.factors[: step + 1] == tuple(json.loads(then)[: step + 1])
     return key in FREE
 
 

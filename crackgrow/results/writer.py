@@ -11,6 +11,7 @@ from typing import Literal
 from crackgrow import __version__
 from crackgrow.case import dump_case
 from crackgrow.case.model import Case
+from crackgrow.errors import reason_of
 from crackgrow.results import tables
 from crackgrow.results.atomic import write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
@@ -68,13 +69,16 @@ class RunWriter:
         self._resumed: list[int] = []
 
     def begin(self) -> None:
-        """Make the folder, remove what an earlier run left of these files, write case.yaml and empty tables."""
+        """Make the folder, remove what an earlier run left of these files, write case.yaml and empty tables.
+
+        Raises OccupiedError where there are such files but nothing shows that a run wrote them.
+        """
         remove_leftovers(self.folder, self.case.name)
+        self._write_summary(RUNNING)  # first of all: it shows that the files are a run's
         write_text(self.folder / "case.yaml", self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
         self._write_tables(*self._growing)
         self._write_paths(())
-        self._write_summary(RUNNING)
 
     def resume(self, found: Resumption) -> None:
         """Go on where an earlier run was broken off: what it left of the checkpoint's step and behind is removed."""
@@ -147,6 +151,16 @@ class RunWriter:
     def interrupt(self, reason: str) -> None:
         """As `fail`, where nothing is wrong: the status is `interrupted`."""
         self._break_off("interrupted", reason)
+
+    def break_off(self, error: BaseException) -> None:
+        """`interrupt` or `fail`, by what has ended the run; what goes wrong with that is a note to the first error."""
+        try:
+            if isinstance(error, KeyboardInterrupt):
+                self.interrupt("interrupted")
+            else:
+                self.fail(reason_of(error))
+        except Exception as second:
+            error.add_note(f"then the results could not be completed: {reason_of(second)}")
 
     def _break_off(self, status: Literal["failed", "interrupted"], reason: str) -> None:
         cracks = self._last.cracks if self._last is not None else ()

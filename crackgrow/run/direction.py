@@ -175,9 +175,12 @@ def _without_shear(
         kinks = _corrected(trials)
     best = min(trials, key=lambda trial: trial.excess)
     assert best.advance.solution is not None
-    notes: tuple[str, ...] = ()
+    notes = best.advance.solution.notes
     if best.excess > 1.0:
-        notes = (f"the direction of growth left K_II at {np.abs(best.shear).max():.2g} of K at a new tip",)
+        notes = (
+            *notes,
+            f"the direction of growth left K_II at {np.abs(best.shear).max():.2g} of K at a new tip",
+        )
     solution = replace(best.advance.solution, seconds=seconds, factorizations=len(trials), notes=notes)
     return replace(best.advance, solution=solution)
 

@@ -197,7 +197,8 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         reached.append(_booked(state, at) if breaks.any() else state)
         at = from_state(reached[-1])
     *via, last = reached
-    return replace(last, seconds=time.perf_counter() - began, via=tuple(via))
+    passed = tuple(replace(state, outcome=replace(state.outcome, problem=None)) for state in via)  # these are large
+    return replace(last, seconds=time.perf_counter() - began, via=passed)
 
 
 def held_loads(configuration: Configuration) -> Start:

@@ -5,8 +5,8 @@ add the same amount to both sides, the answer does not depend on rho). The matri
 quasi-definite: it has a symmetric factorization without pivoting in any order (Vanderbei 1995), also where constraints
 repeat each other. What C u then misses of g, as a right-hand side of its own, takes the effect of d away.
 
-Constraints that act further than the couplings of K reach have no rho, which would couple all that they act on. Their
-multipliers are eliminated after a part of that and before the rest of it, and so stiffen the rest.
+Constraints that act further than the couplings of K reach have no rho where fronts factorize: it would couple all that
+they act on. Their multipliers are eliminated after a part of that and before the rest of it, and so stiffen the rest.
 """
 
 from __future__ import annotations
@@ -69,9 +69,6 @@ def displacement_size(loads: Floats, u: Floats, given: Floats) -> float:
 class Factorization:
     """A factorized symmetric matrix, definite or quasi-definite."""
 
-    note: str
-    """Why not the multifrontal factorization but SuperLU was used where there are fronts; else empty."""
-
     factors: Mapping[bytes, Factor]
     """What another factorization may have in common with this one."""
 
@@ -84,23 +81,19 @@ class Factorization:
     ) -> None:
         """Factorize `matrix` (n, n) by `fronts`, taking over what is `known`; without fronts SuperLU factorizes.
 
-        Raises SolveError where the matrix is not finite, or singular in an obvious way.
+        Raises NotQuasiDefiniteError where fronts can't factorize it, SolveError where it is not finite, or singular in
+        an obvious way.
         """
         diagonal = matrix.diagonal()
         if not np.isfinite(matrix.largest()):
             raise SolveError("the stiffness matrix has entries that are not finite")
         if not np.all(diagonal != 0.0):
             raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
-        self.note, self.factors, self._products = "", {}, None
-        if fronts is not None:
-            try:
-                by_fronts = Multifrontal(matrix, fronts, known)
-            except NotQuasiDefiniteError as error:
-                self.note = f"factorized by SuperLU: {error}"
-            else:
-                self.factors, self._solve, self._products = by_fronts.factors, by_fronts.solve, by_fronts.products
-                return
-        self._solve = _by_superlu(matrix.tocsc(), diagonal)
+        if fronts is None:
+            self.factors, self._solve, self._products = {}, _by_superlu(matrix.tocsc(), diagonal), None
+        else:
+            by_fronts = Multifrontal(matrix, fronts, known)
+            self.factors, self._solve, self._products = by_fronts.factors, by_fronts.solve, by_fronts.products
 
     def solve(self, right: Floats) -> Floats:
         """Solution (n,) or (n, m) for the right-hand sides `right`, unrefined."""
@@ -131,6 +124,9 @@ def _by_superlu(matrix: csc_array, diagonal: Floats) -> Callable[[Floats], Float
 class ConstrainedSystem:
     """K with constraints C u = g, factorized once for many loads."""
 
+    note: str
+    """Why not the multifrontal factorization but SuperLU was used where places are known; else empty."""
+
     def __init__(
         self,
         stiffness: csc_array | SymmetricMatrix,
@@ -153,13 +149,14 @@ class ConstrainedSystem:
         fronts, coupling = (None, np.ones(len(size), dtype=bool)) if places is None else fronts_of(places, constraints)
         self._rho = np.where(coupling, size, 0.0)
         self._yielding = YIELDING / size
-        self._factorization = Factorization(self._held(), fronts, known)
+        self.note = ""
+        try:
+            self._factorization = Factorization(self._held(), fronts, known)
+        except NotQuasiDefiniteError as error:
+            self.note = f"factorized by SuperLU: {error}"
+            self._rho = size  # only the order of the fronts does without
+            self._factorization = Factorization(self._held())
         self._responses: Floats | None = None  # (n + m, m) to the constraints, found when they pay
-
-    @property
-    def note(self) -> str:
-        """Why the matrix was not factorized as it should be; mostly empty."""
-        return self._factorization.note
 
     @property
     def factors(self) -> Mapping[bytes, Factor]:

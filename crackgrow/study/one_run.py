@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
 
-from crackgrow.errors import reason_of
-from crackgrow.results.atomic import OutputError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.result import RunEnd, StepResult
 
@@ -26,6 +23,5 @@ def write_run(writer: RunWriter, steps: Iterator[StepResult]) -> RunEnd:
                 return end
             writer.add(result)
     except Exception as error:
-        with suppress(OutputError):  # a disk that refuses now doesn't hide the first error
-            writer.fail(reason_of(error))
+        writer.break_off(error)
         raise

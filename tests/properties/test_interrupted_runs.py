@@ -72,8 +72,16 @@ def test_a_run_killed_again_and_again_ends_as_if_nothing_had_happened(
     [
         ("cyclic_friction", ("numerics.spacing=10", "output.figures=false"), 12),
         ("compression30", (*COARSE[:3], "growth.unload_between_steps=false", "output.frames=first_and_last"), 2),
-        ("flaw_and_hole", ("numerics.spacing=3", "growth.steps=4", "output.frames=none"), 3),
-        ("two_flaws", ("numerics.spacing=3", "growth.steps=11", "output.frames=none", "output.figures=false"), 10),
+        pytest.param(
+            *("flaw_and_hole", ("numerics.spacing=3", "growth.steps=4", "output.frames=none"), 3),
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "two_flaws",
+            ("numerics.spacing=3", "growth.steps=11", "output.frames=none", "output.figures=false"),
+            10,
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_any_kind_of_run_goes_on(tmp_path: Path, case: str, settings: tuple[str, ...], last: int) -> None:

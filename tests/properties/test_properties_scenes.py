@@ -15,6 +15,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.reactions import reactions, total_load
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution, solve_step
+from crackgrow.solid.multifrontal import NotQuasiDefiniteError
 from crackgrow.solid.recovery import displacement_at, stress_at
 
 PATCH_TEST = {1.5: 1e-7, 2.0: 1e-9}
@@ -352,14 +353,37 @@ def test_patch_test_through_slanted_joints(tmp_path: Path, seed: int, contact: s
 )
 def test_patch_test_through_inclusions(tmp_path: Path, shape: str, contact: str, support: float) -> None:
     """The core is held by the rock round it alone, on an interface that closes on itself."""
-    scene, solution = solve(tmp_path, INCLUSION.format(shape=shape, contact=contact, support=support))
+    solution = pressed_evenly(tmp_path, INCLUSION.format(shape=shape, contact=contact, support=support), support)
+    assert (solution.outcome.state == STICK).all()
+
+
+def pressed_evenly(folder: Path, text: str, support: float) -> StepSolution:
+    """A solution that is held against the uniform strain of a plate that is pressed from all sides."""
+    scene, solution = solve(folder, text)
     strain = -1e6 * (1 - 0.3**2 - 0.3 * 1.3) / 1e10
     metres = places((-1.9, -1.9), (1.9, 1.9))
     points = scene.lattice.to_lattice(metres)
     elements = locate(scene.lattice, solution.cover.elements, points)
     found = displacement_at(solution.cover, solution.outcome.u, points, elements)
     assert np.abs(found - (metres + 2.0) * strain).max() < PATCH_TEST[support] * 4.0 * abs(strain)
-    assert (solution.outcome.state == STICK).all()
+    return solution
+
+
+@pytest.mark.parametrize("support", [1.5, 2.0])
+@pytest.mark.parametrize("corners", [4, 5, 6])
+def test_bonded_inclusion_without_fronts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, corners: int, support: float
+) -> None:
+    """A core that only bonds hold is found where it is, also where fronts fail and SuperLU steps in."""
+
+    def fails(*_: object) -> None:
+        raise NotQuasiDefiniteError("made to fail")
+
+    angles = 2.0 * np.pi * np.arange(corners) / corners + 0.3
+    points = (0.9 * np.stack([np.cos(angles), np.sin(angles)], axis=1)).round(6).tolist()
+    text = INCLUSION.format(shape=f"{{polygon: {points}}}", contact="bonded", support=support)
+    monkeypatch.setattr("crackgrow.solid.linear_solver.Multifrontal", fails)
+    assert "made to fail" in pressed_evenly(tmp_path, text, support).contact.system.note
 
 
 HOLED = """

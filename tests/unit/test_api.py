@@ -183,6 +183,29 @@ def test_what_was_solved_before_an_error_is_kept(
     assert len(read(tmp_path / "out/tips.csv")) == 2
 
 
+def test_report_that_fails_is_a_note_to_what_ended_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def breaking(case: Case) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
+        raise crackgrow.SolveError("singular")
+        yield
+
+    def fails(self: crackgrow.RunWriter) -> None:
+        raise IndexError("in the report")
+
+    monkeypatch.setattr(api, "solved_steps", breaking)
+    monkeypatch.setattr(crackgrow.RunWriter, "_write_report", fails)
+    with pytest.raises(crackgrow.SolveError, match="singular") as caught:
+        crackgrow.run_case(case("compression30"), tmp_path)
+    assert caught.value.__notes__ == [
+        "then the results could not be completed: internal error: IndexError: in the report"
+    ]
+
+
+@pytest.mark.parametrize("name", ["CaseError", "CrackgrowError", "GeometryError", "OccupiedError", "OutputError"])
+def test_errors_can_be_caught_by_the_names_in_the_docstrings(name: str) -> None:
+    assert issubclass(getattr(crackgrow, name), crackgrow.CrackgrowError)
+    assert name in dir(crackgrow)
+
+
 def test_importing_the_package_loads_no_numpy() -> None:
     code = "import sys, crackgrow; dir(crackgrow); sys.exit('numpy' in sys.modules or 'pandas' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0

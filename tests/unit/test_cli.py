@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
@@ -179,6 +180,36 @@ def test_interrupted_run_keeps_the_results_so_far_and_says_how_to_go_on(
     assert capsys.readouterr().err.endswith(f"crackgrow {command}\n")
 
 
+def test_interrupt_while_the_end_is_written_leaves_a_complete_run(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    finish = writer.RunWriter.finish
+
+    def pressed(self: writer.RunWriter, end: RunEnd) -> None:
+        finish(self, end)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(writer.RunWriter, "finish", pressed)
+    assert cli.main(["run", "block.yaml"]) == 0
+    assert summary(scene / "outputs" / "block")["status"] == "completed"
+    assert "go on with" not in capsys.readouterr().err
+
+
+def test_report_that_fails_does_not_hide_why_a_run_broke_off(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(self: writer.RunWriter) -> None:
+        raise IndexError("in the report")
+
+    monkeypatch.setattr(writer.RunWriter, "_write_report", fails)
+    for first, code in ((OutputError("no space"), 3), (SolveError("singular"), 3), (KeyboardInterrupt(), 130)):
+        monkeypatch.setattr(crackgrow, "grow", breaking(first))
+        assert cli.main(["run", "block.yaml"]) == code
+        second, told = capsys.readouterr().err.splitlines()
+        assert second == "crackgrow: internal error: IndexError: in the report"
+        assert told.startswith(f"crackgrow: {first or 'interrupted'}")
+
+
 def test_bug_shows_its_traceback_and_keeps_the_results(
     scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -210,6 +241,18 @@ def test_disk_that_fills_during_a_run_exits_3(
     assert err.startswith("crackgrow: cannot write tips.csv: No space left on device; then go on with: ")
     assert err.endswith(" run block.yaml --out outputs/block --resume\n")
     assert summary(scene / "outputs" / "block")["status"] == "failed"
+
+
+def test_case_file_in_the_folder_of_the_results_is_not_replaced(
+    scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (scene / "slope").mkdir()
+    (scene / "slope" / "case.yaml").write_text("# mine\n")
+    (scene / "slope" / "summary.json").write_text('{"stop_reason": "of an earlier run"}')
+    assert cli.main(["run", "slope/case.yaml", "--out", "slope"]) == 2
+    assert capsys.readouterr().err.startswith("crackgrow: slope/case.yaml is the case itself, which the run would")
+    assert (scene / "slope" / "case.yaml").read_text() == "# mine\n"
+    assert cli.main(["run", "slope/case.yaml", "--out", "other"]) == 0
 
 
 def test_missing_case_file_suggests_a_near_name(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:

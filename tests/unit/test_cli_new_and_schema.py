@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import resource
+import signal
 from pathlib import Path
 
 import pytest
@@ -51,6 +53,31 @@ def test_a_case_goes_among_the_cases_and_names_the_schema_there(folder: Path) ->
 def test_where_a_case_goes(name: str, file: str, folder: Path) -> None:
     assert cli.main(["new", name]) == 0
     assert (folder / file).is_file()
+
+
+@pytest.mark.parametrize("name", ["", ".", "/"])
+def test_a_case_without_a_name_is_refused(name: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["new", name]) == 2
+    assert capsys.readouterr().err == f"'{name}': is no name of a case; allowed are those such as my_slope\n"
+    assert list(folder.iterdir()) == []
+
+
+def test_the_next_commands_can_be_pasted(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["new", "my slope"]) == 0
+    assert "next: crackgrow check 'my slope.yaml', then crackgrow run 'my slope.yaml'" in capsys.readouterr().out
+
+
+def test_half_a_case_is_not_left_behind(folder: Path) -> None:
+    room = 1000  # bytes, less than the case
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # else the process ends
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
+    try:
+        assert cli.main(["new", "mine"]) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, handler)
+    assert list(folder.iterdir()) == []
 
 
 def test_nothing_is_overwritten(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

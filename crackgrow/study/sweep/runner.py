@@ -112,7 +112,11 @@ def done(run: Run) -> bool:
         return False
     if settings.read_text(encoding="utf-8") != dump_case(run.case):
         return False
-    return json.loads(summary.read_text(encoding="utf-8")).get("status") in FINISHED
+    try:
+        ended = json.loads(summary.read_text(encoding="utf-8"))["status"] in FINISHED
+        return ended and bool(measured(run.folder))
+    except (OSError, ValueError, KeyError, TypeError):  # damaged, or of another version: it is run again
+        return False
 
 
 def check_packages() -> None:

@@ -10,6 +10,7 @@ import scipy.linalg
 
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
+from crackgrow.results.atomic import OccupiedError
 from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
@@ -34,6 +35,8 @@ def solve(case: Case, folder: Path) -> Values:
     """
     try:
         return _solve(case, folder)
+    except OccupiedError as error:  # nothing in the folder is this run's
+        return {"status": "failed", "reason": reason_of(error)}
     except Exception as error:
         return {**measured(folder), "status": "failed", "reason": reason_of(error)}
 

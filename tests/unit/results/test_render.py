@@ -86,6 +86,9 @@ def test_earlier_pictures_of_the_field_go_and_others_stay(folder: Path, tmp_path
 def test_what_is_not_there_is_refused(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(FolderError, match=r"has no frame of step 7, 9; it has those of 0 to 3$"):
         list(render.render(folder, steps=[0, 7, 9], out=tmp_path))
+    spans = [range(2, 10_000), range(5000, 10**9), 2 * 10**9]  # as numbers they would take memory, and the screen
+    with pytest.raises(FolderError, match=r"has no frame of step 4 to 999999999, 2000000000; it has those of 0 to 3$"):
+        list(render.render(folder, steps=spans, out=tmp_path))
     with pytest.raises(FolderError, match=r"no field 'sigma_2'; it has displacement, stress_xx, .*sigma_3"):
         list(render.render(folder, "sigma_2", out=tmp_path))
     with pytest.raises(FolderError, match="not a folder of results"):

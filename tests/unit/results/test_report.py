@@ -7,6 +7,7 @@ import json
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -20,7 +21,7 @@ from PIL import Image
 
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
-from crackgrow.results.folder import FolderError
+from crackgrow.results.folder import FolderError, read_run
 from crackgrow.results.report import checks, pictures, write_report
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.cautions import LARGE_OVERLAP, LARGE_RESIDUAL
@@ -206,6 +207,45 @@ def test_no_report_where_none_is_wanted(tmp_path: Path) -> None:
 def test_folder_without_results_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FolderError, match=r"is not a folder of results: summary\.json cannot be read"):
         write_report(tmp_path)
+
+
+def copied(folder: Path, to: Path) -> Path:
+    return Path(shutil.copytree(folder, to / "copy"))
+
+
+def test_rows_of_a_step_that_a_kill_left_half_written_are_left_out(folder: Path, tmp_path: Path) -> None:
+    copy = copied(folder, tmp_path)
+    steps = (copy / "steps.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    (copy / "steps.csv").write_text("".join(steps[:-1]), encoding="utf-8")  # tips.csv and contact.csv have step 3
+    run = read_run(copy)
+    assert run.solved == [0, 1, 2]
+    assert set(run.contact.steps().tolist()) == set(run.tips.steps().tolist()) == {0, 1, 2}
+    write_report(copy)
+    assert set(read(copy).data["tips"]["steps"]) == {"0", "1", "2"}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("summary.json", '{"case": "comp', "line 1"),
+        ("summary.json", "[]", "it is no mapping"),
+        ("summary.json", '{"case": "a"}', "it has no title, status"),
+        ("summary.json", "\udcff", "utf-8"),
+        ("steps.csv", "", "its columns are none, not step, n_dofs"),
+        ("contact.csv", "step,crack\n0,flaw\n", "its columns are step, crack, not step, crack, s"),
+        ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1\n", "row 1 has 3 values, the header has 5"),
+        ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1e,0.1,0\n", "x: could not convert"),
+        ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1,0.1,\n", "step: invalid literal"),
+    ],
+)
+def test_damaged_files_are_named(folder: Path, tmp_path: Path, name: str, text: str, message: str) -> None:
+    copy = copied(folder, tmp_path)
+    (copy / name).write_text(text, encoding="utf-8", errors="surrogateescape")
+    with pytest.raises(
+        FolderError, match=f"{re.escape(str(copy / name))} is damaged, or of another version: .*"
+    ) as got:
+        write_report(copy)
+    assert message in str(got.value)
 
 
 def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -129,6 +129,13 @@ def test_load_factors_to_come_may_change_and_those_before_not(tmp_path: Path) ->
     assert contents(tmp_path / "short") == contents(tmp_path / "at once")
 
 
+def test_load_factors_where_there_were_none_are_a_changed_case(tmp_path: Path) -> None:
+    assert run(tmp_path, "growth.steps=0", "loading=critical") == 0
+    with pytest.raises(ResumeError, match="the case is not that of the run") as caught:
+        find_resumption(case(*HISTORY, name="cyclic_friction"), tmp_path)
+    assert "  loading: critical then, not given now" in str(caught.value)
+
+
 def test_an_empty_folder_is_begun_with(tmp_path: Path) -> None:
     assert find_resumption(case(), tmp_path / "none") is None
     assert run(tmp_path / "none", "growth.steps=0", resume=True) == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 import pyvista
 
 from crackgrow.results import writer as writer_module
+from crackgrow.results.atomic import OccupiedError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.result import Frame, FrameOnDemand, RunEnd
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_frame, make_paths, make_result
@@ -197,3 +199,34 @@ def test_a_mesh_is_made_once_and_only_where_somebody_wants_it(
         writer.add(make_result(step, mesh=FrameOnDemand(partial(mesh, step))))
     writer.finish(make_end(2))
     assert sorted(made) == wanted
+
+
+@pytest.mark.parametrize("name", ["paths.csv", "case.yaml", "block.pvd", "frames/step_0003.vtu"])
+def test_files_that_no_run_has_written_are_not_replaced(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text("mine")
+    (tmp_path / "notes.txt").write_text("mine too")
+    for foreign in (None, '{"name": "of another program"}'):
+        if foreign is not None:
+            (tmp_path / "summary.json").write_text(foreign)
+        before = files(tmp_path)
+        with pytest.raises(OccupiedError, match=r"would be replaced, and nothing in .* shows that a run wrote it"):
+            RunWriter(make_case(), tmp_path).begin()
+        assert files(tmp_path) == before
+        assert (tmp_path / name).read_text() == "mine"
+
+
+def test_a_folder_whose_summary_is_damaged_is_still_a_run_s(tmp_path: Path) -> None:
+    RunWriter(make_case(), tmp_path).begin()
+    (tmp_path / "summary.json").write_text('{"case": "blo')
+    RunWriter(make_case(), tmp_path).begin()
+    assert json.loads((tmp_path / "summary.json").read_text())["status"] == "running"
+
+
+def test_series_of_another_case_go_with_its_frames(tmp_path: Path) -> None:
+    writer = RunWriter(make_case(), tmp_path)
+    writer.begin()
+    writer.add(make_result(0))
+    assert {"block.pvd", "block_cracks.pvd"} < files(tmp_path)
+    RunWriter(replace(make_case(), name="other"), tmp_path).begin()
+    assert files(tmp_path) == TABLES

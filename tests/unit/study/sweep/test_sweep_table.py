@@ -15,6 +15,7 @@ from crackgrow.study.sweep import solving
 from crackgrow.study.sweep.measured import measured
 from crackgrow.study.sweep.overview import draw, responses_of
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
+from crackgrow.study.sweep.runner import done
 from crackgrow.study.sweep.solving import solve
 from crackgrow.study.sweep.table import SweepTable
 
@@ -127,3 +128,24 @@ def test_folder_of_another_case_is_replaced(tmp_path: Path):
 
 def test_nothing_is_told_of_a_run_that_has_not_begun(tmp_path: Path):
     assert measured(tmp_path) == {}
+
+
+def test_folder_with_files_of_something_else_is_a_run_that_failed(tmp_path: Path):
+    run = planned(tmp_path, "cracks.flaw.path.angle: [30]").runs[0]
+    assert run.case is not None
+    run.folder.mkdir(parents=True)
+    (run.folder / "summary.json").write_text('{"of": "another program"}', encoding="utf-8")
+    values = solve(run.case, run.folder)
+    assert values["status"] == "failed"
+    assert "summary.json would be replaced" in str(values["reason"])
+    assert (run.folder / "summary.json").read_text(encoding="utf-8") == '{"of": "another program"}'
+
+
+def test_run_whose_summary_is_damaged_or_of_another_version_is_not_done(tmp_path: Path):
+    run = planned(tmp_path, "cracks.flaw.path.angle: [30]").runs[0]
+    assert run.case is not None
+    solve(run.case, run.folder)
+    assert done(run)
+    for text in ('{"status": "compl', "[]", '{"status": "completed"}'):
+        (run.folder / "summary.json").write_text(text, encoding="utf-8")
+        assert not done(run)
