@@ -11,6 +11,7 @@ from typing import Final
 
 from crackgrow.case import dump_case
 from crackgrow.errors import CrackgrowError
+from crackgrow.results.atomic import OccupiedError
 from crackgrow.results.leftovers import remove_leftovers
 from crackgrow.results.resume import FINISHED
 from crackgrow.study.sweep.job import Job, Values, job_of, run_job
@@ -100,7 +101,8 @@ def _remove_earlier(plan: SweepPlan) -> None:
     """Remove what an earlier sweep has left in the folders of the runs; raises OutputError."""
     for run in plan.runs:
         if run.case is not None:
-            remove_leftovers(run.folder, run.case.name)
+            with contextlib.suppress(OccupiedError):  # then the run itself is refused, and the others are made
+                remove_leftovers(run.folder, run.case.name)
 
 
 def done(run: Run) -> bool:

@@ -256,6 +256,17 @@ def test_earlier_results_are_kept_where_nothing_can_run(tmp_path: Path, monkeypa
     assert (tmp_path / "sweep.csv").read_text() == (plan.runs[0].folder / "summary.json").read_text() == "earlier"
 
 
+def test_folder_with_files_of_somebody_else_fails_its_own_run_alone(address: str, tmp_path: Path):
+    plan = plan_sweep(written(tmp_path, "[0, 0.1]"), tmp_path)
+    own = plan.runs[1].folder / "paths.csv"
+    own.parent.mkdir()
+    own.write_text("digitised")
+    found = {row.run.number: row.values for row in sweep(plan, scheduler=address)}
+    assert [found[number]["status"] for number in range(2)] == ["completed", "failed"]
+    assert "would be replaced" in str(found[1]["reason"])
+    assert own.read_text() == "digitised"
+
+
 @pytest.mark.slow
 def test_cluster_started_by_hand_is_used(tmp_path: Path):
     place = tmp_path / "scheduler.json"
