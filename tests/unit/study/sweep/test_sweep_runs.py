@@ -178,6 +178,7 @@ def test_run_of_a_killed_worker_is_gone_on_with(address: str, tmp_path: Path):
     assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
 
 
+@pytest.mark.slow
 def test_run_that_kills_its_workers_is_told_and_the_others_are_run(address: str, tmp_path: Path):
     def deadly(job: Job) -> Values:
         import os
