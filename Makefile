@@ -5,6 +5,9 @@ PY := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
 MAKEFLAGS += --no-print-directory
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# One thread each: NumPy and SciPy bring a BLAS of their own, and the two fight for the cores.
+export OPENBLAS_NUM_THREADS ?= 1
+export OMP_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := help
 .PHONY: help run case-exists test test-all browser verify stability lint check bench wheel readme clean distclean
@@ -50,7 +53,7 @@ case-exists:
 	fi
 
 test: $(STAMP)
-	@$(PY) -m pytest -q -m "not slow"
+	@$(PY) -m pytest -q -m "not slow" -n 2 --dist loadfile
 
 test-all: $(STAMP)
 	@$(PY) -m pytest -q
@@ -59,7 +62,7 @@ browser: $(STAMP)
 	@$(PY) -m pytest -q -m browser tests/browser
 
 verify: $(STAMP)
-	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) -m tests.verification.verify $(ARGS)
+	@$(PY) -m tests.verification.verify $(ARGS)
 
 stability: $(STAMP)
 	@$(PY) -m crackgrow stability $(ARGS)
@@ -71,7 +74,7 @@ lint: $(STAMP)
 check: lint test
 
 bench: $(STAMP)
-	@OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(PY) -m tests.benchmarks.run $(ARGS)
+	@$(PY) -m tests.benchmarks.run $(ARGS)
 
 # Without a build folder: setuptools would pack what an earlier build has left in it.
 wheel: $(STAMP)
