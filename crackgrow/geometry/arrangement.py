@@ -32,7 +32,7 @@ _COMPLEX = np.array([1.0, 1.0j])
 
 
 def as_numbers(points: Floats) -> NDArray[np.complex128]:
-    """Points (n, 2) as one complex number each, exactly: sorted by x, then y."""
+    """Points (..., 2) as one complex number each, exactly: sorted by x, then y."""
     return np.asarray(points @ _COMPLEX)
 
 

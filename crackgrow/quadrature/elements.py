@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import TipsOf
-from crackgrow.geometry.arrangement import ring_vertices
+from crackgrow.geometry.arrangement import as_numbers, ring_vertices
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
 
 Floats = NDArray[np.float64]
@@ -34,9 +34,6 @@ MORE_POINTS_WHERE_FADING = 1
 
 MORE_POINTS_AT_TIPS = 1
 """The same for triangles with their apex at a tip."""
-
-_COMPLEX = np.array([1.0, 1.0j])
-"""Makes one number of a point, exactly."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -184,7 +181,7 @@ def _flat(points: Floats, weights: Floats, owner: Ints) -> tuple[Floats, Floats,
 
 def _tip_first(corners: Floats, tips: Floats) -> tuple[Bools, Floats]:
     """Which triangles (t, 3, 2) have a tip as a corner, and all triangles with that corner turned to the front."""
-    is_tip = np.isin(corners @ _COMPLEX, tips @ _COMPLEX)
+    is_tip = np.isin(as_numbers(corners), as_numbers(tips))
     turn = np.argmax(is_tip, axis=1)
     turned = np.take_along_axis(corners, ((np.arange(3) + turn[:, None]) % 3)[:, :, None], axis=1)
     return np.asarray(is_tip.any(axis=1)), turned

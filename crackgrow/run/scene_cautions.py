@@ -166,9 +166,10 @@ def _close_pairs(scene: Scene, cover: Cover) -> list[tuple[str, str]]:
     """
     lines = [shapely.LineString(crack.points) for crack in cover.cracks]
     names = [f"crack '{crack.name}'" for crack in cover.cracks]
-    near = [(i, j) for i in range(len(lines)) for j in range(i) if shapely.dwithin(lines[i], lines[j], CLOSE)]
+    found = cover.crack_tree.query(lines, predicate="dwithin", distance=CLOSE).T.tolist()
+    near = sorted((i, j) for i, j in found if j < i)
     meeting = [pair for pair in near if shapely.dwithin(lines[pair[0]], lines[pair[1]], ON_LINE)]
-    pairs = [(names[i], names[j]) for i, j in near if (i, j) not in meeting]
+    pairs = [(names[i], names[j]) for i, j in sorted(set(near) - set(meeting))]
     outline = shapely.multilinestrings(shapely.linestrings(cover.elements.outlines.points))
     interfaces = scene.interfaces
     for tip, (index, at_end) in zip(cover.tips, cover.tip_ends, strict=True):
