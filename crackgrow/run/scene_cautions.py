@@ -166,7 +166,7 @@ def _close_pairs(scene: Scene, cover: Cover) -> list[tuple[str, str]]:
     """
     lines = [shapely.LineString(crack.points) for crack in cover.cracks]
     names = [f"crack '{crack.name}'" for crack in cover.cracks]
-    found = cover.crack_tree.query(lines, predicate="dwithin", distance=CLOSE).T.tolist()
+    found = cover.crack_tree.query(cover.crack_tree.geometries, predicate="dwithin", distance=CLOSE).T.tolist()
     near = sorted((i, j) for i, j in found if j < i)
     meeting = [pair for pair in near if shapely.dwithin(lines[pair[0]], lines[pair[1]], ON_LINE)]
     pairs = [(names[i], names[j]) for i, j in sorted(set(near) - set(meeting))]
