@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
+from tests.whole_run import whole_run
 
 ROOT = Path(__file__).parents[2]
 WING = np.genfromtxt(
@@ -21,13 +21,9 @@ MM = 1e-3
 
 @cache
 def run(scene: str, *settings: str) -> tuple[list[StepResult], RunEnd]:
-    results = []
-    steps = grow(load_case(ROOT / "cases" / f"{scene}.yaml", [*settings, "output.frames=none", "output.figures=false"]))
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
+    return whole_run(
+        load_case(ROOT / "cases" / f"{scene}.yaml", [*settings, "output.frames=none", "output.figures=false"])
+    )
 
 
 def wings(end: RunEnd) -> list[np.ndarray]:

@@ -17,9 +17,9 @@ import shapely
 
 from crackgrow.case import load_case
 from crackgrow.cli import main
-from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.study.compare import compare_paths
+from tests.whole_run import whole_run
 
 CASES = Path(__file__).parents[2] / "cases"
 INCREMENT = 2e-3  # m
@@ -31,13 +31,7 @@ FLATTER = (  # spacing a, continuity 2a
 
 
 def run(scene: str, *settings: str) -> tuple[list[StepResult], RunEnd]:
-    results = []
-    steps = grow(load_case(CASES / f"{scene}.yaml", [*settings, "output.frames=none", "output.figures=false"]))
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
+    return whole_run(load_case(CASES / f"{scene}.yaml", [*settings, "output.frames=none", "output.figures=false"]))
 
 
 def written(folder: Path, *settings: str) -> Path:

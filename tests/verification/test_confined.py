@@ -7,10 +7,10 @@ from functools import cache
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
 from tests.verification.rows.confined import wing_of
 from tests.verification.solutions import CASES
+from tests.whole_run import whole_run
 
 COARSE = (
     "bodies.rock.shape.rectangle.width=80", "bodies.rock.shape.rectangle.height=60", "numerics.spacing=2.5",
@@ -25,12 +25,7 @@ EXPLICIT = ("growth.criterion=directional_strength", "growth.direction=explicit"
 def run(pressure: float, *settings: str) -> tuple[list[StepResult], RunEnd]:
     """The case under a lateral pressure in MPa; the axial one is 100 MPa."""
     confined = (f"loads.2.traction=[{pressure}, 0]", f"loads.3.traction=[{-pressure}, 0]")
-    results, steps = [], grow(load_case(CASES / "confined30.yaml", [*COARSE, *confined, *settings]))
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
+    return whole_run(load_case(CASES / "confined30.yaml", [*COARSE, *confined, *settings]))
 
 
 def test_wings_stop_where_K_falls_through_the_toughness() -> None:

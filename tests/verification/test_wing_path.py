@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
+from tests.whole_run import whole_run
 
 ROOT = Path(__file__).parents[2]
 WING = np.genfromtxt(Path(__file__).parent / "references" / "wing_path_theta30.csv", delimiter=",", names=True)
@@ -19,13 +19,7 @@ SETTINGS = (
 
 
 def run(*settings: str) -> tuple[list[StepResult], RunEnd]:
-    results = []
-    steps = grow(load_case(ROOT / "cases" / "compression30.yaml", [*SETTINGS, *settings]))
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
+    return whole_run(load_case(ROOT / "cases" / "compression30.yaml", [*SETTINGS, *settings]))
 
 
 @pytest.mark.parametrize(

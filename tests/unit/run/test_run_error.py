@@ -10,11 +10,11 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.error import estimated_error
-from crackgrow.run.loop import grow
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step import StepSolution, solve_step
 from crackgrow.study.energy_distance import energy_distance
+from tests.whole_run import whole_run
 
 CASES = Path(__file__).parents[3] / "cases"
 COARSE = "numerics.spacing=3"
@@ -28,12 +28,7 @@ def solve(name: str, *settings: str, factor: float = 1.0) -> StepSolution:
 
 def run(*settings: str) -> tuple[list[StepResult], RunEnd]:
     case = load_case(CASES / "compression30.yaml", (COARSE, "output.figures=false", *settings))
-    steps, results = grow(case), []
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
+    return whole_run(case)
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError, FreePieceError, GeometryError, SolveError
 from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
+from tests.whole_run import whole_run
 
 ROOT = Path(__file__).parents[3]
 REFERENCE = ROOT / "tests" / "verification" / "references" / "open_crack_K.csv"
@@ -84,15 +85,6 @@ def plate(tmp_path: Path) -> Plate:
     return make
 
 
-def run(case: Case) -> tuple[list[StepResult], RunEnd]:
-    results, steps = [], grow(case)
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
-
-
 CENTRE = {"flaw": straight((0.0, 0.0), 10.0, 0.0)}
 
 
@@ -123,7 +115,7 @@ def test_nothing_is_solved_before_it_is_asked_for(plate: Plate, monkeypatch: pyt
 
 
 def test_each_step_adds_its_increment_where_the_tip_said(plate: Plate) -> None:
-    results, end = run(plate({"flaw": straight((0.0, 0.0), 10.0, 20.0)}, growth={"steps": 3}))
+    results, end = whole_run(plate({"flaw": straight((0.0, 0.0), 10.0, 20.0)}, growth={"steps": 3}))
     paths = [result.cracks[0] for result in results] + [end.cracks[0]]
     for result, after in zip(results[:-1], paths[1:], strict=False):
         (tip,) = [tip for tip in result.tips if tip.advanced]
@@ -142,7 +134,7 @@ def test_each_step_adds_its_increment_where_the_tip_said(plate: Plate) -> None:
 
 
 def test_a_static_case_is_one_solve(plate: Plate) -> None:
-    results, end = run(plate(CENTRE))
+    results, end = whole_run(plate(CENTRE))
     assert end.status == "completed"
     assert "static" in end.reason
     (result,) = results
@@ -154,7 +146,7 @@ def test_a_static_case_is_one_solve(plate: Plate) -> None:
 
 def test_a_plate_without_cracks_is_in_uniform_stress(plate: Plate) -> None:
     case = plate({}, "output.frames=every_step", sigma=-3.0)
-    (result,), end = run(case)
+    (result,), end = whole_run(case)
     assert end.status == "completed"
     assert result.tips == result.faces == result.cracks == ()
     assert len(result.contact.s) == 0
@@ -167,35 +159,35 @@ def test_a_plate_without_cracks_is_in_uniform_stress(plate: Plate) -> None:
 
 
 def test_growth_without_cracks_arrests(plate: Plate) -> None:
-    results, end = run(plate({}, growth={}))
+    results, end = whole_run(plate({}, growth={}))
     assert end.status == "arrested"
     assert "no tip" in end.reason
     assert len(results) == 1
 
 
 def test_cracks_without_contact_pass_through_each_other(plate: Plate) -> None:
-    (free,), _ = run(plate({"flaw": {**CENTRE["flaw"], "contact": "none"}}, sigma=-1.0))
+    (free,), _ = whole_run(plate({"flaw": {**CENTRE["flaw"], "contact": "none"}}, sigma=-1.0))
     assert len(free.contact.s) == 0
     assert free.contact_status == "none"
-    (pulled,), _ = run(plate(CENTRE, sigma=1.0))
+    (pulled,), _ = whole_run(plate(CENTRE, sigma=1.0))
     there = np.interp(free.faces[0].s, pulled.faces[0].s, pulled.faces[0].opening)  # it has contact points as well
     np.testing.assert_allclose(free.faces[0].opening, -there, atol=1e-15)  # linear
     assert free.faces[0].opening.min() < -1e-7
-    (closed,), _ = run(plate(CENTRE, sigma=-1.0))
+    (closed,), _ = whole_run(plate(CENTRE, sigma=-1.0))
     assert closed.faces[0].opening.min() > -1e-3 * np.abs(free.faces[0].opening).max()
 
 
 def test_cracks_far_apart_do_not_feel_each_other(plate: Plate) -> None:
     both = {"a": straight((-2.0, -14.0), 6.0, 25.0), "b": straight((1.0, 14.0), 5.0, -40.0)}
     size = (40.0, 60.0)
-    (together,), _ = run(plate(both, size=size))
+    (together,), _ = whole_run(plate(both, size=size))
     assert [(tip.crack, tip.tip) for tip in together.tips] == [
         ("a", "start"),
         ("a", "end"),
         ("b", "start"),
         ("b", "end"),
     ]
-    alone = [run(plate({name: both[name]}, size=size))[0][0] for name in both]
+    alone = [whole_run(plate({name: both[name]}, size=size))[0][0] for name in both]
     expected = [tip.K_I for result in alone for tip in result.tips]
     # the stress of a crack decays as (a / r)^2 / 2: below 1 % at 28 mm for a = 3 mm
     assert [tip.K_I for tip in together.tips] == pytest.approx(expected, rel=1e-2)
@@ -207,7 +199,7 @@ def test_an_edge_crack_in_tension_has_the_K_of_the_reference(plate: Plate) -> No
     table = np.genfromtxt(REFERENCE, delimiter=",", names=True, dtype=None, encoding="utf-8")
     row = table[table["scene"] == "edge_straight_30x30_a6"]
     edge = {"path": {"points": [[-15, 0], [-9, 0]]}, "tips": "end", "contact": {"friction": 0.0, "cohesion": 0.0}}
-    (result,), _ = run(plate({"edge": edge}, "numerics.spacing=1.0", size=(30.0, 30.0)))
+    (result,), _ = whole_run(plate({"edge": edge}, "numerics.spacing=1.0", size=(30.0, 30.0)))
     (tip,) = result.tips
     assert tip.tip == "end"
     expected = float(row["K_I_MPa_sqrtmm"][0]) * 1e6 * np.sqrt(MM)
@@ -220,7 +212,7 @@ def test_an_edge_crack_in_tension_has_the_K_of_the_reference(plate: Plate) -> No
 
 def test_a_crack_that_reaches_the_outline_goes_on_at_its_other_tip(plate: Plate) -> None:
     near = {"flaw": straight((9.0, 0.0), 10.0, 0.0)}  # its end is 1.5 mm from the right side
-    results, end = run(plate(near, growth={"steps": 3}))
+    results, end = whole_run(plate(near, growth={"steps": 3}))
     assert end.status == "completed"
     (event,) = results[1].events
     assert [len(result.events) for result in results] == [0, 1, 0, 0]
@@ -236,7 +228,7 @@ def test_a_crack_that_reaches_the_outline_goes_on_at_its_other_tip(plate: Plate)
 
 def test_a_hole_and_an_interface_are_met_by_their_names(plate: Plate) -> None:
     holes = "bodies.rock.shape.holes=[{rectangle: {center: [9, 0], width: 6, height: 6}}]"  # from x = 6
-    results, end = run(plate(CENTRE, holes, growth={"steps": 1, "advance": "all"}))
+    results, end = whole_run(plate(CENTRE, holes, growth={"steps": 1, "advance": "all"}))
     assert end.status == "completed"
     (event,) = results[1].events
     assert (event.kind, event.tip, event.met) == ("hole", "end", "hole0 of body 'rock'")
@@ -244,13 +236,13 @@ def test_a_hole_and_an_interface_are_met_by_their_names(plate: Plate) -> None:
     shape = "{rectangle: {center: [9, 0], width: 6, height: 6}}"
     inset = f"bodies.plug={{shape: {shape}, material: {{young: 10000, poisson: 0.25}}}}"
     between = "interfaces=[{between: [plug, rock], contact: bonded}]"
-    results, _ = run(plate(CENTRE, holes, inset, between, growth={"steps": 1, "advance": "all"}))
+    results, _ = whole_run(plate(CENTRE, holes, inset, between, growth={"steps": 1, "advance": "all"}))
     (event,) = results[1].events
     assert (event.kind, event.tip) == ("interface", "end")
     names = [f"interface '{face.crack}'" for face in results[1].faces]
     assert event.met in names  # one of the lines of plug/rock
     stub = {"stub": {"path": {"points": [[6, 0], [8, 2]]}, "tips": "none", "contact": "none"}}  # of the plug
-    results, _ = run(plate(CENTRE | stub, holes, inset, between, growth={"steps": 1, "advance": "all"}))
+    results, _ = whole_run(plate(CENTRE | stub, holes, inset, between, growth={"steps": 1, "advance": "all"}))
     (event,) = results[1].events
     assert (event.kind, event.tip) == ("coalescence", "end")
     assert event.met in [f"crack 'stub' on {name}" for name in names]
@@ -261,7 +253,7 @@ ACROSS = {"flaw": straight((0.0, 0.0), 27.0, 0.0)}
 
 
 def test_a_piece_that_comes_loose_ends_the_run(plate: Plate) -> None:
-    results, end = run(plate(ACROSS, growth={"steps": 5, "increment": 3, "advance": "all"}))
+    results, end = whole_run(plate(ACROSS, growth={"steps": 5, "increment": 3, "advance": "all"}))
     assert [result.step for result in results] == [0]
     assert end.status == "broke_through"
     assert end.reason.startswith("step 1: the piece of rock round (")
@@ -275,11 +267,11 @@ def test_rock_in_pieces_that_supports_hold_has_broken_through_when_no_tip_is_lef
         "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}, "
         "{on: {body: rock, edge: top}, displacement: {x: 0, y: 0.01}}]"
     )
-    results, end = run(plate(ACROSS, held, growth={"steps": 5, "increment": 3, "advance": "all"}))
+    results, end = whole_run(plate(ACROSS, held, growth={"steps": 5, "increment": 3, "advance": "all"}))
     assert [len(result.events) for result in results] == [0, 2]
     assert results[-1].tips == ()
     assert (end.status, end.events) == ("broke_through", ())
-    _, sooner = run(plate(ACROSS, held, growth={"steps": 1, "increment": 3, "advance": "all"}))
+    _, sooner = whole_run(plate(ACROSS, held, growth={"steps": 1, "increment": 3, "advance": "all"}))
     assert (sooner.status, sooner.reason) == (end.status, end.reason)  # the last step is judged alike
     assert "no tip is left" in end.reason
     assert "2 pieces, 1 at the start" in end.reason
@@ -303,7 +295,7 @@ def test_a_free_piece_is_an_end_after_the_first_solve_and_an_error_before(
 ) -> None:
     case = plate({"flaw": straight((9.0, 0.0), 10.0, 0.0)}, growth={"steps": 5})
     failing(monkeypatch, FreePieceError("a wedge is free to move", "hold it"), at=1)
-    results, end = run(case)
+    results, end = whole_run(case)
     assert len(results) == 1
     assert (end.status, end.reason) == ("broke_through", "step 1: a wedge is free to move")
     assert [event.kind for event in end.events] == ["break_through"]
@@ -355,7 +347,7 @@ def test_a_tip_that_has_met_a_crack_stays_and_the_others_go_on(plate: Plate, mon
         "b": straight((1.5, 0.0), 8.0, 90.0, tips="none"),
     }
     solved_once(monkeypatch)
-    results, end = run(plate(cracks, growth={"steps": 2, "advance": "all"}))
+    results, end = whole_run(plate(cracks, growth={"steps": 2, "advance": "all"}))
     assert end.status == "completed"
     assert [len(result.events) for result in results] == [0, 1, 0]
     (event,) = results[1].events
@@ -372,13 +364,13 @@ def test_where_every_tip_has_met_something_the_run_is_arrested(plate: Plate, mon
         "b": straight((1.5, 0.0), 8.0, 90.0, tips="none"),
     }
     solved_once(monkeypatch)
-    results, end = run(plate(cracks, growth={"steps": 5}))
+    results, end = whole_run(plate(cracks, growth={"steps": 5}))
     assert len(results) == 2
     assert (end.status, end.reason) == ("arrested", "step 1: no tip is left that could grow")
 
 
 def test_a_plate_that_is_strong_enough_arrests(plate: Plate) -> None:
-    results, end = run(
+    results, end = whole_run(
         plate(CENTRE, "bodies.rock.strength={tension: 50, cohesion: 100, friction_angle: 40}", growth={})
     )
     assert end.status == "arrested"
@@ -389,13 +381,13 @@ def test_a_plate_that_is_strong_enough_arrests(plate: Plate) -> None:
 
 @pytest.mark.parametrize(("radius", "n"), [(0.7, 1), (0.8, 0)])
 def test_a_radius_below_half_a_spacing_warns_once(plate: Plate, radius: float, n: int) -> None:
-    results, _ = run(plate(CENTRE, growth={"steps": 1, "tip_stress": {"radius": radius}}))
+    results, _ = whole_run(plate(CENTRE, growth={"steps": 1, "tip_stress": {"radius": radius}}))
     told = [sum("radius" in warning for warning in result.warnings) for result in results]
     assert told == [n, 0]
 
 
 def test_effective_toughness_is_that_of_the_criterion(plate: Plate) -> None:
-    results, _ = run(plate(CENTRE, growth={"steps": 1}))
+    results, _ = whole_run(plate(CENTRE, growth={"steps": 1}))
     tip = results[0].tips[1]
     # K_I over the toughness and stress over strength say the same, up to the stress along the crack (10 %)
     assert tip.K_I / results[0].effective_toughness == pytest.approx(tip.criticality, rel=0.1)
@@ -419,7 +411,7 @@ def test_the_same_case_twice_gives_the_same_bits(plate: Plate) -> None:
     case = plate(
         {"flaw": straight((0.0, 0.0), 10.0, 30.0)}, "output.frames=every_step", sigma=-100.0, growth={"steps": 1}
     )
-    (first, _), (second, _) = run(case), run(case)
+    (first, _), (second, _) = whole_run(case), whole_run(case)
     assert len(first) == len(second) == 2
     for one, two in zip(first, second, strict=True):
         mine, other = contents(one), contents(two)
@@ -429,8 +421,8 @@ def test_the_same_case_twice_gives_the_same_bits(plate: Plate) -> None:
 
 def test_the_answer_is_proportional_to_the_load_factor(plate: Plate) -> None:
     flaw = {"flaw": straight((0.0, 0.0), 10.0, 30.0)}
-    (one,), _ = run(plate(flaw, sigma=-10.0))
-    (five,), _ = run(plate(flaw, "loading.history=[5]", sigma=-10.0))
+    (one,), _ = whole_run(plate(flaw, sigma=-10.0))
+    (five,), _ = whole_run(plate(flaw, "loading.history=[5]", sigma=-10.0))
     assert five.load_factor == 5.0
     np.testing.assert_allclose(five.contact.normal_traction, 5.0 * one.contact.normal_traction, rtol=1e-9)
     np.testing.assert_allclose(five.faces[0].slip, 5.0 * one.faces[0].slip, rtol=1e-9, atol=1e-15)
@@ -440,15 +432,17 @@ def test_units_of_the_file_do_not_matter(plate: Plate) -> None:
     """The same plate in the given units and with quantities that carry their own."""
     flaw = straight((0.0, 0.0), 10.0, 30.0)
     own = {**flaw, "path": {"center": [0, 0], "length": "1 cm", "angle": 30}}
-    (one,), _ = run(plate({"flaw": flaw}, sigma=-10.0))
-    (two,), _ = run(plate({"flaw": own}, "numerics.spacing=0.15 cm", "bodies.rock.material.young=10 GPa", sigma=-10.0))
+    (one,), _ = whole_run(plate({"flaw": flaw}, sigma=-10.0))
+    (two,), _ = whole_run(
+        plate({"flaw": own}, "numerics.spacing=0.15 cm", "bodies.rock.material.young=10 GPa", sigma=-10.0)
+    )
     assert pytest.approx(one.tips[0].K_II, rel=1e-9) == two.tips[0].K_II
 
 
 @pytest.mark.parametrize("sigma", [1.0, -1.0])
 def test_mirroring_the_crack_mirrors_the_answer(plate: Plate, sigma: float) -> None:
-    (right,), _ = run(plate({"flaw": straight((2.0, 3.0), 9.0, 35.0)}, sigma=sigma))
-    (mirrored,), _ = run(plate({"flaw": straight((-2.0, 3.0), 9.0, 145.0)}, sigma=sigma))
+    (right,), _ = whole_run(plate({"flaw": straight((2.0, 3.0), 9.0, 35.0)}, sigma=sigma))
+    (mirrored,), _ = whole_run(plate({"flaw": straight((-2.0, 3.0), 9.0, 145.0)}, sigma=sigma))
     # the triangles, and so the quadrature error (2e-5 of K), are not mirrored
     scale = max(abs(tip.K_I) + abs(tip.K_II) for tip in right.tips)
     for tip, twin in zip(right.tips, mirrored.tips, strict=True):

@@ -1,0 +1,17 @@
+"""A run driven to its end."""
+
+from __future__ import annotations
+
+from crackgrow.case.model import Case
+from crackgrow.run import grow
+from crackgrow.run.result import RunEnd, StepResult
+
+
+def whole_run(case: Case) -> tuple[list[StepResult], RunEnd]:
+    """The results of all steps, and why the run ended."""
+    results, steps = [], grow(case)
+    while True:
+        try:
+            results.append(next(steps))
+        except StopIteration as stop:
+            return results, stop.value
