@@ -17,7 +17,7 @@ from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import from_state, held_loads, increment
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step import StepSolution, judged, solve_step
-from tests.unit.run.test_run_loop import run
+from tests.whole_run import whole_run
 
 CASES = Path(__file__).parents[3] / "cases"
 CRITICAL = ("loading=critical", "output.frames=none", "output.figures=false", "numerics.spacing=3")
@@ -79,7 +79,7 @@ def test_in_tension_the_critical_load_is_strength_over_stress(factors: list[floa
 
 
 def test_the_critical_load_falls_as_the_crack_grows_from_both_tips() -> None:
-    results, end = run(case_of("tension0", "growth.advance=all", "growth.steps=3"))
+    results, end = whole_run(case_of("tension0", "growth.advance=all", "growth.steps=3"))
     assert end.status == "completed"
     assert [sum(tip.advanced for tip in result.tips) for result in results] == [2, 2, 2, 0]
     assert np.diff([result.load_factor for result in results]).max() < 0.0
@@ -217,7 +217,7 @@ def test_lateral_loads_that_are_held_raise_the_critical_load(factors: list[float
 
 def test_held_loads_that_meet_the_criterion_alone_are_an_error() -> None:
     with pytest.raises(SolveError, match=r"met under the held loads alone.* hold smaller loads"):
-        run(case_of("compression30", HELD % (50.0, -50.0)))
+        whole_run(case_of("compression30", HELD % (50.0, -50.0)))
 
 
 def test_where_no_load_is_critical_the_run_arrests_and_says_so(factors: list[float]) -> None:
@@ -225,7 +225,7 @@ def test_where_no_load_is_critical_the_run_arrests_and_says_so(factors: list[flo
     case = case_of(
         "tension0", "growth.criterion=max_hoop_stress", "loads.0.traction=[0, -1]", "loads.1.traction=[0, 1]"
     )
-    results, end = run(case)
+    results, end = whole_run(case)
     assert len(results) == 1
     assert end.status == "arrested"
     assert end.reason == f"step 0: {critical_load.NEVER_CRITICAL}"

@@ -8,13 +8,13 @@ from crackgrow.case import load_case
 from crackgrow.run import grow
 from tests.unit.run.test_run_critical_load import CASES, case_of
 from tests.unit.run.test_run_increments import SMALL_SHEAR
-from tests.unit.run.test_run_loop import run
+from tests.whole_run import whole_run
 
 
 def test_a_history_is_gone_through_on_one_factorization() -> None:
     files = ("output.frames=none", "output.figures=false")
     case = load_case(CASES / "cyclic_friction.yaml", [*SMALL_SHEAR, *files, "loading.history=[0.5, 1.0, 0.2]"])
-    results, end = run(case)
+    results, end = whole_run(case)
     assert [result.load_factor for result in results] == [0.5, 1.0, 0.2]
     assert [result.factorizations for result in results] == [1, 0, 0]
     assert [result.seconds["assembly"] > 0.0 for result in results] == [True, False, False]
@@ -26,7 +26,7 @@ def test_a_history_is_gone_through_on_one_factorization() -> None:
 def test_with_growth_every_step_goes_through_the_history_to_its_last_factor() -> None:
     """Loaded to 2 and back to 1 the stuck crack holds more slip than one that is loaded to 1."""
     case = case_of("compression30", "cracks.flaw.contact.friction=0.3", "growth.steps=1", "loading.history=[2, 1]")
-    results, _ = run(case)
+    results, _ = whole_run(case)
     assert [result.load_factor for result in results] == [1.0, 1.0]
     direct = next(grow(case_of("compression30", "cracks.flaw.contact.friction=0.3", "loading.history=[1]")))
     assert np.abs(results[0].contact.slip).max() > 1.2 * np.abs(direct.contact.slip).max()
