@@ -124,7 +124,6 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     touching = [face for face in result.faces if face.crack in contact.crack]
     faces = touching[:MOST_CONTACT_ROWS]
     figure = Figure(figsize=(3.6 * 3, 2.6 * len(faces) + 0.4), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
     table = figure.subplots(len(faces), 3, squeeze=False, sharex="row")
     owner = np.array(contact.crack)
     for row, face in zip(table, faces, strict=True):
@@ -170,7 +169,6 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
         turns = np.flatnonzero(np.diff(np.sign(np.diff(factor)))) + 1
         named = [0, *turns.tolist(), len(curve) - 1]
     figure = Figure(figsize=(4.6 * len(panels), 4.0), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
     for axes, (values, label) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         axes.plot(values * scale, factor, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
         at: dict[tuple[float, float], list[str]] = {}
@@ -250,7 +248,6 @@ def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
     """A figure in the specimen's proportions, with room for titles and a colour bar."""
     width, height = LONG_SIDE * (high - low) / (high - low).max()
     figure = Figure(figsize=(max(width, 2.5) + 2.2, max(height, 2.2) + 1.2), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     margin = 0.03 * (high - low).max()
     axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
@@ -259,4 +256,5 @@ def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
 
 
 def _save(path: Path, figure: Figure) -> None:
-    write_atomically(path, lambda temporary: figure.savefig(temporary, format="png"))
+    """Draw the figure once; `Figure.savefig` would draw it twice, where the layout is its own."""
+    write_atomically(path, lambda temporary: FigureCanvasAgg(figure).print_png(temporary))

@@ -1,15 +1,26 @@
-"""Frames that ParaView opens: the specimen and its cracks at each step, and the time series that list them."""
+"""Frames that ParaView opens: the specimen and its cracks at each step, and the time series that list them.
+
+By VTK alone: pyvista, which pictures need, takes several times as long to load.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from html import escape
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
-import pyvista
-from numpy.typing import NDArray
-from vtkmodules.vtkCommonCore import vtkStringArray
+from numpy.typing import ArrayLike, NDArray
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonCore import vtkPoints, vtkStringArray
+from vtkmodules.vtkCommonDataModel import (
+    VTK_QUAD,
+    VTK_TRIANGLE,
+    vtkCellArray,
+    vtkDataSetAttributes,
+    vtkPolyData,
+    vtkUnstructuredGrid,
+)
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from crackgrow.results.atomic import write_atomically, write_text
@@ -19,48 +30,50 @@ from crackgrow.run.result import CrackFaces, Frame, StepResult
 STRESS_COMPONENTS = ("XX", "YY", "ZZ", "XY", "YZ", "XZ")  # the order that VTK expects of a symmetric tensor
 
 
-def specimen_grid(frame: Frame, fields: Sequence[str]) -> pyvista.UnstructuredGrid:
+def specimen_grid(frame: Frame, fields: Sequence[str]) -> vtkUnstructuredGrid:
     """The specimen's mesh with the `fields` asked for ("displacement", "stress"); m and Pa.
 
     Point data: displacement (n, 3). Cell data: body; energy_error where it was estimated, the root of the energy
     density of the stress' error over the mean energy density of the rock (1: as large as the stress is on average);
     with stress also stress (cells, 6) and the principal stresses in the plane, sigma_1 (most tensile) and sigma_3.
     """
-    cells = {pyvista.CellType.TRIANGLE: frame.triangles, pyvista.CellType.QUAD: frame.quads}
-    grid = pyvista.UnstructuredGrid({kind: ids for kind, ids in cells.items() if len(ids)}, _spatial(frame.points))
-    grid.cell_data["body"] = np.asarray(frame.body, dtype=np.int32)
+    grid = vtkUnstructuredGrid()
+    grid.SetPoints(_points(frame.points))
+    kinds = np.repeat([VTK_TRIANGLE, VTK_QUAD], [len(frame.triangles), len(frame.quads)]).astype(np.uint8)
+    corners = np.concatenate([frame.triangles.ravel(), frame.quads.ravel()])
+    sizes = np.repeat([3, 4], [len(frame.triangles), len(frame.quads)])
+    grid.SetCells(numpy_to_vtk(kinds, deep=True), _cells(sizes, corners))
+    _add(grid.GetCellData(), "body", np.asarray(frame.body, dtype=np.int32))
     if frame.energy_error is not None:
-        grid.cell_data["energy_error"] = frame.energy_error
+        _add(grid.GetCellData(), "energy_error", frame.energy_error)
     if "displacement" in fields:
-        grid.point_data["displacement"] = _spatial(frame.displacement)
+        _add(grid.GetPointData(), "displacement", _spatial(frame.displacement))
     if "stress" in fields:
         xx, yy, xy = frame.stress.T
         zero = np.zeros_like(xx)
-        grid.cell_data["stress"] = np.column_stack([xx, yy, frame.stress_zz, xy, zero, zero])
-        array = grid.GetCellData().GetArray("stress")
-        for component, name in enumerate(STRESS_COMPONENTS):
-            array.SetComponentName(component, name)
-        grid.cell_data["sigma_1"], grid.cell_data["sigma_3"] = principal_stresses(frame.stress)
+        stress = np.column_stack([xx, yy, frame.stress_zz, xy, zero, zero])
+        sigma_1, sigma_3 = principal_stresses(frame.stress)
+        _add(grid.GetCellData(), "stress", stress, STRESS_COMPONENTS)
+        _add(grid.GetCellData(), "sigma_1", sigma_1)
+        _add(grid.GetCellData(), "sigma_3", sigma_3)
     return grid
 
 
-def crack_lines(faces: Sequence[CrackFaces]) -> pyvista.PolyData:
+def crack_lines(faces: Sequence[CrackFaces]) -> vtkPolyData:
     """One polyline a crack, interface or foundation; m and Pa.
 
     Point data: s, opening, slip, normal_traction, tangential_traction, state (0 open, 1 stick, 2 slip).
     Cell data: crack, the index into the field data crack_names.
     """
-    sizes = [len(face.s) for face in faces]
-    starts = np.cumsum([0, *sizes[:-1]])
-    mesh = pyvista.PolyData()
-    mesh.points = _spatial(np.concatenate([face.points for face in faces]))
-    lines = [[size, *range(start, start + size)] for start, size in zip(starts, sizes, strict=True)]
-    mesh.lines = np.concatenate(lines)
+    sizes = np.array([len(face.s) for face in faces])
+    mesh = vtkPolyData()
+    mesh.SetPoints(_points(np.concatenate([face.points for face in faces])))
+    mesh.SetLines(_cells(sizes, np.arange(sizes.sum())))
     for name in ("s", "opening", "slip", "normal_traction", "tangential_traction"):
-        mesh.point_data[name] = np.concatenate([getattr(face, name) for face in faces])
-    mesh.point_data["state"] = np.concatenate([face.state for face in faces]).astype(np.int8)
-    mesh.cell_data["crack"] = np.arange(len(faces), dtype=np.int32)
-    names = vtkStringArray()  # itself: pyvista takes no letters beyond ASCII
+        _add(mesh.GetPointData(), name, np.concatenate([getattr(face, name) for face in faces]))
+    _add(mesh.GetPointData(), "state", np.concatenate([face.state for face in faces]).astype(np.int8))
+    _add(mesh.GetCellData(), "crack", np.arange(len(faces), dtype=np.int32))
+    names = vtkStringArray()
     names.SetName("crack_names")
     for face in faces:
         names.InsertNextValue(face.crack)
@@ -80,7 +93,7 @@ def write_cracks(path: Path, result: StepResult) -> None:
 
 def write_series(path: Path, files: Sequence[tuple[int, str]]) -> None:
     """Write the time series `path` (.pvd) of (step, file name relative to it); raises OutputError."""
-    lines = [f'    <DataSet timestep="{step}" part="0" file={quoteattr(name)}/>\n' for step, name in files]
+    lines = [f'    <DataSet timestep="{step}" part="0" file="{escape(name)}"/>\n' for step, name in files]
     text = (
         '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
         f"  <Collection>\n{''.join(lines)}  </Collection>\n</VTKFile>\n"
@@ -88,7 +101,9 @@ def write_series(path: Path, files: Sequence[tuple[int, str]]) -> None:
     write_text(path, text)
 
 
-def _write(path: Path, mesh: pyvista.DataSet, writer: vtkXMLUnstructuredGridWriter | vtkXMLPolyDataWriter) -> None:
+def _write(
+    path: Path, mesh: vtkUnstructuredGrid | vtkPolyData, writer: vtkXMLUnstructuredGridWriter | vtkXMLPolyDataWriter
+) -> None:
     """Write raw appended data, compressed; VTK says by its return value alone that the disk refused."""
 
     def write(temporary: Path) -> None:
@@ -105,6 +120,32 @@ def _write(path: Path, mesh: pyvista.DataSet, writer: vtkXMLUnstructuredGridWrit
             raise OSError(f"VTK's writer failed (code {writer.GetErrorCode()}), perhaps the disk is full")
 
     write_atomically(path, write)
+
+
+def _points(plane: NDArray[np.float64]) -> vtkPoints:
+    """Points (n, 2) m of the plane z = 0."""
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(_spatial(plane), deep=True))
+    return points
+
+
+def _cells(sizes: NDArray[np.int64], corners: NDArray[np.int64]) -> vtkCellArray:
+    """Cells of `sizes` (c,) corners each, whose points are `corners` (sum of sizes,)."""
+    starts = np.concatenate([[0], np.cumsum(sizes)])
+    cells = vtkCellArray()
+    cells.SetData(numpy_to_vtk(starts, deep=True), numpy_to_vtk(corners, deep=True))
+    return cells
+
+
+def _add(data: vtkDataSetAttributes, name: str, values: ArrayLike, components: Sequence[str] = ()) -> None:
+    """Add values (n,) or (n, k) under a name; the first ones are those a viewer shows by itself."""
+    array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+    array.SetName(name)
+    for number, component in enumerate(components):
+        array.SetComponentName(number, component)
+    data.AddArray(array)
+    if data.GetScalars() is None:
+        data.SetActiveScalars(name)
 
 
 def _spatial(plane: NDArray[np.float64]) -> NDArray[np.float64]:

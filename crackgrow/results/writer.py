@@ -232,7 +232,7 @@ class RunWriter:
 
     def _write_frames(self, result: StepResult) -> float:
         """Write a step's frame and crack faces and the series that list them; return the seconds it took."""
-        from crackgrow.results import vtk_frames  # here: loading VTK takes a second that a run without frames saves
+        from crackgrow.results import vtk_frames  # here: a run without frames needs no VTK
 
         began = time.perf_counter()
         specimen_series, crack_series = series_names(self.case.name)

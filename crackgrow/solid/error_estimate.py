@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import list_starts
+from crackgrow.quadrature.elements import ElementPoints
 from crackgrow.quadrature.everywhere import all_points
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -35,6 +36,9 @@ Bools = NDArray[np.bool_]
 
 N_POINTS = 2
 """Gauss points per direction at which stress is sampled: with 4 the estimate differs by 3 %, at thrice the cost."""
+
+AT_ONCE = 8_000
+"""Points taken together where they are not regular: what is computed of more of them does not fit into a cache."""
 
 
 class Singular(Protocol):
@@ -78,7 +82,9 @@ def error_estimate(
     is_regular = np.arange(len(patches)) < cover.elements.n_whole
     is_regular &= ~near & ~cover.enrichment.tips.any & (cover.crumbs.of_element < 0)
     regular = _regular(cover, materials, u, patches, np.flatnonzero(is_regular))
-    free, norm = _free(cover, materials, u, patches, ~is_regular, singular, acting)
+    rest = _points_of(cover, ~is_regular)
+    blocks = [_free(cover, materials, u, patches, some, singular, acting) for some in rest]
+    free, norm = [samples for samples, _ in blocks], sum(squares for _, squares in blocks)
     for some in regular:
         norm += float(np.einsum("qw,qec->", some.weights, some.values**2))
     coefficients = fit(len(cover.patch_nodes), regular, free)
@@ -118,19 +124,25 @@ def _regular(
     return found
 
 
+def _points_of(cover: Cover, chosen: Bools) -> list[ElementPoints]:
+    """Points of the elements `chosen` (elements,), in blocks."""
+    everywhere = all_points(cover, N_POINTS)
+    these = np.flatnonzero(chosen[everywhere.element])
+    blocks = [these[start : start + AT_ONCE] for start in range(0, len(these), AT_ONCE)]
+    return [ElementPoints(everywhere.points[b], everywhere.weights[b], everywhere.element[b]) for b in blocks]
+
+
 def _free(
     cover: Cover,
     materials: Sequence[PlaneElasticity],
     u: Floats,
     patches: Ints,
-    chosen: Bools,
+    at: ElementPoints,
     singular: Sequence[Singular],
     acting: Bools,
 ) -> tuple[FreeSamples, float]:
-    """Samples of the elements `chosen` (elements,), and the integral of their squares."""
-    everywhere = all_points(cover, N_POINTS)
-    these = chosen[everywhere.element]
-    points, weights, element = everywhere.points[these], everywhere.weights[these], everywhere.element[these]
+    """Samples at points anywhere, and the integral of their squares."""
+    points, weights, element = at.points, at.weights, at.element
     body, window = cover.elements.body[element], cover.lattice.window
     values = energy_components(materials, stress_at(cover, materials, u, points, element), body)
     cell = cover.elements.tile[element] // (len(cover.lattice.breaks) - 1)

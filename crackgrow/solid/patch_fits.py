@@ -2,6 +2,8 @@
 
 The fit P_i of patch i minimises the integral of phi_i |P_i - s|^2 for a field s, phi_i the patch's function of the
 partition of unity. Elements whose points lie alike in their cells share the monomials and the moments.
+
+Arrays inside run over the points last, so that every operation is one long loop.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -48,54 +50,62 @@ class FreeSamples:
     acting: NDArray[np.bool_]  # (m, window) in these patches
 
     def column(self, slot: int) -> tuple[Floats, Floats]:
-        """Monomials (n, 6) and values (n, 3) of one column of patches."""
+        """Monomials (6, n) and values (3, n) of one column of patches."""
         n, m = len(self.common), len(self.parts)
         acting = csr_array((self.acting[:, slot].astype(float), np.arange(m), self.start), shape=(n, m))
         values = self.common - acting @ self.parts
-        return monomials(self.points - self.nodes[self.patches[:, slot]]), values
+        return monomials(self.points - self.nodes.take(self.patches[:, slot], axis=0)), values.T
 
 
 def monomials(d: Floats) -> Floats:
-    """1, x, y, x^2, x y, y^2 (..., 6) of d (..., 2)."""
-    x, y = d[..., 0], d[..., 1]
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+    """1, x, y, x^2, x y, y^2 (6, n) of d (n, 2)."""
+    x, y = d.T
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
 
 
-def fit(n_patches: int, regular: list[RegularSamples], free: FreeSamples) -> Floats:
+def fit(n_patches: int, regular: list[RegularSamples], free: list[FreeSamples]) -> Floats:
     """Coefficients (n_patches + 1, 6, 3) of the polynomials, round each patch's node; the last serves no patch."""
-    moments = np.zeros((n_patches + 1, N_MONOMIALS, N_MONOMIALS))
-    right = np.zeros((n_patches + 1, N_MONOMIALS, 3))
+    sums = np.zeros((n_patches + 1, N_MONOMIALS, N_MONOMIALS + 3))  # of monomials times monomials, then times values
     for some in regular:
         q, e, _ = some.values.shape
+        of_elements = np.empty((e, *sums.shape[1:]))
         for slot, patch in enumerate(some.patches.T):
             p = monomials(some.distance[:, slot])
-            weighted = (p * some.weights[:, slot, None]).T
-            moments[patch] += weighted @ p
-            right[patch] += (weighted @ some.values.reshape(q, 3 * e)).reshape(-1, e, 3).transpose(1, 0, 2)
-    n = len(free.elements)
-    for slot, patch in enumerate(free.patches.T):
-        p, values = free.column(slot)
-        gather = csr_array((free.weights[:, slot], (patch, np.arange(n))), shape=(n_patches + 1, n))
-        products = np.concatenate([p, values], axis=1)[:, None, :] * p[:, :, None]
-        sums = (gather @ products.reshape(n, -1)).reshape(n_patches + 1, N_MONOMIALS, -1)
-        moments += sums[..., :N_MONOMIALS]
-        right += sums[..., N_MONOMIALS:]
-    return _solved(moments, right)
+            weighted = p * some.weights[:, slot]
+            of_elements[..., :N_MONOMIALS] = weighted @ p.T
+            by_values = weighted @ some.values.reshape(q, 3 * e)
+            of_elements[..., N_MONOMIALS:] = by_values.reshape(-1, e, 3).transpose(1, 0, 2)
+            sums[patch] += of_elements
+    number = np.zeros(n_patches + 1, dtype=np.int64)
+    for block in free:
+        n, seen = len(block.elements), np.flatnonzero(np.bincount(block.patches.ravel()))
+        number[seen] = np.arange(len(seen))
+        of_block = sums[seen]
+        for slot, patch in enumerate(block.patches.T):
+            p, values = block.column(slot)
+            products = p[:, None] * np.concatenate([p, values])
+            gather = csc_array((block.weights[:, slot], number[patch], np.arange(n + 1)), shape=(len(seen), n))
+            of_block += (gather @ products.reshape(-1, n).T).reshape(of_block.shape)
+        sums[seen] = of_block
+    return _solved(sums[..., :N_MONOMIALS], sums[..., N_MONOMIALS:])
 
 
-def misfits(coefficients: Floats, regular: list[RegularSamples], free: FreeSamples, n_elements: int) -> Floats:
+def misfits(coefficients: Floats, regular: list[RegularSamples], free: list[FreeSamples], n_elements: int) -> Floats:
     """The integrals of sum_i phi_i |P_i - s|^2 over each element (n_elements,), in squared spacings."""
     found = np.zeros(n_elements)
     for some in regular:
         for slot, patch in enumerate(some.patches.T):
             own = coefficients[patch].transpose(1, 0, 2).reshape(N_MONOMIALS, -1)
-            fitted = monomials(some.distance[:, slot]) @ own
+            fitted = monomials(some.distance[:, slot]).T @ own
             squares = np.sum((fitted.reshape(some.values.shape) - some.values) ** 2, axis=2)
             found[some.elements] += some.weights[:, slot] @ squares
-    for slot, patch in enumerate(free.patches.T):
-        p, values = free.column(slot)
-        squares = np.sum((np.einsum("nk,nkc->nc", p, coefficients[patch]) - values) ** 2, axis=1)
-        found += np.bincount(free.elements, free.weights[:, slot] * squares, n_elements)
+    by_patch = np.ascontiguousarray(coefficients.transpose(1, 2, 0))
+    for block in free:
+        for slot, patch in enumerate(block.patches.T):
+            p, values = block.column(slot)
+            fitted = np.sum(p[:, None] * by_patch.take(patch, axis=2), axis=0)
+            squares = np.sum((fitted - values) ** 2, axis=0)
+            found += np.bincount(block.elements, block.weights[:, slot] * squares, n_elements)
     return found
 
 

@@ -98,9 +98,9 @@ def test_fits_find_quadratic_fields_and_leave_patches_without_points_alone() -> 
     weights = np.stack([rng.uniform(0.1, 1.0, n), rng.uniform(0.1, 1.0, n), np.zeros(n)], axis=1)
     none = np.zeros(n + 1, dtype=np.int64), np.empty((0, 3)), np.empty((0, 3), dtype=bool)
     samples = FreeSamples(np.zeros(n, dtype=np.int64), patches, nodes, points, weights, values, *none)
-    coefficients = fit(3, [], samples)
+    coefficients = fit(3, [], [samples])
     np.testing.assert_allclose(coefficients[0, 0], [1.0, -0.5, 0.75], atol=1e-8)  # the values at the node
-    assert misfits(coefficients, [], samples, 1)[0] < 1e-16
+    assert misfits(coefficients, [], [samples], 1)[0] < 1e-16
     assert not coefficients[2].any()
 
 
