@@ -59,7 +59,7 @@ def solve_contact_held_loosely(
         ends.append(accelerated(ends, drifts))
         pressed = contact.weights @ np.abs(outcome.normal_traction)
         force = float(np.abs(springs.stiffness * drifts[-1]).max())
-        left.append(force / max(float(np.abs(loads).sum()), float(pressed)))
+        left.append(force / max(float(np.abs(loads).sum()), float(pressed)) if force > 0.0 else 0.0)
         if left[-1] <= min(left):
             best = outcome
         if len(left) > patience and left[-1] > SLACK and min(left[-patience:]) > 0.5 * min(left[:-patience]):

@@ -86,6 +86,13 @@ def test_a_piece_that_friction_holds_is_solved(tmp_path: Path, friction: float) 
     assert next(grow(pressed(tmp_path, HELD_BY_FRICTION, TIPS, [friction] * 5))).residual < 1e-10
 
 
+def test_pieces_without_loads_stay_where_they_are(tmp_path: Path) -> None:
+    case = pressed(tmp_path, HELD_BY_FRICTION, TIPS, [1.5] * 5, loading={"history": [0.0, 1.0]})
+    unloaded, loaded = grow(case)
+    assert np.abs(unloaded.contact.opening).max() == np.abs(unloaded.contact.slip).max() == 0.0
+    assert loaded.residual < 1e-10
+
+
 HARD = [
     [(-5.209, -23.467), (-9.525, -20.599)],
     [(13.743, -2.085), (8.774, 0.228), (0.945, 6.273)],
