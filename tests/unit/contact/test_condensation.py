@@ -160,7 +160,7 @@ def test_jumps_that_corrections_cannot_mend_are_told(build, monkeypatch: pytest.
     monkeypatch.setattr(ConstrainedSystem, "solve", noisy)
     found = solve(block, monkeypatch, ByCompliance, friction=0.4)
     (note,) = found.notes
-    assert "jumps of the faces are good to" in note
+    assert "jumps of the faces are off by" in note
     assert "ill conditioned" in note
     gap_of, slip_of = block.operators()
     off = max(np.abs(gap_of @ found.u - found.gap).max(), np.abs(slip_of @ found.u - found.slip).max())
