@@ -67,29 +67,31 @@ class BySolutions:
         return free.u - self._responses @ t, free.multipliers - self._multipliers @ t
 
 
-class ByElimination:
-    """The condensation from the compliance between all contact points."""
+class ByCompliance:
+    """The condensation from the jumps of all contact points per unit traction."""
 
     def __init__(
         self,
         system: ConstrainedSystem,
         gap_and_slip_of: csr_array,
         weights: Floats,
-        between: Floats,
+        taken: Floats,
         rows: Ints,
         sliding: Ints,
     ) -> None:
-        """`between` is S (2 n, 2 n) of `gap_and_slip_of` (2 n, n_dofs), `weights` W (n,) m."""
-        n = len(weights)
+        """`taken` (2 n, k + l) m/Pa is of all gaps, then all slips, of `gap_and_slip_of` (2 n, n_dofs).
+
+        `weights` W (n,) m are the points' lengths.
+        """
         self._system, self._gap_and_slip_of = system, gap_and_slip_of
-        self._at = np.concatenate([rows, n + sliding])
+        self._at = np.concatenate([rows, len(weights) + sliding])
         self._weights = np.tile(weights, 2)[self._at]
-        self._taken = between[:, self._at]
-        self.compliance = self._taken[self._at] * self._weights
+        self._taken = taken
+        self.compliance = taken[self._at]
 
     def jumps(self, free: Rock, t: Floats) -> tuple[Floats, Floats]:
         """As of `Condensation`: those without tractions less what the compliance says."""
-        gap, slip = np.split(self._taken @ (self._weights * t), 2)
+        gap, slip = np.split(self._taken @ t, 2)
         return free.gap - gap, free.slip - slip
 
     def displacements(self, free: Rock, loads: Floats, given: Floats, t: Floats) -> tuple[Floats, Floats]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -84,36 +85,41 @@ def solved(
 ) -> tuple[ContactSolution, str]:
     """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
 
-    `weights` (n,) m are the points' lengths, None where dilation makes the compliance asymmetric; `start` (m,) Pa are
-    tractions that may be close. Raises SolveError where neither finds one.
+    Where Lemke's method ends without one, by round-off, Newton's goes on from there. `weights` (n,) m are the points'
+    lengths, None where dilation makes the compliance asymmetric; `start` (m,) Pa are tractions that may be close.
+    Raises SolveError where neither finds one.
     """
-    failures = []
-    for name in (solver, "lemke" if solver == "newton" else "newton"):
+    failures: list[str] = []
+    starts: list[Floats | None] = [None] if start is None else [start, None]  # of Newton's; None: its own first guess
+    for name in ("newton", "lemke", "newton") if solver == "newton" else ("lemke", "newton"):
+        if name == "newton" and not starts:
+            continue
         try:
-            solution = _by_newton(problem, start) if name == "newton" else solve_by_lemke(problem)
+            solution = _by_newton(problem, starts) if name == "newton" else solve_by_lemke(problem)
         except SolveError as error:
             failures.append(f"{name}: {error}")
             continue
         if solution.status == "solved":
-            note = f"the contact problem was solved by {name} after {failures[0]}" if failures else ""
+            note = f"the contact problem was solved by {name} after {failures[-1]}" if failures else ""
             return solution, note
         residual = complementarity_residual(problem, solution.traction)
         failures.append(
             f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
         )
+        starts = [] if name == "newton" else [solution.traction, *starts]
     raise SolveError(
         f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
         f"try a coarser contact spacing or a softer contact stiffness{_less_friction(problem, weights)}"
     )
 
 
-def _by_newton(problem: ContactProblem, start: Floats | None) -> ContactSolution:
-    """Newton's solution from a start, or from its own first guess where the start leads to none."""
-    if start is not None:
+def _by_newton(problem: ContactProblem, starts: Sequence[Floats | None]) -> ContactSolution:
+    """Newton's solution from the first of the starts that leads to one."""
+    for start in starts:
         solution = solve_by_newton(problem, start)
         if solution.status == "solved":
-            return solution
-    return solve_by_newton(problem)
+            break
+    return solution
 
 
 def _less_friction(problem: ContactProblem, weights: Floats | None) -> str:

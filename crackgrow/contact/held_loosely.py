@@ -21,7 +21,8 @@ MOST_PULLS: Final = 60
 """Solves after which springs that still carry force are given up."""
 
 LAST_PULLS: Final = 8
-"""The springs' force has to halve within so many solves."""
+"""The springs' force has to halve within so many solves, or within one for each spring if those are more: so many
+Anderson's method needs to know how the force depends on their ends."""
 
 SLACK: Final = 1e-10
 """Springs with a force below this part of the loads are slack."""
@@ -46,28 +47,27 @@ def solve_contact_held_loosely(
     memory = memory or ContactMemory.fresh(len(contact.weights))
     outcome: ContactOutcome | None = None
     ends, drifts = [np.zeros(len(springs.dofs))], []
-    forces: list[float] = []
-    slack = False
+    left: list[float] = []  # of the loads, in the springs
+    patience = max(LAST_PULLS, len(springs.dofs))
     for _ in range(MOST_PULLS):
         pulled = loads.copy()
         np.add.at(pulled, springs.dofs, springs.stiffness * ends[-1])
         outcome = solve_increment(contact, pulled, given, memory, outcome)
-        if slack:  # this was once more: the error left has fallen again
+        if left and left[-1] <= SLACK:  # this was once more: the error left has fallen again
             return outcome
         drifts.append(outcome.u[springs.dofs] - ends[-1])
         ends.append(accelerated(ends, drifts))
         pressed = contact.weights @ np.abs(outcome.normal_traction)
-        forces.append(float(np.abs(springs.stiffness * drifts[-1]).max()))
-        if forces[-1] <= SLACK * max(float(np.abs(loads).sum()), float(pressed)):
-            slack = True
-        elif len(forces) > LAST_PULLS and forces[-1] > 0.5 * forces[-1 - LAST_PULLS]:
+        force = float(np.abs(springs.stiffness * drifts[-1]).max())
+        left.append(force / max(float(np.abs(loads).sum()), float(pressed)) if force > 0.0 else 0.0)
+        if left[-1] <= min(left):
+            best = outcome
+        if len(left) > patience and left[-1] > SLACK and min(left[-patience:]) > 0.5 * min(left[:-patience]):
             break
-    assert outcome is not None
-    left = forces[-1] / max(float(np.abs(loads).sum()), float(pressed))
-    if left <= NEARLY_SLACK:
-        note = f"pieces held by contact are out of balance by {left:.1g} of the loads: very unlike stiffnesses"
-        return replace(outcome, notes=(*outcome.notes, note))
-    drift = drifts[-1]
+    if min(left) <= NEARLY_SLACK:
+        note = f"pieces held by contact are out of balance by {min(left):.1g} of the loads: very unlike stiffnesses"
+        return replace(best, notes=(*best.notes, note))
+    drift = drifts[int(np.argmin(left))]
     piece = pieces[int(springs.piece[int(np.argmax(np.abs(drift)))])]
     what = f"{piece} is free to move: contact does not hold it"
     raise FreePieceError(what, "it needs supports, friction or another load")

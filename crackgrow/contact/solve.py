@@ -57,8 +57,11 @@ ROUND_OFF = 1e-12
 SPOILT = 1e-2
 """If they differ by more, nothing can be made of the compliance."""
 
-MOST_CORRECTIONS = 3
-"""What differs after so many corrections is round-off of the displacements themselves."""
+GAIN = 0.5
+"""Corrections that leave more than this part of the difference end: it is round-off of the displacements themselves."""
+
+UNSURE = 1e-8
+"""The same, left at the end, of which the outcome carries a note."""
 
 MOST_TURNS = 60
 """Solves after which points whose slip still turns round are given up."""
@@ -114,7 +117,7 @@ def solve_increment(
     u_free, multipliers = contact.system.solve(loads, given) if without is None else without
     size = displacement_size(loads, u_free if last is None else last.u, given)
     free = Rock(u_free, multipliers, contact.gap_of @ u_free, contact.slip_of @ u_free)
-    trial = _Increment(contact, loads, given, free, memory, OVERLAP * size, last)
+    trial = _Increment(contact, loads, given, free, memory, size, last)
     dilation = contact.law.dilation
     if dilation is None or not dilation.any():
         return trial.outcome(np.zeros(len(contact.weights)))
@@ -145,10 +148,10 @@ class _Increment:
         given: Floats,
         free: Rock,
         memory: ContactMemory,
-        tolerance: float,
+        size: float,
         last: ContactOutcome | None,
     ) -> None:
-        self._contact, self._memory, self._tolerance = contact, memory, tolerance
+        self._contact, self._memory, self._size, self._tolerance = contact, memory, size, OVERLAP * size
         self._loads, self._given, self._free = loads, given, free
         self._taken = memory.coheres(contact.law)
         self._broken = memory.broken.copy()
@@ -161,7 +164,7 @@ class _Increment:
         n, taken, breakable = len(contact.weights), self._taken, law.breakable
         p_n, p_t, state = np.zeros(n), np.zeros(n), np.full(n, OPEN)
         notes: set[str] = set()
-        iterations, n_corrections, complementarity = 0, 0, 0.0
+        iterations, complementarity, off, last_off = 0, 0.0, 0.0, np.inf
         u, multipliers, slip = self._free.u, self._free.multipliers, self._free.slip
         gap = self._free.gap - rise * slip
         problem: ContactProblem | None = None
@@ -207,9 +210,15 @@ class _Increment:
                 self._opened |= opening
             else:
                 u, multipliers = rock.displacements(self._free, self._loads, self._given, solution.traction)
-                if n_corrections == MOST_CORRECTIONS or not self._corrected(rock, u, solution.traction):
+                more_gap, more_slip, off = self._missing(rock, u, solution.traction)
+                if off <= ROUND_OFF or off > GAIN * last_off:
                     break
-                n_corrections += 1
+                self._free = replace(self._free, gap=self._free.gap + more_gap, slip=self._free.slip + more_slip)
+                last_off = off
+                continue
+            last_off = np.inf
+        if off > UNSURE:
+            notes.add(f"jumps of the faces are off by {off:.1g} of the largest: the system is ill conditioned")
         dilation = rise * (slip - law.compliance * p_t)
         apart = (state == OPEN) & (gap > self._tolerance)
         return ContactOutcome(
@@ -225,27 +234,28 @@ class _Increment:
             n_unknowns=int(taken.sum()) * (2 if taken.any() and len(sliding) else 1),
             iterations=iterations,
             penetration=float(np.max(-(gap - law.compliance * p_n), initial=0.0)),
-            complementarity=complementarity,
+            complementarity=max(complementarity, off),
             status="solved" if taken.any() else "none",
             notes=tuple(sorted(notes)),
             rows=np.flatnonzero(taken),
             problem=problem,
         )
 
-    def _corrected(self, rock: Condensation, u: Floats, t: Floats) -> bool:
-        """Whether the free jumps had to be corrected, since those of the displacements `u` (n_dofs,) under `t` differ.
+    def _missing(self, rock: Condensation, u: Floats, t: Floats) -> tuple[Floats, Floats, float]:
+        """Gap and slip (n,) m of the displacements `u` (n_dofs,) less those by the compliance, under tractions `t`.
 
-        The compliance is good to the round-off of one elimination, the displacements are refined. Raises SolveError
-        where the compliance is wrong altogether.
+        The compliance is good to the round-off of one elimination, the displacements are refined. The third is the
+        largest difference, relative to the jumps. Raises SolveError where the compliance is wrong altogether.
         """
         contact, free = self._contact, self._free
         gap, slip = rock.jumps(free, t)
         more_gap, more_slip = contact.gap_of @ u - gap, contact.slip_of @ u - slip
-        size = max(float(np.abs(jumps).max()) for jumps in (free.gap, free.slip, gap, slip))
-        off = max(float(np.abs(jumps).max()) for jumps in (more_gap, more_slip))
-        if not off <= SPOILT * size:
-            raise spoilt(f"wrong by {off / size:.1g} of the jumps")
-        if off <= ROUND_OFF * size:
-            return False
-        self._free = replace(free, gap=free.gap + more_gap, slip=free.slip + more_slip)
-        return True
+        off, size, farthest = (
+            max(float(np.abs(jumps).max()) for jumps in some)
+            for some in ((more_gap, more_slip), (gap, slip), (gap, slip, free.gap, free.slip))
+        )
+        if not off <= SPOILT * farthest:
+            raise spoilt(f"wrong by {off / farthest:.1g} of the jumps")
+        # where springs hold pieces, the jump without contact says nothing
+        size = max(size, self._size) if contact.loose else farthest
+        return more_gap, more_slip, off / size if size > 0.0 else 0.0

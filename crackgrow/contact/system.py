@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 
-from crackgrow.contact.condensation import ByElimination, BySolutions, Condensation
+from crackgrow.contact.condensation import ByCompliance, BySolutions, Condensation
 from crackgrow.contact.law import ContactLaw
 from crackgrow.solid.linear_solver import ConstrainedSystem
 
@@ -48,16 +48,21 @@ class ContactSystem:
 
         Which way depends on nothing but the system. Columns take memory and time in proportion to unknowns and points,
         but then give displacements without any other solve. Where they are many the compliance of all points is found
-        at once by elimination alone. Not so where springs hold pieces: those columns are refined.
+        at once by elimination alone. Not so where springs hold pieces: those columns are refined. The displacements
+        are solved for there, since as sums of columns they would be what is left of motions thousands of times as far.
         """
-        between = None
+        operator, between = self._between.operator, None
         if not self.loose and 2 * self.gap_of.shape[0] * self.gap_of.shape[1] > FEW_NUMBERS:
             between = self._between.compliance
-        if between is None:
-            responses = self.columns.of(rows, sliding)
-            multipliers = self.columns.multipliers(rows, sliding)
-            return BySolutions(self.gap_of, self.slip_of, rows, sliding, responses, multipliers)
-        return ByElimination(self.system, self._between.operator, self.weights, between, rows, sliding)
+        if between is not None:
+            at = np.concatenate([rows, len(self.weights) + sliding])
+            taken = between[:, at] * np.tile(self.weights, 2)[at]
+            return ByCompliance(self.system, operator, self.weights, taken, rows, sliding)
+        responses = self.columns.of(rows, sliding)
+        if self.loose:
+            return ByCompliance(self.system, operator, self.weights, operator @ responses, rows, sliding)
+        multipliers = self.columns.multipliers(rows, sliding)
+        return BySolutions(self.gap_of, self.slip_of, rows, sliding, responses, multipliers)
 
 
 class _Columns:

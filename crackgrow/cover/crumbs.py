@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.arrangement import connected
+from crackgrow.geometry.vectors import cross
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,7 +43,7 @@ class Crumbs:
     def functions(self, points: Floats, crumb: Ints) -> tuple[Floats, Floats]:
         """Barycentric coordinates (n, 3) and their gradients (n, 3, 2) per spacing at points (n, 2) of crumbs (n,)."""
         a, b, c = self.corners[crumb].transpose(1, 0, 2)
-        twice_area = _cross(b - a, c - a)
+        twice_area = cross(b - a, c - a)
         gradients = np.stack([_turned(b - c), _turned(c - a), _turned(a - b)], axis=1) / twice_area[:, None, None]
         centre = (a + b + c) / 3.0
         return 1.0 / 3.0 + np.einsum("nkd,nd->nk", gradients, points - centre), gradients
@@ -100,10 +101,6 @@ def with_crumbs(crumbs: Crumbs, functions: Ints, nodes: Ints) -> tuple[Ints, Flo
     functions = number[functions]
     functions[inside, :3] = kept.sum() + 3 * crumbs.of_element[inside, None] + np.arange(3)
     return functions, np.concatenate([nodes[kept], crumbs.corners.reshape(-1, 2)])
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
 def _turned(v: Floats) -> Floats:

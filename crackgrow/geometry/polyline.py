@@ -6,6 +6,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.geometry.vectors import cross
+
 Floats = NDArray[np.float64]
 
 BEGIN = 1e-9
@@ -27,8 +29,7 @@ def segment_directions(points: Floats) -> Floats:
 def kink_angles(points: Floats) -> Floats:
     """Signed turning angle at every inner vertex of `points` (n, 2): (n - 2,) radians, counter-clockwise positive."""
     t = segment_directions(points)
-    cross = t[:-1, 0] * t[1:, 1] - t[:-1, 1] * t[1:, 0]
-    return np.asarray(np.arctan2(cross, np.sum(t[:-1] * t[1:], axis=1)))
+    return np.asarray(np.arctan2(cross(t[:-1], t[1:]), np.sum(t[:-1] * t[1:], axis=1)))
 
 
 def tip_direction(points: Floats, at_end: bool) -> Floats:

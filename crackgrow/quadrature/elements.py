@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import TipsOf
 from crackgrow.geometry.arrangement import as_numbers, ring_vertices
+from crackgrow.geometry.vectors import cross
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
 
 Floats = NDArray[np.float64]
@@ -123,7 +124,8 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
         tips = np.array([tip.point for tip in cover.tips])
         at_tip, corners = _tip_first(corners, tips)
         points, weights = on_tip_triangles(corners[at_tip], n + MORE_POINTS_AT_TIPS + more)
-        exact = 0.5 * np.abs(_cross(corners[at_tip]))  # the rule gives areas to 1e-5
+        sides = corners[at_tip, 1:] - corners[at_tip, :1]
+        exact = 0.5 * np.abs(cross(sides[:, 0], sides[:, 1]))  # the rule gives areas to 1e-5
         parts.append(_flat(points, weights * (exact / weights.sum(axis=1))[:, None], owner[at_tip]))
         near = _halved(corners[~at_tip], owner[~at_tip], tips, cover.enrichment.tips)
         parts.append(_on_corners(*near, n + more))
@@ -185,12 +187,6 @@ def _tip_first(corners: Floats, tips: Floats) -> tuple[Bools, Floats]:
     turn = np.argmax(is_tip, axis=1)
     turned = np.take_along_axis(corners, ((np.arange(3) + turn[:, None]) % 3)[:, :, None], axis=1)
     return np.asarray(is_tip.any(axis=1)), turned
-
-
-def _cross(corners: Floats) -> Floats:
-    """Twice the signed areas (t,) of triangles (t, 3, 2)."""
-    a, b = (corners[:, 1:] - corners[:, :1]).transpose(1, 0, 2)
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
 def _halved(corners: Floats, owner: Ints, tips: Floats, acting: TipsOf) -> tuple[Floats, Ints]:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
+from crackgrow.geometry.vectors import cross
+
 Floats = NDArray[np.float64]
 
 
@@ -44,7 +46,7 @@ def on_triangles(corners: Floats, n: int) -> tuple[Floats, Floats]:
     local, weights = triangle(n)
     first, a, b = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     points = first[:, None] + local[None, :, :1] * a[:, None] + local[None, :, 1:] * b[:, None]
-    return points, np.abs(_cross(a, b))[:, None] * weights
+    return points, np.abs(cross(a, b))[:, None] * weights
 
 
 def on_tip_triangles(corners: Floats, n: int) -> tuple[Floats, Floats]:
@@ -59,7 +61,7 @@ def on_tip_triangles(corners: Floats, n: int) -> tuple[Floats, Floats]:
     side = b - a
     length = np.hypot(side[:, 0], side[:, 1])
     unit = side / length[:, None]
-    double_area = np.abs(_cross(a, b))
+    double_area = np.abs(cross(a, b))
     height = double_area / length
     start = np.sum(a * unit, axis=1)
     eta_0, eta_1 = np.arcsinh(start / height), np.arcsinh((start + length) / height)
@@ -71,10 +73,6 @@ def on_tip_triangles(corners: Floats, n: int) -> tuple[Floats, Floats]:
     weights = double_area[:, None, None] * (2.0 * x**3 * weight)[None, :, None] * dv[:, None, :]
     t = len(corners)
     return points.reshape(t, -1, 2), weights.reshape(t, -1)
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
 def _frozen(array: Floats) -> Floats:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
 from crackgrow.geometry.arrangement import connected, vertex_ids
+from crackgrow.geometry.vectors import cross
 from crackgrow.quadrature.elements import triangulate
 from crackgrow.run.result import Frame
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -54,8 +55,7 @@ def make_frame(
 def _densities(elements: Elements, spacing: float, error: ErrorEstimate) -> Floats:
     """Root of the energy density of the error in each element (n,), by the mean density of the computed stress."""
     start, end = elements.vertices[elements.ring_start], elements.vertices[elements.ring_end]
-    doubled = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
-    area = 0.5 * spacing**2 * np.bincount(elements.ring_element, doubled, elements.n)
+    area = 0.5 * spacing**2 * np.bincount(elements.ring_element, cross(start, end), elements.n)
     mean = error.norm**2 / area.sum()
     return np.sqrt(error.elements / area / mean) if mean > 0.0 else np.zeros(elements.n)
 

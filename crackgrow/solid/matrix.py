@@ -11,13 +11,15 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array, csr_array
+from scipy.sparse import csc_array, csr_array
+
+from crackgrow.solid.assembly import HalfMatrix, half, sum_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 AT_ONCE = 4_000_000
-"""Numbers that a product holds at once."""
+"""Numbers that a product or a sum holds at once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,6 +29,14 @@ class EqualElements:
     functions: Ints  # (e, k) of each; the unknowns of function f are 2 f and 2 f + 1
     matrix: Floats  # (2 k, 2 k), symmetric, function by function
     key: bytes  # what the matrix was made from
+
+    @property
+    def half(self) -> HalfMatrix:
+        """The half of the matrix."""
+        k = self.functions.shape[1]
+        by_component = self.matrix.reshape(k, 2, k, 2).transpose(1, 3, 0, 2).reshape(2, 2, -1)
+        pairs = np.flatnonzero(np.triu(np.ones((k, k))))
+        return half(k, pairs, by_component[:, :, pairs])
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +97,12 @@ class SymmetricMatrix:
         """The sum as one sparse matrix."""
         total = self.rest
         for part in self.elements:
-            dofs = (2 * part.functions[:, :, None] + np.arange(2)).reshape(len(part.functions), -1)
-            n = dofs.shape[1]
-            rows, columns = np.repeat(dofs, n, axis=1).ravel(), np.tile(dofs, n).ravel()
-            values = np.tile(part.matrix.ravel(), len(dofs))
-            total = total + csc_array(coo_array((values, (rows, columns)), shape=self.shape))
+            own = part.half
+            step = max(1, AT_ONCE // own.entries.size)
+            for start in range(0, len(part.functions), step):
+                some = sum_of([(part.functions[start : start + step], own)], (self.shape[0] + 1) // 2)
+                some.resize(self.shape)  # there may be multipliers
+                total = total + some
         return csc_array(total)
 
     @cached_property

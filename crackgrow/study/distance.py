@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.geometry.vectors import cross
 
 Floats = NDArray[np.float64]
 
@@ -194,7 +195,7 @@ def _free(points: Floats, line: Floats, leash: float) -> Floats:
     length_sq = np.sum(along**2, axis=1)
     offset = points[:, None, :] - line[:-1]
     foot = np.sum(offset * along, axis=2) / length_sq
-    height_sq = (offset[:, :, 0] * along[:, 1] - offset[:, :, 1] * along[:, 0]) ** 2 / length_sq
+    height_sq = cross(offset, along) ** 2 / length_sq
     half = np.sqrt(np.maximum(leash**2 - height_sq, 0.0) / length_sq)
     low, high = np.maximum(foot - half, 0.0), np.minimum(foot + half, 1.0)
     return np.where((height_sq <= leash**2) & (low <= high), np.stack([low, high]), EMPTY[:, None, None])

@@ -40,7 +40,8 @@ CROWDED = 1e-5
 
 
 LENGTH_TOLERANCE = 1e-8
-"""Of the largest displacement: a change of slip or a gap below this, or the residual of equilibrium, is none."""
+"""Of the largest displacement: a change of slip or a gap below this is none, or below the residual of equilibrium or of
+the contact conditions."""
 
 ROUND_OFF = 1e-9
 """Of the displacement that loads would cause, were they not on held rock."""
@@ -142,7 +143,7 @@ def violations(increment: Increment) -> dict[str, float]:
     length = max(length, pressure / stiffness)
     if length <= noise:
         return {}
-    tolerance = max(LENGTH_TOLERANCE, increment.residual)
+    tolerance = max(LENGTH_TOLERANCE, increment.residual, outcome.complementarity)
     broken = memory.broken | (np.abs(change) > tolerance * length) | (room > tolerance * length)
     friction, cohesion = law.bound_of(broken)
     is_open = room > tolerance * length

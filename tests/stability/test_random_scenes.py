@@ -25,6 +25,9 @@ RESIDUAL = 1e-9
 ILL_CONDITIONED = 0.03
 """Of the scenes, at most. Their residual is below what the program refuses."""
 
+JUMPS = "jumps of the faces are off by"
+"""What a step says whose contact conditions are ill conditioned."""
+
 VIOLATION = 1e-7
 """Relative violation of a condition of contact."""
 
@@ -93,7 +96,8 @@ def check(folder: Path, seeds: range) -> Counter[str]:
             assert np.isfinite(increment.outcome.u).all(), f"seed {seed}"
             assert increment.residual <= WORST_RESIDUAL, f"seed {seed}"
             worst = {name: value for name, value in violations(increment).items() if not value < VIOLATION}
-            assert not worst or increment.residual > RESIDUAL, f"seed {seed}: {worst}"
+            told = increment.residual > RESIDUAL or any(JUMPS in note for note in increment.outcome.notes)
+            assert not worst or told, f"seed {seed}: {worst}"
             violated |= bool(worst)
         known = [words for words in REASONS if words in trial.reason]
         assert not trial.reason or not trial.read or known, f"seed {seed}: {trial.reason}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,12 @@ from scipy.sparse import csc_array, csr_array
 
 import crackgrow.contact.condensed as module
 from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactSolution
 from crackgrow.contact.faces import ContactFaces, mortar_faces
 from crackgrow.contact.jump import contact_operators, gap_and_slip
 from crackgrow.contact.law import ContactLaw
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
@@ -368,7 +370,7 @@ def test_columns_spoilt_by_round_off_are_told_from_contact_that_does_not_solve(
 
 @pytest.mark.parametrize(("solver", "status"), [("newton", "limit"), ("lemke", "ray")])
 def test_no_solution_is_an_error_and_not_a_result(build, monkeypatch, solver: str, status: str) -> None:
-    def gives_up(problem):
+    def gives_up(problem, start=None):
         zeros = np.zeros(problem.free.size)
         return ContactSolution(zeros, status, 17, np.zeros(problem.n_points, dtype=np.int64))
 
@@ -382,7 +384,7 @@ def test_no_solution_is_an_error_and_not_a_result(build, monkeypatch, solver: st
 def test_the_other_solver_steps_in_and_says_so(build, monkeypatch, solver: str, other: str) -> None:
     expected = pressed(build, 0.02).solve(solver=solver)
 
-    def gives_up(problem):
+    def gives_up(problem, start=None):
         zeros = np.zeros(problem.free.size)
         return ContactSolution(zeros, "limit", 17, np.zeros(problem.n_points, dtype=np.int64))
 
@@ -391,3 +393,31 @@ def test_the_other_solver_steps_in_and_says_so(build, monkeypatch, solver: str, 
     assert expected.notes == ()
     assert [f"by {other} after {solver}: status 'limit'" in note for note in outcome.notes] == [True]
     np.testing.assert_allclose(outcome.normal_traction, expected.normal_traction, rtol=1e-9)
+
+
+@pytest.mark.parametrize("solver", ["newton", "lemke"])
+def test_newton_goes_on_from_where_lemke_ends_without_a_solution(build, monkeypatch, solver: str) -> None:
+    """Close to it: Newton's own first guess does not lead there."""
+    expected, by_newton, by_lemke = pressed(build, 0.02).solve(friction=0.3), solve_by_newton, solve_by_lemke
+    starts: list[np.ndarray] = []
+
+    def ends_early(problem):
+        solution = by_lemke(problem)
+        return replace(solution, status="ray", traction=(1.0 + 1e-4) * solution.traction)
+
+    def from_close_by(problem, start=None):
+        if start is None:
+            return ContactSolution(
+                np.zeros(problem.free.size), "limit", 100, np.zeros(problem.n_points, dtype=np.int64)
+            )
+        starts.append(start)
+        return by_newton(problem, start)
+
+    monkeypatch.setattr(module, "solve_by_lemke", ends_early)
+    monkeypatch.setattr(module, "solve_by_newton", from_close_by)
+    outcome = pressed(build, 0.02).solve(friction=0.3, solver=solver)
+    assert len(starts) == 1
+    (note,) = outcome.notes
+    assert "solved by newton after lemke: status 'ray'" in note
+    np.testing.assert_allclose(outcome.normal_traction, expected.normal_traction, rtol=1e-9)
+    np.testing.assert_array_equal(outcome.state, expected.state)

@@ -330,5 +330,5 @@ def test_a_trial_that_fails_leaves_the_memory_alone(monkeypatch: pytest.MonkeyPa
     assert before.memory.slip[0] != 0.25  # what the increment did is in its outcome
 
 
-def gives_up(problem: ContactProblem) -> ContactSolution:
+def gives_up(problem: ContactProblem, start: np.ndarray | None = None) -> ContactSolution:
     return ContactSolution(np.zeros(problem.free.size), "limit", 17, np.zeros(problem.n_points, dtype=np.int64))

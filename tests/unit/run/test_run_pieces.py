@@ -5,13 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.errors import FreePieceError
+from crackgrow.contact import hold
+from crackgrow.contact.solve import ContactOutcome
+from crackgrow.contact.system import ContactSystem
+from crackgrow.errors import FreePieceError, SolveError
 from crackgrow.run import grow
+from crackgrow.solid.rigid_modes import Springs
 
 HELD_BY_FRICTION = [
     [(-2.47, 6.123), (-2.616, 9.325), (-2.863, 14.319), (-14.167, 23.901), (-14.378, 28.896), (-13.608, 30.0)],
@@ -78,7 +83,14 @@ def test_a_piece_that_friction_does_not_hold_slides_out(tmp_path: Path, friction
 
 @pytest.mark.parametrize("friction", [1.0, 1.5])
 def test_a_piece_that_friction_holds_is_solved(tmp_path: Path, friction: float) -> None:
-    assert next(grow(pressed(tmp_path, HELD_BY_FRICTION, TIPS, [friction] * 5))).residual < 1e-8
+    assert next(grow(pressed(tmp_path, HELD_BY_FRICTION, TIPS, [friction] * 5))).residual < 1e-10
+
+
+def test_pieces_without_loads_stay_where_they_are(tmp_path: Path) -> None:
+    case = pressed(tmp_path, HELD_BY_FRICTION, TIPS, [1.5] * 5, loading={"history": [0.0, 1.0]})
+    unloaded, loaded = grow(case)
+    assert np.abs(unloaded.contact.opening).max() == np.abs(unloaded.contact.slip).max() == 0.0
+    assert loaded.residual < 1e-10
 
 
 HARD = [
@@ -93,7 +105,7 @@ HARD = [
 """mm: cracks that grow together in two steps; pieces that friction then holds only just."""
 
 
-def test_stiffer_springs_solve_what_loose_ones_do_not(tmp_path: Path) -> None:
+def hard(tmp_path: Path, friction: float) -> Case:
     growth = {
         "steps": 3,
         "increment": 5,
@@ -102,8 +114,44 @@ def test_stiffer_springs_solve_what_loose_ones_do_not(tmp_path: Path) -> None:
         "tip_stress": {"radius": 1.5},
     }
     growth["unload_between_steps"] = False
-    case = pressed(tmp_path, HARD, ["both"] * 7, [0.29, 0.29, 0.0, 0.29, 0.29, 0.29, 0.0], growth=growth)
-    steps = list(grow(case))
+    frictions = [friction, friction, 0.0, friction, friction, friction, 0.0]
+    return pressed(tmp_path, HARD, ["both"] * 7, frictions, growth=growth)
+
+
+@pytest.mark.parametrize("friction", [0.26, 0.29, 0.30, 0.35])
+def test_pieces_that_are_held_only_just_are_in_equilibrium(tmp_path: Path, friction: float) -> None:
+    steps = list(grow(hard(tmp_path, friction)))
     assert len(steps) == 4
-    assert max(step.residual for step in steps) < 1e-8
-    assert max(step.complementarity for step in steps) < 1e-8
+    assert max(step.residual for step in steps) < 1e-11
+    assert max(step.complementarity for step in steps) < 1e-9
+
+
+def test_stiffer_springs_solve_what_loose_ones_do_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The solution does not depend on them."""
+    case = pressed(tmp_path, HELD_BY_FRICTION, TIPS, [1.5] * 5)
+    expected = next(grow(case))
+    exact, tried = hold.solve_contact_held_loosely, []
+
+    def fails_at_first(contact: ContactSystem, springs: Springs, *rest: Any) -> ContactOutcome:
+        tried.append(springs.stiffness[0])
+        if len(tried) < 3:
+            raise SolveError("not solved")
+        return exact(contact, springs, *rest)
+
+    monkeypatch.setattr(hold, "solve_contact_held_loosely", fails_at_first)
+    found = next(grow(case))
+    assert tried == [tried[0], 3.0 * tried[0], 10.0 * tried[0]]
+    for name in ("normal_traction", "tangential_traction", "opening", "slip"):
+        values = getattr(expected.contact, name)
+        np.testing.assert_allclose(getattr(found.contact, name), values, atol=1e-7 * np.abs(values).max())
+
+
+def test_pieces_that_stiffer_springs_do_not_solve_either_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*of: Any) -> ContactOutcome:
+        raise SolveError("not solved")
+
+    monkeypatch.setattr(hold, "solve_contact_held_loosely", fails)
+    with pytest.raises(SolveError, match=r"contact alone holds the piece of rock.*perhaps only just: not solved"):
+        next(grow(pressed(tmp_path, HELD_BY_FRICTION, TIPS, [1.5] * 5)))
