@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import io
 import os
 import shlex
 import sys
@@ -11,6 +12,12 @@ from pathlib import Path
 
 EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
 EXIT_DIFFERENT = 1  # of compare and stability, as of diff and cmp
+
+
+def write_any_character() -> None:
+    """Let standard output write what its encoding lacks as escapes, as standard error does, and not fail."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def say(text: str, end: str = "\n") -> None:
