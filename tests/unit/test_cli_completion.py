@@ -54,15 +54,15 @@ def test_bash_completes(line: list[str], offered: set[str], folder: Path) -> Non
 def test_bash_escapes_spaces_in_names_as_they_are_typed(folder: Path) -> None:
     (folder / "script").write_text(completion_script(_parser(), "bash"))
     (folder / "shown").write_text("crackgrow() { printf '<%s>' \"$@\"; echo ' shown'; }\n")
+    typed = b". ./script; . ./shown\ncrackgrow run cases/my\t\nexit\n"
     controller, terminal = pty.openpty()
-    command = ["timeout", "--foreground", "20", "bash", "--norc", "--noprofile", "-i"]
-    with subprocess.Popen(command, cwd=folder, stdin=terminal, stdout=terminal, stderr=terminal) as bash:
+    command = ["timeout", "--foreground", "--signal=KILL", "20", "bash", "--norc", "--noprofile", "-i"]
+    with subprocess.Popen(command, cwd=folder, stdin=terminal, stdout=terminal, stderr=terminal):
         os.close(terminal)
-        os.write(controller, b". ./script; . ./shown\ncrackgrow run cases/my\t\n")
+        os.write(controller, typed)
         seen = b""
         while b"> shown" not in seen:
-            seen += os.read(controller, 4096)
-        bash.terminate()
+            seen += os.read(controller, 4096)  # an error where bash has ended
     os.close(controller)
     assert b"<run><cases/my rock.yml> shown" in seen
 
