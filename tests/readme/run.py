@@ -9,11 +9,13 @@ import argparse
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from tests.readme.commands import Command, commands
@@ -38,6 +40,9 @@ LONG = (
 EXIT_CODES = {'crackgrow compare outputs/coarse outputs/compression30 --tolerance "0.15 mm"': 1}
 """Of commands that are meant to end otherwise than with 0."""
 
+BESIDE = " &"
+"""How a command ends that the next ones need running: it must run until all are done."""
+
 COPIED = ("Makefile", "README.md", "pyproject.toml", ".requirements.lock", "crackgrow", "cases", "tests")
 TIMEOUT = 1800  # s
 SHOWN_LINES = 30  # of a command that fails, its last ones
@@ -50,11 +55,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--all", action="store_true", help="the long ones too")
     left_out = NEEDS_A_WINDOW if parser.parse_args(argv).all else (*NEEDS_A_WINDOW, *LONG)
     failed, n_run = 0, 0
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, ExitStack() as beside:
         folder = checkout(Path(name))
         for command in commands((ROOT / "README.md").read_text(encoding="utf-8")):
             if command.text in left_out:
                 print(f"README.md:{command.line}: left out: {command.text}", flush=True)
+                continue
+            if command.text.endswith(BESIDE):
+                print(f"README.md:{command.line}: runs beside the next ones: {command.text}", flush=True)
+                beside.enter_context(run_beside(command, folder))
                 continue
             started = time.perf_counter()
             fault = fault_of(command, folder)
@@ -81,11 +90,9 @@ def checkout(folder: Path) -> Path:
 def fault_of(command: Command, folder: Path) -> str:
     """Run a command; what is wrong with how it ends or what it prints, empty if nothing is."""
     shell = {"sh": ["bash", "-c"], "python": [str(ROOT / ".venv/bin/python"), "-c"]}[command.language]
-    path = os.pathsep.join([str(ROOT / ".venv/bin"), os.environ["PATH"]])
-    environment = {**os.environ, "PATH": path, "PYTHONPATH": str(folder)}
     done = subprocess.run(
-        [*shell, command.text], cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-        timeout=TIMEOUT, check=False,
+        [*shell, command.text], cwd=folder, env=environment(folder), stdin=subprocess.DEVNULL, capture_output=True,
+        text=True, timeout=TIMEOUT, check=False,
     )  # fmt: skip
     wanted = EXIT_CODES.get(command.text, 0)
     if done.returncode != wanted:
@@ -94,6 +101,29 @@ def fault_of(command: Command, folder: Path) -> str:
     printed = {without_numbers(line) for line in done.stdout.splitlines()}
     missing = [line for line in command.prints if without_numbers(line) not in printed]
     return f"it does not print {missing[0]!r} but\n{done.stdout}" if missing else ""
+
+
+@contextmanager
+def run_beside(command: Command, folder: Path) -> Iterator[None]:
+    """Have a command run for as long as the context lasts; raises RuntimeError if it ends before."""
+    process = subprocess.Popen(
+        ["bash", "-c", f"exec {command.text.removesuffix(BESIDE)}"], cwd=folder, env=environment(folder),
+        stdin=subprocess.DEVNULL, start_new_session=True,
+    )  # fmt: skip
+    try:
+        yield
+        if process.poll() is not None:
+            raise RuntimeError(f"README.md:{command.line}: ended with exit code {process.returncode}: {command.text}")
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGTERM)  # with the processes it has begun
+        process.wait()
+
+
+def environment(folder: Path) -> dict[str, str]:
+    """That of the commands: programs of the checkout's environment, modules of the copy."""
+    path = os.pathsep.join([str(ROOT / ".venv/bin"), os.environ["PATH"]])
+    return {**os.environ, "PATH": path, "PYTHONPATH": str(folder)}
 
 
 def without_numbers(line: str) -> str:

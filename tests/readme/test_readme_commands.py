@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.readme.commands import Command, commands
-from tests.readme.run import EXIT_CODES, LONG, NEEDS_A_WINDOW, ROOT, fault_of
+from tests.readme.run import EXIT_CODES, LONG, NEEDS_A_WINDOW, ROOT, fault_of, run_beside
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -49,6 +49,17 @@ def test_faults_of_a_command(tmp_path: Path, command: Command, fault: str) -> No
     found = fault_of(command, tmp_path)
     assert found.startswith(fault)
     assert bool(found) == bool(fault)
+
+
+def test_command_beside_others_runs_until_they_are_done(tmp_path: Path) -> None:
+    with run_beside(Command("sleep 60 &", 1, "sh"), tmp_path):
+        assert fault_of(Command("pgrep -P $PPID sleep", 2, "sh"), tmp_path) == ""
+    assert fault_of(Command("pgrep -P $PPID sleep", 2, "sh"), tmp_path).startswith("exit code 1")
+    with (
+        pytest.raises(RuntimeError, match=r"README\.md:1: ended with exit code 0: true &"),
+        run_beside(Command("true &", 1, "sh"), tmp_path),
+    ):
+        fault_of(Command("sleep 0.5", 2, "sh"), tmp_path)
 
 
 def test_lists_name_commands_of_the_readme() -> None:

@@ -30,6 +30,7 @@ SETTINGS: Final = {
     "distributed.scheduler.allowed-failures": LOST_WORKERS,
     "distributed.admin.tick.limit": "1h",  # nobody wants to know of a busy machine
     "distributed.worker.profile.enabled": False,  # it would look at every worker a hundred times a second
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,  # else arrays are paged in anew each time
 }
 
 
@@ -110,10 +111,12 @@ def run_all(client: Client, jobs: Sequence[Job], function: Callable[[Job], Value
     waiting = deque(jobs)
     running: dict[object, tuple[Job, str, Future[Values]]] = {}  # with the address of the worker that was to have it
     ended: queue.SimpleQueue[Future[Values]] = queue.SimpleQueue()
-    while waiting or running:
+    told: list[tuple[Job, Values]] = []
+    while True:
         try:
             workers = list(client.nthreads())
         except OSError as error:
+            yield from told
             raise ClusterError(f"{GONE}: {error}") from error
         busy = {address for _, address, _ in running.values()}
         for address in [address for address in workers if address not in busy]:
@@ -122,12 +125,16 @@ def run_all(client: Client, jobs: Sequence[Job], function: Callable[[Job], Value
                 future = client.submit(function, job, pure=False, workers=[address], allow_other_workers=True)
                 running[future.key] = job, address, future
                 future.add_done_callback(ended.put)
+        yield from told  # only now: no worker waits for what is done with it
+        told.clear()
+        if not waiting and not running:
+            return
         try:
             future = ended.get(timeout=POLL)
         except queue.Empty:
             continue
         job, _, _ = running.pop(future.key)
-        yield job, _outcome(future)
+        told.append((job, _outcome(future)))
 
 
 def _outcome(future: Future[Values]) -> Values:
