@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.console import EXIT_DONE, hand_out
 
 HELP = """\
 Print a script that completes commands, options, their values, and case files. It is made from this version's options.
@@ -195,7 +195,7 @@ def add_completion(
     """Add the command; `parser` is the whole one, of which the scripts are made."""
 
     def completion(arguments: argparse.Namespace) -> int:
-        say(completion_script(parser, arguments.shell), end="")
+        hand_out(completion_script(parser, arguments.shell))
         return EXIT_DONE
 
     command = commands.add_parser(

@@ -10,6 +10,8 @@ import shlex
 import sys
 from pathlib import Path
 
+from crackgrow.results.atomic import OutputError
+
 EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
 EXIT_DIFFERENT = 1  # of compare and stability, as of diff and cmp
 
@@ -26,6 +28,20 @@ def say(text: str, end: str = "\n") -> None:
         print(text, end=end, flush=True)
     except (OSError, ValueError):
         sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
+
+
+def hand_out(text: str) -> None:
+    """Print what a command is there to print; raises OutputError where it cannot be written, as on a full disk.
+
+    A reader that has gone away has had what it wants.
+    """
+    try:
+        print(text, end="", flush=True)
+    except BrokenPipeError:
+        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
+    except (OSError, ValueError) as error:
+        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115
+        raise OutputError(f"cannot write standard output: {getattr(error, 'strerror', None) or error}") from error
 
 
 def count(text: str) -> int:
