@@ -51,7 +51,7 @@ def solve(case: Case) -> Solution:
 
     Raises GeometryError or SolveError where the step can't be solved.
     """
-    return _solution(case, solved_steps(case))
+    return _solution(case, solved_steps(_checked(case)))
 
 
 def run_case(case: Case, out: str | Path | None = None) -> Run:
@@ -78,7 +78,7 @@ def run_case(case: Case, out: str | Path | None = None) -> Run:
     has files of the same names that no run has written. A later step that fails ends the run, and `status` and
     `reason` tell.
     """
-    steps = solved_steps(case)
+    steps = solved_steps(_checked(case))
     if out is None:
         return _collected(case, steps, lambda result: None)
     writer = RunWriter(case, Path(out))
@@ -182,12 +182,18 @@ class Solution(_Tables):
         inside = elements >= 0
         return near[inside], local[inside], elements[inside]
 
+    def __repr__(self) -> str:
+        return f"<Solution of {self.case.name}: {self._words()}>"
+
     def _repr_html_(self) -> str:
+        return _summary(self, self._words(), self.tips)
+
+    def _words(self) -> str:
         result = self.result
         words = [f"step {result.step}", f"load factor {result.load_factor:g}", f"{result.n_dofs} unknowns"]
         if np.isfinite(result.energy_error):
             words.append(f"estimated error {result.energy_error:.2g} % of the energy norm")
-        return _summary(self, ", ".join(words), self.tips)
+        return ", ".join(words)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -220,7 +226,10 @@ class Run(_Tables):
 
     def path(self, crack: str) -> Floats:
         """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
-        return {path.name: path.points for path in self.end.cracks}[crack]
+        paths = {path.name: path.points for path in self.end.cracks}
+        if crack not in paths:
+            raise KeyError(f"no crack {crack!r}; the cracks are {', '.join(paths) or 'none'}")
+        return paths[crack]
 
     def solution(self, step: int) -> Solution:
         """A step with its fields, for stress and displacement at points; raises IndexError if there is no such step.
@@ -239,8 +248,18 @@ class Run(_Tables):
             return self.last
         return _solution(self.case, solved_steps(self.case, self.results[numbers.index(step)].checkpoint))
 
+    def __repr__(self) -> str:
+        return f"<Run of {self.case.name}: {self.status}: {self.reason}>"
+
     def _repr_html_(self) -> str:
         return _summary(self, f"{self.status}: {self.reason}; tips of step {self.last.result.step}:", self.last.tips)
+
+
+def _checked(case: Case) -> Case:
+    """The case itself; raises TypeError where it is something else, such as the path of one."""
+    if not isinstance(case, Case):
+        raise TypeError(f"a Case is wanted, as crackgrow.load_case(path) gives, not {case!r}")
+    return case
 
 
 def _solution(case: Case, steps: Steps) -> Solution:

@@ -22,7 +22,8 @@ class Fault:
 
     def __str__(self) -> str:
         place = self.source if self.line is None else f"{self.source}:{self.line}"
-        return f"{place}: {self.key}: {self.message}" if self.key else f"{place}: {self.message}"
+        told = not self.key or place == f"--set {self.key}"
+        return f"{place}: {self.message}" if told else f"{place}: {self.key}: {self.message}"
 
 
 class CaseError(CrackgrowError):

@@ -45,8 +45,10 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     path: the case file; the case is named after it
     overrides: settings such as "numerics.spacing=1.5" that replace those of the file, the last one wins
 
-    Raises CaseError with every fault found.
+    Raises CaseError with every fault found, TypeError where `overrides` is one text in place of a list of them.
     """
+    if isinstance(overrides, str):
+        raise TypeError(f"overrides are a list of settings such as [{overrides!r}], not a text")
     report = Report(str(path))
     root = read_file(path, report)
     if Path(path).stem in ("", ".", ".."):  # the case is named after its file, and its results after the case

@@ -253,6 +253,9 @@ class Case:
     output: Output
     resolved: dict[str, object]
 
+    def __repr__(self) -> str:
+        return f"<Case {self.name}: {self.title}>"
+
     @property
     def last_factor(self) -> float:
         """The last load factor of the history; nan where factors are found."""

@@ -99,7 +99,7 @@ def _decode_and_parse(data: bytes, report: Report) -> Node | None:
         return None
     node = parse(text, report, Place(report.source, 1))
     if node is None and not report.faults:
-        report.fault((), "the file is empty; a case needs at least title, plane and bodies")
+        report.fault((), "the file is empty")
     return node
 
 

@@ -26,7 +26,10 @@ def _missing_message(path: Path) -> str:
     if path.is_dir():
         return "is a folder, not a case file"
     names = sorted(file.name for file in path.parent.glob("*.yaml"))
-    near = difflib.get_close_matches(path.name, names, n=1)
+    near = [path.parent / name for name in difflib.get_close_matches(path.name, names, n=1)]
+    of_that_name = Path("cases") / f"{path.stem}.yaml"  # where `crackgrow new` writes
+    if path.parent == Path() and of_that_name.is_file():
+        near = [of_that_name]
     if near:
-        return f"no such case file; did you mean {path.parent / near[0]}?"
+        return f"no such case file; did you mean {near[0]}?"
     return f"no such case file; {path.parent} has {', '.join(names) or 'no case files'}"

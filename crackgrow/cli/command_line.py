@@ -11,7 +11,7 @@ import crackgrow
 from crackgrow.cli.check import add_check
 from crackgrow.cli.compare import add_compare
 from crackgrow.cli.completion import add_completion
-from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, complain
+from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, complain, write_any_character
 from crackgrow.cli.new import add_new
 from crackgrow.cli.render import add_render
 from crackgrow.cli.report import add_report
@@ -34,6 +34,7 @@ examples:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` (default: that of the process) and return the exit code."""
     one_thread()
+    write_any_character()
     arguments = _parser().parse_args(argv)
     command: Callable[[argparse.Namespace], int] = arguments.command
     try:

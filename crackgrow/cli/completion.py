@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.console import EXIT_DONE, hand_out
 
 HELP = """\
 Print a script that completes commands, options, their values, and case files. It is made from this version's options.
@@ -91,9 +91,9 @@ def _bash(commands: Mapping[str, Command], top: Command) -> str:
         files = [option for option in command.options if option.takes_value and not option.choices]
         if files:
             names = "|".join(name for option in files for name in option.names)
-            values.append(f'        {names}) COMPREPLY=($(compgen -f -- "$word")); return;;')
+            values.append(f"        {names}) _crackgrow_files; return;;")
         words = " ".join([*(n for option in command.options for n in option.names), *command.words])
-        rest = "_crackgrow_cases" if command.wants_case else 'COMPREPLY+=($(compgen -f -- "$word"))'
+        rest = "_crackgrow_files '*.y?(a)ml'" if command.wants_case else "_crackgrow_files"
         chosen = "\n".join(['      case "$before" in', *values, "      esac"]) if values else "      :"
         cases.append(
             f'    {name})\n{chosen}\n      COMPREPLY=($(compgen -W {shlex.quote(words)} -- "$word"))\n      {rest};;'
@@ -101,11 +101,11 @@ def _bash(commands: Mapping[str, Command], top: Command) -> str:
     first = " ".join([*commands, *(n for option in top.options for n in option.names)])
     body = "\n".join(cases)
     return f"""# bash completion of {PROGRAM}
-_crackgrow_cases() {{
+_crackgrow_files() {{  # folders and, of the files, those of a pattern
   local file
+  compopt -o filenames 2> /dev/null  # escapes spaces in names, ends folders with a slash
   while IFS= read -r file; do
-    if [[ -d $file ]]; then COMPREPLY+=("$file/"); compopt -o nospace 2> /dev/null
-    elif [[ $file == *.yaml || $file == *.yml ]]; then COMPREPLY+=("$file"); fi
+    if [[ -d $file || $file == ${{1:-*}} ]]; then COMPREPLY+=("$file"); fi
   done < <(compgen -f -- "$word")
 }}
 _crackgrow() {{
@@ -195,7 +195,7 @@ def add_completion(
     """Add the command; `parser` is the whole one, of which the scripts are made."""
 
     def completion(arguments: argparse.Namespace) -> int:
-        say(completion_script(parser, arguments.shell), end="")
+        hand_out(completion_script(parser, arguments.shell))
         return EXIT_DONE
 
     command = commands.add_parser(

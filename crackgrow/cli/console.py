@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import io
 import os
 import shlex
 import sys
 from pathlib import Path
 
+from crackgrow.results.atomic import OutputError
+
 EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
 EXIT_DIFFERENT = 1  # of compare and stability, as of diff and cmp
+
+
+def write_any_character() -> None:
+    """Let standard output write what its encoding lacks as escapes, as standard error does, and not fail."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def say(text: str, end: str = "\n") -> None:
@@ -19,6 +28,20 @@ def say(text: str, end: str = "\n") -> None:
         print(text, end=end, flush=True)
     except (OSError, ValueError):
         sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
+
+
+def hand_out(text: str) -> None:
+    """Print what a command is there to print; raises OutputError where it cannot be written, as on a full disk.
+
+    A reader that has gone away has had what it wants.
+    """
+    try:
+        print(text, end="", flush=True)
+    except BrokenPipeError:
+        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
+    except (OSError, ValueError) as error:
+        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115
+        raise OutputError(f"cannot write standard output: {getattr(error, 'strerror', None) or error}") from error
 
 
 def count(text: str) -> int:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 import crackgrow
-from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.console import EXIT_DONE, hand_out
 from crackgrow.results.atomic import write_text
 
 HELP = """\
@@ -27,7 +27,7 @@ def schema(arguments: argparse.Namespace) -> int:
     """`crackgrow schema`: print or write the JSON Schema of case files."""
     text = crackgrow.case_schema()
     if arguments.out is None:
-        say(text, end="")
+        hand_out(text)
     else:
         write_text(arguments.out, text)
     return EXIT_DONE

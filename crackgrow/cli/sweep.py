@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, count, say, spelled
+from crackgrow.results.log import counted
 
 if TYPE_CHECKING:
     from crackgrow.study.sweep.plan import SweepPlan
@@ -43,7 +44,7 @@ def sweep(arguments: argparse.Namespace) -> int:
 def _run(plan: SweepPlan, arguments: argparse.Namespace) -> int:
     """Run the sweep and tell of each run; returns how many are done."""
     n_runs, n_before, n_failed = len(plan.runs), 0, 0
-    say(f"{plan.name}: {n_runs} runs over {', '.join(plan.parameters)}")
+    say(f"{plan.name}: {counted(n_runs, 'run')} over {', '.join(plan.parameters)}")
     rows = crackgrow.sweep(
         plan,
         workers=arguments.workers,
@@ -57,7 +58,7 @@ def _run(plan: SweepPlan, arguments: argparse.Namespace) -> int:
         if row.new:
             say(f"[{number}/{n_runs}] {crackgrow.sweep_line(row)}")
     before = f", {n_before} of them done before" if n_before else ""
-    say(f"{n_runs - n_failed} runs done{before}, {n_failed} not\nresults in {plan.folder}")
+    say(f"{counted(n_runs - n_failed, 'run')} done{before}, {n_failed} not\nresults in {plan.folder}")
     return n_runs - n_failed
 
 

@@ -61,7 +61,13 @@ def arrow(axes: Axes, tail: Floats, head: Floats, colour: str) -> None:
 
 
 def label(
-    axes: Axes, point: Floats, text: str, colour: str = "black", ha: str = "center", rotation: float = 0.0
+    axes: Axes,
+    point: Floats,
+    text: str,
+    colour: str = "black",
+    ha: str = "center",
+    va: str = "center",
+    rotation: float = 0.0,
 ) -> None:
     """Small words on a white ground."""
     ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
@@ -74,7 +80,7 @@ def label(
         zorder=8,
         bbox=ground,
         ha=ha,
-        va="center",
+        va=va,
         rotation=rotation,
     )
 

@@ -40,6 +40,7 @@ MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more th
 SIDE: Final = 6.5  # inches, the longer one of the scene
 SHEAR: Final = 0.5  # sine of the angle to an edge below which a traction runs along it
 ARROW, SIGN, MARGIN = 0.10, 0.035, 0.27  # of the scene's size
+STEEP: Final = 0.6  # of the normal along y, from which words stand on what they name, not beside it
 LETTERS_PER_INCH: Final = 14  # of the title
 COLOURS: Final = ("#e6e1d8", "#d5dde6", "#dfe6d5", "#e6d5df")
 
@@ -66,7 +67,7 @@ def draw_scene(path: Path, case: Case) -> None:
             _name_crack(axes, crack, size, scale, unit, whole=len(case.cracks) <= MOST_WHOLE_NAMES)
     _draw_supports(axes, case, size, scale, unit)
     _draw_loads(axes, case, size)
-    corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.8 * margin]), np.array([-0.8 * margin, 0.0])
+    corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.87 * margin]), np.array([-0.87 * margin, 0.0])
     dimension(axes, low, corner, below, f"{(high - low)[0] * scale:g} {unit}")
     dimension(axes, low, np.array([low[0], high[1]]), left, f"{(high - low)[1] * scale:g} {unit}")
     title = textwrap.fill(f"{case.name}: {case.title}", max(20, round(LETTERS_PER_INCH * figure.get_figwidth())))
@@ -114,20 +115,18 @@ def _name_crack(axes: Axes, crack: Crack, size: float, scale: float, unit: str, 
     normal = np.array([-chord[1], chord[0]]) / max(float(np.hypot(*chord)), 1e-300)
     normal = normal if normal[1] >= 0 else -normal
     middle = crack.points[len(crack.points) // 2] if len(crack.points) > 2 else crack.points.mean(axis=0)
-    words = f"{crack.name}: {length:.4g} {unit}, {law}" if whole else crack.name
-    label(axes, middle + 0.03 * size * normal, words, ha=beside(normal))
+    words = f"{crack.name}: {length:.4g} {unit}\n{law}" if whole else crack.name  # narrow, as specimens are
+    label(axes, middle + 0.03 * size * normal, words, ha=beside(normal), va="bottom" if normal[1] > STEEP else "center")
     for name, tip in _tips(crack).items() if whole else ():
         way = (chord if name == "end" else -chord) / max(float(np.hypot(*chord)), 1e-300)
-        label(axes, tip + 0.02 * size * way, name, "0.35", ha=beside(way))
+        label(axes, tip + (0.02 + 0.01 * abs(way[1])) * size * way, name, "0.35", ha=beside(way))
 
 
 def _draw_supports(axes: Axes, case: Case, size: float, scale: float, unit: str) -> None:
-    center = np.mean([body.outline.mean(axis=0) for body in case.bodies], axis=0)
     for support in case.supports:
         if isinstance(support, PointSupport):
-            held = [component is not None for component in support.displacement]
-            outward = _outward_at(support.point, center, held)
-            triangle(axes, support.point, outward, SIGN * size, roller=not all(held))
+            roller = None in support.displacement
+            triangle(axes, support.point, _outward_at(case, support), SIGN * size, roller=roller)
             _draw_given(axes, support.displacement, support.point, size, scale, unit)
             continue
         parts = _parts(case, support.region)
@@ -144,8 +143,10 @@ def _draw_supports(axes: Axes, case: Case, size: float, scale: float, unit: str)
             _draw_given(axes, support.displacement, line.mean(axis=0) + 0.05 * size * outward, size, scale, unit)
 
 
-def _outward_at(point: Floats, center: Floats, held: list[bool]) -> Floats:
+def _outward_at(case: Case, support: PointSupport) -> Floats:
     """Where the ground of a support at a point is: across what it holds, away from the middle of the scene."""
+    center = np.mean([body.outline.mean(axis=0) for body in case.bodies], axis=0)
+    point, held = support.point, [component is not None for component in support.displacement]
     away = np.where(point >= center, 1.0, -1.0)
     if held == [True, False]:
         return np.array([away[0] if point[0] != center[0] else -1.0, 0.0])
@@ -207,18 +208,22 @@ def _draw_traction(axes: Axes, case: Case, load: EdgeTraction, size: float, held
     shears = abs(float(way @ parts[len(parts) // 2][1])) < SHEAR * ARROW * size
     n = int(np.clip(round(lengths.sum() / ((0.14 if shears else 0.08) * size)), 2, 14))
     ends = np.cumsum(lengths)
+    places = []
     for place in (np.arange(n) + 0.5) / n * ends[-1]:
         number = min(int(np.searchsorted(ends, place)), len(parts) - 1)
         line, outward = parts[number]
-        point = line[1] - (ends[number] - place) / lengths[number] * (line[1] - line[0])
-        normal = float(way @ outward)
-        if shears:
-            tail = point + 0.03 * size * outward - way / 2
-        else:
-            tail = point + 0.008 * size * outward - (way if normal < 0 else np.zeros(2))
-        arrow(axes, tail, tail + way, LOAD)
+        places.append((line[1] - (ends[number] - place) / lengths[number] * (line[1] - line[0]), outward))
+    held_points = [support for support in case.supports if isinstance(support, PointSupport)]
+    signs = [support.point + 0.8 * SIGN * size * _outward_at(case, support) for support in held_points]
+    free = [(p, o) for p, o in places if all(np.hypot(*(p - sign)) > 1.1 * SIGN * size for sign in signs)]
+    gap = 0.03 if shears else 0.008 if free else 1.7 * SIGN  # where signs of supports leave no room: outside of them
+    for point, outward in free or places:
+        tail = point + gap * size * outward
+        arrow_tail = tail - way / 2 if shears else tail - way if float(way @ outward) < 0 else tail
+        arrow(axes, arrow_tail, arrow_tail + way, LOAD)
     line, outward = parts[len(parts) // 2]  # two loads on an edge are mostly one across and one along it
-    middle = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0]) + 1.35 * ARROW * size * outward
+    away = (1.35 * ARROW + (0.0 if free else gap)) * size
+    middle = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0]) + away * outward
     given = ", ".join(f"t{axis}" for axis, value in zip("xy", traction, strict=True) if value)
     values = ", ".join(stress_text(value) for value in traction if value)
     label(axes, middle, f"{given} = {values}{held}", LOAD, rotation=90.0 if abs(outward[0]) > SHEAR else 0.0)

@@ -33,6 +33,7 @@ LONG_SIDE = 7.0  # inches
 DPI = 150
 MOST_CONTACT_ROWS = 6  # surfaces in one figure
 MOST_STEP_TICKS = 11  # on the colour bar of steps, and of points named by their step
+SAME_PLACE = 0.04  # of a plot's width and height: points closer than this share the words that name them
 
 
 class Cells(Protocol):
@@ -136,9 +137,12 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
             (row[2], contact.tangential_traction, face.tangential_traction * stress, f"shear traction [{stress_unit}]"),
         ):
             factor = scale if values is contact.slip else stress
+            axes.axhline(0.0, color="0.7", linewidth=0.6)  # always in the picture: round-off is not blown up to fill it
             axes.plot(face.s * scale, along, color="0.4", linewidth=1.0)
             for state, fill in ((OPEN, "white"), (STICK, "tab:blue"), (SLIP, "tab:red")):
                 here = mine & (contact.state == state)
+                if not here.any():
+                    continue
                 axes.plot(
                     contact.s[here] * scale, values[here] * factor, "o", markersize=3.5, markerfacecolor=fill,
                     markeredgecolor="0.2", markeredgewidth=0.5, label=STATE_NAMES[state],
@@ -171,17 +175,30 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
     figure = Figure(figsize=(4.6 * len(panels), 4.0), dpi=DPI, layout="constrained")
     for axes, (values, label) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         axes.plot(values * scale, factor, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
-        at: dict[tuple[float, float], list[str]] = {}
-        for step in named:
-            if np.isfinite(values[step]) and np.isfinite(factor[step]):
-                at.setdefault((round(float(values[step]) * scale, 9), float(factor[step])), []).append(str(step))
-        for place, steps in at.items():
-            words = ", ".join(dict.fromkeys(steps))
-            axes.annotate(words, place, xytext=(4, -9), textcoords="offset points", fontsize=7)
+        for (x, y), steps in _labels(values * scale, factor, named):
+            axes.annotate(", ".join(steps), (x, y), xytext=(4, -9), textcoords="offset points", fontsize=7)
+        axes.margins(x=0.1)  # room for the words at the right end
         axes.set(xlabel=label, ylabel="load factor")
         axes.grid(linewidth=0.3)
     figure.suptitle(f"{case.title} (points: steps)", fontsize=10, wrap=True)
     _save(path, figure)
+
+
+def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[float, float], list[str]]]:
+    """Where to name some steps of a curve x, y (n,), and by which words: steps at about the same place share one."""
+    width, height = (float(np.ptp(values[np.isfinite(values)])) or 1.0 for values in (x, y))
+    labels: list[tuple[tuple[float, float], list[str]]] = []
+    for step in dict.fromkeys(named):
+        place = (float(x[step]), float(y[step]))
+        if not np.isfinite(place).all():
+            continue
+        for (a, b), words in labels:
+            if abs(a - place[0]) < SAME_PLACE * width and abs(b - place[1]) < SAME_PLACE * height:
+                words.append(str(step))
+                break
+        else:
+            labels.append((place, [str(step)]))
+    return labels
 
 
 def _most_slip(curve: Sequence[LoadPoint], unit: str) -> list[tuple[Floats, str]]:

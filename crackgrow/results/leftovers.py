@@ -43,6 +43,9 @@ def remove_leftovers(folder: Path, case_name: str) -> None:
 
     Raises OutputError, and OccupiedError where nothing shows that a run wrote them.
     """
+    for place in (folder, *folder.parents):
+        if place.exists() and not place.is_dir():
+            raise OutputError(f"cannot write results into {folder}: {place} is a file; choose another folder")
     earlier = _summary(folder)
     names = [*FILES, *FIGURES, *series_names(case_name)]
     if earlier is None and not steps_with_checkpoint(folder):

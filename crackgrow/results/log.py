@@ -52,6 +52,11 @@ def step_label(step: int, n_steps: int | None) -> str:
     return f"step {step}" if n_steps is None else f"step {step}/{n_steps}"
 
 
+def counted(n: object, thing: str) -> str:
+    """A number of things in words: "1 run", "2 runs"."""
+    return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
+
+
 def step_line(result: StepResult, n_steps: int | None) -> str:
     """One line on a solved step: dofs, contact iterations, tips that advanced and by which branch, seconds."""
     moved = [f"{tip.crack} {tip.tip} ({tip.criterion})" for tip in result.tips if tip.advanced]
@@ -59,7 +64,7 @@ def step_line(result: StepResult, n_steps: int | None) -> str:
         [
             step_label(result.step, n_steps),
             f"{result.n_dofs} dofs",
-            f"{result.contact_iterations} contact iterations",
+            counted(result.contact_iterations, "contact iteration"),
             f"advanced: {', '.join(moved)}" if moved else "no tip advanced",
             f"{sum(result.seconds.values()):.2f} s",
         ]

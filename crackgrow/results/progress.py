@@ -6,13 +6,14 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from crackgrow.results.log import event_line, step_label, step_line
+from crackgrow.results.log import counted, event_line, step_label, step_line
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.case.model import Case
     from crackgrow.run.result import Event, StepResult
 
 BAR_WIDTH = 20
+ROOM_FOR_BAR = 60  # columns: a narrower terminal has the words alone
 MOST_WARNINGS = 5  # told at the end; run.log has all
 RECENT = 5  # steps whose mean time tells what is left: later ones are larger than the first
 CLEAR = "\x1b[K"  # the rest of a terminal's line
@@ -41,8 +42,8 @@ class Progress:
         self._warnings.update(dict.fromkeys(result.warnings))
         if self._width is None:
             self._say(step_line(result, self._n_steps), "\n")
-        advances = f", {self._n_advances} tip advances" if self._n_steps is not None else ""
-        self._show_live(result.step, f"{advances}, {result.contact_iterations} contact iterations")
+        advances = f", {counted(self._n_advances, 'tip advance')}" if self._n_steps is not None else ""
+        self._show_live(result.step, f"{advances}, {counted(result.contact_iterations, 'contact iteration')}")
         self.tell(result.events)
 
     def tell(self, events: Sequence[Event]) -> None:
@@ -69,7 +70,8 @@ class Progress:
         filled = round(BAR_WIDTH * max(step, 0) / self._last_step) if self._last_step else BAR_WIDTH * (step + 1)
         label = step_label(max(step, 0), self._last_step)
         passed = f"{self._times[-1] - self._times[0]:.1f} s"
-        text = f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] {label}{self._left(step)}{what}, {passed}"
+        bar = f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] " if self._width >= ROOM_FOR_BAR else ""
+        text = f"{bar}{label}{self._left(step)}{what}, {passed}"
         self._say(f"\r{text[: self._width]}{CLEAR}", "")
 
     def _left(self, step: int) -> str:

@@ -16,6 +16,7 @@ from crackgrow import __version__
 from crackgrow.case.model import Case
 from crackgrow.run.result import Event, RunEnd, StepResult, event_of, event_record
 
+ROUND_OFF = 1e-8  # of the loads' K, their force over the root of a length: a smaller K tells nothing
 MEMORY_FILE = Path("/proc/self/status")  # of Linux
 CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
 
@@ -131,11 +132,13 @@ def error_line(tally: Tally, end: RunEnd) -> str:
 def K_spread(result: StepResult) -> float:
     """Largest spread of K over the radii of its integral, in percent of the largest K of the step.
 
-    Of tips with room for their discs, whatever kept the others from it; nan where there are none.
+    Of tips with room for their discs, whatever kept the others from it; nan where there are none, and where all K are
+    round-off of the loads, as at a crack that sticks.
     """
     roomy = [tip for tip in result.tips if not tip.K_note and math.isfinite(tip.K_I) and math.isfinite(tip.K_II)]
     largest = max((max(abs(tip.K_I), abs(tip.K_II)) for tip in roomy), default=0.0)
-    if largest == 0.0:
+    loads = 2.0 * result.energy.strain / abs(result.load_displacement) if result.load_displacement else 0.0  # N/m
+    if largest == 0.0 or any(largest < ROUND_OFF * loads / math.sqrt(tip.K_radius) for tip in roomy):
         return math.nan
     return 100.0 * max(max(tip.K_I_error, tip.K_II_error) for tip in roomy) / largest
 

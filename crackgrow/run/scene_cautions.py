@@ -51,6 +51,9 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> list[str]:
             f"the averaging radius {growth.tip_radius:g} m is below {SMALL_RADIUS:g} spacings ({spacing:g} m): "
             "the tip stress may depend on the spacing"
         )
+    growing = any(crack.tip_at_start or crack.tip_at_end for crack in scene.case.cracks)
+    if growth is not None and growth.steps > 0 and not growing:
+        found.append(f"{growth.steps} growth steps are asked for, but no crack has a tip that could grow")
     support = scene.case.numerics.support
     if support < GOOD_SUPPORT and scene.case.cracks:
         found.append(

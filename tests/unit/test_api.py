@@ -158,6 +158,23 @@ def test_summaries_for_notebooks_escape_the_title(run: crackgrow.Run) -> None:
     assert "completed: all 2 growth steps are done" in run._repr_html_()
 
 
+def test_what_a_prompt_shows_is_one_line(run: crackgrow.Run) -> None:
+    assert repr(run) == "<Run of compression30: completed: all 2 growth steps are done>"
+    assert repr(run.last) == "<Solution of compression30: step 2, load factor 1, 880 unknowns>"
+    assert repr(run.case) == "<Case compression30: Closed crack at 30 degrees under uniaxial compression>"
+
+
+def test_mistakes_at_a_prompt_are_told(run: crackgrow.Run) -> None:
+    path = str(ROOT / "cases" / "compression30.yaml")
+    for wrong in (crackgrow.solve, crackgrow.run_case):
+        with pytest.raises(TypeError, match=r"a Case is wanted, as crackgrow.load_case\(path\) gives, not '.*yaml'"):
+            wrong(path)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="overrides are a list"):
+        crackgrow.load_case(path, "growth.steps=2")
+    with pytest.raises(KeyError, match="no crack 'flw'; the cracks are flaw"):
+        run.path("flw")
+
+
 @pytest.mark.parametrize(
     ("error", "status", "reason"),
     [

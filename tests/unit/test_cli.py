@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
@@ -91,6 +94,30 @@ def test_terminal_has_one_live_line(
     assert [text for text in live if "step 2/2, 3 tip advances, 5 contact iterations" in text]
     assert "[##########..........] step 1/2" in "".join(live)
     assert re.search(r"step 1/2, \d+ s left, 2 tip advances, \d contact iterations", "".join(live))
+
+
+def test_a_narrow_terminal_has_the_words_and_no_bar(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "30")
+    assert cli.main(["run", "block.yaml"]) == 0
+    live = [line for line in re.split("[\r\n]", capsys.readouterr().out) if line.endswith("\x1b[K")]
+    assert live[-1].startswith("step 2/2, 3 tip advances")
+    assert all(len(line.removesuffix("\x1b[K")) < 30 for line in live)
+
+
+def test_letters_that_the_terminal_lacks_are_escaped_and_nothing_is_lost(
+    scene: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = replace(make_case(frames="none"), title="Stra\xdfe")
+    monkeypatch.setattr(crackgrow, "load_case", lambda path, overrides: case, raising=False)
+    written = io.BytesIO()
+    monkeypatch.setattr("sys.stdout", io.TextIOWrapper(written, encoding="ascii"))
+    assert cli.main(["run", "block.yaml"]) == 0
+    lines = written.getvalue().decode("ascii").splitlines()
+    assert lines[0] == r"block: Stra\xdfe"
+    assert lines[-1] == "results in outputs/block"
 
 
 def test_what_tips_have_met_is_told_as_it_happens_and_at_the_end(
@@ -224,9 +251,9 @@ def test_bug_shows_its_traceback_and_keeps_the_results(
 def test_folder_that_cannot_be_written_exits_3(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (scene / "file").write_text("")
     assert cli.main(["run", "block.yaml", "--out", "file/inner"]) == 3
-    err = capsys.readouterr().err
-    assert "file/inner" in err
-    assert "Traceback" not in err
+    assert cli.main(["run", "block.yaml", "--out", "file"]) == 3
+    for err, folder in zip(capsys.readouterr().err.splitlines(), ("file/inner", "file"), strict=True):
+        assert err == f"crackgrow: cannot write results into {folder}: file is a file; choose another folder"
 
 
 def test_disk_that_fills_during_a_run_exits_3(
@@ -258,6 +285,10 @@ def test_case_file_in_the_folder_of_the_results_is_not_replaced(
 def test_missing_case_file_suggests_a_near_name(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["run", "blok.yaml"]) == 2
     assert "blok.yaml: no such case file; did you mean block.yaml?" in capsys.readouterr().err
+    (scene / "cases").mkdir()
+    (scene / "cases" / "my_rock.yaml").write_text("title: A rock\n")
+    assert cli.main(["run", "my_rock"]) == 2
+    assert capsys.readouterr().err == "my_rock: no such case file; did you mean cases/my_rock.yaml?\n"
     assert cli.main(["check", "."]) == 2
     assert "is a folder" in capsys.readouterr().err
 
@@ -280,3 +311,14 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
         cli.main(["--version"])
     assert caught.value.code == 0
     assert capsys.readouterr().out == f"crackgrow {crackgrow.__version__}\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize("command", [["schema"], ["completion", "bash"]])
+def test_what_a_command_prints_is_not_lost_without_a_word(command: list[str]) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "crackgrow", *command], stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    assert done.returncode == 3
+    assert done.stderr == "crackgrow: cannot write standard output: No space left on device\n"

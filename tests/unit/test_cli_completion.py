@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import pty
 import subprocess
 from pathlib import Path
 
@@ -18,13 +20,14 @@ def completed(line: list[str], folder: Path) -> set[str]:
     ask = f"source ./script; COMP_WORDS=({words}); COMP_CWORD={len(line) - 1}; _crackgrow; "
     ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
     done = subprocess.run(["bash", "-c", ask], cwd=folder, capture_output=True, text=True, check=True)
-    return set(done.stdout.split())
+    return set(done.stdout.splitlines())
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "cases").mkdir()
     (tmp_path / "cases" / "one.yaml").write_text("")
+    (tmp_path / "cases" / "my rock.yml").write_text("")
     (tmp_path / "cases" / "notes.txt").write_text("")
     return tmp_path
 
@@ -35,8 +38,9 @@ def folder(tmp_path: Path) -> Path:
         (["crackgrow", "ch"], {"check"}),
         (["crackgrow", "--v"], {"--version"}),
         (["crackgrow", "check", "--p"], {"--picture"}),
-        (["crackgrow", "run", "ca"], {"cases/"}),
-        (["crackgrow", "run", "cases/"], {"cases/one.yaml"}),
+        (["crackgrow", "run", "ca"], {"cases"}),
+        (["crackgrow", "run", "cases/"], {"cases/one.yaml", "cases/my rock.yml"}),
+        (["crackgrow", "run", "x.yaml", "--out", "cases/my"], {"cases/my rock.yml"}),
         (["crackgrow", "new", "x", "--template", "t"], {"tension"}),
         (["crackgrow", "completion", "z"], {"zsh"}),
         (["crackgrow", "compare", "cases/n"], {"cases/notes.txt"}),
@@ -45,6 +49,22 @@ def folder(tmp_path: Path) -> Path:
 )
 def test_bash_completes(line: list[str], offered: set[str], folder: Path) -> None:
     assert completed(line, folder) == offered
+
+
+def test_bash_escapes_spaces_in_names_as_they_are_typed(folder: Path) -> None:
+    (folder / "script").write_text(completion_script(_parser(), "bash"))
+    (folder / "shown").write_text("crackgrow() { printf '<%s>' \"$@\"; echo ' shown'; }\n")
+    typed = b". ./script; . ./shown\ncrackgrow run cases/my\t\nexit\n"
+    controller, terminal = pty.openpty()
+    command = ["timeout", "--foreground", "--signal=KILL", "20", "bash", "--norc", "--noprofile", "-i"]
+    with subprocess.Popen(command, cwd=folder, stdin=terminal, stdout=terminal, stderr=terminal):
+        os.close(terminal)
+        os.write(controller, typed)
+        seen = b""
+        while b"> shown" not in seen:
+            seen += os.read(controller, 4096)  # an error where bash has ended
+    os.close(controller)
+    assert b"<run><cases/my rock.yml> shown" in seen
 
 
 @pytest.mark.parametrize("shell", SHELLS)

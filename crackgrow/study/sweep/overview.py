@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically
+from crackgrow.results.overview import length_unit
 from crackgrow.results.resume import FINISHED
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.sweep.job import Values
@@ -49,13 +50,17 @@ def draw(path: Path, table: SweepTable) -> None:
     figure = Figure(figsize=(across * PANEL[0], down * PANEL[1] + 0.3), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(down, across, squeeze=False).ravel()
+    assert done[0].case is not None  # of what was run
+    length = length_unit(done[0].case)
     for axes, (name, parameter) in zip(panels, pairs, strict=False):
+        factor, unit = shown_as(name, length)
+        values = [factor * _number(row, name) for row in rows]
         if heat:
-            _heat_map(figure, axes, name, table, done, rows)
+            _heat_map(figure, axes, values, table, done)
         else:
-            _scatter(axes, name, parameter, table, done, rows)
-        axes.set_title(name, fontsize=9)
-    _paths(panels[len(pairs)], table, done)
+            _scatter(axes, values, parameter, table, done)
+        axes.set_title(f"{name} [{unit}]" if unit else name, fontsize=9)
+    _paths(panels[len(pairs)], table, done, length)
     for axes in panels[len(pairs) + 1 :]:
         axes.set_axis_off()
     for axes in panels:
@@ -72,6 +77,14 @@ def responses_of(table: SweepTable, rows: Sequence[Values]) -> list[str]:
     return [f"{tips[-1]}.{what}" for what in CHOSEN] if tips else ["load_factor"]
 
 
+def shown_as(name: str, length: tuple[float, str]) -> tuple[float, str]:
+    """Factor and unit in which a column is drawn, with those of lengths; the table itself is in SI units."""
+    _, dot, what = name.rpartition(".")
+    if not dot:
+        return 1.0, {"seconds": "s", "peak_memory_mb": "MB"}.get(name, "")
+    return length if what in ("x", "y") else (1e-6, "MPa sqrt(m)")
+
+
 def _is_grid(runs: Sequence[Run]) -> bool:
     """Whether values are met several times in both directions, so that a map of them has few holes."""
     first, second = (len({run.values[place] for run in runs}) for place in (0, 1))
@@ -84,14 +97,12 @@ def _ticks(table: SweepTable, place: int) -> list[str]:
     return sorted(values, key=float) if all(map(is_number, values)) else values
 
 
-def _heat_map(
-    figure: Figure, axes: Axes, name: str, table: SweepTable, runs: Sequence[Run], rows: Sequence[Values]
-) -> None:
+def _heat_map(figure: Figure, axes: Axes, values: Sequence[float], table: SweepTable, runs: Sequence[Run]) -> None:
     down, along = _ticks(table, 0), _ticks(table, 1)
-    values = np.full((len(down), len(along)), np.nan)
-    for run, row in zip(runs, rows, strict=True):
-        values[down.index(run.values[0]), along.index(run.values[1])] = _number(row, name)
-    image = axes.imshow(np.ma.masked_invalid(values), origin="lower", aspect="auto", cmap=COLOURS)
+    cells = np.full((len(down), len(along)), np.nan)
+    for run, value in zip(runs, values, strict=True):
+        cells[down.index(run.values[0]), along.index(run.values[1])] = value
+    image = axes.imshow(np.ma.masked_invalid(cells), origin="lower", aspect="auto", cmap=COLOURS)
     figure.colorbar(image, ax=axes).ax.tick_params(labelsize=SMALL)
     for axis, ticks in ((axes.yaxis, down), (axes.xaxis, along)):
         places = list(range(0, len(ticks), math.ceil(len(ticks) / MOST_LABELS)))
@@ -100,9 +111,7 @@ def _heat_map(
     axes.set_xlabel(table.plan.parameters[1], fontsize=8)
 
 
-def _scatter(
-    axes: Axes, name: str, parameter: str, table: SweepTable, runs: Sequence[Run], rows: Sequence[Values]
-) -> None:
+def _scatter(axes: Axes, y: Sequence[float], parameter: str, table: SweepTable, runs: Sequence[Run]) -> None:
     place = table.plan.parameters.index(parameter)
     ticks = _ticks(table, place)
     if table.numeric(parameter):
@@ -110,7 +119,6 @@ def _scatter(
     else:
         x = [float(ticks.index(run.values[place])) for run in runs]
         axes.set_xticks(range(len(ticks)), [_short(tick) for tick in ticks])
-    y = [_number(row, name) for row in rows]
     order = np.argsort(x, kind="stable")
     line = "-" if len(table.plan.parameters) == 1 else ""
     axes.plot(np.array(x)[order], np.array(y)[order], marker="o", markersize=3, linestyle=line, color="tab:blue")
@@ -118,16 +126,19 @@ def _scatter(
     axes.grid(color="0.9")
 
 
-def _paths(axes: Axes, table: SweepTable, runs: Sequence[Run]) -> None:
-    """The cracks at the end, coloured by the first parameter; in mm."""
+def _paths(axes: Axes, table: SweepTable, runs: Sequence[Run], length: tuple[float, str]) -> None:
+    """The cracks at the end, coloured by the first parameter; `length` is the factor and the unit of places."""
+    scale, unit = length
     values = _ticks(table, 0)
     for run in runs:
         part = values.index(run.values[0]) / max(1, len(values) - 1)
         for line in read_paths(run.folder).cracks.values():
-            points: NDArray[np.float64] = 1e3 * line.points
+            points: NDArray[np.float64] = scale * line.points
             axes.plot(points[:, 0], points[:, 1], color=COLOURS(part), linewidth=0.8)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_title(f"paths [mm], coloured by {table.plan.parameters[0]}", fontsize=9)
+    axes.set_xlabel(f"x [{unit}]", fontsize=8)
+    axes.set_ylabel(f"y [{unit}]", fontsize=8)
+    axes.set_title(f"paths, coloured by {table.plan.parameters[0]}", fontsize=9)
 
 
 def _number(row: Values, name: str) -> float:

@@ -13,6 +13,7 @@ from crackgrow.case import dump_case
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.atomic import OccupiedError
 from crackgrow.results.leftovers import remove_leftovers
+from crackgrow.results.log import counted
 from crackgrow.results.resume import FINISHED
 from crackgrow.study.sweep.job import Job, Values, job_of, run_job
 from crackgrow.study.sweep.measured import measured
@@ -134,4 +135,5 @@ def sweep_line(row: SweepRow) -> str:
     start = f"{row.run.number:03d} {row.run.name}: {row.values['status']}"
     if not row.done:
         return f"{start}: {row.values['reason']}"
-    return f"{start}, {row.values['steps']} steps, {row.values['seconds']:.1f} s, {row.values['peak_memory_mb']:.0f} MB"
+    steps = counted(row.values["steps"], "step")
+    return f"{start}, {steps}, {row.values['seconds']:.1f} s, {row.values['peak_memory_mb']:.0f} MB"

@@ -7,15 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from crackgrow import cli
 from crackgrow.case import Case, load_case
+from crackgrow.plan import picture
 from crackgrow.plan.cost import Cost, estimated_cost, probe
 from crackgrow.plan.picture import draw_scene
 from crackgrow.plan.sizes import sizes_of
 from crackgrow.plan.text import plan_text
 from crackgrow.run import grow
 
+Floats = NDArray[np.float64]
 CASES = Path(__file__).parents[3] / "cases"
 COARSE = {
     "compression30": ("numerics.spacing=3",),
@@ -69,6 +72,8 @@ def test_bonds_are_multipliers() -> None:
         (("cracks.flaw.path.length=6",), "crack 'flaw' is 2 spacings long"),
         (("numerics.support=1.5",), "numerics.support is 1.5"),
         (("cracks.flaw.path.center=[9.9, 0]",), "is closer than a spacing to the outline"),
+        (("cracks={}",), "22 growth steps are asked for, but no crack has a tip"),
+        (("cracks.flaw.tips=none",), "22 growth steps are asked for, but no crack has a tip"),
         (("numerics.contact.stiffness=100",), "elastic contact with mortar nodes"),
     ],
 )
@@ -114,6 +119,26 @@ def test_the_picture_shows_what_acts(tmp_path: Path) -> None:
         (tmp_path / f"{name}.svg").read_text(encoding="utf-8").count("#b2182b") for name in ("few", "all")
     )
     assert few_marks == 0 < marks
+
+
+@pytest.mark.parametrize("name", ["brazilian_disk", "compression30", "cyclic_friction", "flaw_and_hole"])
+def test_loads_and_supports_at_points_are_drawn_beside_each_other(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arrows: list[tuple[Floats, Floats]] = []
+    signs: list[Floats] = []
+    monkeypatch.setattr(picture, "arrow", lambda axes, tail, head, colour: arrows.append((tail, head)))
+    monkeypatch.setattr(
+        picture, "triangle", lambda axes, point, outward, size, roller: signs.append(point + size * outward)
+    )
+    draw_scene(tmp_path / "scene.png", case := load_case(CASES / f"{name}.yaml"))
+    size = np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max()
+    along = np.linspace(0.0, 1.0, 21)[:, None]
+    across = [(tail, head) for tail, head in arrows if abs(head - tail)[1] > abs(head - tail)[0]]
+    assert len(across) >= 4  # of this and the other edge
+    for tail, head in across:
+        for sign in signs:
+            assert np.hypot(*(tail + along * (head - tail) - sign).T).min() > 0.4 * picture.SIGN * size
 
 
 def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -28,6 +28,14 @@ def test_the_spread_is_that_of_tips_with_room_by_the_largest_K() -> None:
         assert math.isnan(K_spread(with_tips(0, *tips)))
 
 
+def test_round_off_has_no_spread() -> None:
+    """The loads do work of 2 * 3 J/m over 1e-5 m; a tenth of a metre makes K of 1.9e6 Pa sqrt(m) of that."""
+    noise = {"K_I": 3e-3, "K_II": -4e-3, "K_I_error": 1e-3, "K_radius": 0.1}
+    assert math.isnan(K_spread(with_tips(0, noise)))
+    np.testing.assert_allclose(K_spread(with_tips(0, noise, {"K_radius": 0.1})), 2.0)
+    np.testing.assert_allclose(K_spread(replace(with_tips(0, noise), load_displacement=0.0)), 2000.0)
+
+
 def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> None:
     tally = Tally()
     for step, spread in enumerate((0.08, 0.12, 0.04)):

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from crackgrow.results import figures
 from crackgrow.results.load_point import LoadPoint
-from tests.unit.results.synthetic import N_X, N_Y, make_case, make_frame, make_paths
+from crackgrow.run.result import STICK
+from tests.unit.results.synthetic import N_X, N_Y, make_case, make_frame, make_paths, make_result
 
 WHITE = 0.999
 
@@ -89,3 +91,31 @@ def test_load_curve_has_a_second_panel_where_cracks_have_grown_or_slipped(tmp_pa
         assert inked_share(tmp_path / name) > 0.02
     long = [(1.0 - 0.001 * step, 1e-6 * step, 0.02 + 0.001 * step) for step in range(200)]
     figures.draw_load_curve(tmp_path / "long.png", make_case(), points(*long))
+
+
+def test_steps_at_about_the_same_place_share_the_words_that_name_them() -> None:
+    x, y = np.array([0.0, 1.0, 1.01, np.nan, 0.0]), np.array([0.0, 2.0, 1.99, 1.0, 2.0])
+    assert figures._labels(x, y, [0, 1, 2, 3, 4, 4]) == [
+        ((0.0, 0.0), ["0"]),
+        ((1.0, 2.0), ["1", "2"]),
+        ((0.0, 2.0), ["4"]),
+    ]
+
+
+def test_round_off_in_tractions_is_not_blown_up_and_the_legend_has_the_states_there_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr(figures, "_save", lambda path, figure: drawn.append(figure))
+    result = make_result(1)
+    n = len(result.contact.s)
+    constant = -2e7 + 10.0 * np.arange(n)
+    contact = replace(result.contact, normal_traction=constant, state=np.full(n, STICK))
+    faces = tuple(replace(face, normal_traction=np.full(len(face.s), -2e7)) for face in result.faces)
+    figures.draw_contact(tmp_path / "contact.png", make_case(), replace(result, contact=contact, faces=faces))
+    low, high = drawn[0].axes[1].get_ylim()
+    assert low < -20.0
+    assert high > 0.0  # MPa
+    legend = drawn[0].axes[0].get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["stick"]

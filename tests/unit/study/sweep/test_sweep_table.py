@@ -13,7 +13,7 @@ from crackgrow.run import grow
 from crackgrow.study.one_run import write_run
 from crackgrow.study.sweep import solving
 from crackgrow.study.sweep.measured import measured
-from crackgrow.study.sweep.overview import draw, responses_of
+from crackgrow.study.sweep.overview import draw, responses_of, shown_as
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
 from crackgrow.study.sweep.runner import done
 from crackgrow.study.sweep.solving import solve
@@ -85,6 +85,16 @@ def test_overview_takes_words_as_values_and_runs_that_are_missing(table: SweepTa
     assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
     chosen = ["flaw.end.K_I_first", "flaw.end.K_II_first", "flaw.end.x", "flaw.end.y"]
     assert responses_of(table, table.rows()) == chosen
+
+
+def test_overview_has_units():
+    for name, shown in (
+        ("flaw.end.K_I_last", (1e-6, "MPa sqrt(m)")),
+        ("flaw.start.y", (1e3, "mm")),
+        ("n_dofs", (1.0, "")),
+        ("seconds", (1.0, "s")),
+    ):
+        assert shown_as(name, (1e3, "mm")) == shown
 
 
 @pytest.mark.parametrize("more", ["", "responses: [n_dofs]"])
