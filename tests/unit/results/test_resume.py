@@ -81,6 +81,15 @@ def test_a_finished_run_says_so_and_is_left_alone(copy: Path, capsys: pytest.Cap
     assert {path: path.stat().st_mtime_ns for path in copy.rglob("*")} == times
 
 
+def test_a_finished_run_that_was_killed_at_its_report_gets_one(copy: Path) -> None:
+    whole = (copy / "report.html").read_bytes()
+    (copy / "report.html").unlink()
+    (copy / ".report.tmp.html").write_bytes(whole[:1000])
+    assert run(copy, "growth.steps=2", resume=True) == 0
+    assert (copy / "report.html").read_bytes() == whole
+    assert not (copy / ".report.tmp.html").exists()
+
+
 def test_a_finished_run_goes_on_for_more_steps(copy: Path, tmp_path: Path) -> None:
     assert run(copy, "growth.steps=3", resume=True) == 0
     assert run(tmp_path / "at once", "growth.steps=3") == 0
@@ -192,7 +201,7 @@ def test_another_format_is_refused(copy: Path) -> None:
         header = {**json.loads(arrays["header"].tobytes()), "format": 99}
         arrays["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
         np.savez(path, **arrays)
-    with pytest.raises(ResumeError, match=r"has format 99.*wanted 1"):
+    with pytest.raises(ResumeError, match=r"has format 99.*wanted 2"):
         find_resumption(case("growth.steps=3"), copy)
 
 

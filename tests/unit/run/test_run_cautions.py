@@ -11,7 +11,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
-from crackgrow.run.cautions import _overlapping
+from crackgrow.run.cautions import LARGE_OVERLAP, _overlapping, overlap_shares
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution, solve_step
@@ -126,7 +126,9 @@ def test_a_full_overlap_is_told_in_plain_digits() -> None:
     (face,) = result.faces
     face = replace(face, opening=np.full_like(face.opening, -1e-3), slip=np.zeros_like(face.slip))
     scene = make_scene(load_case(CASES / "compression30.yaml"))
-    (told,) = _overlapping(scene, solve_first(scene), (face,))
+    shares = overlap_shares(scene, solve_first(scene), (face,))
+    (told,) = _overlapping(scene, (face,), shares)
+    assert shares == [pytest.approx(1.0 / LARGE_OVERLAP)]  # all of the jump
     assert "by 0.001 m between contact points, 100 % of their largest jump" in told
 
 
@@ -136,6 +138,14 @@ def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None
     assert result.overlap == -faces.opening.min()
     assert 0.0 < result.overlap < 5e-3 * np.abs(faces.slip).max()
     assert first_step("tension0").overlap == 0.0  # open
+
+
+@pytest.mark.parametrize(("spacing", "warned"), [("0.2", False), ("1", True)])
+def test_corners_of_bodies_overlap_by_little_beside_the_displacement(spacing: str, warned: bool) -> None:
+    result = first_step("block_foundation", f"numerics.spacing={spacing}")
+    (faces,) = result.faces
+    assert result.overlap > LARGE_OVERLAP * np.hypot(faces.opening, faces.slip).max()
+    assert (result.overlap_share > 1.0) == any("overlap by" in text for text in result.warnings) == warned
 
 
 def test_elastic_contact_explains_its_overlap() -> None:
