@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -138,6 +139,18 @@ def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None
     assert result.overlap == -faces.opening.min()
     assert 0.0 < result.overlap < 5e-3 * np.abs(faces.slip).max()
     assert first_step("tension0").overlap == 0.0  # open
+
+
+@pytest.mark.parametrize("stiffness", [0.01, 0.1, 0.4])
+@pytest.mark.parametrize("points", ["mortar", "gauss"])
+def test_soft_contact_is_told_with_the_pressure_that_it_bears(stiffness: float, points: str) -> None:
+    rigid = first_step("compression30").contact.normal_traction.mean()
+    numbers = (f"numerics.contact.stiffness={stiffness}", f"numerics.contact.discretization={points}")
+    soft = first_step("compression30", *numbers)
+    (told,) = [text for text in soft.warnings if "soft for 'flaw'" in text]
+    share = re.search(r"a crack bears about (\d+) %", told)
+    assert share is not None
+    assert soft.contact.normal_traction.mean() / rigid == pytest.approx(0.01 * float(share[1]), abs=0.07)
 
 
 @pytest.mark.parametrize(("spacing", "warned"), [("0.2", False), ("1", True)])
