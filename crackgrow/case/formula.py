@@ -44,6 +44,9 @@ _FUNCTIONS: Final[dict[str, Callable[..., Floats]]] = {
 }
 _EXTREMES: Final[dict[str, Callable[..., Floats]]] = {"min": np.minimum, "max": np.maximum}
 _NAMES = ("x", "y", "pi")
+ONE_VALUE = tuple(_FUNCTIONS)
+"""Functions that take one value."""
+
 ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS, *_EXTREMES))}"
 """Pattern of the letters, signs and words that a formula is made of."""
 

@@ -11,7 +11,7 @@ import re
 from typing import Any, Final
 
 from crackgrow.case.along import LengthOrAngle
-from crackgrow.case.formula import ALPHABET, LengthOrFormula
+from crackgrow.case.formula import ALPHABET, ONE_VALUE, LengthOrFormula
 from crackgrow.case.outline_file import ENDINGS, OutlineFile
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
@@ -28,7 +28,7 @@ from crackgrow.case.schema import (
     OneOf,
     OneOrList,
 )
-from crackgrow.case.units import LARGEST, UNITS
+from crackgrow.case.units import LARGEST, SMALLEST, UNITS
 
 Schema = dict[str, Any]
 
@@ -36,7 +36,9 @@ DRAFT: Final = "http://json-schema.org/draft-07/schema#"
 
 _NUMBER: Final = r"[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?"
 _NOT_ZERO: Final = "[^a-zA-Z]*[1-9]"  # ahead of a number: it has a digit, before its exponent, that is not 0
-_NAME: Final = r"^[^\x00-,./:-@\[-^`{-\x7f-][^\x00-,./:-@\[-^`{-\x7f]{0,63}$"  # letters of any script; no - at first
+_NO_LETTERS: Final = r"\x00-,./:-@\[-^`{-\x7f\u0300-\u036f\u2000-\u206f"  # _ and - are some; letters are of any script
+_NAME: Final = rf"^[^{_NO_LETTERS}-][^{_NO_LETTERS}]{{0,63}}$"
+_NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,\s*[^)\s])"  # 1.2.3, sin(x, y)
 
 
 def case_schema() -> str:
@@ -80,16 +82,16 @@ def _scalar(spec: Spec) -> Schema:
         case Switch():
             return {"type": "boolean"}
         case Number(bounds):
-            return {"type": "number", **_limits(bounds, LARGEST)}
+            return {"type": "number", **_limits(bounds), **_no_less(SMALLEST)}
         case Integer(bounds):
-            return {"type": "integer", **_limits(bounds, LARGEST)}
+            return {"type": "integer", **_limits(bounds)}
         case Quantity(kind, bounds):
             return {"anyOf": [_bare(kind, bounds), _with_unit(kind, bounds)]}
         case LengthOrAngle():
             texts = [_with_unit(kind, ANY) for kind in ("length", "angle")]
             return {"anyOf": [_bare("length", ANY), *texts]}
         case LengthOrFormula():
-            formula = {"type": "string", "pattern": rf"^(?!\s*{_NUMBER}\s*$)({ALPHABET})+$"}
+            formula = {"type": "string", "pattern": rf"^(?!\s*{_NUMBER}\s*$){_NO_FORMULA}({ALPHABET})+$"}
             return {"anyOf": [_bare("length", ANY), _with_unit("length", ANY), formula]}
         case OutlineFile():
             letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in ENDINGS]
@@ -144,21 +146,26 @@ def _units(spec: Spec) -> str:
     return ""
 
 
-def _limits(bounds: Bounds, largest: float) -> Schema:
+def _limits(bounds: Bounds) -> Schema:
     """Bounds of a number, and the size beyond which there is nothing physical."""
     low = {"exclusiveMinimum": bounds.above} if bounds.above is not None else {"minimum": bounds.at_least}
     high = {"exclusiveMaximum": bounds.below} if bounds.below is not None else {"maximum": bounds.at_most}
     limits = {key: value for key, value in (low | high).items() if value is not None}
-    return limits | {key: size for key, size in (("minimum", -largest), ("maximum", largest)) if _open(limits, key)}
+    return limits | {key: size for key, size in (("minimum", -LARGEST), ("maximum", LARGEST)) if _open(limits, key)}
 
 
 def _open(limits: Schema, key: str) -> bool:
     return key not in limits and f"exclusive{key.capitalize()}" not in limits
 
 
+def _no_less(smallest: float) -> Schema:
+    """Nothing nearer to 0 than physical numbers are, but 0; nor .nan, which no bound refuses."""
+    return {"not": {"exclusiveMinimum": -smallest, "exclusiveMaximum": smallest, "not": {"const": 0}}}
+
+
 def _bare(kind: str, bounds: Bounds) -> Schema:
-    """A bare number; its unit is another key's business, so that the largest one is that of the smallest unit."""
-    return {"type": "number", **_limits(bounds, LARGEST / float(min(UNITS[kind].values())))}
+    """A bare number; its unit is another key's business, so that the smallest one is that of the largest unit."""
+    return {"type": "number", **_limits(bounds), **_no_less(SMALLEST / float(max(UNITS[kind].values())))}
 
 
 def _with_unit(kind: str, bounds: Bounds) -> Schema:

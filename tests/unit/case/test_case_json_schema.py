@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft7Validator
 
+from crackgrow.case.formula import LengthOrFormula
 from crackgrow.case.json_schema import case_schema, schema_of
 from crackgrow.case.reader import parse
 from crackgrow.case.report import Place, Report
@@ -61,10 +62,13 @@ def test_everything_is_accepted():
     ("spec", "good", "bad"),
     [
         (Quantity("length", Bounds(above=0)), ["31", "31 mm", "'31mm'", "1e-3", ".5 m", "5.", "+2 cm"],
-         ["0", "-1", "-1 mm", "0 mm", "31 kg", "'31'", "none", "[1]", "1 mm mm", ".inf", "1e99", "~", "true"]),
+         ["0", "-1", "-1 mm", "0 mm", "31 kg", "'31'", "none", "[1]", "1 mm mm", ".inf", "1e99", "~", "true",
+          "1e-320", ".nan", "1e61"]),
+        (Quantity("length"), ["0", "-0.0", "-1e-55", "1e55", "0 mm"], ["1e-70", "-1e-70", ".nan", "-.inf", "1e61"]),
         (Quantity("stress", Bounds(at_least=0)), ["0", "0 MPa", "-0 Pa", "10 GPa"], ["-1 Pa", "1 mm", "x"]),
         (Quantity("acceleration"), ["-9.81", "-9.81 m/s^2"], ["9.81 m/s", "g"]),
-        (Number(Bounds(above=-1, at_most=0.5)), ["0.25", "0.5"], ["-1", "0.6", "'0.25'", "0.25 mm"]),
+        (Number(Bounds(above=-1, at_most=0.5)), ["0.25", "0.5", "0", "-1e-59"],
+         ["-1", "0.6", "'0.25'", "0.25 mm", ".nan", "1e-61", "-1e-61"]),
         (LOADING, ["critical", "{history: [1, -0.5]}", "{}"], ["crit", "{history: 1}", "{histry: [1]}", "[1]"]),
         (NUMERICS, ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}"],
          ["{}", "{support: 2}", "{accuracy: finest}", "{spacing: automatic}", "{spacing: 1, quadrature: 2.5}",
@@ -77,6 +81,8 @@ def test_everything_is_accepted():
         (SHAPE, ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
          ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dxf}", "{circle: 1}"]),
         (REGION, ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
+        (LengthOrFormula(), ["sin(x) + cos(y)", "max(x, y, 0)", "min(sin(x), 1.5)", "sin(x,)", "1.5*x + 2.5", "2.*x"],
+         ["sin(x, y)", "1 + cos (x, 2)", "1.2.3", "x + 1..2", "x.real"]),
         (SUPPORT, ["{at: [0, 0], displacement: {x: 0}}", '{at: [0, 0], displacement: {y: "0.09*x - max(y, 1)"}}',
                    "{on: {body: a, edge: b}, contact: {friction: 1, cohesion: 0}}"],
          ["{at: [0, 0], displacement: {}}", "{at: [0, 0]}", '{at: [0, 0], displacement: {y: "0.09*z"}}',
@@ -85,7 +91,7 @@ def test_everything_is_accepted():
          ["{body: a, gravity: [0]}", "{body: a, gravity: [0, 1], stress: [0, 0, 0]}",
           "{crack: a, pressure: 1, held: 1}"]),
         (Named("crack", Number()), ["{flaw_1-b: 1}", "{späne: 1}", "{7: 1}"],
-         ["{a b: 1}", "{a/b: 1}", "{-a: 1}", "{..: 1}"]),
+         ["{a b: 1}", "{a/b: 1}", "{-a: 1}", "{..: 1}", '{"a\\u0301": 1}', '{"a\\u202e": 1}']),
     ],
 )  # fmt: skip
 def test_schema_and_reader_agree(spec: Spec, good: list[str], bad: list[str]):
