@@ -81,6 +81,21 @@ def test_a_finished_run_says_so_and_is_left_alone(copy: Path, capsys: pytest.Cap
     assert {path: path.stat().st_mtime_ns for path in copy.rglob("*")} == times
 
 
+def test_frames_and_pictures_of_steps_to_come_go(tmp_path: Path) -> None:
+    frames = ("output.frames=every_step", "growth.steps=1")
+    assert run(tmp_path, *frames) == 0
+    stale = [
+        tmp_path / name for name in ("frames/step_0007.vtu", "cracks/.step_0001.tmp.vtp", "frames/.step_0001.tmp.vtu")
+    ]
+    pictures = [tmp_path / "render" / "sigma_1" / name for name in ("step_0000.png", "animation.gif")]
+    for path in (*stale, *pictures):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"of another run")
+    assert run(tmp_path, *frames[:1], "growth.steps=2", resume=True) == 0
+    assert not any(path.exists() for path in (*stale, *pictures))
+    assert len(list((tmp_path / "frames").glob("*"))) == 3
+
+
 def test_a_finished_run_that_was_killed_at_its_report_gets_one(copy: Path) -> None:
     whole = (copy / "report.html").read_bytes()
     (copy / "report.html").unlink()
