@@ -142,6 +142,14 @@ def test_the_picture_shows_what_acts(tmp_path: Path) -> None:
     assert few_marks == 0 < marks
 
 
+def test_the_picture_shows_cracks_and_what_holds_the_rock(tmp_path: Path) -> None:
+    draw_scene(tmp_path / "scene.svg", coarse("two_flaws", "numerics.spacing=4"))
+    marks = (tmp_path / "scene.svg").read_text(encoding="utf-8")
+    assert marks.count("stroke: #000000; stroke-width: 2; stroke-linecap: round") == 2  # the flaws
+    support = "#404040"
+    assert marks.count(support) > 3 * 5  # a triangle, two rollers, ground and hatching, three times
+
+
 def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case = str(CASES / "compression30.yaml")
     assert cli.main(["check", case, "--set", "numerics.spacing=3", "--picture", str(tmp_path / "a.png")]) == 0
