@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from crackgrow.results.report import write_report
     from crackgrow.results.resume import find_resumption
     from crackgrow.results.view import view
-    from crackgrow.results.writer import RunWriter
+    from crackgrow.results.writer import RunWriter, complete_run
     from crackgrow.run import grow
     from crackgrow.run.result import RunEnd, StepResult
     from crackgrow.study.compare import compare_paths
@@ -77,6 +77,7 @@ __all__ = [
     "compare_paths",
     "comparison_csv",
     "comparison_text",
+    "complete_run",
     "draw_scene",
     "dump_case",
     "find_ffmpeg",
@@ -123,6 +124,7 @@ _HOMES = {
     "compare_paths": "crackgrow.study.compare",
     "comparison_csv": "crackgrow.study.comparison_text",
     "comparison_text": "crackgrow.study.comparison_text",
+    "complete_run": "crackgrow.results.writer",
     "draw_scene": "crackgrow.plan.picture",
     "dump_case": "crackgrow.case",
     "find_ffmpeg": "crackgrow.results.animation",

@@ -31,6 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
     folder = arguments.out or Path("outputs") / case.name
     found = crackgrow.find_resumption(case, folder) if arguments.resume else None
     if found is not None and found.finished is not None:
+        crackgrow.complete_run(case, folder)
         if not arguments.quiet:
             say(f"{found.finished}\nnothing is left to do, results in {folder}")
         return EXIT_DONE

@@ -1,8 +1,9 @@
 """What a step costs: a small model, fitted to measurements (tests/benchmarks/cost.py writes its table, cost.json).
 
 Seconds and memory are sums of positive terms in N = dofs / 10^4, S, the same of the tip functions alone, R = N - S,
-contact points and tips; S^2/R is what all tip functions over an element make with each other. Seconds are those of the
-machine of the measurements, times how much longer a probe takes here.
+contact points and tips; S^2/R is what all tip functions over an element make with each other. The terms are those of a
+support of 2; where other ones have more or fewer patches meet on an element, N, R and S count for more or less. Seconds
+are those of the machine of the measurements, times how much longer a probe takes here.
 """
 
 from __future__ import annotations
@@ -23,6 +24,9 @@ MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R", "held N")
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
 PROBE_SIZE, PROBE_REPEATS = 260, 7
+USUAL_PAIRS = 115.0  # of patches on an element, by the dofs of the patches, at a support of 2
+USUAL_PAIRS_HERE = 256.0  # on each element
+CROWDING = 0.6  # power of the pairs that seconds grow with: supports of 1.5 to 3 in compression30 and two_flaws
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +47,7 @@ class Cost:
 def estimated_cost(case: Case, sizes: Sizes) -> Cost:
     """What a run of the case will take on this machine; measures the machine for a moment."""
     table = json.loads((files("crackgrow.plan") / "cost.json").read_text(encoding="utf-8"))
-    slower = probe() / table["probe"]
+    slower = probe() / table["probe"] * (sizes.n_pairs / (2 * sizes.n_patches * USUAL_PAIRS)) ** CROWDING
     terms = terms_of(case, sizes)
     solves = IMPLICIT_SOLVES if case.growth is not None and case.growth.direction == "implicit" else 1.0
     history = len(case.loading.factors) if isinstance(case.loading, LoadHistory) and case.growth is None else 1
@@ -52,8 +56,13 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
         first_step=first,
         later_step=STATIC_SHARE * first if case.growth is None else solves * later,
         n_later=case.growth.steps if case.growth is not None else history - 1,
-        memory=float(memory_terms_of(case, sizes) @ table["memory"]),
+        memory=_memory(np.array(table["memory"]) * memory_terms_of(case, sizes), sizes),
     )
+
+
+def _memory(parts: np.ndarray[tuple[int], np.dtype[np.float64]], sizes: Sizes) -> float:
+    """MiB, of the parts (6,) that a support of 2 takes; the first one is the program itself."""
+    return float(parts[0] + parts[1:].sum() * sizes.n_pairs / (sizes.n_elements * USUAL_PAIRS_HERE))
 
 
 def terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -9,7 +9,7 @@ import numpy as np
 from crackgrow.case.model import Case
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import lay_out
-from crackgrow.run.scene import make_scene
+from crackgrow.run.scene import SurfaceLaw, make_scene
 from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions
 
 LEAST_INCREMENT = 1.0
@@ -24,6 +24,7 @@ class SurfacePlan:
     n_points: int  # contact points
     bonded: bool
     touching: bool  # whether its faces can press on each other
+    rough: bool  # whether they bear shear, by friction or cohesion
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +36,16 @@ class Sizes:
     n_singular: int  # pairs of a tip and a patch that carries its functions
     n_tips: int
     n_elements: int
-    n_contact: int  # points; each has a normal and a tangential traction
+    n_pairs: int  # of the physical patches that meet on an element, over all elements
+    n_contact: int  # points
     n_multipliers: int  # of supports and bonds
     surfaces: tuple[SurfacePlan, ...]
     warnings: tuple[str, ...]
+
+    @property
+    def n_tractions(self) -> int:
+        """Contact unknowns where all points are pressed: normal ones, and tangential where any surface is rough."""
+        return self.n_contact * (2 if any(surface.rough for surface in self.surfaces) else 1)
 
 
 def sizes_of(case: Case) -> Sizes:
@@ -47,7 +54,7 @@ def sizes_of(case: Case) -> Sizes:
     cover, faces, held = lay_out(scene, beginning(case).cracks)
     n_points = np.bincount(faces.surface, minlength=len(cover.surfaces)).tolist()
     surfaces = tuple(
-        SurfacePlan(surface.name, n, law.bonded, law.contact is not None)
+        SurfacePlan(surface.name, n, law.bonded, law.contact is not None, _rough(law))
         for surface, law, n in zip(cover.surfaces, scene.laws, n_points, strict=True)
     )
     known = [*settings_cautions(scene, cover, len(faces.surface)), *closeness_cautions(scene, cover)]
@@ -57,11 +64,18 @@ def sizes_of(case: Case) -> Sizes:
         n_singular=sum(int(np.count_nonzero(first >= 0)) for first in cover.tip_function_ids),
         n_tips=len(cover.tips),
         n_elements=len(cover.functions),
+        n_pairs=int((np.count_nonzero(cover.functions >= 0, axis=1) ** 2).sum()),
         n_contact=len(faces.surface),
         n_multipliers=len(held.given),
         surfaces=surfaces,
         warnings=(*known, *_short_increment(case)),
     )
+
+
+def _rough(law: SurfaceLaw) -> bool:
+    """Whether the faces of a surface bear shear; once they have slipped, too."""
+    contact = law.contact
+    return contact is not None and max(contact.friction, contact.residual_friction, contact.cohesion) > 0.0
 
 
 def _short_increment(case: Case) -> list[str]:

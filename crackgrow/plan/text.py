@@ -7,6 +7,7 @@ from crackgrow.plan.cost import Cost, estimated_cost
 from crackgrow.plan.sizes import Sizes, sizes_of
 from crackgrow.results.overview import overview
 
+LARGEST_SUPPORT = 3.0  # up to which the cost was measured
 SHOWN_SURFACES = 12  # of more the rest is summed up
 
 
@@ -28,15 +29,18 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
     ]
     if sizes.n_contact:
         kind = "mortar nodes" if case.numerics.contact.discretization == "mortar" else "Gauss points"
-        unknowns = f"{2 * sizes.n_contact} tractions at {sizes.n_contact} {kind}"
-        lines.append(f"  contact: {unknowns}, normal and, where they stick or slip, tangential")
+        sides = "normal and tangential" if any(surface.rough for surface in sizes.surfaces) else "normal alone"
+        lines.append(f"  contact: {_count(sizes.n_tractions, 'traction')} at {sizes.n_contact} {kind}, {sides}")
     else:
         lines.append("  contact: none")
     shown = sizes.surfaces[:SHOWN_SURFACES]
     reasons = {False: "no contact: its faces never touch", True: "bonded: multipliers close gap and slip"}
     for surface in shown:
         if surface.touching:
-            lines.append(f"    {surface.name}: {_count(surface.n_points, 'point')}, {_law(case, surface.name)}")
+            law = (
+                "with friction or cohesion" if surface.rough else "normal contact alone: neither friction nor cohesion"
+            )
+            lines.append(f"    {surface.name}: {_count(surface.n_points, 'point')}, {law}")
         else:
             lines.append(f"    {surface.name}: {reasons[surface.bonded]}")
     rest = sizes.surfaces[SHOWN_SURFACES:]
@@ -45,21 +49,13 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
     return lines
 
 
-def _law(case: Case, name: str) -> str:
-    """Whether faces only press, or rub as well."""
-    laws = {crack.name: crack.contact for crack in case.cracks}
-    law = laws.get(name)
-    if law is not None and law.friction == law.cohesion == law.residual_friction == 0.0:
-        return "normal contact alone: neither friction nor cohesion"
-    return "with friction"
-
-
 def _cost(case: Case, cost: Cost) -> list[str]:
     implicit = " (implicit directions: three solves)" if case.growth and case.growth.direction == "implicit" else ""
     later = f", {_seconds(cost.later_step)} each of {cost.n_later} more{implicit}" if cost.n_later else ""
     total = f"; {_seconds(cost.total)} in all" if cost.n_later else ""
+    sure = "within a factor of two" if case.numerics.support <= LARGEST_SUPPORT else "a tenth of it perhaps"
     return [
-        f"estimated cost, within a factor of two: {_seconds(cost.first_step)} of CPU for the first step{later}{total}, "
+        f"estimated cost, {sure}: {_seconds(cost.first_step)} of CPU for the first step{later}{total}, "
         f"without files and pictures; {_memory(cost.memory)} of memory"
     ]
 

@@ -21,7 +21,7 @@ PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
 STEPS = ("step", "n_dofs", "n_contact", "contact_iterations", "factorizations", "residual", "penetration",
          *(f"seconds_{phase}" for phase in PHASES),
          "load_factor", "contact_status", "complementarity", "overlap", "work", "strain_energy", "dissipation",
-         "released_energy", "energy_error", "load_displacement", "crack_length")  # fmt: skip
+         "released_energy", "energy_error", "load_displacement", "crack_length", "overlap_share")  # fmt: skip
 
 
 Mark = tuple[int, int]
@@ -172,4 +172,5 @@ def step_row(result: StepResult, seconds_frames: float) -> tuple[Value, ...]:
         float(energy.error),
         float(result.load_displacement),
         float(result.crack_length),
+        float(result.overlap_share),
     )

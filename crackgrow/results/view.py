@@ -48,24 +48,30 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
     last = read_frame(steps[-1], files[steps[-1]], field)
     factor = displayed_magnification(last) if warp is None else warp
     size, name = field_unit(field, last.values)
-    norm, colours = colours_of(last.values / size)
+    norm, colour_map = colours_of(last.values / size)
     label = f"{field} [{name}]" if name else field
 
     untyped: Any = plotter  # the declared types of some methods are not those of what they wrap
 
-    def show(value: float) -> None:
+    def show(value: float) -> Any:
         step = min(steps, key=lambda other: abs(other - value))
         frame = read_frame(step, files[step], field)
         grid = pyvista.read(files[step]).warp_by_vector("displacement", factor=factor)
         grid[label] = frame.values / size
-        looks: dict[str, Any] = {"cmap": colours, "clim": (norm.vmin, norm.vmax), "show_scalar_bar": False}
-        plotter.add_mesh(grid, name="specimen", scalars=label, **looks)
+        looks: dict[str, Any] = {
+            "cmap": colour_map,
+            "clim": (norm.vmin, norm.vmax),
+            "show_scalar_bar": False,
+            "lighting": False,
+        }
+        specimen = plotter.add_mesh(grid, name="specimen", scalars=label, **looks)
         edges = grid.extract_feature_edges(feature_edges=False, manifold_edges=False, non_manifold_edges=False)
         plotter.add_mesh(edges, name="edges", color="black", line_width=1)
         plotter.add_text(f"step {step}, displacement x {factor:.3g}", name="caption", font_size=10)
+        return specimen
 
-    show(steps[-1])
-    untyped.add_scalar_bar(label, vertical=True, position_x=0.88, position_y=0.2, height=0.6)
+    colours = show(steps[-1]).mapper  # else the bar is that of the edges
+    untyped.add_scalar_bar(label, mapper=colours, vertical=True, position_x=0.88, position_y=0.2, height=0.6)
     if len(steps) > 1:
         place = {"pointa": (0.03, 0.08), "pointb": (0.28, 0.08)}
         untyped.add_slider_widget(show, (steps[0], steps[-1]), value=steps[-1], title="step", fmt="%.0f", **place)

@@ -34,6 +34,19 @@ from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 RUNNING = RunEnd("running", "the run goes on, or was broken off without a word", ())
 
 
+def complete_run(case: Case, folder: Path) -> None:
+    """Make the report of a finished run that was killed before it had one; raises OutputError."""
+    remove_half_written(folder, case.name)
+    if case.output.report and not (folder / REPORT).is_file():
+        _write_report(folder)
+
+
+def _write_report(folder: Path) -> None:
+    from crackgrow.results.report import write_report  # here: a run without it needs none of it
+
+    write_report(folder)
+
+
 class RunWriter:
     """Writes one run into `folder`: `begin` or `resume`, `add` for each step, then `finish`, `interrupt` or `fail`.
 
@@ -174,9 +187,7 @@ class RunWriter:
     def _write_report(self) -> None:
         """Made from the files, so it comes last; a run that ends without one has told why."""
         if self.case.output.report:
-            from crackgrow.results.report import write_report  # here: a run without it needs none of it
-
-            write_report(self.folder)
+            _write_report(self.folder)
 
     def _write_checkpoint(self, result: StepResult) -> None:
         if result.checkpoint is None:

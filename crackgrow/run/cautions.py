@@ -69,7 +69,7 @@ def cautions(
     found = [*solution.outcome.notes, *solution.notes, *([slower] if slower else [])]
     if step == 0:
         found.extend(settings_cautions(scene, solution.cover, solution.faces.n))
-    found.extend(_overlapping(scene, solution, faces))
+    found.extend(_overlapping(scene, faces, overlap_shares(scene, solution, faces)))
     found.extend(contact_cautions(solution))
     close_by = (*_short_of_room(solution), *closeness_cautions(scene, solution.cover), *_kinks(solution))
     found.extend(text for text in close_by if text not in told)
@@ -81,14 +81,28 @@ def cautions(
     return tuple(found)
 
 
-def _overlapping(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[str]:
-    """The surface whose faces overlap most by the size of their jump, and how many others do."""
+def overlap_shares(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[float]:
+    """Overlap of each surface over what is small beside its jump and the displacement: beyond 1 a step warns."""
     n_cracks, size = len(solution.cover.cracks), _elastic_size(scene, solution, faces)
-    found = []
+    shares = []
     for index, (law, face) in enumerate(zip(scene.laws, faces, strict=True)):
-        largest, overlap = float(np.hypot(face.opening, face.slip).max()), _overlap(law, face)
-        if overlap > max(LARGE_OVERLAP * largest, (NOISE if index < n_cracks else AT_CORNERS) * size):
-            found.append((overlap / largest, overlap, face.crack))
+        small = max(LARGE_OVERLAP * _largest_jump(face), (NOISE if index < n_cracks else AT_CORNERS) * size)
+        overlap = _overlap(law, face)
+        shares.append(overlap / small if overlap > 0.0 else 0.0)
+    return shares
+
+
+def _largest_jump(face: CrackFaces) -> float:
+    return float(np.hypot(face.opening, face.slip).max())
+
+
+def _overlapping(scene: Scene, faces: tuple[CrackFaces, ...], shares: list[float]) -> list[str]:
+    """The surface whose faces overlap most by the size of their jump, and how many others do."""
+    found = [
+        (overlap / _largest_jump(face), overlap, face.crack)
+        for law, face, share in zip(scene.laws, faces, shares, strict=True)
+        if share > 1.0 and (overlap := _overlap(law, face))
+    ]
     if not found:
         return []
     part, overlap, name = max(found)

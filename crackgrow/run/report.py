@@ -16,7 +16,7 @@ from crackgrow.contact.tractions import between_contact_points, nearest_contact_
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.criteria import effective_toughness
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.run.cautions import cautions, largest_overlap
+from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.reactions import reactions
@@ -82,6 +82,7 @@ def step_result(
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         overlap=largest_overlap(scene, faces),
+        overlap_share=max(overlap_shares(scene, solution, faces), default=0.0),
         energy=solution.state.energy,
         load_displacement=_load_displacement(solution),
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),

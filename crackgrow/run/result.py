@@ -182,6 +182,7 @@ class StepResult:
     penetration: float  # m, largest overlap at a contact point beyond what the contact stiffness explains
     complementarity: float  # relative complementarity residual of the contact conditions
     overlap: float  # m, largest overlap of closed faces at any place, beyond what the contact stiffness explains
+    overlap_share: float  # of what is small beside a surface's jump and the displacement: beyond 1 the step warns
     energy: Energy
     load_displacement: float  # m, of the loads
     crack_length: float  # m, of all cracks

@@ -32,6 +32,10 @@ GAUSS_LAYER = 0.25
 """Least E'/(2k), in spacings, over which gauss points resolve how pressure falls to a closed tip: K_I is within 5 % of
 its own at 0.18, 20 % off at 0.05, and of the wrong sign or size far below."""
 
+SOFT_CONTACT = 0.1
+"""What faces give way to pressure, over what a crack of their length would open under it: r = E'/(2 k length). Of the
+pressure on rigid faces a crack bears 1/(1 + r), within 0.04 with mortar nodes and 0.06 with gauss points."""
+
 NEARLY_INCOMPRESSIBLE = 0.49
 """Poisson's ratio in plane strain up to which K is within 1 %, and, at a support of 1.5, the displacement."""
 
@@ -65,17 +69,50 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> list[str]:
             f"numerics.contact.spacing is {contact.spacing:g}: below {GOOD_CONTACT_SPACING:g} contact tractions can "
             "oscillate from node to node, where faces stick up to their full size"
         )
+    found.extend(_soft_contact(scene, cover))
     found.extend(_elastic_contact_warnings(scene))
     found.extend(_incompressible_warnings(scene))
     found.extend(_left_out(scene))
-    for crack in cover.cracks:
-        length = arc_lengths(crack.points)[-1]
-        if length < SHORT_CRACK and not _ends_on(crack, cover.cracks):
-            found.append(
-                f"crack '{crack.name}' is {length:.3g} spacings long: below {SHORT_CRACK:g} the cover does not resolve "
-                "it, and K can be off: by 2 % from one spacing on, by 8 % at half a spacing, by 20 % below"
-            )
+    found.extend(_short_cracks(cover))
     return found
+
+
+def _short_cracks(cover: Cover) -> list[str]:
+    """The shortest of the cracks that the cover does not resolve, and how many others there are."""
+    lengths = [(float(arc_lengths(crack.points)[-1]), crack) for crack in cover.cracks]
+    short = [(length, c.name) for length, c in lengths if length < SHORT_CRACK and not _ends_on(c, cover.cracks)]
+    if not short:
+        return []
+    length, name = min(short)
+    others = f", and {len(short) - 1} more {'are' if len(short) > 2 else 'is'} short" if len(short) > 1 else ""
+    return [
+        f"crack '{name}' is {length:.3g} spacings long{others}: below {SHORT_CRACK:g} the cover does not resolve a "
+        "crack, and K can be off: by 2 % from one spacing on, by 8 % at half a spacing, by 20 % below"
+    ]
+
+
+def _soft_contact(scene: Scene, cover: Cover) -> list[str]:
+    """The surface whose elastic contact holds its faces apart least."""
+    stiffness = scene.case.numerics.contact.stiffness
+    if stiffness is None:
+        return []
+    softest = min(material.young_prime for material in scene.materials)
+    ratios = [
+        (
+            0.5 * law.compliance * softest / (float(arc_lengths(surface.points)[-1]) * scene.lattice.spacing),
+            surface.name,
+        )
+        for surface, law in zip(cover.surfaces, scene.laws, strict=True)
+        if law.contact is not None
+    ]
+    ratio, name = max(ratios, default=(0.0, ""))
+    if ratio <= SOFT_CONTACT:
+        return []
+    return [
+        f"numerics.contact.stiffness is {stiffness:g}, soft for '{name}': its faces give way to pressure by {ratio:.2g}"
+        " of what a crack of its length would open under it, and overlap; of its pressure a crack bears about "
+        f"{100.0 / (1.0 + ratio):.0f} %; use {stiffness * ratio / SOFT_CONTACT:.2g} or more, or rigid"
+    ]
 
 
 def _elastic_contact_warnings(scene: Scene) -> list[str]:

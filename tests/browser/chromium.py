@@ -45,6 +45,10 @@ class Chromium:
         self._devtools("Emulation.setDeviceMetricsOverride", size)
         self._post("/url", {"url": page.resolve().as_uri()})
 
+    def media(self, kind: str) -> None:
+        """Show pages as on "screen" or as in "print"."""
+        self._devtools("Emulation.setEmulatedMedia", {"media": kind})
+
     def run(self, script: str) -> Any:
         """What a script returns."""
         return self._post("/execute/sync", {"script": script, "args": []})

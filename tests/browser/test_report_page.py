@@ -81,6 +81,37 @@ def test_play_goes_through_the_steps_and_stops_at_the_last(chromium: Chromium, r
     assert chromium.run(NOW).startswith("step 3 of 3:")
 
 
+def test_picture_can_be_seen_as_large_as_it_is(chromium: Chromium, report: Path) -> None:
+    chromium.open(report, 400)
+    width = "const image = document.getElementById('picture'); return [image.clientWidth, image.naturalWidth]"
+    chromium.run("const large = document.createElement('canvas'); large.width = 900;"
+                 "document.getElementById('picture').src = large.toDataURL()")  # fmt: skip
+    shown, natural = chromium.run(width)
+    assert shown < 400 < natural == 900
+    chromium.press("#larger", "enter")
+    assert chromium.run(width) == [900, 900]
+    assert chromium.run("return document.documentElement.scrollWidth") == 400
+    chromium.press("#larger", "enter")
+    assert chromium.run(width) == [shown, 900]
+
+
+@pytest.mark.parametrize("kind", ["report", "failed"])
+def test_paper_has_all_that_the_page_has(chromium: Chromium, request: pytest.FixtureRequest, kind: str) -> None:
+    chromium.open(request.getfixturevalue(kind), 700)  # A4 within its margins
+    chromium.media("print")
+    chromium.run("window.dispatchEvent(new Event('beforeprint'))")
+    boxes = "[...document.querySelectorAll('.card, .card div, .card pre, .card ul')]"
+    assert chromium.run(f"return {boxes}.filter((box) => getComputedStyle(box).overflow !== 'visible').length") == 0
+    right = "[...document.querySelectorAll('.card *')].map((part) => part.getBoundingClientRect().right)"
+    assert chromium.run(f"return Math.max(...{right})") <= 700
+    case = "return document.querySelector('pre').getBoundingClientRect().height"
+    assert chromium.run(case) > 200
+    assert chromium.run("return getComputedStyle(document.getElementById('play')).display") == "none"
+    chromium.run("window.dispatchEvent(new Event('afterprint'))")
+    assert not chromium.run("return document.querySelector('details').open")
+    chromium.media("screen")
+
+
 def test_script_in_a_title_is_text(chromium: Chromium, report: Path) -> None:
     chromium.open(report, 400)
     assert chromium.run("return document.querySelector('h1').textContent") == HOSTILE

@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / "cases"
 TABLES = ("tips.csv", "contact.csv", "reactions.csv", "steps.csv", "events.csv")
-TIMES = ("wall_seconds", "peak_memory_mb", "resumed_with_steps")  # of the summary, and what tells of breaks
+TIMES = ("wall_seconds", "peak_memory_mb", "resumed_with_steps", "git_commit", "git_modified")  # of the summary
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
@@ -23,6 +23,31 @@ def command(case: str, settings: Sequence[str], folder: Path, *more: str) -> lis
     """The command line of a run."""
     words = [word for setting in settings for word in ("--set", setting)]
     return [sys.executable, "-m", "crackgrow", "run", str(CASES / f"{case}.yaml"), "--out", str(folder), *words, *more]
+
+
+KILLED_AT = """
+import os, signal, sys
+from crackgrow import cli
+
+folder, left = sys.argv[1], int(sys.argv[2])
+
+def look(event, arguments):
+    global left
+    changes = event in ("os.rename", "os.remove", "os.truncate", "os.mkdir")
+    if (changes or event == "open" and arguments[2] & (os.O_WRONLY | os.O_RDWR)) and folder in str(arguments[0]):
+        left -= 1
+        if left == 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+sys.addaudithook(look)
+sys.exit(cli.main(sys.argv[3:]))
+"""
+
+
+def command_killed_at(operation: int, case: str, settings: Sequence[str], folder: Path) -> list[str]:
+    """The same of a run that is killed when it is about to change the files of its folder for the n-th time."""
+    python, _, _, *words = command(case, settings, folder)
+    return [python, "-c", KILLED_AT, str(folder), str(operation), *words]
 
 
 def finished(words: Sequence[str], before: Callable[[], None] | None = None) -> subprocess.CompletedProcess[str]:

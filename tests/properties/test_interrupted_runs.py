@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 import json
 import os
 import random
@@ -19,6 +20,7 @@ import pytest
 from tests.properties.broken_off import (
     assert_whole,
     command,
+    command_killed_at,
     contents,
     finished,
     started,
@@ -65,6 +67,23 @@ def test_a_run_killed_again_and_again_ends_as_if_nothing_had_happened(
             assert_whole(folder, whole)
         process.communicate()
     assert n_finished > 0
+
+
+@pytest.mark.slow
+def test_a_run_killed_at_any_change_of_its_files_goes_on(unbroken: Path, tmp_path: Path) -> None:
+    whole = contents(unbroken)
+    for operation in itertools.count(1, 17):
+        folder = tmp_path / str(operation)
+        killed = finished(command_killed_at(operation, "compression30", COARSE, folder))
+        if killed.returncode == 0:
+            break
+        assert killed.returncode == -signal.SIGKILL
+        assert_whole(folder, whole)
+        done = finished(command("compression30", COARSE, folder, "--resume"))
+        assert (done.returncode, done.stderr) == (0, "")
+        assert contents(folder) == whole
+        assert (folder / "report.html").is_file()
+    assert operation > 200
 
 
 @pytest.mark.parametrize(

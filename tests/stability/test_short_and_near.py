@@ -11,7 +11,7 @@ from crackgrow.run import grow
 from crackgrow.solid.condition import condition_estimate
 from tests.stability.flaw import IN_CRACK_AXES, K, case, exact_K_II, loads, solve
 
-SHORT = "below 3 the cover does not resolve it"
+SHORT = "below 3 the cover does not resolve a crack"
 CLOSE = "closer than a spacing"
 
 

@@ -207,6 +207,22 @@ def test_interrupted_run_keeps_the_results_so_far_and_says_how_to_go_on(
     assert capsys.readouterr().err.endswith(f"crackgrow {command}\n")
 
 
+def test_interrupt_while_a_step_is_written_waits_for_all_of_it(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    add = writer.RunWriter.add
+
+    def pressed(self: writer.RunWriter, result: StepResult) -> None:
+        signal.raise_signal(signal.SIGINT)
+        add(self, result)
+
+    monkeypatch.setattr(writer.RunWriter, "add", pressed)
+    assert cli.main(["run", "block.yaml"]) == 130
+    assert "go on with" in capsys.readouterr().err
+    assert n_rows(scene / "outputs" / "block" / "steps.csv") == 1
+    assert summary(scene / "outputs" / "block")["n_solves"] == 1
+
+
 def test_interrupt_while_the_end_is_written_leaves_a_complete_run(
     scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

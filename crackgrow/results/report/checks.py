@@ -18,21 +18,21 @@ Floats = NDArray[np.float64]
 RESIDUAL_LIMIT = 1e-9  # from which a step warns
 COMPLEMENTARITY_LIMIT = 1e-8  # above which contact is not solved
 ENERGY_LIMIT = 1e-5  # to which increments of load are divided
-OVERLAP_LIMIT = 0.05  # of the largest jump of the step, from which it warns
+OVERLAP_LIMIT = 1.0  # of what is small beside jump and displacement, from which a step warns
 PENETRATION_LIMIT = 1e-6  # of the largest jump of the step: beyond round-off
 
 WHAT = {
     "residual": "equilibrium residual",
     "penetration": "penetration at contact points, by the step's largest jump",
     "complementarity": "complementarity of contact",
-    "overlap": "overlap anywhere along the faces, by the step's largest jump",
+    "overlap_share": "overlap anywhere along the faces, by what is small beside jump and displacement",
     "energy_error": "error of the energy balance",
 }
 LIMITS = {
     "residual": RESIDUAL_LIMIT,
     "penetration": PENETRATION_LIMIT,
     "complementarity": COMPLEMENTARITY_LIMIT,
-    "overlap": OVERLAP_LIMIT,
+    "overlap_share": OVERLAP_LIMIT,
     "energy_error": ENERGY_LIMIT,
 }
 
@@ -42,7 +42,7 @@ def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
     jumps = _largest_jumps(run)
     for name, words in WHAT.items():
         values = np.abs(run.steps.numbers(name))
-        if name in ("penetration", "overlap"):
+        if name == "penetration":
             values = np.divide(values, jumps, out=np.zeros_like(values), where=jumps > 0.0)
         if len(values) == 0:
             continue

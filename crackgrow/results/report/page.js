@@ -111,6 +111,24 @@ function start() {
   show();
 }
 
+// A picture as large as it is, in a card as wide as the page; smaller again at the next press.
+const larger = document.getElementById("larger");
+larger?.addEventListener("click", () => {
+  const large = larger.closest(".card").classList.toggle("large");
+  larger.setAttribute("aria-pressed", large);
+  larger.textContent = large ? "Smaller" : "Larger";
+});
+
+// On paper nothing can be opened: the case is, and closed again afterwards if it was.
+let opened = [];
+window.addEventListener("beforeprint", () => {
+  opened = [...document.querySelectorAll("details:not([open])")];
+  for (const closed of opened) closed.open = true;
+});
+window.addEventListener("afterprint", () => {
+  for (const details of opened) details.open = false;
+});
+
 if (slider) {
   slider.addEventListener("input", show);
   play.addEventListener("click", () => timer === null ? start() : pause());

@@ -15,7 +15,7 @@ from crackgrow.results.report.checks import check_rows, estimate_rows, status_ba
 from crackgrow.results.report.markup import Markup, join, json_script, table, tag, text
 from crackgrow.results.report.pictures import pictures
 from crackgrow.results.report.scene import describe_actions, draw_scene, step_colour
-from crackgrow.results.report.step_data import contact_data, step_words, tip_data
+from crackgrow.results.report.step_data import contact_data, event_rows, step_words, tip_data
 from crackgrow.results.report.view import view_of
 from crackgrow.results.units import shown
 
@@ -98,7 +98,7 @@ def _header(run: RunFolder) -> Markup:
         f"plane {run.case.plane}",
         f"{summary['n_solves']} solved step{'' if summary['n_solves'] == 1 else 's'}",
         f"{' to '.join(dict.fromkeys(str(n) for n in n_dofs.values()))} unknowns" if n_dofs else "nothing solved",
-        f"{shown(summary['wall_seconds']['total'], 3)} s, {shown(summary['peak_memory_mb'], 3)} MB",
+        f"{shown(summary['wall_seconds']['total'], 3)} s, {summary['peak_memory_mb']:.0f} MB",
     ]
     return tag(
         "header",
@@ -130,8 +130,9 @@ def _steps(run: RunFolder, contact: dict[str, Any], shots: list[dict[str, Any]])
     """What moves with the slider: the scene, pictures, tractions, tips."""
     cards = [_card("Scene and cracks", draw_scene(run), _step_legend(run))]
     if shots:
-        picture = Markup('<img id="picture" alt="">')
-        cards.append(_card("Picture", tag("figure", picture, tag("figcaption", id="caption"))))
+        picture = tag("div", Markup('<img id="picture" alt="">'), class_="scroll")
+        larger = tag("button", "Larger", id="larger", type="button", aria_pressed="false")
+        cards.append(_card("Picture", tag("figure", picture, tag("figcaption", id="caption")), larger))
     if contact["surfaces"]:
         choice = tag("select", *(tag("option", name) for name in contact["surfaces"]), id="surface")
         label = tag("label", "Surface ", choice)
@@ -178,9 +179,7 @@ def _quality(run: RunFolder) -> Markup:
     cards.append(_card("Time", table("Wall time by phase", ("phase", "seconds", ""), _phase_rows(summary))))
     cards.append(_card("Warnings", _warnings(summary["warnings"])))
     if len(run.events):
-        columns = list(run.events.columns)
-        cells = zip(*(run.events.words(name) for name in columns), strict=True)
-        cards.append(_card("Events", table("Tips that have met something; m", columns, cells)))
+        cards.append(_card("Events", table("Tips that have met something", *event_rows(run.events)), wide=True))
     return tag("section", *cards, class_="cards", aria_label="quality")
 
 

@@ -1,4 +1,4 @@
-"""What the page shows of one step and changes with the slider: tips, and tractions and jumps along the faces."""
+"""What the page shows of steps: tips, tractions and jumps along the faces, which move with the slider, and events."""
 
 from __future__ import annotations
 
@@ -45,6 +45,18 @@ def tip_data(run: RunFolder, view: View) -> dict[str, Any]:
         rows.setdefault(step, []).append(list(row))
         places.setdefault(step, []).append([*place, row[-1] == "true"])
     return {"header": header, "steps": rows, "places": places}
+
+
+def event_rows(events: TextTable) -> tuple[list[str], list[list[object]]]:
+    """Header and rows of the table of events, places in a unit in which they are read easily."""
+    places = {name: events.numbers(name) for name in ("x", "y")}
+    size, unit = unit_of(np.concatenate(list(places.values())), LENGTHS)
+    columns = [
+        [shown(float(value) / size) for value in places[name]] if name in places else events.words(name)
+        for name in events.columns
+    ]
+    header = [f"{name} [{unit}]" if name in places else name for name in events.columns]
+    return header, [list(row) for row in zip(*columns, strict=True)]
 
 
 def contact_data(run: RunFolder) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import Final
 
 import dask
 from dask.utils import parse_bytes
-from distributed import Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
+from distributed import CancelledError, Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
 from distributed.utils import silence_logging_cmgr
 
 from crackgrow.errors import CaseError, CrackgrowError, Fault, reason_of
@@ -105,26 +105,25 @@ def connected(scheduler: str | None, workers: int, memory: int | None) -> Iterat
 def run_all(client: Client, jobs: Sequence[Job], function: Callable[[Job], Values]) -> Iterator[tuple[Job, Values]]:
     """Run the jobs on the workers and yield each with what came of it, as they end.
 
-    Each worker is given one job at a time: when it dies, Dask holds that against all that it was given.
+    No more are given than there are workers: when one dies, Dask holds that against all that it was given. Nor is any
+    bound to a worker: Dask never gives it to another one if none was left when its own died.
     A run whose worker dies is repeated by Dask; one that loses several is `failed`. Raises ClusterError.
     """
     waiting = deque(jobs)
-    running: dict[object, tuple[Job, str, Future[Values]]] = {}  # with the address of the worker that was to have it
+    running: dict[object, tuple[Job, Future[Values]]] = {}  # held here: Dask drops what nobody asks for
     ended: queue.SimpleQueue[Future[Values]] = queue.SimpleQueue()
     told: list[tuple[Job, Values]] = []
     while True:
         try:
-            workers = list(client.nthreads())
+            n_workers = len(client.nthreads())
         except OSError as error:
             yield from told
             raise ClusterError(f"{GONE}: {error}") from error
-        busy = {address for _, address, _ in running.values()}
-        for address in [address for address in workers if address not in busy]:
-            if waiting and len(running) < len(workers):
-                job = waiting.popleft()
-                future = client.submit(function, job, pure=False, workers=[address], allow_other_workers=True)
-                running[future.key] = job, address, future
-                future.add_done_callback(ended.put)
+        while waiting and len(running) < n_workers:
+            job = waiting.popleft()
+            future = client.submit(function, job, pure=False)
+            running[future.key] = job, future
+            future.add_done_callback(ended.put)
         yield from told  # only now: no worker waits for what is done with it
         told.clear()
         if not waiting and not running:
@@ -133,19 +132,25 @@ def run_all(client: Client, jobs: Sequence[Job], function: Callable[[Job], Value
             future = ended.get(timeout=POLL)
         except queue.Empty:
             continue
-        job, _, _ = running.pop(future.key)
-        told.append((job, _outcome(future)))
+        values = _outcome(future)
+        if values is None:
+            future.add_done_callback(ended.put)
+        else:
+            job, _ = running.pop(future.key)
+            told.append((job, values))
 
 
-def _outcome(future: Future[Values]) -> Values:
-    """What a job returned, or why it didn't."""
-    if future.status == "finished":
-        values: Values = future.result()
-        return values
-    if future.status != "error":
-        raise ClusterError(f"{GONE}: a run is {future.status}")
-    error = future.exception()
-    if isinstance(error, KilledWorker):
+def _outcome(future: Future[Values]) -> Values | None:
+    """What a job returned, or why it didn't; None where that was lost with its worker, and the job is run again."""
+    try:
+        values: Values = future.result(timeout=POLL)
+    except CancelledError as error:
+        raise ClusterError(f"{GONE}: {error}") from error
+    except KilledWorker as error:
         reason = f"worker lost: {error.allowed_failures + 1} workers died of this run, for want of memory perhaps"
         return {"status": "failed", "reason": reason}
-    return {"status": "failed", "reason": reason_of(error)}
+    except Exception as error:
+        if isinstance(error, TimeoutError) and future.status != "error":
+            return None
+        return {"status": "failed", "reason": reason_of(error)}
+    return values

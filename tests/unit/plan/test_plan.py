@@ -44,6 +44,12 @@ def test_counts_are_those_of_the_run(name: str) -> None:
     assert set(sizes.warnings) - plan_alone <= set(first.warnings)  # the same words
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_unknowns_of_contact_are_those_of_the_run(friction: float) -> None:
+    case = coarse("compression30", "numerics.spacing=1.5", f"cracks.flaw.contact.friction={friction}")
+    assert sizes_of(case).n_tractions == next(grow(case)).n_contact == (6 if friction else 3)
+
+
 def test_text_says_what_is_modelled_and_why() -> None:
     lines = plan_text(coarse("compression30")).splitlines()
     sizes = sizes_of(coarse("compression30"))
@@ -51,7 +57,11 @@ def test_text_says_what_is_modelled_and_why() -> None:
     assert "  3 multipliers for supports and bonds" in lines
     assert any("flaw: " in line and "normal contact alone: neither friction nor cohesion" in line for line in lines)
     rough = plan_text(coarse("compression30", "cracks.flaw.contact.friction=0.3"))
-    assert re.search(r"flaw: \d+ points?, with friction", rough)
+    assert re.search(r"flaw: \d+ points?, with friction or cohesion", rough)
+    assert re.search(r"contact: \d+ tractions at \d+ mortar nodes, normal and tangential", rough)
+    smooth = "interfaces=[{between: [lower, upper], contact: {friction: 0, cohesion: 0}}]"
+    assert "points, normal contact alone: neither" in plan_text(coarse("interface_friction04", smooth))
+    assert "points, with friction or cohesion" in plan_text(coarse("block_rigid"))
     assert "flaw: no contact: its faces never touch" in plan_text(coarse("compression30", "cracks.flaw.contact=none"))
     assert re.search(r"\d+(\.\d+)? s of CPU for the first step, .* each of 22 more; .* of memory", "\n".join(lines))
 
@@ -75,6 +85,11 @@ def test_bonds_are_multipliers() -> None:
         (("cracks={}",), "22 growth steps are asked for, but no crack has a tip"),
         (("cracks.flaw.tips=none",), "22 growth steps are asked for, but no crack has a tip"),
         (("numerics.contact.stiffness=100",), "elastic contact with mortar nodes"),
+        (("numerics.contact.stiffness=0.1",), "of its pressure a crack bears about 38 %; use 1.6 or more, or rigid"),
+        (
+            ("cracks.flaw.path.length=6", "cracks.b={path: {center: [0, 12], length: 4, angle: 0}, contact: none}"),
+            "crack 'b' is 1.33 spacings long, and 1 more is short",
+        ),
     ],
 )
 def test_warnings_come_before_the_run(settings: tuple[str, ...], words: str) -> None:
@@ -95,6 +110,17 @@ def test_cost_grows_with_the_scene_and_its_steps() -> None:
     assert costs[0].n_later == 22
     assert Cost(1.0, 0.5, 22, 100.0).total == 12.0
     assert 0.0 < probe() < 1.0
+
+
+def test_larger_supports_cost_more() -> None:
+    costs = []
+    for support in (2, 2.5):
+        case = load_case(CASES / "compression30.yaml", ["numerics.spacing=0.8", f"numerics.support={support}"])
+        costs.append(estimated_cost(case, sizes_of(case)))
+    assert costs[1].first_step / costs[0].first_step > 2.0  # measured: 3.7, within the noise of the probe
+    assert 1.4 < costs[1].memory / costs[0].memory < 2.0  # measured: 1.6
+    far = plan_text(coarse("compression30", "numerics.support=4"))
+    assert "a tenth of it perhaps" in far
 
 
 def test_implicit_directions_cost_more() -> None:
@@ -139,6 +165,14 @@ def test_loads_and_supports_at_points_are_drawn_beside_each_other(
     for tail, head in across:
         for sign in signs:
             assert np.hypot(*(tail + along * (head - tail) - sign).T).min() > 0.4 * picture.SIGN * size
+
+
+def test_the_picture_shows_cracks_and_what_holds_the_rock(tmp_path: Path) -> None:
+    draw_scene(tmp_path / "scene.svg", coarse("two_flaws", "numerics.spacing=4"))
+    marks = (tmp_path / "scene.svg").read_text(encoding="utf-8")
+    assert marks.count("stroke: #000000; stroke-width: 2; stroke-linecap: round") == 2  # the flaws
+    support = "#404040"
+    assert marks.count(support) > 3 * 5  # a triangle, two rollers, ground and hatching, three times
 
 
 def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

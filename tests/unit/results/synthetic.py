@@ -177,6 +177,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         penetration=1e-15 * (2 if step == 1 else 1),
         complementarity=1e-10,
         overlap=2e-9,
+        overlap_share=0.04,
         energy=Energy(work=4.0 + step, strain=3.0, dissipated=0.5, released=0.25 * step, error=1e-6 / (1 + step)),
         load_displacement=1e-5 * (1 + step),
         crack_length=float(s[-1]),

@@ -156,6 +156,10 @@ def test_window_shows_the_displaced_specimen_of_the_step_on_its_slider(folder: P
         return float(np.ptp(frame.points[:, 1] + 100.0 * frame.displacement[:, 1]))
 
     assert height() == pytest.approx(drawn(3))
+    (bar,), specimen = plotter.scalar_bars.values(), plotter.actors["specimen"].mapper.lookup_table
+    ends = [np.array(table.GetTable().GetTuple(0)) for table in (bar.GetLookupTable(), specimen)]
+    np.testing.assert_array_equal(*ends)
+    assert bar.GetLookupTable().GetRange() == specimen.GetRange()
     (slider,) = plotter.widgets.slider_widgets
     slider.GetRepresentation().SetValue(1.0)
     slider.InvokeEvent("EndInteractionEvent")

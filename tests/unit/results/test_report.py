@@ -24,7 +24,7 @@ from crackgrow.contact.coulomb import SOLVED_RESIDUAL
 from crackgrow.results.folder import FolderError, read_run
 from crackgrow.results.report import checks, pictures, write_report
 from crackgrow.results.writer import RunWriter
-from crackgrow.run.cautions import LARGE_OVERLAP, LARGE_RESIDUAL
+from crackgrow.run.cautions import LARGE_RESIDUAL
 from crackgrow.run.increments import BALANCED
 from tests.report_runs import CASES, HOSTILE, make_run, paint
 
@@ -264,8 +264,8 @@ def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatc
 
 
 def test_limits_of_checks_are_those_of_the_solver() -> None:
-    limits = (checks.RESIDUAL_LIMIT, checks.OVERLAP_LIMIT, checks.COMPLEMENTARITY_LIMIT, checks.ENERGY_LIMIT)
-    assert limits == (LARGE_RESIDUAL, LARGE_OVERLAP, SOLVED_RESIDUAL, BALANCED)
+    limits = (checks.RESIDUAL_LIMIT, checks.COMPLEMENTARITY_LIMIT, checks.ENERGY_LIMIT)
+    assert limits == (LARGE_RESIDUAL, SOLVED_RESIDUAL, BALANCED)
 
 
 @pytest.mark.parametrize(

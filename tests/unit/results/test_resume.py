@@ -81,6 +81,30 @@ def test_a_finished_run_says_so_and_is_left_alone(copy: Path, capsys: pytest.Cap
     assert {path: path.stat().st_mtime_ns for path in copy.rglob("*")} == times
 
 
+def test_frames_and_pictures_of_steps_to_come_go(tmp_path: Path) -> None:
+    frames = ("output.frames=every_step", "growth.steps=1")
+    assert run(tmp_path, *frames) == 0
+    stale = [
+        tmp_path / name for name in ("frames/step_0007.vtu", "cracks/.step_0001.tmp.vtp", "frames/.step_0001.tmp.vtu")
+    ]
+    pictures = [tmp_path / "render" / "sigma_1" / name for name in ("step_0000.png", "animation.gif")]
+    for path in (*stale, *pictures):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"of another run")
+    assert run(tmp_path, *frames[:1], "growth.steps=2", resume=True) == 0
+    assert not any(path.exists() for path in (*stale, *pictures))
+    assert len(list((tmp_path / "frames").glob("*"))) == 3
+
+
+def test_a_finished_run_that_was_killed_at_its_report_gets_one(copy: Path) -> None:
+    whole = (copy / "report.html").read_bytes()
+    (copy / "report.html").unlink()
+    (copy / ".report.tmp.html").write_bytes(whole[:1000])
+    assert run(copy, "growth.steps=2", resume=True) == 0
+    assert (copy / "report.html").read_bytes() == whole
+    assert not (copy / ".report.tmp.html").exists()
+
+
 def test_a_finished_run_goes_on_for_more_steps(copy: Path, tmp_path: Path) -> None:
     assert run(copy, "growth.steps=3", resume=True) == 0
     assert run(tmp_path / "at once", "growth.steps=3") == 0
@@ -192,7 +216,7 @@ def test_another_format_is_refused(copy: Path) -> None:
         header = {**json.loads(arrays["header"].tobytes()), "format": 99}
         arrays["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
         np.savez(path, **arrays)
-    with pytest.raises(ResumeError, match=r"has format 99.*wanted 1"):
+    with pytest.raises(ResumeError, match=r"has format 99.*wanted 2"):
         find_resumption(case("growth.steps=3"), copy)
 
 

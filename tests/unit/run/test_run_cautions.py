@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
-from crackgrow.run.cautions import _overlapping
+from crackgrow.run.cautions import LARGE_OVERLAP, _overlapping, overlap_shares
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution, solve_step
@@ -126,7 +127,9 @@ def test_a_full_overlap_is_told_in_plain_digits() -> None:
     (face,) = result.faces
     face = replace(face, opening=np.full_like(face.opening, -1e-3), slip=np.zeros_like(face.slip))
     scene = make_scene(load_case(CASES / "compression30.yaml"))
-    (told,) = _overlapping(scene, solve_first(scene), (face,))
+    shares = overlap_shares(scene, solve_first(scene), (face,))
+    (told,) = _overlapping(scene, (face,), shares)
+    assert shares == [pytest.approx(1.0 / LARGE_OVERLAP)]  # all of the jump
     assert "by 0.001 m between contact points, 100 % of their largest jump" in told
 
 
@@ -136,6 +139,26 @@ def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None
     assert result.overlap == -faces.opening.min()
     assert 0.0 < result.overlap < 5e-3 * np.abs(faces.slip).max()
     assert first_step("tension0").overlap == 0.0  # open
+
+
+@pytest.mark.parametrize("stiffness", [0.01, 0.1, 0.4])
+@pytest.mark.parametrize("points", ["mortar", "gauss"])
+def test_soft_contact_is_told_with_the_pressure_that_it_bears(stiffness: float, points: str) -> None:
+    rigid = first_step("compression30").contact.normal_traction.mean()
+    numbers = (f"numerics.contact.stiffness={stiffness}", f"numerics.contact.discretization={points}")
+    soft = first_step("compression30", *numbers)
+    (told,) = [text for text in soft.warnings if "soft for 'flaw'" in text]
+    share = re.search(r"a crack bears about (\d+) %", told)
+    assert share is not None
+    assert soft.contact.normal_traction.mean() / rigid == pytest.approx(0.01 * float(share[1]), abs=0.07)
+
+
+@pytest.mark.parametrize(("spacing", "warned"), [("0.2", False), ("1", True)])
+def test_corners_of_bodies_overlap_by_little_beside_the_displacement(spacing: str, warned: bool) -> None:
+    result = first_step("block_foundation", f"numerics.spacing={spacing}")
+    (faces,) = result.faces
+    assert result.overlap > LARGE_OVERLAP * np.hypot(faces.opening, faces.slip).max()
+    assert (result.overlap_share > 1.0) == any("overlap by" in text for text in result.warnings) == warned
 
 
 def test_elastic_contact_explains_its_overlap() -> None:

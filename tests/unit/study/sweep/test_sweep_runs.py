@@ -180,7 +180,25 @@ def test_run_of_a_killed_worker_is_gone_on_with(address: str, tmp_path: Path):
     assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
 
 
-@pytest.mark.slow
+def test_run_whose_only_worker_dies_goes_on_with_the_next_one(tmp_path: Path):
+    """Dask has nowhere to put the run until the worker is replaced; nor is the result of a run that ended safe."""
+
+    def dies_once(job: Job) -> Values:
+        import os
+
+        from crackgrow.study.sweep.job import run_job
+
+        first = job.folder.parent / "died"
+        if not first.exists():
+            first.touch()
+            os.kill(os.getpid(), 9)
+        return run_job(job)
+
+    plan = plan_sweep(written(tmp_path, "[0, 0.1]"), tmp_path)
+    found = {row.run.number: row.values["status"] for row in sweep(plan, workers=1, function=dies_once)}
+    assert found == {0: "completed", 1: "completed"}
+
+
 def test_run_that_kills_its_workers_is_told_and_the_others_are_run(address: str, tmp_path: Path):
     def deadly(job: Job) -> Values:
         import os

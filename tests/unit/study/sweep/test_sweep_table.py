@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import csv
+import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -12,12 +15,14 @@ from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
 from crackgrow.study.one_run import write_run
 from crackgrow.study.sweep import solving
+from crackgrow.study.sweep.job import job_of, run_job
 from crackgrow.study.sweep.measured import measured
 from crackgrow.study.sweep.overview import draw, responses_of, shown_as
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
 from crackgrow.study.sweep.runner import done
 from crackgrow.study.sweep.solving import solve
 from crackgrow.study.sweep.table import SweepTable
+from crackgrow.study.threads import THREAD_SETTINGS
 
 FLAW = Path(__file__).parents[4] / "cases" / "compression30.yaml"
 
@@ -159,3 +164,26 @@ def test_run_whose_summary_is_damaged_or_of_another_version_is_not_done(tmp_path
     for text in ('{"status": "compl', "[]", '{"status": "completed"}'):
         (run.folder / "summary.json").write_text(text, encoding="utf-8")
         assert not done(run)
+
+
+def test_runs_of_a_process_have_one_thread_and_come_one_after_the_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """As on workers that somebody has started with several threads."""
+    for name in THREAD_SETTINGS:
+        monkeypatch.setenv(name, "8")
+        monkeypatch.delenv(name)
+    running: list[int] = []
+
+    def solve(case: int, folder: Path) -> dict[str, int | str]:
+        running.append(case)
+        time.sleep(0.05)
+        beside = len(running) - 1
+        running.remove(case)
+        return {"beside": beside, "threads": ",".join(os.environ.get(name, "any") for name in THREAD_SETTINGS)}
+
+    monkeypatch.setattr(solving, "solve", solve)
+    jobs = [job_of(number, tmp_path, number, None) for number in range(3)]
+    with ThreadPoolExecutor(3) as pool:
+        found = list(pool.map(run_job, jobs))
+    assert found == 3 * [{"beside": 0, "threads": "1,1,1"}]
