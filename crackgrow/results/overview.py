@@ -189,7 +189,8 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
         return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"
-    radius = f"tip radius {growth.tip_radius * scale:g} {unit}"
+    in_spacings = f"{growth.tip_radius / case.numerics.spacing:.3g} x the spacing"
+    radius = f"tip radius {growth.tip_radius * scale:g} {unit} ({in_spacings})"
     if growth.steps == 0:
         return f"growth: none, {growth.criterion} is judged, {radius}"
     steps = f"{_count(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"

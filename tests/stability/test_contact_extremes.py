@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, STICK, ContactProblem, ContactSolution
@@ -228,7 +229,7 @@ def test_a_stuck_flaw_of_elastic_contact_gives_way_by_its_stiffness_alone(stiffn
     assert distance_from_intact(found) < 1e-3 * 1e2 / float(stiffness)
 
 
-def gives_up(problem: ContactProblem) -> ContactSolution:
+def gives_up(problem: ContactProblem, start: NDArray[np.float64] | None = None) -> ContactSolution:
     return ContactSolution(np.zeros(problem.free.size), "limit", 17, np.zeros(problem.n_points, dtype=np.int64))
 
 

@@ -51,7 +51,7 @@ def test_overview_of_everything(tmp_path: Path) -> None:
         "foundation on edge bottom of foundation: friction 0.3, cohesion 1 MPa",
         "loads: 2 tractions on edges, gravity on block, pressure 2 MPa in flaw, in-situ stress in block, "
         "load factors 1",
-        "growth: 2 steps of 1 mm, max_hoop_stress (implicit direction), all, tip radius 1 mm",
+        "growth: 2 steps of 1 mm, max_hoop_stress (implicit direction), all, tip radius 1 mm (1 x the spacing)",
     ):
         assert line in lines
 
@@ -77,7 +77,8 @@ def test_overview_of_critical_loads_and_growth() -> None:
         "each step at its critical load factor\ngrowth: none, directional_strength is judged, tip radius 1 mm" in text
     )
     text = overview(load_case(CASE, ["growth.unload_between_steps=false", "growth.steps=1"]))
-    assert "growth: 1 step of 2 mm, directional_strength, most critical, tip radius 1 mm, without unloading" in text
+    assert "growth: 1 step of 2 mm, directional_strength, most critical, tip radius 1 mm (0.667 x" in text
+    assert "the spacing), without unloading between steps" in text
 
 
 def test_overview_names_the_whole_law_where_it_is_not_the_default() -> None:
