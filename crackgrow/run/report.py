@@ -105,8 +105,12 @@ def _frame(
 
 
 def _load_displacement(solution: StepSolution) -> float:
-    """Mean displacement (m) along the loads that are scaled, or the prescribed ones where there are no such loads."""
-    total = float(np.abs(solution.configuration.scaled).sum())
+    """Mean displacement (m) along the loads that are scaled, or the prescribed ones where there are no such loads.
+
+    The loads on the physical patches add up to those on the rock, since their functions add up to one.
+    """
+    on_patches = solution.configuration.scaled[: 2 * len(solution.cover.patch_nodes)]
+    total = float(np.abs(on_patches).sum())
     if total > 0.0:
         return float(solution.state.conjugates[0]) / total
     return solution.state.factor * float(np.abs(solution.held.given).max(initial=0.0))

@@ -299,3 +299,13 @@ def test_a_run_that_goes_on_under_load_keeps_its_books() -> None:
     assert np.diff(dissipated).min() > 0.0
     assert all(result.energy.error < 1e-9 for result in results)
     assert set(results[0].contact.state.tolist()) <= {STICK, SLIP}
+
+
+@pytest.mark.parametrize("top", [10.0, 26.0])
+def test_loads_move_by_their_work_over_their_force_even_if_a_tip_is_close_to_them(top: float) -> None:
+    """Half of force times displacement is the energy. The tip at 26 mm enriches patches on the upper edge."""
+    flaw = f"cracks.flaw={{path: {{points: [[1, -5], [-2, {top}]]}}, contact: none}}"
+    case = load_case(CASES / "compression30.yaml", [*COARSE, flaw, "growth.steps=0"])
+    result = next(grow(case))
+    force = 2.0 * 100e6 * 31e-3  # N/m, on both edges
+    assert 0.5 * force * result.load_displacement == pytest.approx(result.energy.strain, rel=1e-9)
