@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -32,6 +33,12 @@ from crackgrow.solid.supports import constraints
 Floats = NDArray[np.float64]
 Support = PointSupport | EdgeSupport
 EDGES = ("bottom", "right", "top", "left")
+
+
+def pytest_configure() -> None:
+    """Ctrl-C reaches programs that tests start, also where a script has started the tests in the background."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
