@@ -57,10 +57,11 @@ def cautions(
     scene: Scene,
     solution: StepSolution,
     faces: tuple[CrackFaces, ...],
+    shares: list[float],
     step: int,
     told: frozenset[str] = frozenset(),
 ) -> tuple[str, ...]:
-    """What the user should know of this step.
+    """What the user should know of this step, whose faces overlap by the `shares` of `overlap_shares`.
 
     What holds for all steps is said at the first; of a tip without room for the integral of K, and of things that are
     close to each other, once: where it is not among the warnings already `told`.
@@ -69,7 +70,7 @@ def cautions(
     found = [*solution.outcome.notes, *solution.notes, *([slower] if slower else [])]
     if step == 0:
         found.extend(settings_cautions(scene, solution.cover, solution.faces.n))
-    found.extend(_overlapping(scene, faces, overlap_shares(scene, solution, faces)))
+    found.extend(_overlapping(scene, faces, shares))
     found.extend(contact_cautions(solution))
     close_by = (*_short_of_room(solution), *closeness_cautions(scene, solution.cover), *_kinks(solution))
     found.extend(text for text in close_by if text not in told)

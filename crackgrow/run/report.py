@@ -60,6 +60,7 @@ def step_result(
     outcome = solution.outcome
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
     contact, faces = _along_surfaces(solution, scene)
+    shares = overlap_shares(scene, solution, faces)
     error = estimated_error(solution) if step == 0 else None
     K = [tip.K for tip in solution.tips]
     make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error)
@@ -82,13 +83,13 @@ def step_result(
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         overlap=largest_overlap(scene, faces),
-        overlap_share=max(overlap_shares(scene, solution, faces), default=0.0),
+        overlap_share=max(shares, default=0.0),
         energy=solution.state.energy,
         load_displacement=_load_displacement(solution),
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
-        warnings=cautions(scene, solution, faces, step, told),
+        warnings=cautions(scene, solution, faces, shares, step, told),
         energy_error=error.relative if error else float("nan"),
     )
 
