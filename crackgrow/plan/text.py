@@ -5,6 +5,7 @@ from __future__ import annotations
 from crackgrow.case.model import Case
 from crackgrow.plan.cost import Cost, estimated_cost
 from crackgrow.plan.sizes import Sizes, sizes_of
+from crackgrow.results.log import counted
 from crackgrow.results.overview import overview
 
 LARGEST_SUPPORT = 3.0  # up to which the cost was measured
@@ -23,14 +24,14 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
     lines = [
         "model of step 0:",
         f"  {sizes.n_dofs} dofs: {standard} of {sizes.n_patches} physical patches"
-        + (f", {singular} of {sizes.n_singular} singular patches at {_count(sizes.n_tips, 'tip')}" if singular else "")
+        + (f", {singular} of {sizes.n_singular} singular patches at {counted(sizes.n_tips, 'tip')}" if singular else "")
         + f"; {sizes.n_elements} manifold elements",
-        f"  {_count(sizes.n_multipliers, 'multiplier')} for supports and bonds",
+        f"  {counted(sizes.n_multipliers, 'multiplier')} for supports and bonds",
     ]
     if sizes.n_contact:
         kind = "mortar nodes" if case.numerics.contact.discretization == "mortar" else "Gauss points"
         sides = "normal and tangential" if any(surface.rough for surface in sizes.surfaces) else "normal alone"
-        lines.append(f"  contact: {_count(sizes.n_tractions, 'traction')} at {sizes.n_contact} {kind}, {sides}")
+        lines.append(f"  contact: {counted(sizes.n_tractions, 'traction')} at {sizes.n_contact} {kind}, {sides}")
     else:
         lines.append("  contact: none")
     shown = sizes.surfaces[:SHOWN_SURFACES]
@@ -40,12 +41,12 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
             law = (
                 "with friction or cohesion" if surface.rough else "normal contact alone: neither friction nor cohesion"
             )
-            lines.append(f"    {surface.name}: {_count(surface.n_points, 'point')}, {law}")
+            lines.append(f"    {surface.name}: {counted(surface.n_points, 'point')}, {law}")
         else:
             lines.append(f"    {surface.name}: {reasons[surface.bonded]}")
     rest = sizes.surfaces[SHOWN_SURFACES:]
     if rest:
-        lines.append(f"    {len(rest)} more: {_count(sum(surface.n_points for surface in rest), 'point')}")
+        lines.append(f"    {len(rest)} more: {counted(sum(surface.n_points for surface in rest), 'point')}")
     return lines
 
 
@@ -72,7 +73,3 @@ def _seconds(value: float) -> str:
 
 def _memory(value: float) -> str:
     return f"{value:.0f} MiB" if value < 1000.0 else f"{value / 1024.0:.2g} GiB"
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"

@@ -25,6 +25,7 @@ from crackgrow.case.model import (
     LoadHistory,
     PointSupport,
 )
+from crackgrow.results.log import counted
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
 SHOWN_FACTORS: Final = 12  # of longer load histories the first ones are named, and the last
@@ -86,7 +87,7 @@ def _body_line(body: Body, scale: float, unit: str) -> str:
     if body.material.density is not None:
         material += f", density {body.material.density:g} kg/m^3"
     n_holes = len(body.rings) - 1
-    holes = f" with {_count(n_holes, 'hole')}" if n_holes else ""
+    holes = f" with {counted(n_holes, 'hole')}" if n_holes else ""
     strength = "no strength given" if body.strength is None else (
         f"tension {stress_text(body.strength.tension)}, cohesion {stress_text(body.strength.cohesion)}, "
         f"friction angle {body.strength.friction_angle:g} deg"
@@ -105,7 +106,7 @@ def _support_lines(case: Case) -> list[str]:
     n_edges = sum(isinstance(support, EdgeSupport) for support in case.supports)
     foundations = [support for support in case.supports if isinstance(support, ContactSupport)]
     return [
-        f"supports: {n_points} at points, {n_edges} on edges, {_count(len(foundations), 'rigid foundation')}",
+        f"supports: {n_points} at points, {n_edges} on edges, {counted(len(foundations), 'rigid foundation')}",
         *(f"foundation on edge {f.region.edge} of {f.region.body}: {_law(f.contact)}" for f in foundations),
     ]
 
@@ -122,7 +123,7 @@ def _loading(case: Case) -> str:
 def _loads(case: Case) -> str:
     """Say which loads there are, and which of them every load factor leaves as they are."""
     tractions = [load.held for load in case.loads if isinstance(load, EdgeTraction)]
-    words = [_count(len(tractions), "traction") + " on edges"] if tractions or not case.loads else []
+    words = [counted(len(tractions), "traction") + " on edges"] if tractions or not case.loads else []
     if any(tractions):
         words[0] += " (held)" if all(tractions) else f" ({sum(tractions)} held)"
     for load in case.loads:
@@ -148,17 +149,13 @@ def _law(contact: CoulombContact) -> str:
     return ", ".join(words)
 
 
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
-
-
 def _crack_lines(cracks: tuple[Crack, ...], scale: float, unit: str) -> list[str]:
     """One line for each of a few cracks; of many, a line for the rest under each law."""
     laws: dict[str, list[float]] = {}
     for crack in cracks[SHOWN_CRACKS:]:
         laws.setdefault(_crack_law(crack), []).append(_length(crack) * scale)
     return [_crack_line(crack, scale, unit) for crack in cracks[:SHOWN_CRACKS]] + [
-        f"{_count(len(lengths), 'more crack')}: length {min(lengths):g} to {max(lengths):g} {unit}; {law}"
+        f"{counted(len(lengths), 'more crack')}: length {min(lengths):g} to {max(lengths):g} {unit}; {law}"
         for law, lengths in laws.items()
     ]
 
@@ -179,7 +176,7 @@ def _length(crack: Crack) -> float:
 
 def _meetings(case: Case) -> str:
     n_places = len(meeting_places(case))
-    return f", meeting at {_count(n_places, 'place')}" if n_places else ""
+    return f", meeting at {counted(n_places, 'place')}" if n_places else ""
 
 
 def _growth_line(case: Case, scale: float, unit: str) -> str:
@@ -193,7 +190,7 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
     radius = f"tip radius {growth.tip_radius * scale:g} {unit} ({in_spacings})"
     if growth.steps == 0:
         return f"growth: none, {growth.criterion} is judged, {radius}"
-    steps = f"{_count(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
+    steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
     return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}, {radius}{memory}"
 
 

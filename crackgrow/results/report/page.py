@@ -10,6 +10,7 @@ from typing import Any
 from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import RunFolder, read_run
 from crackgrow.results.leftovers import REPORT
+from crackgrow.results.log import counted
 from crackgrow.results.report.charts import charts
 from crackgrow.results.report.checks import check_rows, estimate_rows, status_badge
 from crackgrow.results.report.markup import Markup, join, json_script, table, tag, text
@@ -96,7 +97,7 @@ def _header(run: RunFolder) -> Markup:
     facts = [
         f"crackgrow {summary['version']}{f' ({commit[:12]}{modified})' if commit else ''}",
         f"plane {run.case.plane}",
-        f"{summary['n_solves']} solved step{'' if summary['n_solves'] == 1 else 's'}",
+        counted(summary["n_solves"], "solved step"),
         f"{' to '.join(dict.fromkeys(str(n) for n in n_dofs.values()))} unknowns" if n_dofs else "nothing solved",
         f"{shown(summary['wall_seconds']['total'], 3)} s, {summary['peak_memory_mb']:.0f} MB",
     ]
