@@ -24,24 +24,21 @@ def write_any_character() -> None:
 
 def say(text: str, end: str = "\n") -> None:
     """Print at once; a reader that has gone away (`| head`) or a full or closed output doesn't end the run."""
-    try:
-        print(text, end=end, flush=True)
-    except (OSError, ValueError):
-        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
+    with contextlib.suppress(OutputError):
+        hand_out(text, end)
 
 
-def hand_out(text: str) -> None:
+def hand_out(text: str, end: str = "") -> None:
     """Print what a command is there to print; raises OutputError where it cannot be written, as on a full disk.
 
     A reader that has gone away has had what it wants.
     """
     try:
-        print(text, end="", flush=True)
-    except BrokenPipeError:
-        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
+        print(text, end=end, flush=True)
     except (OSError, ValueError) as error:
-        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115
-        raise OutputError(f"cannot write standard output: {getattr(error, 'strerror', None) or error}") from error
+        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
+        if not isinstance(error, BrokenPipeError):
+            raise OutputError(f"cannot write standard output: {getattr(error, 'strerror', None) or error}") from error
 
 
 def count(text: str) -> int:
