@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 
 from PIL import Image
 
 from crackgrow.case import load_case
+from crackgrow.errors import SolveError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
-from crackgrow.run.result import RunEnd
+from crackgrow.run.result import StepResult
+from crackgrow.study.one_run import write_run
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
 COARSE = ("numerics.spacing=4", "growth.steps=3", "output.frames=none", "output.figures=false")
@@ -22,18 +26,18 @@ def make_run(folder: Path, overrides: Sequence[str] = (), failing: str = "", cas
     scene = load_case(CASES / f"{case}.yaml", [*COARSE, *overrides])
     writer = RunWriter(scene, folder)
     writer.begin()
-    steps = grow(scene)
-    while True:
-        try:
-            result = next(steps)
-        except StopIteration as stop:
-            end: RunEnd = stop.value
-            writer.finish(end)
-            return folder
-        writer.add(result)
-        if failing and result.step == 1:
-            writer.fail(failing)
-            return folder
+    if failing:
+        with suppress(SolveError):
+            write_run(writer, broken_off(grow(scene), failing))
+    else:
+        write_run(writer, grow(scene))
+    return folder
+
+
+def broken_off(steps: Iterator[StepResult], reason: str) -> Iterator[StepResult]:
+    """The first two steps, then the failure."""
+    yield from islice(steps, 2)
+    raise SolveError(reason)
 
 
 def paint(folder: Path, steps: Sequence[int], size: tuple[int, int] = (60, 90)) -> None:
