@@ -1,6 +1,5 @@
-"""Contact discretizations of the cover's surfaces: mortar nodes, or the paper's Gauss points.
+"""Contact points of the cover's surfaces: integration points along them, and contact points k with functions N_k.
 
-Both are the same data: integration points along the surfaces, and contact points k with functions N_k on them.
 Tractions are p(s) = sum N_k(s) p_k; gap and slip of a contact point are averages of the jump weighted with N_k.
 """
 
@@ -8,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,12 +27,6 @@ SHORTEST_STRETCH = 0.1
 """Spacings: kinks leave no shorter stretch. A contact point of its own would say what its neighbours say already, and
 its traction could be anything: behind a kink of 30 degrees at 1e-3 spacings 4000 times the pressure, and K_I 100 times
 K_II. From here on its K_I is no worse than without."""
-
-TIE = 1e-6
-"""A stretch that lacks this part of one more pair of pieces gets it all the same: rounding never decides."""
-
-JOINT_PIECE = 0.5
-"""Length of the constant piece at a junction over the distance of the nodes: there, unlike at a tip, the faces move."""
 
 POINTS_PER_EDGE = 8
 """Gauss points between two neighbouring mortar nodes, lattice crossings or kinks."""
@@ -108,17 +100,6 @@ def stretch_ends(surface: Surface) -> Floats:
         ends = np.delete(ends, first + np.argmin(turns[ends[first : first + 2]]))
 
 
-def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
-    """Mortar nodes at least `spacing` (lattice spacings) apart along each stretch of the surfaces `touching` (indices).
-
-    One node lies on every end of the surface that lies on a rim, and one in the middle of each stretch between tips,
-    sharp kinks and rims. There, and at junctions, the end pieces are constant: no node lies there. At junctions of
-    cracks they are half as long.
-    """
-    ends = {surface: stretch_ends(cover.surfaces[surface]) for surface in touching}
-    return _joined(cover, ends, [_mortar_on_surface(cover, surface, spacing, ends[surface]) for surface in touching])
-
-
 def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
     """The paper's contact points: Gauss points on ten parts of each straight stretch of surfaces `touching`."""
     parts = []
@@ -135,7 +116,7 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
         functions = csr_array((np.ones(n), np.arange(n), np.arange(n + 1)), shape=(n, n))
         stretch = np.searchsorted(ends[surface][1:-1], s, side="right")
         parts.append((points_at(cover, surface, s), (size[:, None] * w).ravel(), functions, s, stretch))
-    return _joined(cover, ends, parts)
+    return joined_faces(cover, ends, parts)
 
 
 def face_vertices(cover: Cover, surface: int) -> FacePoints:
@@ -145,41 +126,7 @@ def face_vertices(cover: Cover, surface: int) -> FacePoints:
     return _on_edges(cover, surface, owner, edges.s.ravel())
 
 
-_Part = tuple[FacePoints, Floats, csr_array, Floats, Ints]  # integration points, lengths, N_k, s and stretch of nodes
-
-
-def _mortar_on_surface(cover: Cover, index: int, spacing: float, ends: Floats) -> _Part:
-    surface = cover.surfaces[index]
-    on_rim = (
-        not (surface.tip_at_start or surface.junctions[0]),
-        not (surface.tip_at_end or surface.junctions[-1]),
-    )
-    at_junction = np.isin(ends, arc_lengths(surface.points)[surface.junctions]) & (index < len(cover.cracks))
-    nodes, stretch = [], []
-    for number, (start, end) in enumerate(pairwise(ends.tolist())):
-        rim = (on_rim[0] and number == 0, on_rim[1] and number == len(ends) - 2)
-        joint = at_junction[number : number + 2]
-        if joint.any():
-            free = np.where(rim, 0.0, np.where(joint, JOINT_PIECE, 1.0))  # end pieces over the distance of the nodes
-            n_nodes = max(int((end - start) / spacing + TIE - free.sum()) + 1, 1)
-            size = (end - start) / (n_nodes - 1 + free.sum())
-            places = start + size * (free[0] + np.arange(n_nodes))
-        else:
-            n_pairs = int((end - start) / (2.0 * spacing) + TIE)  # never closer than `spacing`: see `numerics.contact`
-            n_pieces = 2 * max(n_pairs, 1)  # even: one node in the middle
-            first, last = (0 if rim[0] else 1), (n_pieces if rim[1] else n_pieces - 1)
-            places = start + (end - start) * np.arange(first, last + 1) / n_pieces
-        nodes.append(places)
-        stretch.append(np.full(len(places), number))
-    all_nodes, all_stretch = np.concatenate(nodes), np.concatenate(stretch)
-    points, lengths = integration_points(cover, index, np.concatenate([ends[1:-1], all_nodes]))
-    stretch_of_point = np.searchsorted(ends[1:-1], points.s, side="right")
-    left, right, share = neighbours(all_nodes, all_stretch, points.s, stretch_of_point)
-    there, between = np.arange(len(points.s)), share > 0.0
-    rows, columns = np.concatenate([left, right[between]]), np.concatenate([there, there[between]])
-    values = np.concatenate([1.0 - share, share[between]])
-    functions = csr_array((values, (rows, columns)), shape=(len(all_nodes), len(points.s)))
-    return points, lengths, functions, all_nodes, all_stretch
+Part = tuple[FacePoints, Floats, csr_array, Floats, Ints]  # integration points, lengths, N_k, s and stretch of nodes
 
 
 def neighbours(nodes: Floats, stretch: Ints, s: Floats, stretch_of: Ints) -> tuple[Ints, Ints, Floats]:
@@ -235,7 +182,7 @@ def _on_edges(cover: Cover, surface: int, owner: Ints, s: Floats) -> FacePoints:
     )
 
 
-def _joined(cover: Cover, ends: dict[int, Floats], parts: list[_Part]) -> ContactFaces:
+def joined_faces(cover: Cover, ends: dict[int, Floats], parts: list[Part]) -> ContactFaces:
     """All surfaces' contact points as one set."""
     if not parts:
         return _NO_FACES

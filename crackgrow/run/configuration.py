@@ -14,10 +14,11 @@ from scipy.sparse import csr_array, vstack
 
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.face_loads import face_load_vector
-from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
+from crackgrow.contact.faces import ContactFaces, gauss_faces
 from crackgrow.contact.hold import solve_contact_of_pieces
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.law import ContactLaw, ContactMemory
+from crackgrow.contact.mortar import mortar_faces
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover, build_cover

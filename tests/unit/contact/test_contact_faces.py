@@ -10,10 +10,10 @@ from crackgrow.contact.faces import (
     FacePoints,
     face_vertices,
     gauss_faces,
-    mortar_faces,
     points_at,
     stretch_ends,
 )
+from crackgrow.contact.mortar import mortar_faces
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.polyline import arc_lengths
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.contact.faces import gauss_faces, mortar_faces, points_at
+from crackgrow.contact.faces import gauss_faces, points_at
 from crackgrow.contact.jump import contact_operators, gap_and_slip, jump_matrix
+from crackgrow.contact.mortar import mortar_faces
 from crackgrow.geometry.polyline import arc_lengths
 
 EXACT = 1e-10

@@ -13,9 +13,10 @@ import crackgrow.contact.condensed as module
 from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactSolution
-from crackgrow.contact.faces import ContactFaces, mortar_faces
+from crackgrow.contact.faces import ContactFaces
 from crackgrow.contact.jump import contact_operators, gap_and_slip
 from crackgrow.contact.law import ContactLaw
+from crackgrow.contact.mortar import mortar_faces
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
