@@ -1,4 +1,13 @@
-"""Mortar nodes: contact points about a spacing apart, for averages over the faces weighted with hat functions."""
+"""Mortar nodes: contact points about a spacing apart, for averages over the faces weighted with functions N_k.
+
+Along a stretch of length L the nodes are equally far apart, d, with a constant piece f_0 d and f_1 d long at its ends:
+
+    n = floor(L / d_min - f_0 - f_1) + 1,    d = L / (n - 1 + f_0 + f_1).
+
+The functions are hats. Only between a rim and the node next to it they are the biorthogonal pair 2 - 3 x and 3 x - 1
+(x from 0 to 1 along the piece; Wohlmuth 2000, SIAM J. Numer. Anal. 38, 989-1012): the force of the node on the rim then
+acts at the rim, and a block topples when its weight passes over its edge. Of a hat it would act a third of d inside.
+"""
 
 from __future__ import annotations
 
@@ -20,56 +29,93 @@ from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 TIE = 1e-6
-"""A stretch that lacks this part of one more pair of pieces gets it all the same: rounding never decides."""
+"""What a length may lack, in spacings or pieces, and counts all the same: rounding never decides."""
 
-JOINT_PIECE = 0.5
-"""Length of the constant piece at a junction over the distance of the nodes: there, unlike at a tip, the faces move."""
+RIM, KINK, JUNCTION, TIP, BARE_KINK = range(5)
+"""What a stretch can end at: a bare kink is one without a node."""
+
+END_PIECE = np.array([0.0, 0.0, 0.5, 1.0, 1.0])
+"""Length of the constant piece over the distance of the nodes; at junctions of cracks, unlike at tips, faces move."""
+
+KINK_ROOM = 2.0
+"""Spacings: a stretch has a node on its kink with a neighbour that is at least this long.
+
+Closed faces on both sides of a kink can hardly move there: without the node K_I of a closed wing of 2 to 5 spacings is
+off by 30 to 40 % of the flaw's K, with it by 2 to 10 %. Next to a shorter wing that opens, the node would keep the flaw
+closed farther than the lattice can follow: K_II of a wing of half a spacing would be off by 6 % instead of 0.2 %.
+"""
+
+FEW_NODES = 5
+"""So many nodes a stretch has if they are not too close for that, for the pressure may vary along it.
+
+Not so one that ends on a kink without a node, where the lattice does not follow the faces.
+"""
+
+CLOSEST = 0.55
+"""They are too close below this part of the distance that is asked for: then tractions say nothing for themselves."""
+
+THREE_NODES = 1.0
+"""Spacings: from here on a stretch with a node on a kink has three, however close. Shorter ones are not resolved."""
 
 
 def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
     """Mortar nodes at least `spacing` (lattice spacings) apart along each stretch of the surfaces `touching` (indices).
 
-    One node lies on every end of the surface that lies on a rim, and one in the middle of each stretch between tips,
-    sharp kinks and rims. There, and at junctions, the end pieces are constant: no node lies there. At junctions of
-    cracks they are half as long.
+    A node lies on every end of a surface that lies on a rim, and on kinks between stretches that are long enough. At
+    tips and junctions, and at other kinks, the end pieces are constant: no node lies there. Short stretches have closer
+    nodes where they would have less than `FEW_NODES`.
     """
     ends = {surface: stretch_ends(cover.surfaces[surface]) for surface in touching}
-    return joined_faces(
-        cover, ends, [_mortar_on_surface(cover, surface, spacing, ends[surface]) for surface in touching]
-    )
+    return joined_faces(cover, ends, [_on_surface(cover, index, spacing, ends[index]) for index in touching])
 
 
-def _mortar_on_surface(cover: Cover, index: int, spacing: float, ends: Floats) -> Part:
-    surface = cover.surfaces[index]
-    on_rim = (
-        not (surface.tip_at_start or surface.junctions[0]),
-        not (surface.tip_at_end or surface.junctions[-1]),
-    )
-    at_junction = np.isin(ends, arc_lengths(surface.points)[surface.junctions]) & (index < len(cover.cracks))
-    nodes, stretch = [], []
-    for number, (start, end) in enumerate(pairwise(ends.tolist())):
-        rim = (on_rim[0] and number == 0, on_rim[1] and number == len(ends) - 2)
-        joint = at_junction[number : number + 2]
-        if joint.any():
-            free = np.where(rim, 0.0, np.where(joint, JOINT_PIECE, 1.0))  # end pieces over the distance of the nodes
-            n_nodes = max(int((end - start) / spacing + TIE - free.sum()) + 1, 1)
-            size = (end - start) / (n_nodes - 1 + free.sum())
-            places = start + size * (free[0] + np.arange(n_nodes))
-        else:
-            n_pairs = int((end - start) / (2.0 * spacing) + TIE)  # never closer than `spacing`: see `numerics.contact`
-            n_pieces = 2 * max(n_pairs, 1)  # even: one node in the middle
-            first, last = (0 if rim[0] else 1), (n_pieces if rim[1] else n_pieces - 1)
-            places = start + (end - start) * np.arange(first, last + 1) / n_pieces
-        nodes.append(places)
-        stretch.append(np.full(len(places), number))
-    all_nodes, all_stretch = np.concatenate(nodes), np.concatenate(stretch)
-    points, lengths = integration_points(cover, index, np.concatenate([ends[1:-1], all_nodes]))
+def _on_surface(cover: Cover, index: int, spacing: float, ends: Floats) -> Part:
+    """Integration points, lengths, functions, and arc lengths and stretches of the nodes of one surface."""
+    kinds = _kinds(cover, index, ends)
+    nodes = [_places(*limits, spacing, kinds[number]) for number, limits in enumerate(pairwise(ends.tolist()))]
+    stretch = np.repeat(np.arange(len(nodes)), [len(places) for places in nodes])
+    s = np.concatenate(nodes)
+    points, lengths = integration_points(cover, index, np.concatenate([ends[1:-1], s]))
     stretch_of_point = np.searchsorted(ends[1:-1], points.s, side="right")
-    left, right, share = neighbours(all_nodes, all_stretch, points.s, stretch_of_point)
-    there, between = np.arange(len(points.s)), share > 0.0
+    left, right, x = neighbours(s, stretch, points.s, stretch_of_point)
+    first, last = (np.searchsorted(stretch, stretch_of_point, side=side) for side in ("left", "right"))
+    on_rim = (kinds == RIM)[stretch_of_point]
+    between = left != right
+    beside_rim = between & ((on_rim[:, 0] & (left == first)) | (on_rim[:, 1] & (right == last - 1)))
+    x = np.where(beside_rim, 3.0 * x - 1.0, x)
+    there = np.arange(len(points.s))
     rows, columns = np.concatenate([left, right[between]]), np.concatenate([there, there[between]])
-    values = np.concatenate([1.0 - share, share[between]])
-    functions = csr_array((values, (rows, columns)), shape=(len(all_nodes), len(points.s)))
-    return points, lengths, functions, all_nodes, all_stretch
+    values = np.concatenate([1.0 - x, x[between]])
+    return points, lengths, csr_array((values, (rows, columns)), shape=(len(s), len(points.s))), s, stretch
+
+
+def _kinds(cover: Cover, index: int, ends: Floats) -> Ints:
+    """What both ends (m, 2) of each of the m stretches of a surface are."""
+    surface, m = cover.surfaces[index], len(ends) - 1
+    kind = np.full(m + 1, KINK)
+    kind[[0, -1]] = [TIP if at_tip else RIM for at_tip in (surface.tip_at_start, surface.tip_at_end)]
+    at_junction = np.isin(ends, arc_lengths(surface.points)[surface.junctions])
+    kind[at_junction] = JUNCTION if index < len(cover.cracks) else TIP
+    of_stretch = kind[np.arange(m)[:, None] + np.arange(2)]
+    neighbour = np.concatenate([[np.inf], np.diff(ends), [np.inf]])[np.arange(m)[:, None] + np.array([0, 2])]
+    return np.where((of_stretch == KINK) & (neighbour < KINK_ROOM - TIE), BARE_KINK, of_stretch)
+
+
+def _places(start: float, end: float, spacing: float, kinds: Ints) -> Floats:
+    """Arc lengths of the nodes of a stretch between two ends of these kinds (2,)."""
+    free, on_kink = END_PIECE[kinds], KINK in kinds
+
+    def most(distance: float) -> int:
+        return int((end - start) / distance + TIE - free.sum()) + 1
+
+    n = max(most(spacing), 1)
+    if BARE_KINK not in kinds:
+        n = max(n, min(FEW_NODES, most(CLOSEST * spacing)))
+    if (on_kink and end - start >= THREE_NODES - TIE) or not free.any():
+        n = max(n, 3)
+    if n == 1:
+        return np.array([start + (end - start) * (0.5 if on_kink else free[0] / free.sum())])
+    return np.asarray(start + (end - start) * (free[0] + np.arange(n)) / (n - 1 + free.sum()))

@@ -23,6 +23,7 @@ SUBJECTS = (
     "interface",
     "block",
     "closed_crack",
+    "closed_kink",
     "history",
     "wide_plate",
     "open_crack",

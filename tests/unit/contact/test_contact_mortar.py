@@ -1,0 +1,156 @@
+"""Mortar nodes: how many, where, their functions and weights."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crackgrow.contact.faces import ContactFaces, stretch_ends
+from crackgrow.contact.mortar import CLOSEST, FEW_NODES, mortar_faces
+
+ROUND_OFF = 1e-8
+"""In spacings: vertices lie on a grid of 1e-9 spacings, so that lengths are exact to a few of those."""
+
+LENGTH = 10.0
+
+
+def tilted(length: float, angle_deg: float) -> np.ndarray:
+    a = np.deg2rad(angle_deg)
+    half = 0.5 * length * np.array([np.cos(a), np.sin(a)])
+    return np.array([-half, half])
+
+
+def bent(lengths: list[float], kink_deg: float) -> np.ndarray:
+    """Segments of these lengths, each turned by `kink_deg` from the one before."""
+    a = np.deg2rad(10.0 + kink_deg * np.arange(len(lengths)))
+    steps = np.array(lengths)[:, None] * np.stack([np.cos(a), np.sin(a)], axis=1)
+    points = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    return points - 0.5 * points[-1] + np.array([0.21, 0.33])
+
+
+def plate(build, *paths, spacing: float = 1.0):
+    cracks = [build.crack(path, name=str(k)) for k, path in enumerate(paths)]
+    return build.sample((-15.5, -27.5), (15.5, 27.5), cracks, spacing=spacing, support=2.0)
+
+
+def shape_sum(faces: ContactFaces) -> np.ndarray:
+    return np.asarray(faces.functions.sum(axis=0)).ravel()
+
+
+def centroids(faces: ContactFaces) -> np.ndarray:
+    """Arc lengths at which uniform tractions of the nodes act."""
+    return faces.functions @ (faces.lengths * faces.points.s) / faces.weights
+
+
+@pytest.mark.parametrize(("spacing", "n"), [(3.0, 5), (1.5, 5), (1.0, 9), (0.5, 19)])
+@pytest.mark.parametrize("angle", [0.0, 30.0, -75.0])
+def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> None:
+    path = tilted(LENGTH, angle)
+    sample = plate(build, path, spacing=spacing)
+    faces = mortar_faces(sample.cover, [0], 1.0)
+    assert faces.n == n
+    share = np.arange(1, n + 1) / (n + 1)  # evenly spread, none on a tip
+    np.testing.assert_allclose(faces.s * spacing, LENGTH * share, atol=ROUND_OFF)
+    expected = path[0] + share[:, None] * (path[1] - path[0])
+    np.testing.assert_allclose(sample.lattice.to_metres(faces.nodes.points), expected, atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize(("distance", "n"), [(0.5, 19), (1.0, 9), (2.0, 5), (4.0, 3), (8.0, 1)])
+def test_the_distance_of_the_nodes_is_a_setting(build, distance: float, n: int) -> None:
+    assert mortar_faces(plate(build, tilted(LENGTH, 30.0)).cover, [0], distance).n == n
+
+
+def test_weights_of_hats_with_constant_end_pieces(build) -> None:
+    faces = mortar_faces(plate(build, tilted(LENGTH, 30.0)).cover, [0], 1.0)
+    np.testing.assert_allclose(faces.weights, [1.5, *[1.0] * 7, 1.5], atol=ROUND_OFF)  # ten pieces of length 1
+
+
+@pytest.mark.parametrize("kink", [0.0, 6.0, 48.0])
+def test_functions_interpolate_linearly_between_nodes_and_stay_constant_beyond(build, kink: float) -> None:
+    cover = plate(build, bent([4.3, 5.1, 3.2], kink)).cover
+    faces = mortar_faces(cover, [0], 1.0)
+    ends = stretch_ends(cover.surfaces[0])
+    assert len(ends) == (4 if kink > 10.0 else 2)
+    stretch = np.searchsorted(ends[1:-1], faces.points.s, side="right")
+    first = np.array([faces.s[faces.stretch == k].min() for k in range(len(ends) - 1)])
+    last = np.array([faces.s[faces.stretch == k].max() for k in range(len(ends) - 1)])
+    expected = np.clip(faces.points.s, first[stretch], last[stretch])
+    np.testing.assert_allclose(faces.functions.T @ faces.s, expected, atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize(("kink", "n_stretches"), [(5.0, 1), (-9.5, 1), (10.5, 2), (-25.0, 2), (70.0, 2)])
+def test_sharp_kinks_split_stretches_and_gentle_ones_do_not(build, kink: float, n_stretches: int) -> None:
+    cover = plate(build, bent([4.0, 3.2], kink)).cover
+    faces = mortar_faces(cover, [0], 1.0)
+    assert len(stretch_ends(cover.surfaces[0])) == n_stretches + 1
+    assert set(faces.stretch.tolist()) == set(range(n_stretches))
+    before, after = faces.points.s < 4.0, faces.points.s > 4.0
+    reach = faces.functions.toarray() != 0.0
+    round_the_kink = reach[:, before].any(axis=1) & reach[:, after].any(axis=1)
+    # a gentle kink lies between two nodes, whose hats reach to both sides
+    assert round_the_kink.sum() == {1: 2, 2: 0}[n_stretches]
+
+
+def test_a_kink_between_long_stretches_has_a_node_on_each_side(build) -> None:
+    faces = mortar_faces(plate(build, bent([6.0, 2.4, 7.0], 40.0)).cover, [0], 1.25)
+    np.testing.assert_allclose(np.sort(faces.s[np.isclose(faces.s, 6.0)]), [6.0, 6.0], atol=ROUND_OFF)
+    np.testing.assert_allclose(np.sort(faces.s[np.isclose(faces.s, 8.4)]), [8.4, 8.4], atol=ROUND_OFF)
+    assert np.bincount(faces.stretch).tolist() == [5, 4, 5]
+
+
+@pytest.mark.parametrize("length", [1.0, 1.4, 1.9])
+def test_next_to_a_short_stretch_a_kink_has_a_node_on_the_other_side_alone(build, length: float) -> None:
+    """A wing that opens would be held closed by a node on the flaw; one that is closed needs its own."""
+    faces = mortar_faces(plate(build, bent([6.0, length], 60.0)).cover, [0], 1.25)
+    on_kink = np.isclose(faces.s, 6.0, rtol=0.0, atol=1e-6)
+    assert faces.stretch[on_kink].tolist() == [1]
+    assert np.count_nonzero(faces.stretch == 1) == 3
+    assert np.diff(faces.s[faces.stretch == 0]).min() >= 1.25 * (1.0 - 1e-6)
+
+
+@pytest.mark.parametrize("length", [0.3, 0.7])
+def test_a_stretch_shorter_than_a_spacing_has_one_node_in_its_middle(build, length: float) -> None:
+    faces = mortar_faces(plate(build, bent([5.0, length], 60.0)).cover, [0], 1.0)
+    short = faces.s[faces.stretch == 1]
+    assert short == pytest.approx([5.0 + 0.5 * length], abs=ROUND_OFF)
+    assert faces.weights[faces.stretch == 1] == pytest.approx([length], abs=ROUND_OFF)
+
+
+@pytest.mark.parametrize("distance", [1.0, 1.25, 1.5])
+@pytest.mark.parametrize("length", np.linspace(2.0, 12.0, 11))
+def test_nodes_are_closer_than_asked_only_where_they_are_few(build, length: float, distance: float) -> None:
+    """Closer nodes carry tractions that the displacement cannot follow: they oscillate."""
+    s = mortar_faces(plate(build, tilted(length, 30.0)).cover, [0], distance).s
+    least = distance if len(s) > FEW_NODES else CLOSEST * distance
+    assert np.diff(s).min(initial=np.inf) > least * (1.0 - 1e-5)
+
+
+def test_the_force_of_a_node_on_a_rim_acts_at_the_rim(build) -> None:
+    """The moment of the pressure is kept: a hat there would act a third of a piece inside of the body."""
+    through = build.crack([(-15.5, 3.3), (15.5, 3.3)], (False, False))  # from side to side
+    sample = build.sample((-15.5, -27.5), (15.5, 27.5), [through], spacing=1.0, support=2.0)
+    faces = mortar_faces(sample.cover, [0], 31.0 / 14.0)
+    np.testing.assert_allclose(faces.weights, np.array([0.5, *[1.0] * 13, 0.5]) * 31.0 / 14.0, atol=ROUND_OFF)
+    np.testing.assert_allclose(centroids(faces)[[0, -1]], [0.0, 31.0], atol=1e-7)
+    np.testing.assert_allclose(shape_sum(faces), 1.0, rtol=1e-13)
+
+
+def test_nodes_next_to_a_junction_leave_half_a_piece_free(build) -> None:
+    """X with arms of 10 spacings: a whole piece free at the tips, half a one at the junction."""
+    cross = [(-6.0, -8.0), (6.0, 8.0)], [(-6.0, 8.0), (6.0, -8.0)]
+    faces = mortar_faces(plate(build, *cross).cover, [0, 1], 1.25)
+    size = 10.0 / 7.5  # seven nodes on every arm: 8 would be closer than 1.25
+    arm = size * np.arange(1.0, 8.0)
+    np.testing.assert_allclose(faces.s, np.tile(np.concatenate([arm, 20.0 - arm[::-1]]), 2), atol=ROUND_OFF)
+    np.testing.assert_array_equal(faces.stretch, np.tile(np.repeat([0, 1], 7), 2))
+    ends = size * np.array([1.5, *[1.0] * 12, 1.5])
+    np.testing.assert_allclose(faces.weights, np.tile(ends, 2), atol=ROUND_OFF)
+    np.testing.assert_allclose(shape_sum(faces), 1.0, rtol=1e-14)
+
+
+@pytest.mark.parametrize("length", [0.3, 1.2])
+def test_short_branch_has_one_node(build, length: float) -> None:
+    branch = [(0.0, 0.0), (0.6 * length, 0.8 * length)]
+    faces = mortar_faces(plate(build, [(-6.0, -2.0), (6.0, 2.0)], branch).cover, [1], 1.25)
+    np.testing.assert_allclose(faces.s, [length / 3.0], atol=1e-6)
+    np.testing.assert_allclose(faces.weights, [length], atol=1e-6)

@@ -1,0 +1,79 @@
+"""Cracks that stay closed: behind kinks K is right from two spacings on, and what sticks everywhere does not grow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from tests.verification.rows.closed_kink import K_FLAW, K_of, error, kinked
+from tests.verification.solutions import solve_case
+from tests.whole_run import whole_run
+
+STUCK = """
+title: flaw that sticks everywhere under a pressure that varies along it, K_I = K_II = 0
+units: {length: mm, stress: MPa}
+plane: strain
+bodies:
+  rock:
+    shape: {rectangle: {center: [0, 0], width: 60, height: 60}}
+    material: {young: 10000, poisson: 0.25}
+    strength: {tension: 2, cohesion: 60, friction_angle: 40}
+cracks:
+  flaw:
+    path: {center: [0.3, 0.4], length: 15, angle: 20}
+    contact: {friction: 1, cohesion: 0}
+supports:
+  - {on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}
+  - {on: {body: rock, edge: top}, displacement: {y: "-0.6+0.018*x"}}
+growth: {steps: 4, increment: 3, advance: all, criterion: max_hoop_stress, tip_stress: {radius: 1.6}}
+numerics: {spacing: 3}
+output: {frames: none, figures: false, report: false}
+"""
+
+
+@pytest.mark.parametrize(("spacings", "most"), [(2.0, 0.1), (2.6, 0.1), (3.4, 0.05), (5.0, 0.02), (6.0, 0.02)])
+@pytest.mark.parametrize("turn", [30.0, 45.0, 60.0])
+def test_K_behind_a_closed_kink(turn: float, spacings: float, most: float) -> None:
+    """One contact point a wing left K_I at 30 to 40 % of the flaw's K, whatever the spacing."""
+    assert error(turn, spacings) < most
+
+
+@pytest.mark.parametrize("turn", [-40.0, 18.0, 75.0, 120.0])
+def test_K_behind_other_closed_kinks_does_not_depend_on_the_spacing(turn: float) -> None:
+    coarse, fine = (np.array(K_of(turn, spacings)) for spacings in (3.0, 8.0))
+    assert np.abs(coarse - fine).max() < 0.06 * K_FLAW
+    assert np.abs(fine[0]) < 0.02 * K_FLAW  # K_I = 0, as the wing is closed
+
+
+def test_both_faces_of_a_closed_kink_stay_where_they_are() -> None:
+    """Two normals meet there: neither an opening nor a slip is possible."""
+    solved = kinked(45.0, 8.0)
+    contact = solved.result.contact
+    at_kink = np.flatnonzero(np.isclose(contact.s, contact.s[contact.s >= 10e-3 - 1e-8].min(), atol=1e-9))
+    assert len(at_kink) == 2
+    moved = np.hypot(contact.opening, contact.slip)
+    assert moved[at_kink].max() < 0.25 * moved.max()
+
+
+@pytest.mark.parametrize("spacing", [3.0, 2.0])
+def test_a_flaw_that_sticks_everywhere_does_not_grow(tmp_path, spacing: float) -> None:
+    path = tmp_path / "stuck.yaml"
+    path.write_text(STUCK, encoding="utf-8")
+    results, end = whole_run(load_case(path, [f"numerics.spacing={spacing}"]))
+    assert end.status == "arrested"
+    assert len(results) == 1
+    assert {"stick"} == set(results[0].contact.state)
+
+
+def test_K_of_a_flaw_that_sticks_everywhere_falls_with_the_spacing(tmp_path) -> None:
+    """Contact holds on average along the faces: what is left of K is zero in the limit."""
+    path = tmp_path / "stuck.yaml"
+    path.write_text(STUCK, encoding="utf-8")
+    K = [
+        max(np.hypot(tip.K_I, tip.K_II) for tip in solve_case(load_case(path, [f"numerics.spacing={h}"])).result.tips)
+        for h in (3.0, 1.5, 1.0)
+    ]
+    assert K[1] < 0.7 * K[0]
+    assert K[2] < 0.7 * K[1]
+    assert K[2] < 0.005 * 97e6 * np.sqrt(np.pi * 7.5e-3)  # of the open crack under the mean pressure
