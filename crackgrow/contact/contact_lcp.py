@@ -63,23 +63,35 @@ def _contact_lcp(problem: ContactProblem) -> _ContactLcp:
     """The LCP v = M lambda + q of (17), v = -f, in the form M = m_c' A^-1 m_g, q = -C - m_c' A^-1 free.
 
     Per point lambda = (slip +, slip -, opening) and, with c the cohesion,
-    f = (p_t + friction p_n - c, -p_t + friction p_n - c, p_n); blocks of n rows in this order. The covering vector
+    f = (p_t + friction p_n - c, -p_t + friction p_n - c, p_n); blocks of n rows in this order. Slip opens by dilation,
+    back towards where the faces have come from it closes: as long as it does not pass that place. The covering vector
     has d_t >= friction d_n: with ones Lemke ends in a ray for most problems with friction above one.
     """
     n = problem.n_points
     inverse = _inverse(problem.compliance)
-    stuck = inverse @ problem.free  # tractions with every point closed and sticking
-    root = np.sqrt(np.abs(inverse.diagonal()))
     if problem.friction is None or problem.cohesion is None:
-        return _scaled(inverse, -stuck, root, root)
+        root = np.sqrt(np.abs(inverse.diagonal()))
+        return _scaled(inverse, -inverse @ problem.free, root, root)
+    opened, per_slip = _dilation(problem)
+    stuck = inverse @ (problem.free - np.append(opened, np.zeros(n)))  # tractions with every point closed and sticking
+    root = np.sqrt(np.abs(inverse.diagonal()))
     cross = problem.friction[:, None] * inverse[:n]
     rows = np.vstack([inverse[n:] + cross, cross - inverse[n:], inverse[:n]])  # m_c' A^-1
-    M = np.hstack([rows[:, n:], -rows[:, n:], rows[:, :n]])
+    M = np.hstack([rows[:, n:] + rows[:, :n] * per_slip[0], rows[:, :n] * per_slip[1] - rows[:, n:], rows[:, :n]])
     limit = problem.cohesion - problem.friction * stuck[:n]
     q = np.concatenate([limit - stuck[n:], limit + stuck[n:], -stuck[:n]])
     root_n, root_t = root[:n], root[n:]
     d_t = (1.0 + problem.friction) * np.maximum(root_n, root_t)
     return _scaled(M, q, np.concatenate([d_t, d_t, root_n]), np.concatenate([root_t, root_t, root_n]))
+
+
+def _dilation(problem: ContactProblem) -> tuple[Floats, tuple[Floats, Floats]]:
+    """What dilation has opened before (n,) m, and what it opens (n,) per slip + and per slip - from there on."""
+    assert problem.dilation is not None
+    assert problem.slipped is not None
+    before = problem.slipped
+    senses = (np.where(before < 0.0, -1.0, 1.0), np.where(before > 0.0, -1.0, 1.0))
+    return problem.dilation * np.abs(before), (problem.dilation * senses[0], problem.dilation * senses[1])
 
 
 def _inverse(A: Floats) -> Floats:
@@ -111,4 +123,6 @@ def _tractions(problem: ContactProblem, slip_opening: Floats, v: Floats) -> tupl
     if problem.friction is None:
         return -v, slip_opening
     p = np.concatenate([-v[2 * n :], (v[n : 2 * n] - v[:n]) / 2.0])
-    return p, np.concatenate([slip_opening[2 * n :], slip_opening[:n] - slip_opening[n : 2 * n]])
+    opened, per_slip = _dilation(problem)
+    forward, backward, gap = slip_opening.reshape(3, n)
+    return p, np.concatenate([gap + opened + per_slip[0] * forward + per_slip[1] * backward, forward - backward])

@@ -10,6 +10,11 @@ and every point satisfies (Li, Zheng, Guo 2017, equations (4) to (6), in total s
     gap = du_n >= 0,   p_n <= 0,   gap p_n = 0,
     |p_t| <= b = cohesion - friction p_n,   du_t = 0 where |p_t| < b, else du_t has the sign of p_t.
 
+Faces that dilate are pushed apart by slip (Li, Zheng, Guo 2017, m_g with tan psi): with s0 the slip that `free` does not
+count, from earlier increments, and d = tan(psi)
+
+    gap = du_n - d |s0 + du_t|.
+
 The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a point passes
 a cohesion of zero where the bond is lost; an open point then carries no shear. The semismooth Newton and Lemke
 solvers (`newton`, `lemke`) both solve exactly this problem.
@@ -48,11 +53,13 @@ class ContactProblem:
     free: Floats  # (m,) m: gap and slip without contact traction
     friction: Floats | None = None  # (n,) coefficient, or None where there are no tangential rows
     cohesion: Floats | None = None  # (n,) Pa, None for zero; without meaning where friction is None
-    scale: Floats | None = None  # (m,) m/Pa: compliance that weighs jumps against tractions, None for the diagonal
+    dilation: Floats | None = None  # (n,) tangent of the dilation angle, None for zero; only with friction
+    slipped: Floats | None = None  # (n,) m: slip s0 of earlier increments, None for zero
+    scale: Floats = field(init=False, repr=False)  # (m,) m/Pa: the diagonal, which weighs jumps against tractions
     reach: Floats = field(init=False, repr=False)  # (m,) m/Pa: sum of every row's absolute values
 
     def __post_init__(self) -> None:
-        for name in ("compliance", "free", "friction", "cohesion"):
+        for name in ("compliance", "free", "friction", "cohesion", "dilation", "slipped"):
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, _read_only(name, value))
@@ -61,11 +68,12 @@ class ContactProblem:
         _check_shape("free", self.free, (n_points if self.friction is None else 2 * n_points,))
         _check_shape("compliance", self.compliance, (n_rows, n_rows))
         if self.friction is not None:
-            if self.cohesion is None:
-                object.__setattr__(self, "cohesion", _read_only("cohesion", np.zeros(n_points)))
-            for name in ("friction", "cohesion"):
+            for name in ("cohesion", "dilation", "slipped"):
+                if getattr(self, name) is None:
+                    object.__setattr__(self, name, _read_only(name, np.zeros(n_points)))
+                _check_shape(name, getattr(self, name), (n_points,))
+            for name in ("friction", "cohesion", "dilation"):
                 value = getattr(self, name)
-                _check_shape(name, value, (n_points,))
                 _check_sign(name, value, value >= 0.0, "zero or positive")
         diagonal = self.compliance.diagonal()
         _check_sign(
@@ -74,7 +82,7 @@ class ContactProblem:
             diagonal > 0.0,
             "positive: the system is too ill conditioned, for cracks, tips or outlines too close to each other",
         )
-        object.__setattr__(self, "scale", _read_only("scale", diagonal if self.scale is None else self.scale))
+        object.__setattr__(self, "scale", _read_only("scale", diagonal))
         object.__setattr__(self, "reach", _read_only("reach", np.abs(self.compliance).sum(axis=1)))
 
     @property
@@ -99,10 +107,12 @@ class ActiveSet:
 
     closed: Bools  # (n,): gap = 0 is imposed, else p_n = 0
     slip: Ints  # (n,): 0 sticks (du_t = 0), +1 or -1 slips (p_t = slip * b); +1 throughout without friction
+    sense: Ints | None = None  # (n,): the sign of all slip, s0 + du_t, by which faces dilate; None: that of `slip`
 
     def key(self) -> bytes:
         """Bytes that are equal for equal sets."""
-        return self.closed.tobytes() + self.slip.astype(np.int8).tobytes()
+        parts = (self.closed, self.slip) if self.sense is None else (self.closed, self.slip, self.sense)
+        return b"".join(part.astype(np.int8).tobytes() for part in parts)
 
     def states(self) -> Ints:
         """(n,) OPEN, STICK or SLIP; an open point is OPEN whatever shear its cohesion carries."""
@@ -115,14 +125,20 @@ def jump(problem: ContactProblem, p: Floats) -> Floats:
     return du
 
 
+def opening(problem: ContactProblem, du: Floats) -> Floats:
+    """(n,) m: the gap, which is du_n less what slip has opened by dilation."""
+    n = problem.n_points
+    if problem.dilation is None or problem.slipped is None:
+        return du[:n]
+    return np.asarray(du[:n] - problem.dilation * np.abs(problem.slipped + du[n:]))
+
+
 def project(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
     """(m,) Pa: tractions of the contact law for p pushed by the jump, r = 1/scale; a solution is a fixed point.
 
-    p_n = min(0, p_n + r du_n), p_t = clip(p_t + r du_t, -b, b) with b from the projected p_n.
+    p_n = min(0, p_n + r gap), p_t = clip(p_t + r du_t, -b, b) with b from the projected p_n.
     """
-    n = problem.n_points
-    assert problem.scale is not None
-    trial = p + du / problem.scale
+    n, trial = problem.n_points, _trial(problem, p, du)
     trial[:n] = np.minimum(trial[:n], 0.0)
     if problem.friction is not None:
         b = shear_bound(problem, trial[:n])
@@ -132,16 +148,23 @@ def project(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
 
 def active_set(problem: ContactProblem, p: Floats, du: Floats) -> ActiveSet:
     """Return the branch of `project` that each point is on, for tractions p (m,) and jump du (m,)."""
-    n = problem.n_points
-    assert problem.scale is not None
-    trial = p + du / problem.scale
+    n, trial = problem.n_points, _trial(problem, p, du)
     closed = trial[:n] < 0.0
     slip = np.ones(n, dtype=np.int64)
-    if problem.friction is not None:
-        b = shear_bound(problem, np.minimum(trial[:n], 0.0))
-        slip[trial[n:] < b] = 0
-        slip[trial[n:] <= -b] = -1
-    return ActiveSet(closed, slip)
+    if problem.friction is None or problem.slipped is None:
+        return ActiveSet(closed, slip)
+    b = shear_bound(problem, np.minimum(trial[:n], 0.0))
+    slip[trial[n:] < b] = 0
+    slip[trial[n:] <= -b] = -1
+    forward = slip * np.maximum(slip * du[n:], 0.0)  # slip against the traction is about to end
+    sense = np.sign(problem.slipped + forward).astype(np.int64)
+    return ActiveSet(closed, slip, np.where(sense == 0, slip, sense))
+
+
+def _trial(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
+    """(m,) Pa: tractions p pushed by the gap and the slip."""
+    n = problem.n_points
+    return p + np.concatenate([opening(problem, du), du[n:]]) / problem.scale
 
 
 def shear_bound(problem: ContactProblem, p_n: Floats) -> Floats:
@@ -169,8 +192,9 @@ def complementarity_residual(problem: ContactProblem, p: Floats) -> float:
     traction = max(float(np.abs(p).max()), largest_free / float(problem.reach.max()))
     if length == 0.0:
         return 0.0
-    du = jump(problem, p) / length
-    violation = np.abs(np.minimum(du[:n], -p[:n] / traction))
+    du = jump(problem, p)
+    gap, du = opening(problem, du) / length, du / length
+    violation = np.abs(np.minimum(gap, -p[:n] / traction))
     worst = float(violation.max())
     if problem.friction is not None:
         b = shear_bound(problem, p[:n])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from crackgrow.contact.anderson import accelerated
 from crackgrow.contact.law import ContactMemory
-from crackgrow.contact.solve import ContactOutcome, solve_increment
+from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import FreePieceError
 from crackgrow.solid.rigid_modes import FreePiece, Springs
@@ -52,7 +52,7 @@ def solve_contact_held_loosely(
     for _ in range(MOST_PULLS):
         pulled = loads.copy()
         np.add.at(pulled, springs.dofs, springs.stiffness * ends[-1])
-        outcome = solve_increment(contact, pulled, given, memory, outcome)
+        outcome = solve_contact(contact, pulled, given, memory)
         if left and left[-1] <= SLACK:  # this was once more: the error left has fallen again
             return outcome
         drifts.append(outcome.u[springs.dofs] - ends[-1])

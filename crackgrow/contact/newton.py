@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from crackgrow.contact.active_solver import ActiveSolver
+from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.coarse import doubled, halved
 from crackgrow.contact.coulomb import (
     ActiveSet,
@@ -47,19 +47,17 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
     Raises SolveError for a start of wrong shape or with a value that is not finite.
     """
     p = first_guess(problem) if start is None else _checked(problem, start)
-    solver = ActiveSolver(problem)
     best, least = p, np.inf
     active = active_set(problem, p, jump(problem, p))
     seen: set[bytes] = set()
     n_sweeps = 5
-    assert problem.scale is not None
     as_far = max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
     for iteration in range(1, max_iterations + 1):
         seen.add(active.key())
-        p = solver.solve(active)
+        p = solve_active(problem, active)
         du = jump(problem, p)
         residual = _change(problem, p, du)
-        following = _through_stick(active, active_set(problem, p, du))
+        following = _through_stick(problem, active, active_set(problem, p, du))
         repeated = following.key() == active.key()
         if residual < least:
             best, least = p, residual
@@ -83,12 +81,18 @@ def sweep(problem: ContactProblem, p: Floats, n_sweeps: int) -> Floats:
     rows = list(A)
     if problem.friction is not None and problem.cohesion is not None:
         friction, cohesion = problem.friction.tolist(), problem.cohesion.tolist()
+        assert problem.dilation is not None
+        assert problem.slipped is not None
+        dilation, slipped = problem.dilation.tolist(), problem.slipped.tolist()
     for _ in range(n_sweeps):
         for i in range(n):
-            p_n = min(0.0, float(p[i]) + (free[i] - float(rows[i].dot(p))) / diagonal[i])
+            t = n + i
+            gap = free[i] - float(rows[i].dot(p))
+            if problem.friction is not None and dilation[i]:
+                gap -= dilation[i] * abs(slipped[i] + free[t] - float(rows[t].dot(p)))
+            p_n = min(0.0, float(p[i]) + gap / diagonal[i])
             p[i] = p_n
             if problem.friction is not None:
-                t = n + i
                 b = max(0.0, cohesion[i] - friction[i] * p_n)
                 p[t] = min(b, max(-b, float(p[t]) + (free[t] - float(rows[t].dot(p))) / diagonal[t]))
     return p
@@ -118,7 +122,10 @@ def _change(problem: ContactProblem, p: Floats, du: Floats) -> float:
     return float(np.abs(projected - p).max()) / scale if scale > 0.0 else 0.0
 
 
-def _through_stick(active: ActiveSet, following: ActiveSet) -> ActiveSet:
+def _through_stick(problem: ContactProblem, active: ActiveSet, following: ActiveSet) -> ActiveSet:
     """Let a point stick for one step before it slips the other way: this ends most cycles of reversing points."""
     reversing = active.slip * following.slip < 0
-    return ActiveSet(following.closed, np.where(reversing, 0, following.slip))
+    slip = np.where(reversing, 0, following.slip)
+    if following.sense is None or problem.slipped is None:
+        return ActiveSet(following.closed, slip)
+    return ActiveSet(following.closed, slip, np.where(reversing, np.sign(problem.slipped), following.sense).astype(int))
