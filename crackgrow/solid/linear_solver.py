@@ -166,20 +166,23 @@ class ConstrainedSystem:
     def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
 
-        `given` (m,) are the prescribed values g, zero if None. Raises SolveError where constraints contradict.
+        `given` (m,) or (m, k) are the prescribed values g, zero if None; (m,) are those of all loads. Raises SolveError
+        where constraints contradict.
         """
         n, m = self.constraints.shape[1], self.constraints.shape[0]
         columns = loads.reshape(n, -1)
-        wanted = np.zeros((m, columns.shape[1])) if given is None else given.reshape(m, columns.shape[1])
+        each = np.zeros((m, 1)) if given is None else given.reshape(m, -1)
+        wanted = np.broadcast_to(each, (m, columns.shape[1]))
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
             u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block])
         if given is not None and m:
-            left = np.abs(self.constraints @ u - wanted).max()
-            round_off = ROUND_OFF * (self._share @ np.abs(u)).max()  # where loads act on what is held
-            if left > max(INCONSISTENT * displacement_size(loads, u.reshape(loads.shape), given), round_off):
-                raise SolveError(f"the supports contradict each other by {left:.3g} m")
+            left = np.abs(self.constraints @ u - wanted).max(axis=0, initial=0.0)
+            round_off = ROUND_OFF * (self._share @ np.abs(u)).max(axis=0, initial=0.0)  # where loads act on what is held
+            size = np.array([displacement_size(*column) for column in zip(columns.T, u.T, wanted.T, strict=True)])
+            if np.any(left > np.maximum(INCONSISTENT * size, round_off)):
+                raise SolveError(f"the supports contradict each other by {left.max():.3g} m")
         return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
 
     def compliance(self, rows: csr_array) -> Floats | None:
