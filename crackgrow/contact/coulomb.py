@@ -10,8 +10,8 @@ and every point satisfies (Li, Zheng, Guo 2017, equations (4) to (6), in total s
     gap = du_n >= 0,   p_n <= 0,   gap p_n = 0,
     |p_t| <= b = cohesion - friction p_n,   du_t = 0 where |p_t| < b, else du_t has the sign of p_t.
 
-Faces that dilate are pushed apart by slip (Li, Zheng, Guo 2017, m_g with tan psi): with s0 the slip that `free` does not
-count, from earlier increments, and d = tan(psi)
+Faces that dilate are pushed apart by slip (Li, Zheng, Guo 2017, m_g with tan psi): with s0 the slip that `free` does
+not count, from earlier increments, and d = tan(psi)
 
     gap = du_n - d |s0 + du_t|.
 

@@ -219,9 +219,9 @@ class _Increment:
         """
         gap, slip = rock.jumps(free, t)
         more_gap, more_slip = self._contact.gap_of @ u - gap, self._contact.slip_of @ u - slip
-        off, size, farthest = (
+        off, farthest = (
             max(float(np.abs(jumps).max()) for jumps in some)
-            for some in ((more_gap, more_slip), (gap, slip), (gap, slip, free.gap, free.slip))
+            for some in ((more_gap, more_slip), (gap, slip, free.gap, free.slip))
         )
         if not off <= SPOILT * farthest:
             raise spoilt(f"wrong by {off / farthest:.1g} of the jumps")

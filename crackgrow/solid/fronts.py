@@ -122,7 +122,8 @@ def _check_codes(n_within: int, n_across: int) -> None:
     for what, n, most in (("unknowns at one node", n_within, WITHIN), ("nodes along an axis", n_across, ACROSS)):
         if n > most:
             raise SolveError(
-                f"{n} {what}, at most {most} can be told apart: use another numerics.spacing, or fewer tips at one place"
+                f"{n} {what}, at most {most} can be told apart: use another numerics.spacing, or fewer "
+                "tips at one place"
             )
 
 

@@ -179,7 +179,9 @@ class ConstrainedSystem:
             u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block])
         if given is not None and m:
             left = np.abs(self.constraints @ u - wanted).max(axis=0, initial=0.0)
-            round_off = ROUND_OFF * (self._share @ np.abs(u)).max(axis=0, initial=0.0)  # where loads act on what is held
+            round_off = ROUND_OFF * (self._share @ np.abs(u)).max(
+                axis=0, initial=0.0
+            )  # where loads act on what is held
             size = np.array([displacement_size(*column) for column in zip(columns.T, u.T, wanted.T, strict=True)])
             if np.any(left > np.maximum(INCONSISTENT * size, round_off)):
                 raise SolveError(f"the supports contradict each other by {left.max():.3g} m")

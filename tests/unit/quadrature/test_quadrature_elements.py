@@ -29,12 +29,12 @@ def plain_area(sample) -> float:
 
 def test_a_cover_that_nobody_needs_is_let_go(build) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)], 2.0)
-    elements = weakref.ref(sample.cover.enrichment.tips.any)
+    functions = weakref.ref(sample.cover.functions)
     assert len(element_points(sample.cover, 2).points)
     plain_kinds(sample.cover)
     del sample
     gc.collect()
-    assert elements() is None
+    assert functions() is None
 
 
 @pytest.mark.parametrize("n", [2, 4])
