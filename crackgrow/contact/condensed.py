@@ -61,7 +61,7 @@ def solved(
     """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
 
     Where Lemke's method ends without one, by round-off, Newton's goes on from there. `weights` (n,) m are the points'
-    lengths, `start` (m,) Pa are tractions that may be close.
+    lengths, `start` (m + l,) are unknowns that may be close.
     Raises SolveError where neither finds one.
     """
     failures: list[str] = []
@@ -77,11 +77,11 @@ def solved(
         if solution.status == "solved":
             note = f"the contact problem was solved by {name} after {failures[-1]}" if failures else ""
             return solution, note
-        residual = complementarity_residual(problem, solution.traction)
+        residual = complementarity_residual(problem, solution.unknowns)
         failures.append(
             f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
         )
-        starts = [] if name == "newton" else [solution.traction, *starts]
+        starts = [] if name == "newton" else [solution.unknowns, *starts]
     raise SolveError(
         f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
         f"try a coarser contact spacing or a softer contact stiffness{_advice(problem, weights)}"

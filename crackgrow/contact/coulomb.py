@@ -15,6 +15,13 @@ not count, from earlier increments, and d = tan(psi)
 
     gap = du_n - d |s0 + du_t|.
 
+Pieces of rock that nothing but contact holds move as rigid bodies besides, by amplitudes a that are unknown too. With B
+their jumps and W the lengths of the points, and as many equations more,
+
+    du = free - A p + B a,    F p = pull,    F = B' W,
+
+where `pull` is what the loads do on each motion. Unknowns are handed on as x = (p, a).
+
 The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a point passes
 a cohesion of zero where the bond is lost; an open point then carries no shear. The semismooth Newton and Lemke
 solvers (`newton`, `lemke`) both solve exactly this problem.
@@ -42,6 +49,15 @@ SOLVED_RESIDUAL: Final = 1e-8  # a solver that ends above this complementarity r
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Motions:
+    """The l rigid motions of pieces of rock that contact alone holds."""
+
+    jump: Floats  # (m, l) B: gap and slip in each motion
+    force: Floats  # (l, m) F, N/m per Pa: what tractions do on each motion
+    pull: Floats  # (l,) N/m: what the loads do
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ContactProblem:
     """Compliance, free jump and friction law of n contact points; arrays are seen read-only, not copied.
 
@@ -55,6 +71,7 @@ class ContactProblem:
     cohesion: Floats | None = None  # (n,) Pa, None for zero; without meaning where friction is None
     dilation: Floats | None = None  # (n,) tangent of the dilation angle, None for zero; only with friction
     slipped: Floats | None = None  # (n,) m: slip s0 of earlier increments, None for zero
+    motions: Motions | None = None  # None: supports hold all of the rock
     scale: Floats = field(init=False, repr=False)  # (m,) m/Pa: the diagonal, which weighs jumps against tractions
     reach: Floats = field(init=False, repr=False)  # (m,) m/Pa: sum of every row's absolute values
 
@@ -90,6 +107,11 @@ class ContactProblem:
         """Number of contact points."""
         return int(self.free.size if self.friction is None else self.friction.size)
 
+    @property
+    def n_motions(self) -> int:
+        """Number of rigid motions."""
+        return 0 if self.motions is None else len(self.motions.pull)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSolution:
@@ -99,6 +121,12 @@ class ContactSolution:
     status: str  # "solved", "limit" (too many iterations), "ray" (Lemke found none), "inaccurate"
     iterations: int  # linear solves of Newton, pivots of Lemke
     state: Ints  # (n,) OPEN, STICK or SLIP
+    motion: Floats = field(default_factory=lambda: np.zeros(0))  # (l,) amplitudes of the rigid motions
+
+    @property
+    def unknowns(self) -> Floats:
+        """x (m + l,)."""
+        return np.concatenate([self.traction, self.motion])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,10 +147,21 @@ class ActiveSet:
         return np.where(self.closed, np.where(self.slip == 0, STICK, SLIP), OPEN).astype(np.int64)
 
 
-def jump(problem: ContactProblem, p: Floats) -> Floats:
-    """(m,) m: du = free - A p, the gap and slip under tractions p (m,)."""
-    du: Floats = problem.free - problem.compliance @ p
-    return du
+def jump(problem: ContactProblem, x: Floats) -> Floats:
+    """(m,) m: du = free - A p + B a, the gap and slip with unknowns x (m + l,)."""
+    m = problem.free.size
+    du: Floats = problem.free - problem.compliance @ x[:m]
+    return du if problem.motions is None else du + problem.motions.jump @ x[m:]
+
+
+def imbalance(problem: ContactProblem, x: Floats) -> float:
+    """The largest force along a motion that nothing balances, relative to the forces that there are."""
+    if problem.motions is None:
+        return 0.0
+    motions, p = problem.motions, x[: problem.free.size]
+    size = float(np.max(np.abs(motions.force) @ np.abs(p) + np.abs(motions.pull), initial=0.0))
+    left = float(np.abs(motions.pull - motions.force @ p).max(initial=0.0))
+    return left / size if size > 0.0 else 0.0
 
 
 def opening(problem: ContactProblem, du: Floats) -> Floats:
@@ -175,27 +214,27 @@ def shear_bound(problem: ContactProblem, p_n: Floats) -> Floats:
     return bound
 
 
-def complementarity_residual(problem: ContactProblem, p: Floats) -> float:
-    """Worst relative violation of the contact law by tractions p (m,): zero for a solution, order one for a wrong one.
+def complementarity_residual(problem: ContactProblem, x: Floats) -> float:
+    """Worst relative violation of the contact law by unknowns x (m + l,): zero for a solution, one for a wrong one.
 
-    Jumps are measured by the largest free jump, or the largest diag(A) |p| where that is more; tractions by the
-    largest |p|, or the least traction that could make up the free jump. Needs nothing but the problem and p.
-    Raises SolveError where p has the wrong shape or is not finite.
+    Jumps are measured by the largest one without tractions, or the largest diag(A) |p| where that is more; tractions by
+    the largest |p|, or the least traction that could make up that jump. Needs nothing but the problem and x.
+    Raises SolveError where x has the wrong shape or is not finite.
     """
-    p = _read_only("traction", p)
-    _check_shape("traction", p, problem.free.shape)
-    if p.size == 0:
+    x = _read_only("traction", x)
+    _check_shape("traction", x, (problem.free.size + problem.n_motions,))
+    if problem.free.size == 0:
         return 0.0
-    n, A = problem.n_points, problem.compliance
-    largest_free = float(np.abs(problem.free).max())
+    n, A, p = problem.n_points, problem.compliance, x[: problem.free.size]
+    du = jump(problem, x)
+    largest_free = float(np.abs(du + A @ p).max()) if problem.n_motions else float(np.abs(problem.free).max())
     length = max(largest_free, float((A.diagonal() * np.abs(p)).max()))
     traction = max(float(np.abs(p).max()), largest_free / float(problem.reach.max()))
     if length == 0.0:
-        return 0.0
-    du = jump(problem, p)
+        return imbalance(problem, x)
     gap, du = opening(problem, du) / length, du / length
     violation = np.abs(np.minimum(gap, -p[:n] / traction))
-    worst = float(violation.max())
+    worst = max(float(violation.max()), imbalance(problem, x))
     if problem.friction is not None:
         b = shear_bound(problem, p[:n])
         beyond = np.maximum(np.abs(p[n:]) - b, 0.0) / traction

@@ -6,6 +6,9 @@ increment begins are among the unknowns, since shear can open faces that only th
 are open without contact tractions are left out; those that then overlap are taken in, until none does. Points that
 cohere and are neither pressed nor apart are closed: |p_t| <= c - mu p_n holds at p_n = 0 too.
 
+Pieces of rock that contact alone holds move as rigid bodies besides. K0 holds them by supports that are just enough,
+which carry nothing once the loads and the tractions balance; how far the pieces move is unknown as well.
+
 Loads come in increments, and points remember (`ContactMemory`): a point sticks where it stuck before,
 
     du_t = du_t' where |p_t| < b, else du_t - du_t' has the sign of p_t,    gap >= tan(dilation) |du_t|,
@@ -31,6 +34,7 @@ from crackgrow.contact.coulomb import (
     STICK,
     ContactProblem,
     ContactSolution,
+    Motions,
     complementarity_residual,
 )
 from crackgrow.contact.law import ContactMemory
@@ -143,8 +147,9 @@ class _Increment:
         """The solution, where `free` is the state without contact tractions."""
         tolerance = OVERLAP * displacement_size(self._loads, free.u, self._given)
         answer = self._untouched(free)
+        sees = np.any(self._contact.moving != 0.0, axis=1).reshape(2, -1).any(axis=0)
         trial = _Trial(
-            self._memory.coheres(self._contact.law) | (answer.gap < -tolerance),
+            self._memory.coheres(self._contact.law) | (answer.gap < -tolerance) | sees,
             self._memory.broken,
             np.zeros(len(self._contact.weights), dtype=bool),
         )
@@ -160,8 +165,8 @@ class _Increment:
             if revised is not None:
                 trial, last_off = revised, np.inf
                 continue
-            u, multipliers = answer.rock.displacements(free, self._loads, self._given, answer.solution.traction)
-            more_gap, more_slip, off = self._missing(answer.rock, free, u, answer.solution.traction)
+            u, multipliers = self._displacements(free, answer)
+            more_gap, more_slip, off = self._missing(free, answer, u)
             if off <= ROUND_OFF or off > GAIN * last_off:
                 break
             free, last_off = replace(free, gap=free.gap + more_gap, slip=free.slip + more_slip), off
@@ -187,18 +192,46 @@ class _Increment:
         rock = contact.onto(rows, sliding)
         compliance = condensed(contact, rock.compliance, rows, sliding)
         jumps = np.concatenate([free.gap[rows], (free.slip - before)[sliding]])
-        laws = (friction[rows], cohesion[rows], law.dilating[rows], before[rows]) if len(sliding) else ()
-        problem = ContactProblem(compliance, jumps, *laws)
-        known = np.concatenate([start.normal[rows], start.tangential[sliding]]) if start.solution else None
+        laws = (friction[rows], cohesion[rows], law.dilating[rows], before[rows]) if len(sliding) else (None,) * 4
+        problem = ContactProblem(compliance, jumps, *laws, self._motions(rows, sliding))
+        known = None
+        if start.solution is not None:
+            known = np.concatenate([start.normal[rows], start.tangential[sliding], start.solution.motion])
         solution, note = solved(problem, contact.weights[rows], contact.solver, known)
         p_n, p_t = np.zeros((2, len(friction)))
         p_n[rows], p_t[sliding] = np.split(solution.traction, [len(rows)])
-        gap, slip = rock.jumps(free, solution.traction)
+        gap, slip = self._jumps(free, rock, solution)
         dilation = law.opening(slip - law.compliance * p_t)
         state = np.full(len(friction), OPEN)
         found = _Answer(p_n, p_t, gap - dilation, slip, dilation, state, cohesion > 0.0, rock, problem, solution, note)
         state[rows] = _states(found, rows, cohesion[rows])
         return found
+
+    def _motions(self, rows: Ints, sliding: Ints) -> Motions | None:
+        """The rigid motions that supports leave free, as these points see them."""
+        contact = self._contact
+        if contact.loose is None:
+            return None
+        at = np.concatenate([rows, len(contact.weights) + sliding])
+        jump = contact.moving[at]
+        return Motions(jump, (jump * np.tile(contact.weights, 2)[at, None]).T, contact.loose.along(self._loads))
+
+    def _jumps(self, free: Rock, rock: Condensation, solution: ContactSolution) -> tuple[Floats, Floats]:
+        """Gap and slip (n,) m of all points."""
+        gap, slip = rock.jumps(free, solution.traction)
+        if self._contact.loose is None:
+            return gap, slip
+        moved_gap, moved_slip = np.split(self._contact.moving @ solution.motion, 2)
+        return gap + moved_gap, slip + moved_slip
+
+    def _displacements(self, free: Rock, answer: _Answer) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs,) m and multipliers (m,), with supports that follow pieces: they carry nothing."""
+        assert answer.rock is not None
+        assert answer.solution is not None
+        loads, loose = self._loads, self._contact.loose
+        if loose is not None:
+            loads = loads + loose.carrying(answer.solution.motion)
+        return answer.rock.displacements(free, loads, self._given, answer.solution.traction)
 
     def _revised(self, trial: _Trial, answer: _Answer, tolerance: float) -> _Trial | None:
         """The next trial: with points that overlap, that break, or that open; None if there are no more."""
@@ -211,13 +244,13 @@ class _Increment:
         opening = trial.taken & (answer.state == OPEN) & answer.coheres & ~trial.opened
         return replace(trial, opened=trial.opened | opening) if opening.any() else None
 
-    def _missing(self, rock: Condensation, free: Rock, u: Floats, t: Floats) -> tuple[Floats, Floats, float]:
-        """Gap and slip (n,) m of the displacements `u` (n_dofs,) less those by the compliance, under tractions `t`.
+    def _missing(self, free: Rock, answer: _Answer, u: Floats) -> tuple[Floats, Floats, float]:
+        """Gap and slip (n,) m of the displacements `u` (n_dofs,) less those by the compliance.
 
         The compliance is good to the round-off of one elimination, the displacements are refined. The third is the
         largest difference, relative to the jumps. Raises SolveError where the compliance is wrong altogether.
         """
-        gap, slip = rock.jumps(free, t)
+        gap, slip = answer.gap + answer.dilation, answer.slip
         more_gap, more_slip = self._contact.gap_of @ u - gap, self._contact.slip_of @ u - slip
         off, farthest = (
             max(float(np.abs(jumps).max()) for jumps in some)
@@ -246,7 +279,7 @@ class _Increment:
         rows = np.flatnonzero(trial.taken)
         complementarity = 0.0
         if answer.problem is not None and answer.solution is not None:
-            complementarity = complementarity_residual(answer.problem, answer.solution.traction)
+            complementarity = complementarity_residual(answer.problem, answer.solution.unknowns)
         return ContactOutcome(
             u=rock[0],
             multipliers=rock[1],

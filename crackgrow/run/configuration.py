@@ -15,7 +15,7 @@ from scipy.sparse import csr_array, vstack
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces, mortar_faces
-from crackgrow.contact.hold import solve_contact_of_pieces
+from crackgrow.contact.hold import check_can_hold
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.law import ContactLaw, ContactMemory
 from crackgrow.contact.solve import ContactOutcome, solve_contact
@@ -31,7 +31,7 @@ from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.magnitude import LARGEST, LARGEST_STRAIN, check_magnitude
 from crackgrow.solid.matrix import SymmetricMatrix
-from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs
+from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints, constraints, tied
 
@@ -71,8 +71,6 @@ class Configuration:
     held: Constraints  # with given displacements at load factor 1
     contact: ContactSystem
     faces: ContactFaces
-    free: tuple[FreePiece, ...]  # pieces that contact alone holds
-    springs: Springs | None
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
     seconds: dict[str, float]
@@ -96,11 +94,7 @@ class Configuration:
         farthest = LARGEST_STRAIN * self.scene.lattice.spacing
         check_magnitude("loads", loads, LARGEST, "N/m")
         check_magnitude("prescribed displacements", given, farthest, "m")
-        if self.springs is None:
-            outcome = solve_contact(self.contact, loads, given, memory, self._without_contact(factor, holding))
-        else:
-            outcome = solve_contact_of_pieces(self.contact, self.cover, self.springs, self.free, loads, given, memory)
-            outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
+        outcome = self._solved(loads, given, memory, self._without_contact(factor, holding))
         check_magnitude("displacements", outcome.u, farthest, "m")
         check_magnitude("contact tractions", outcome.normal_traction, LARGEST, "Pa")
         check_magnitude("contact tractions", outcome.tangential_traction, LARGEST, "Pa")
@@ -114,10 +108,23 @@ class Configuration:
         strain, strain_terms = 0.5 * float(outcome.u @ internal), 0.5 * float(np.abs(outcome.u) @ terms)
         return Equilibrium(outcome, residual, strain, strain_terms)
 
+    def _solved(
+        self, loads: Floats, given: Floats, memory: ContactMemory | None, without: tuple[Floats, Floats]
+    ) -> ContactOutcome:
+        """The outcome of contact, where contact holds all pieces; FreePieceError says which it does not hold."""
+        if self.contact.loose is None:
+            return solve_contact(self.contact, loads, given, memory, without)
+        try:
+            outcome = solve_contact(self.contact, loads, given, memory, without)
+        except SolveError:
+            names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
+            check_can_hold(self.contact, names, loads, memory)
+            raise
+        return replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
+
     def solve_loads(self) -> None:
         """Solve for the loads without contact before anything else is: what comes later then finds the same bits."""
-        if self.springs is None:
-            self._without_contact(1.0, 1.0)
+        self._without_contact(1.0, 1.0)
 
     def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
         """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
@@ -158,17 +165,17 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
             load_vector(cover, case.bodies, loads, case.numerics.quadrature) + face_load_vector(cover, bodies, loads)
             for loads in ([x for x in case.loads if not x.held], [x for x in case.loads if x.held])
         )
-        free = free_pieces(cover, held.matrix)
-        check_held(free, _patches_at(cover, faces))
+        free = free_motions(cover, held.matrix)
+        check_held(free.pieces, _patches_at(cover, faces))
     with timed(seconds, "factorize"):
-        springs = loose_springs(cover, matrix, free) if free else None
-        stiff = matrix if springs is None else springs.added_to(matrix)
+        loose = free.held_once(matrix) if free.pieces else None
+        stiff = matrix if loose is None else loose.held_in(matrix)
         factors = None if before is None else before.contact.system.factors
-        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors, loose=springs is not None)
+        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors)
     weights = faces.weights * scene.lattice.spacing
     law = _law(scene, faces, growing)
-    contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))
-    return Configuration(scene, cover, stiffness, held, contact, faces, free, springs, scaled, constant, seconds)
+    contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose)
+    return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, seconds)
 
 
 def lay_out(scene: Scene, growing: tuple[GrowingCrack, ...]) -> tuple[Cover, ContactFaces, Constraints]:
@@ -231,7 +238,7 @@ def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> li
     """What to say of pieces that have rigid motions which neither supports nor pressed contact points see."""
     pressed, stuck = outcome.state != OPEN, outcome.state == STICK
     rows = [contact.system.constraints, contact.gap_of[pressed], contact.slip_of[stuck]]
-    pieces = free_pieces(cover, csr_array(vstack(rows, format="csr")))
+    pieces = free_motions(cover, csr_array(vstack(rows, format="csr"))).pieces
     return [f"{piece} may move without any resistance ({piece.motion}): where it lies is arbitrary" for piece in pieces]
 
 

@@ -41,11 +41,6 @@ REFINEMENTS = 3
 ROUND_OFF = 1e-14
 """Residuals below this fraction of the terms that they are sums of are round-off."""
 
-FEW = 8
-"""So many right-hand sides are refined at least once where loose springs hold pieces. The error of a factorization is
-the same in all solves: springs that follow the rock would find a place, far away, where it balances loads that nothing
-else does."""
-
 FEW_CONSTRAINTS = 16
 """Up to so many constraints the responses to all of them cost less than the solves that they save."""
 
@@ -133,14 +128,11 @@ class ConstrainedSystem:
         constraints: csr_array,
         places: Places | None = None,
         known: Mapping[bytes, Factor] | None = None,
-        loose: bool = False,
     ) -> None:
         """`stiffness` (n, n) Pa, `constraints` (m, n), `places` of the n unknowns; without them SuperLU factorizes.
 
-        `known` are the `factors` of another system, that may be in common with this one. `loose` is whether springs
-        that are far softer than the rock hold parts of it.
+        `known` are the `factors` of another system, that may be in common with this one.
         """
-        self._loose = loose
         self.stiffness = symmetric(stiffness)
         self.constraints = constraints
         self._share = abs(constraints)
@@ -171,8 +163,8 @@ class ConstrainedSystem:
         """
         n, m = self.constraints.shape[1], self.constraints.shape[0]
         columns = loads.reshape(n, -1)
-        each = np.zeros((m, 1)) if given is None else given.reshape(m, -1)
-        wanted = np.broadcast_to(each, (m, columns.shape[1]))
+        each = np.zeros(m) if given is None else given
+        wanted = np.broadcast_to(each[:, None] if each.ndim == 1 else each, (m, columns.shape[1]))
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
@@ -220,16 +212,14 @@ class ConstrainedSystem:
         u, multipliers = self._step(loads, wanted)
         sign = np.ones(1) if loads.shape[1] == 1 else _signs(loads)
         last = np.inf
-        for done in range(REFINEMENTS):
-            force: Floats | None = None
-            if done or not self._loose or loads.shape[1] > FEW:
-                one_of_all = loads @ sign, u @ sign, multipliers @ sign
-                force = self._residual(*one_of_all)
-                error = self._backward_error(force, *one_of_all)
-                if error <= ROUND_OFF or error > 0.5 * last:
-                    break
-                last = error
-            if force is None or loads.shape[1] > 1:
+        for _ in range(REFINEMENTS):
+            one_of_all = loads @ sign, u @ sign, multipliers @ sign
+            force = self._residual(*one_of_all)
+            error = self._backward_error(force, *one_of_all)
+            if error <= ROUND_OFF or error > 0.5 * last:
+                break
+            last = error
+            if loads.shape[1] > 1:
                 force = self._residual(loads, u, multipliers)
             du, dm = self._step(force.reshape(loads.shape), wanted - self.constraints @ u)
             u, multipliers = u + du, multipliers + dm
