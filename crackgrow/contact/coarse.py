@@ -18,8 +18,11 @@ def halved(problem: ContactProblem) -> ContactProblem | None:
     if A.diagonal().min() <= 0.0:
         return None
     free = _means(problem.free, blocks)
-    laws = (problem.friction, problem.cohesion, problem.dilation, problem.slipped)
-    return ContactProblem(A, free, *(None if law is None else _means(law, 1) for law in laws))
+    friction, cohesion, dilation, slipped = (
+        None if law is None else _means(law, 1)
+        for law in (problem.friction, problem.cohesion, problem.dilation, problem.slipped)
+    )
+    return ContactProblem(A, free, friction, cohesion, dilation, slipped)
 
 
 def doubled(problem: ContactProblem, p: Floats) -> Floats:

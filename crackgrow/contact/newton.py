@@ -119,7 +119,8 @@ def _held_by_springs(problem: ContactProblem, at: Floats) -> tuple[ContactProble
     motions = problem.motions
     assert motions is not None
     stiffness = motions.force @ motions.jump
-    springs = SOFT * float(np.median(problem.reach)) * np.linalg.pinv(stiffness, rcond=UNSEEN, hermitian=True)
+    softness = SOFT * float(np.median(problem.reach))
+    springs = softness * np.asarray(np.linalg.pinv(stiffness, rcond=UNSEEN, hermitian=True), dtype=np.float64)
     moved = motions.jump @ springs
     held = replace(
         problem,

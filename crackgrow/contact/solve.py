@@ -192,8 +192,12 @@ class _Increment:
         rock = contact.onto(rows, sliding)
         compliance = condensed(contact, rock.compliance, rows, sliding)
         jumps = np.concatenate([free.gap[rows], (free.slip - before)[sliding]])
-        laws = (friction[rows], cohesion[rows], law.dilating[rows], before[rows]) if len(sliding) else (None,) * 4
-        problem = ContactProblem(compliance, jumps, *laws, self._motions(rows, sliding))
+        motions = self._motions(rows, sliding)
+        if len(sliding):
+            laws = (friction[rows], cohesion[rows], law.dilating[rows], before[rows])
+            problem = ContactProblem(compliance, jumps, *laws, motions)
+        else:
+            problem = ContactProblem(compliance, jumps, motions=motions)
         known = None
         if start.solution is not None:
             known = np.concatenate([start.normal[rows], start.tangential[sliding], start.solution.motion])

@@ -53,7 +53,7 @@ class ContactSystem:
         tractions supports let them turn much farther than under all.
         """
         operator, between = self._between.operator, None
-        if 2 * self.gap_of.shape[0] * self.gap_of.shape[1] > FEW_NUMBERS:
+        if self.loose is not None or 2 * self.gap_of.shape[0] * self.gap_of.shape[1] > FEW_NUMBERS:
             between = self._between.compliance
         if between is not None:
             at = np.concatenate([rows, len(self.weights) + sliding])

@@ -44,6 +44,9 @@ ROUND_OFF = 1e-14
 FEW_CONSTRAINTS = 16
 """Up to so many constraints the responses to all of them cost less than the solves that they save."""
 
+MANY = 8
+"""Constraints per row from which elimination of all costs more than solves for the rows."""
+
 AT_ONCE = 256
 """Right-hand sides that are solved for together."""
 
@@ -186,7 +189,7 @@ class ConstrainedSystem:
         are multipliers, and P those of unit pulls: of C u they miss d M and add 1 + d P to it.
         """
         k, m = rows.shape[0], self.constraints.shape[0]
-        if m > max(FEW_CONSTRAINTS, k):
+        if m > max(FEW_CONSTRAINTS, MANY * k):
             return None
         products = self._factorization.products(csr_array(block_diag([rows.T, eye_array(m)], format="csr")))
         if products is None:

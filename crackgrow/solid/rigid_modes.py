@@ -118,16 +118,16 @@ class RigidMotions:
         diagonal = stiffness.diagonal()
         angles = 2.0 * np.pi / CORNERS * np.arange(CORNERS)
         directions = np.stack([np.cos(angles), np.sin(angles)])
-        dofs, share = [], []
+        candidates, share = [], []
         for piece in self.pieces:
             functions = piece.functions
             full = np.minimum(diagonal[2 * functions] / np.median(diagonal[2 * functions]), 1.0)
             solid = functions[full >= FULL_PATCH]
-            ends = [some[np.argmax(self.nodes[some] @ directions, axis=0)] for some in (solid, functions)]
-            ends = np.unique(np.concatenate(ends))
-            dofs.append((2 * ends[:, None] + np.arange(2)).ravel())
+            farthest = [some[np.argmax(self.nodes[some] @ directions, axis=0)] for some in (solid, functions)]
+            ends = np.unique(np.concatenate(farthest))
+            candidates.append((2 * ends[:, None] + np.arange(2)).ravel())
             share.append(np.repeat(np.sqrt(full[np.searchsorted(functions, ends)]), 2))
-        dofs = np.concatenate(dofs)
+        dofs = np.concatenate(candidates)
         motions = (self.of_pieces[dofs] @ self.free.T) * np.concatenate(share)[:, None]
         _, pivots = qr(motions.T, mode="r", pivoting=True)
         chosen = dofs[np.sort(pivots[: len(self.free)])]
