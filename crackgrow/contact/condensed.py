@@ -13,7 +13,7 @@ from crackgrow.contact.coulomb import ContactProblem, ContactSolution, complemen
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.uniqueness import friction_limit
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -25,8 +25,8 @@ UNSYMMETRIC = 1e-2
 def condensed(contact: ContactSystem, rock: Floats, rows: Ints, sliding: Ints) -> Floats:
     """The compliance A (k + l, k + l) of the points `rows` (k,), with tangential rows of the points `sliding` (l,).
 
-    `rock` is that of the rock between these rows, per unit traction; elastic contact adds its own. Raises SolveError
-    where round-off has spoilt that of the rock.
+    `rock` is that of the rock between these rows, per unit traction; elastic contact adds its own. Raises
+    NotSolvedError where round-off has spoilt that of the rock.
     """
     law = contact.law
     _check_reciprocal(rock, np.concatenate([contact.weights[rows], contact.weights[sliding]]))
@@ -36,7 +36,7 @@ def condensed(contact: ContactSystem, rock: Floats, rows: Ints, sliding: Ints) -
 
 
 def _check_reciprocal(compliance: Floats, weights: Floats) -> None:
-    """Raise SolveError unless the compliance S W (k, k) of the rock comes from a symmetric S that resists (Betti)."""
+    """Raise NotSolvedError unless the compliance S W (k, k) of rock comes from a symmetric S that resists (Betti)."""
     symmetric = compliance / weights
     least, largest = float(symmetric.diagonal().min()), float(np.abs(symmetric).max())
     off = float(np.abs(symmetric - symmetric.T).max())
@@ -44,9 +44,9 @@ def _check_reciprocal(compliance: Floats, weights: Floats) -> None:
         raise spoilt("not positive" if least <= 0.0 else f"unsymmetric by {off / largest:.1g} of its largest entry")
 
 
-def spoilt(what: str) -> SolveError:
+def spoilt(what: str) -> NotSolvedError:
     """The error where the compliance of the rock is `what`."""
-    return SolveError(
+    return NotSolvedError(
         f"the system is ill conditioned: the compliance of the rock between contact points is {what}; a sliver of rock "
         "or a crack's tip may lie too close to a lattice line: change numerics.spacing or the crack a little"
     )
@@ -62,7 +62,7 @@ def solved(
 
     Where Lemke's method ends without one, by round-off, Newton's goes on from there. `weights` (n,) m are the points'
     lengths, `start` (m + l,) are unknowns that may be close.
-    Raises SolveError where neither finds one.
+    Raises NotSolvedError where neither finds one.
     """
     failures: list[str] = []
     starts: list[Floats | None] = [None] if start is None else [start, None]  # of Newton's; None: its own first guess
@@ -71,7 +71,7 @@ def solved(
             continue
         try:
             solution = _by_newton(problem, starts) if name == "newton" else solve_by_lemke(problem)
-        except SolveError as error:
+        except NotSolvedError as error:
             failures.append(f"{name}: {error}")
             continue
         if solution.status == "solved":
@@ -82,7 +82,7 @@ def solved(
             f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
         )
         starts = [] if name == "newton" else [solution.unknowns, *starts]
-    raise SolveError(
+    raise NotSolvedError(
         f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
         f"try a coarser contact spacing or a softer contact stiffness{_advice(problem, weights)}"
     )

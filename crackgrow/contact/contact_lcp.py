@@ -22,7 +22,7 @@ from crackgrow.contact.coulomb import (
     complementarity_residual,
 )
 from crackgrow.contact.lemke import lemke
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError
 
 SINGULAR: Final = 1e14  # condition number of the scaled compliance from which its inverse has no digits left
 
@@ -47,7 +47,7 @@ def solve_by_lemke(problem: ContactProblem, max_pivots: int | None = None) -> Co
 
     Status "solved", "limit", "ray", or "inaccurate" where the tractions violate the law by more than
     SOLVED_RESIDUAL. The active set that Lemke ends with is solved once more for the tractions themselves.
-    Raises SolveError where the compliance is singular (rigid contact at more points than the displacement follows).
+    Raises NotSolvedError where the compliance is singular (rigid contact at more points than the displacement follows).
     """
     lcp = _contact_lcp(problem)
     result = lemke(lcp.M, lcp.q, lcp.d, max_pivots)
@@ -124,7 +124,7 @@ def _inverse(problem: ContactProblem) -> tuple[Floats, Floats]:
         inverse = np.full_like(scaled, np.inf)
     condition = float(np.abs(scaled).sum(axis=0).max(initial=0.0) * np.abs(inverse).sum(axis=0).max(initial=0.0))
     if condition > SINGULAR:
-        raise SolveError(
+        raise NotSolvedError(
             f"contact compliance: condition number is {condition:.1e}, at most {SINGULAR:.0e} can be inverted for "
             f"Lemke's method: use fewer contact points, a finite contact stiffness or the Newton solver"
         )

@@ -35,7 +35,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -61,8 +61,8 @@ class Motions:
 class ContactProblem:
     """Compliance, free jump and friction law of n contact points; arrays are seen read-only, not copied.
 
-    Raises SolveError for a wrong shape, a value that is not finite, a diagonal entry of the compliance that is not
-    positive, or negative friction or cohesion.
+    Raises NotSolvedError for a value that is not finite and a diagonal entry of the compliance that is not positive,
+    ValueError for a wrong shape and for negative friction, cohesion or dilation.
     """
 
     compliance: Floats  # (m, m) m/Pa: A; m = n without friction, else 2 n; need not be symmetric
@@ -90,15 +90,14 @@ class ContactProblem:
                     object.__setattr__(self, name, _read_only(name, np.zeros(n_points)))
                 _check_shape(name, getattr(self, name), (n_points,))
             for name in ("friction", "cohesion", "dilation"):
-                value = getattr(self, name)
-                _check_sign(name, value, value >= 0.0, "zero or positive")
+                _check_sign(name, getattr(self, name))
         diagonal = self.compliance.diagonal()
-        _check_sign(
-            "compliance diagonal",
-            diagonal,
-            diagonal > 0.0,
-            "positive: the system is too ill conditioned, for cracks, tips or outlines too close to each other",
-        )
+        if not np.all(diagonal > 0.0):
+            point = int(np.flatnonzero(~(diagonal > 0.0))[0])
+            raise NotSolvedError(
+                f"contact compliance diagonal: entry {point} is {diagonal[point]:.6g}, must be positive: the system is "
+                "too ill conditioned, for cracks, tips or outlines too close to each other"
+            )
         object.__setattr__(self, "scale", _read_only("scale", diagonal))
         object.__setattr__(self, "reach", _read_only("reach", np.abs(self.compliance).sum(axis=1)))
 
@@ -219,7 +218,7 @@ def complementarity_residual(problem: ContactProblem, x: Floats) -> float:
 
     Jumps are measured by the largest one without tractions, or the largest diag(A) |p| where that is more; tractions by
     the largest |p|, or the least traction that could make up that jump. Needs nothing but the problem and x.
-    Raises SolveError where x has the wrong shape or is not finite.
+    Raises NotSolvedError where x is not finite, ValueError where it has the wrong shape.
     """
     x = _read_only("traction", x)
     _check_shape("traction", x, (problem.free.size + problem.n_motions,))
@@ -248,17 +247,19 @@ def _read_only(name: str, value: Floats) -> Floats:
     view = np.ascontiguousarray(value, dtype=np.float64).view()
     if not np.isfinite(view).all():
         place = tuple(int(i) for i in np.argwhere(~np.isfinite(view))[0])
-        raise SolveError(f"contact {name}: entry {place} is {view[place]}, must be finite: check supports and loads")
+        raise NotSolvedError(
+            f"contact {name}: entry {place} is {view[place]}, must be finite: check supports and loads"
+        )
     view.flags.writeable = False
     return view
 
 
 def _check_shape(name: str, value: Floats, shape: tuple[int, ...]) -> None:
     if value.shape != shape:
-        raise SolveError(f"contact {name}: shape is {value.shape}, must be {shape}")
+        raise ValueError(f"contact {name}: shape is {value.shape}, must be {shape}")
 
 
-def _check_sign(name: str, value: Floats, fine: Bools, rule: str) -> None:
-    if not fine.all():
-        point = int(np.flatnonzero(~fine)[0])
-        raise SolveError(f"contact {name}: entry {point} is {value[point]:.6g}, must be {rule}")
+def _check_sign(name: str, value: Floats) -> None:
+    if not np.all(value >= 0.0):
+        point = int(np.flatnonzero(~(value >= 0.0))[0])
+        raise ValueError(f"contact {name}: entry {point} is {value[point]:.6g}, must be zero or positive")

@@ -103,7 +103,7 @@ def solve_contact(
     """Displacements and contact tractions under `loads` (n_dofs,), with support displacements `given` (m,).
 
     `memory` is that of the increment before, None for the first; `without` are displacements and multipliers without
-    contact tractions, if they are known. Raises SolveError where the contact solver finds no solution.
+    contact tractions, if they are known. Raises NotSolvedError where the contact solver finds no solution.
     """
     memory = memory or ContactMemory.fresh(len(contact.weights))
     u, multipliers = contact.system.solve(loads, given) if without is None else without
@@ -252,7 +252,7 @@ class _Increment:
         """Gap and slip (n,) m of the displacements `u` (n_dofs,) less those by the compliance.
 
         The compliance is good to the round-off of one elimination, the displacements are refined. The third is the
-        largest difference, relative to the jumps. Raises SolveError where the compliance is wrong altogether.
+        largest difference, relative to the jumps. Raises NotSolvedError where the compliance is wrong altogether.
         """
         gap, slip = answer.gap + answer.dilation, answer.slip
         more_gap, more_slip = self._contact.gap_of @ u - gap, self._contact.slip_of @ u - slip

@@ -22,7 +22,7 @@ from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.scene import Scene
@@ -49,6 +49,9 @@ UNSTRESSED = 1e-6
 
 WORST_RESIDUAL = 1e-5
 """Relative equilibrium residual beyond which a solution is refused."""
+
+LOST_DIGITS = 1e-9
+"""Of the terms of a force: what round-off leaves of them at worst."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,12 +102,9 @@ class Configuration:
         check_magnitude("contact tractions", outcome.normal_traction, LARGEST, "Pa")
         check_magnitude("contact tractions", outcome.tangential_traction, LARGEST, "Pa")
         internal, terms = self.matrix @ outcome.u, self.matrix.sizes(outcome.u)
-        residual = _residual(self.contact, loads, outcome, internal, terms)
+        residual, place, part = _residual(self.contact, loads, outcome, internal, terms)
         if not residual <= WORST_RESIDUAL:
-            raise SolveError(
-                f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}: the system is too ill "
-                "conditioned" + ("; a tip may lie too close to another one or to an outline" if self.cover.tips else "")
-            )
+            raise NotSolvedError(self._not_balanced(residual, place, part))
         strain, strain_terms = 0.5 * float(outcome.u @ internal), 0.5 * float(np.abs(outcome.u) @ terms)
         return Equilibrium(outcome, residual, strain, strain_terms)
 
@@ -116,11 +116,23 @@ class Configuration:
             return solve_contact(self.contact, loads, given, memory, without)
         try:
             outcome = solve_contact(self.contact, loads, given, memory, without)
-        except SolveError:
+        except NotSolvedError as error:
             names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
             check_can_hold(self.contact, names, loads, memory)
-            raise
+            pieces = ", ".join(str(piece) for piece in self.contact.loose.pieces)
+            raise NotSolvedError(f"contact alone holds {pieces}, perhaps only just: {error}") from error
         return replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
+
+    def _not_balanced(self, residual: float, dof: int, terms: float) -> str:
+        """What to say of a residual that is largest at an unknown, where forces are sums of `terms` their size."""
+        x, y = self.cover.lattice.to_metres(_place_of(self.cover, dof // 2)[None])[0]
+        what = f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}, near ({x:.4g}, {y:.4g}) m"
+        if residual > LOST_DIGITS * terms:
+            return f"{what}: no state was found in which forces balance there; use smaller load increments or a spacing"
+        return (
+            f"{what}: the system is too ill conditioned there, with terms {terms:.1g} times the forces; move what lies "
+            "close together (a tip, a crack, an outline, a lattice line) a little, or change numerics.spacing"
+        )
 
     def solve_loads(self) -> None:
         """Solve for the loads without contact before anything else is: what comes later then finds the same bits."""
@@ -267,10 +279,13 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
     return ContactLaw(friction, cohesion, compliance, residual, kept, dilation if dilation.any() else None)
 
 
-def _residual(contact: ContactSystem, loads: Floats, outcome: ContactOutcome, internal: Floats, terms: Floats) -> float:
-    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts, of which K u is `internal`.
+def _residual(
+    contact: ContactSystem, loads: Floats, outcome: ContactOutcome, internal: Floats, terms: Floats
+) -> tuple[float, int, float]:
+    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts, and the unknown it is at.
 
-    Where nothing is stressed all parts are round-off of K u, whose `terms` (n_dofs,) N/m then give the size.
+    K u is `internal`, `terms` (n_dofs,) N/m are those that it is the sum of: the third is that at the unknown, relative
+    as well. Where nothing is stressed all parts are round-off, and the terms give the size.
     """
     reactions = contact.system.constraints.T @ outcome.multipliers
     tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
@@ -278,5 +293,14 @@ def _residual(contact: ContactSystem, loads: Floats, outcome: ContactOutcome, in
     parts = (internal, reactions, tractions, loads)
     size = max(np.abs(part).max(initial=0.0) for part in parts)
     size = max(size, UNSTRESSED * terms.max(initial=0.0))
-    residual = np.abs(internal + reactions + tractions - loads).max(initial=0.0)
-    return float(residual / size) if size > 0.0 else 0.0
+    left = np.abs(internal + reactions + tractions - loads)
+    place = int(np.argmax(left))
+    return (float(left[place] / size), place, float(terms[place] / size)) if size > 0.0 else (0.0, place, 0.0)
+
+
+def _place_of(cover: Cover, function: int) -> Floats:
+    """The node of a physical patch (2,), or the tip that a singular function belongs to, in lattice coordinates."""
+    if function < len(cover.patch_nodes):
+        return np.asarray(cover.patch_nodes[function])
+    of_tip = [int(ids.max(initial=-1)) for ids in cover.tip_function_ids]
+    return cover.tips[int(np.searchsorted(of_tip, function - 3))].point
