@@ -48,8 +48,15 @@ class SolveError(CrackgrowError):
     exit_code = 3
 
 
+class NotSolvedError(SolveError):
+    """A system whose solution was not found, or not to enough digits: there may be one."""
+
+
 class FreePieceError(SolveError):
-    """A piece of rock that nothing holds; `what` says which piece and how it can move, the message adds the remedy."""
+    """A system without equilibrium: a piece of rock that nothing holds.
+
+    `what` says which piece and how it can move, the message adds the remedy.
+    """
 
     def __init__(self, what: str, remedy: str) -> None:
         self.what, self.remedy = what, remedy

@@ -73,7 +73,7 @@ def rock_problem(kind: str, n_points: int) -> tuple[ContactProblem, Floats]:
     rows = np.arange(n)
     rock = contact.onto(rows, rows).compliance
     free = np.concatenate([contact.gap_of @ u, contact.slip_of @ u])
-    return condensed(contact, rock, free, np.ones(n), np.zeros(n), rows, rows, np.zeros(n)), contact.weights
+    return ContactProblem(condensed(contact, rock, rows, rows), free, np.ones(n), np.zeros(n)), contact.weights
 
 
 def with_law(problem: ContactProblem, friction: float, cohesion: float) -> ContactProblem:

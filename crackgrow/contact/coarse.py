@@ -17,11 +17,12 @@ def halved(problem: ContactProblem) -> ContactProblem | None:
     A = _means(_sums(problem.compliance.T, blocks).T, blocks)
     if A.diagonal().min() <= 0.0:
         return None
-    assert problem.scale is not None
-    free, scale = _means(problem.free, blocks), _means(problem.scale, blocks)
-    if problem.friction is None or problem.cohesion is None:
-        return ContactProblem(A, free, scale=scale)
-    return ContactProblem(A, free, _means(problem.friction, 1), _means(problem.cohesion, 1), scale)
+    free = _means(problem.free, blocks)
+    friction, cohesion, dilation, slipped = (
+        None if law is None else _means(law, 1)
+        for law in (problem.friction, problem.cohesion, problem.dilation, problem.slipped)
+    )
+    return ContactProblem(A, free, friction, cohesion, dilation, slipped)
 
 
 def doubled(problem: ContactProblem, p: Floats) -> Floats:

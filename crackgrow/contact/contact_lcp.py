@@ -22,9 +22,13 @@ from crackgrow.contact.coulomb import (
     complementarity_residual,
 )
 from crackgrow.contact.lemke import lemke
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError
 
 SINGULAR: Final = 1e14  # condition number of the scaled compliance from which its inverse has no digits left
+
+
+UNSEEN: Final = 1e-12  # rigid motions that points see by less, relative to what they see best, are not seen
+DETERMINATE: Final = 1e-8  # of the largest diagonal entry: less stiffness has a traction that balance alone gives
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,38 +47,44 @@ def solve_by_lemke(problem: ContactProblem, max_pivots: int | None = None) -> Co
 
     Status "solved", "limit", "ray", or "inaccurate" where the tractions violate the law by more than
     SOLVED_RESIDUAL. The active set that Lemke ends with is solved once more for the tractions themselves.
-    Raises SolveError where the compliance is singular (rigid contact at more points than the displacement follows).
+    Raises NotSolvedError where the compliance is singular (rigid contact at more points than the displacement follows).
     """
     lcp = _contact_lcp(problem)
     result = lemke(lcp.M, lcp.q, lcp.d, max_pivots)
     p, du = _tractions(problem, lcp.size * result.z / lcp.root, lcp.size * lcp.root * result.w)
     active = active_set(problem, p, du)
-    polished = solve_active(problem, active)
-    residual, polished_residual = (complementarity_residual(problem, x) for x in (p, polished))
+    x, polished = np.append(p, _motion(problem, p, du)), solve_active(problem, active)
+    residual, polished_residual = (complementarity_residual(problem, unknowns) for unknowns in (x, polished))
     if polished_residual <= residual:
-        p, residual = polished, polished_residual
+        x, residual = polished, polished_residual
     status = result.status
     if status in ("solved", "inaccurate"):
         status = "solved" if residual <= SOLVED_RESIDUAL else "inaccurate"
-    return ContactSolution(p, status, result.pivots, active.states())
+    m = problem.free.size
+    return ContactSolution(x[:m], status, result.pivots, active.states(), x[m:])
 
 
 def _contact_lcp(problem: ContactProblem) -> _ContactLcp:
     """The LCP v = M lambda + q of (17), v = -f, in the form M = m_c' A^-1 m_g, q = -C - m_c' A^-1 free.
 
     Per point lambda = (slip +, slip -, opening) and, with c the cohesion,
-    f = (p_t + friction p_n - c, -p_t + friction p_n - c, p_n); blocks of n rows in this order. The covering vector
-    has d_t >= friction d_n: with ones Lemke ends in a ray for most problems with friction above one.
+    f = (p_t + friction p_n - c, -p_t + friction p_n - c, p_n); blocks of n rows in this order. Slip opens by dilation,
+    back towards where the faces have come from it closes: as long as it does not pass that place. The covering vector
+    has d_t >= friction d_n: with ones Lemke ends in a ray for most problems with friction above one. With rigid motions
+    A^-1 is what stuck points need for their jumps where these motions are free, and they carry the pull of the loads.
     """
     n = problem.n_points
-    inverse = _inverse(problem.compliance)
-    stuck = inverse @ problem.free  # tractions with every point closed and sticking
-    root = np.sqrt(np.abs(inverse.diagonal()))
+    inverse, carried = _inverse(problem)
+    size = np.abs(inverse.diagonal())
+    root = np.sqrt(np.maximum(size, DETERMINATE * size.max(initial=0.0)))
     if problem.friction is None or problem.cohesion is None:
-        return _scaled(inverse, -stuck, root, root)
+        return _scaled(inverse, -inverse @ problem.free - carried, root, root)
+    opened, per_slip = _dilation(problem)
+    # tractions with every point closed and sticking
+    stuck = carried + inverse @ (problem.free - np.append(opened, np.zeros(n)))
     cross = problem.friction[:, None] * inverse[:n]
     rows = np.vstack([inverse[n:] + cross, cross - inverse[n:], inverse[:n]])  # m_c' A^-1
-    M = np.hstack([rows[:, n:], -rows[:, n:], rows[:, :n]])
+    M = np.hstack([rows[:, n:] + rows[:, :n] * per_slip[0], rows[:, :n] * per_slip[1] - rows[:, n:], rows[:, :n]])
     limit = problem.cohesion - problem.friction * stuck[:n]
     q = np.concatenate([limit - stuck[n:], limit + stuck[n:], -stuck[:n]])
     root_n, root_t = root[:n], root[n:]
@@ -82,21 +92,51 @@ def _contact_lcp(problem: ContactProblem) -> _ContactLcp:
     return _scaled(M, q, np.concatenate([d_t, d_t, root_n]), np.concatenate([root_t, root_t, root_n]))
 
 
-def _inverse(A: Floats) -> Floats:
+def _dilation(problem: ContactProblem) -> tuple[Floats, tuple[Floats, Floats]]:
+    """What dilation has opened before (n,) m, and what it opens (n,) per slip + and per slip - from there on."""
+    assert problem.dilation is not None
+    assert problem.slipped is not None
+    before = problem.slipped
+    senses = (np.where(before < 0.0, -1.0, 1.0), np.where(before > 0.0, -1.0, 1.0))
+    return problem.dilation * np.abs(before), (problem.dilation * senses[0], problem.dilation * senses[1])
+
+
+def _inverse(problem: ContactProblem) -> tuple[Floats, Floats]:
+    """A^-1 (m, m), and tractions (m,) that balance what pulls at rigid motions; without these A^-1 is the inverse.
+
+    With motions they are parts of the inverse of [[A, -B], [F, 0]], of motions that points see at all.
+    """
+    A, motions, m = problem.compliance, problem.motions, problem.free.size
     root = np.sqrt(A.diagonal())
-    scaled = A / np.outer(root, root)
+    scaled, last = A / np.outer(root, root), np.zeros(0)
+    if motions is not None:
+        _, sizes, seen = np.linalg.svd(motions.jump / root[:, None], full_matrices=False)
+        seen = seen[sizes > UNSEEN * sizes.max(initial=0.0)]
+        jump, force = (motions.jump @ seen.T) / root[:, None], (seen @ motions.force) / root
+        size = np.abs(force).max(axis=1)
+        scaled = np.block(
+            [[scaled, -jump / np.abs(jump).max(axis=0)], [force / size[:, None], np.zeros((len(seen),) * 2)]]
+        )
+        last = (seen @ motions.pull) / size
     try:
         inverse: Floats = np.asarray(np.linalg.inv(scaled), dtype=np.float64)
     except np.linalg.LinAlgError:
-        inverse = np.full_like(A, np.inf)
+        inverse = np.full_like(scaled, np.inf)
     condition = float(np.abs(scaled).sum(axis=0).max(initial=0.0) * np.abs(inverse).sum(axis=0).max(initial=0.0))
     if condition > SINGULAR:
-        raise SolveError(
+        raise NotSolvedError(
             f"contact compliance: condition number is {condition:.1e}, at most {SINGULAR:.0e} can be inverted for "
             f"Lemke's method: use fewer contact points, a finite contact stiffness or the Newton solver"
         )
-    inverse /= np.outer(root, root)
-    return inverse
+    return inverse[:m, :m] / np.outer(root, root), inverse[:m, m:] @ last / root
+
+
+def _motion(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
+    """Amplitudes (l,) of the rigid motions that go with tractions p and jumps du (m,)."""
+    if problem.motions is None:
+        return np.zeros(0)
+    left = du - problem.free + problem.compliance @ p
+    return np.asarray(np.linalg.lstsq(problem.motions.jump, left)[0])
 
 
 def _scaled(M: Floats, q: Floats, d: Floats, root: Floats) -> _ContactLcp:
@@ -111,4 +151,6 @@ def _tractions(problem: ContactProblem, slip_opening: Floats, v: Floats) -> tupl
     if problem.friction is None:
         return -v, slip_opening
     p = np.concatenate([-v[2 * n :], (v[n : 2 * n] - v[:n]) / 2.0])
-    return p, np.concatenate([slip_opening[2 * n :], slip_opening[:n] - slip_opening[n : 2 * n]])
+    opened, per_slip = _dilation(problem)
+    forward, backward, gap = slip_opening.reshape(3, n)
+    return p, np.concatenate([gap + opened + per_slip[0] * forward + per_slip[1] * backward, forward - backward])

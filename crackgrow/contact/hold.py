@@ -1,88 +1,92 @@
-"""Pieces of rock that contact alone holds, where their contact problem is hard: near the loads that let them go.
+"""Pieces of rock that contact alone holds, and why it does not where it doesn't.
 
-The contact problem then is badly conditioned, since loose springs let pieces move far. Limit analysis tells whether the
-faces can hold them at all; if they can, stiffer springs make the problem easier. The solution does not depend on them.
+Limit analysis tells whether the faces can hold them at all, and along which motion they give way.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.contact.held_loosely import solve_contact_held_loosely
 from crackgrow.contact.law import ContactMemory
 from crackgrow.contact.limit import least_unbalanced
-from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
-from crackgrow.cover.cover import Cover
-from crackgrow.errors import FreePieceError, SolveError
-from crackgrow.solid.dissection import places_of_unknowns
-from crackgrow.solid.linear_solver import ConstrainedSystem
-from crackgrow.solid.rigid_modes import FreePiece, Springs, free_motions
+from crackgrow.errors import FreePieceError
+from crackgrow.solid.rigid_modes import FreePiece
 
 Floats = NDArray[np.float64]
-
-STIFFER = (3.0, 10.0, 30.0, 100.0)
-"""Times the usual stiffness of the springs. Still stiffer ones yield too slowly to tell a piece that is held."""
 
 UNBALANCED = 1e-6
 """Loads out of balance by less than this fraction of them are balanced: what linear programming is good for."""
 
 
-def solve_contact_of_pieces(
-    contact: ContactSystem,
-    cover: Cover,
-    springs: Springs,
-    pieces: tuple[FreePiece, ...],
-    loads: Floats,
-    given: Floats,
-    memory: ContactMemory | None,
-) -> ContactOutcome:
-    """As `solve_contact_held_loosely`, with other springs where these don't lead to a solution.
+YIELDS = 1e-3
+"""Jumps, and motions, of less than this fraction of the largest are none."""
 
-    Raises FreePieceError where contact does not hold a piece, SolveError where it may and no solution is found.
+TURNS = 0.05
+"""Motions in which the rim of a piece turns by less than this fraction of how far it moves are translations."""
+
+
+def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats, memory: ContactMemory | None) -> None:
+    """Raise FreePieceError where no tractions that the faces can carry balance the loads on free pieces.
+
+    `surface` are the names of the surfaces (n,) that the contact points lie on.
     """
-    failures = []
-    for stiffer in (1.0, *STIFFER):
-        stiff, system = springs, contact
-        if stiffer > 1.0:
-            stiff = replace(springs, stiffness=stiffer * springs.stiffness)
-            more = replace(springs, stiffness=(stiffer - 1.0) * springs.stiffness)
-            matrix = more.added_to(contact.system.stiffness)
-            solver = ConstrainedSystem(
-                matrix, contact.system.constraints, places_of_unknowns(cover), contact.system.factors, loose=True
-            )
-            system = replace(contact, system=solver)
-        try:
-            outcome = solve_contact_held_loosely(system, stiff, pieces, loads, given, memory)
-            told = (system.system.note,) if stiffer > 1.0 and system.system.note else ()
-            return replace(outcome, notes=(*outcome.notes, *told))
-        except FreePieceError:
-            raise
-        except SolveError as error:
-            failures.append(error)
-        if stiffer == 1.0:
-            check_can_hold(contact, cover, pieces, loads, memory)
-    names = ", ".join(str(piece) for piece in pieces)
-    raise SolveError(f"contact alone holds {names}, perhaps only just: {failures[0]}") from failures[0]
-
-
-def check_can_hold(
-    contact: ContactSystem, cover: Cover, pieces: tuple[FreePiece, ...], loads: Floats, memory: ContactMemory | None
-) -> None:
-    """Raise FreePieceError where no tractions that the faces can carry balance the loads on free pieces."""
-    motions = free_motions(cover, contact.system.constraints)
-    law = contact.law
+    free, law = contact.loose, contact.law
+    assert free is not None
     friction, cohesion = (law.friction, law.cohesion) if memory is None else law.bound_of(memory.broken)
-    gap, slip = contact.gap_of @ motions, contact.slip_of @ motions
-    size = float(np.abs(loads).sum())
-    left, way = least_unbalanced(gap, slip, contact.weights, motions.T @ loads, size, friction, cohesion)
-    if left > UNBALANCED:
-        moved = np.abs(motions @ way)
-        piece = pieces[int(np.argmax([moved[2 * piece.functions].max() for piece in pieces]))]
-        what = (
-            f"{piece} is free to move: contact does not hold it, {100.0 * left:.3g} % of the loads stay out of balance"
-        )
-        raise FreePieceError(what, "it needs supports, friction or another load")
+    gap, slip = np.split(contact.moving, 2)
+    size, pull = float(np.abs(loads).sum()), free.along(loads)
+    left, way = least_unbalanced(gap, slip, contact.weights, pull, size, friction, cohesion)
+    if left <= UNBALANCED:
+        return
+    piece, others = _giving_way(contact, way)
+    moves = _in_words(free.of_piece(piece, way), piece, _surfaces(gap @ way, slip @ way, friction, surface))
+    names = f"{piece}" + (f" (and with it {' and '.join(str(other) for other in others)})" if others else "")
+    what = (
+        f"{names} is free to move: contact does not hold it, {moves}; {100.0 * left:.3g} % of the loads stay out of "
+        "balance"
+    )
+    raise FreePieceError(what, "it needs supports, friction or another load")
+
+
+def _giving_way(contact: ContactSystem, way: Floats) -> tuple[FreePiece, list[FreePiece]]:
+    """The piece at most of whose contact points the faces part or slip, and the others that move."""
+    free = contact.loose
+    assert free is not None
+    yields = np.hypot(*np.split(contact.moving @ way, 2))
+    yields = yields > YIELDS * yields.max(initial=0.0)
+    of_pieces = abs(contact.jumps_of(free.of_pieces))
+    speeds = [float(np.abs(free.of_piece(piece, way)).max()) for piece in free.pieces]
+    moving = [piece for piece, speed in zip(free.pieces, speeds, strict=True) if speed > YIELDS * max(speeds)]
+
+    def n_yielding(piece: FreePiece) -> int:
+        seen = of_pieces[:, 3 * piece.number : 3 * piece.number + 3].sum(axis=1).reshape(2, -1).sum(axis=0)
+        return int(np.sum(yields & (seen > 0.0)))
+
+    first = max(moving, key=n_yielding)
+    return first, [piece for piece in moving if piece is not first]
+
+
+def _surfaces(gap: Floats, slip: Floats, friction: Floats, surface: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The surfaces whose faces slip in a motion, and those whose faces part.
+
+    Limit analysis lets faces that slip part by friction times their slip.
+    """
+    tolerance = YIELDS * max(np.abs(gap).max(initial=0.0), np.abs(slip).max(initial=0.0))
+    slips = (np.abs(slip) > tolerance) & (gap <= friction * np.abs(slip) + tolerance)
+    parts = gap > friction * np.abs(slip) + tolerance
+    named = [sorted({surface[point] for point in np.flatnonzero(which).tolist()}) for which in (slips, parts)]
+    return named[0], named[1]
+
+
+def _in_words(motion: Floats, piece: FreePiece, surfaces: tuple[list[str], list[str]]) -> str:
+    """How a piece moves."""
+    slipping, parting = surfaces
+    if abs(motion[2]) > TURNS * float(np.hypot(*motion[:2])):
+        return f"it turns about {piece.about(motion)}"
+    if slipping:
+        return f"it slides along {' and '.join(repr(name) for name in slipping)}"
+    return f"it moves off {' and '.join(repr(name) for name in parting)}"

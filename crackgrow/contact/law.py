@@ -29,6 +29,15 @@ class ContactLaw:
         return np.where(broken, friction, self.friction), np.where(broken, cohesion, self.cohesion)
 
     @property
+    def dilating(self) -> Floats:
+        """Tangents (n,) of the dilation angles."""
+        return np.zeros(len(self.friction)) if self.dilation is None else self.dilation
+
+    def opening(self, slip: Floats) -> Floats:
+        """What slip (n,) m, less its elastic part, opens by dilation, m."""
+        return np.asarray(self.dilating * np.abs(slip))
+
+    @property
     def breakable(self) -> Bools:
         """Which points (n,) have something to lose."""
         n = len(self.friction)

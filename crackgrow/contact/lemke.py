@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
 from crackgrow.contact.tableau import Tableau
-from crackgrow.errors import SolveError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -51,7 +50,7 @@ def lemke(M: Floats, q: Floats, d: Floats | None = None, max_pivots: int | None 
     `M` (n, n), `q` (n,) and the positive covering vector `d` (n,), ones in the scaled rows by default; at most
     `max_pivots` pivots, 1000 + 20 n by default. Ties of the minimum ratio go to the artificial variable, else by the
     lexicographic rule, so that no degenerate problem cycles. The solution is computed anew from the final basis, and
-    is "solved" only where every row holds to SOLVED_RESIDUAL of that row's own terms. Raises SolveError for wrong
+    is "solved" only where every row holds to SOLVED_RESIDUAL of that row's own terms. Raises ValueError for wrong
     shapes, values that are not finite and entries of d that are not positive.
     """
     M, q, d = _checked(M, q, d)
@@ -125,7 +124,7 @@ def _checked(M: Floats, q: Floats, d: Floats | None) -> tuple[Floats, Floats, Fl
     d = None if d is None else np.asarray(d, dtype=np.float64)
     for name, value, shape in (("M", M, (q.size, q.size)), ("q", q, (q.size,)), ("d", d, (q.size,))):
         if value is not None and (value.shape != shape or not np.isfinite(value).all()):
-            raise SolveError(f"lemke {name}: shape {value.shape}, must be {shape} with finite values only")
+            raise ValueError(f"lemke {name}: shape {value.shape}, must be {shape} with finite values only")
     if d is not None and d.size and d.min() <= 0.0:
-        raise SolveError(f"lemke d: least entry is {d.min():.6g}, must be positive")
+        raise ValueError(f"lemke d: least entry is {d.min():.6g}, must be positive")
     return M, q, d

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ def least_unbalanced(
     """The least part of the loads that the faces leave unbalanced, and the motion (k,) along which they give way.
 
     `gap` and `slip` (n, k) are those of n contact points of lengths `weights` (n,) m in k free motions, `pull` (k,) N/m
-    what the loads do on these, and `size` (N/m) that of the loads. Raises SolveError where linear
+    what the loads do on these, and `size` (N/m) that of the loads. Raises NotSolvedError where linear
     programming fails.
     """
     from scipy.optimize import linprog  # here: loading it takes a tenth of a second, and few scenes need it
@@ -49,5 +49,5 @@ def least_unbalanced(
         method="highs",
     )
     if not found.success:
-        raise SolveError(f"whether contact can hold all pieces of rock was not found: {found.message}")
+        raise NotSolvedError(f"whether contact can hold all pieces of rock was not found: {found.message}")
     return float(found.fun), np.asarray(found.eqlin.marginals)

@@ -11,11 +11,12 @@ Alart, Curnier 1991 for friction). The problem is that of Li, Zheng, Guo 2017, e
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from crackgrow.contact.active_solver import ActiveSolver
+from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.coarse import doubled, halved
 from crackgrow.contact.coulomb import (
     ActiveSet,
@@ -23,10 +24,10 @@ from crackgrow.contact.coulomb import (
     ContactSolution,
     Floats,
     active_set,
+    imbalance,
     jump,
     project,
 )
-from crackgrow.errors import SolveError
 
 ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p|, that a dense solve can leave
 REPEATED_ROUND_OFF: Final = 1e-10  # the same where the active set repeats: another step cannot lower it
@@ -35,67 +36,109 @@ FIRST_SWEEPS: Final = 3  # Gauss-Seidel sweeps before the first step
 FEW_POINTS: Final = 32  # up to so many points start from sweeps alone
 COARSE_ITERATIONS: Final = 20  # of a problem that is but a start
 MAX_SWEEPS: Final = 200  # most sweeps after one cycle
+SOFT: Final = 1.0  # compliance of the springs that hold pieces during sweeps, in parts of the rock's
+UNSEEN: Final = 1e-12  # motions that contact points see by less, relative to what they see best, are not seen
 
 
 def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_iterations: int = 100) -> ContactSolution:
     """Tractions of the contact problem; status "solved", or "limit" with the best tractions found.
 
-    `start` (m,) Pa is a guess, `first_guess` if None. An iteration is one linear solve. Where an
+    `start` (m + l,) are unknowns to start from, `first_guess` if None. An iteration is one linear solve. Where an
     active set comes back without convergence, projected Gauss-Seidel sweeps (5, 10, 20, ...) lead out of the cycle.
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
-    points than the displacement can follow, or friction beyond the range in which a solution exists.
-    Raises SolveError for a start of wrong shape or with a value that is not finite.
+    points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
+    that contact does not hold.
     """
-    p = first_guess(problem) if start is None else _checked(problem, start)
-    solver = ActiveSolver(problem)
-    best, least = p, np.inf
-    active = active_set(problem, p, jump(problem, p))
+    x = first_guess(problem) if start is None else _checked(problem, start)
+    m = problem.free.size
+    best, least = x, np.inf
+    active = active_set(problem, x[:m], jump(problem, x))
     seen: set[bytes] = set()
     n_sweeps = 5
-    assert problem.scale is not None
     as_far = max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
     for iteration in range(1, max_iterations + 1):
         seen.add(active.key())
-        p = solver.solve(active)
-        du = jump(problem, p)
-        residual = _change(problem, p, du)
-        following = _through_stick(active, active_set(problem, p, du))
+        x = solve_active(problem, active)
+        du = jump(problem, x)
+        residual = max(_change(problem, x[:m], du), imbalance(problem, x))
+        following = _through_stick(problem, active, active_set(problem, x[:m], du))
         repeated = following.key() == active.key()
         if residual < least:
-            best, least = p, residual
+            best, least = x, residual
         if residual <= (as_far if repeated else ROUND_OFF):
-            p[: problem.n_points] = np.minimum(p[: problem.n_points], 0.0)
-            return ContactSolution(p, "solved", iteration, active.states())
+            x[: problem.n_points] = np.minimum(x[: problem.n_points], 0.0)
+            return ContactSolution(x[:m], "solved", iteration, active.states(), x[m:])
         if following.key() in seen:
-            p = sweep(problem, p, n_sweeps)
+            x = sweep(problem, x, n_sweeps)
             n_sweeps = min(2 * n_sweeps, MAX_SWEEPS)
-            following = active_set(problem, p, jump(problem, p))
+            following = active_set(problem, x[:m], jump(problem, x))
             seen.clear()
         active = following
-    return ContactSolution(best, "limit", max_iterations, active_set(problem, best, jump(problem, best)).states())
+    states = active_set(problem, best[:m], jump(problem, best)).states()
+    return ContactSolution(best[:m], "limit", max_iterations, states, best[m:])
 
 
-def sweep(problem: ContactProblem, p: Floats, n_sweeps: int) -> Floats:
-    """(m,) Pa: tractions p after projected Gauss-Seidel sweeps, point by point, normal before tangential."""
+def sweep(problem: ContactProblem, x: Floats, n_sweeps: int) -> Floats:
+    """Unknowns (m + l,) after projected Gauss-Seidel sweeps from x on, point by point, normal before tangential.
+
+    Where contact alone holds pieces, springs hold them where they are meanwhile, and let go then.
+    """
+    if problem.motions is not None:
+        m = problem.free.size
+        held, springs = _held_by_springs(problem, x[m:])
+        p = sweep(held, x[:m], n_sweeps)
+        return np.concatenate([p, x[m:] + springs @ (problem.motions.pull - problem.motions.force @ p)])
     A, n = problem.compliance, problem.n_points
-    p = p.copy()
+    p = x.copy()
     free, diagonal = problem.free.tolist(), A.diagonal().tolist()
     rows = list(A)
     if problem.friction is not None and problem.cohesion is not None:
         friction, cohesion = problem.friction.tolist(), problem.cohesion.tolist()
+        assert problem.dilation is not None
+        assert problem.slipped is not None
+        dilation, slipped = problem.dilation.tolist(), problem.slipped.tolist()
     for _ in range(n_sweeps):
         for i in range(n):
-            p_n = min(0.0, float(p[i]) + (free[i] - float(rows[i].dot(p))) / diagonal[i])
+            t = n + i
+            gap = free[i] - float(rows[i].dot(p))
+            if problem.friction is not None and dilation[i]:
+                gap -= dilation[i] * abs(slipped[i] + free[t] - float(rows[t].dot(p)))
+            p_n = min(0.0, float(p[i]) + gap / diagonal[i])
             p[i] = p_n
             if problem.friction is not None:
-                t = n + i
                 b = max(0.0, cohesion[i] - friction[i] * p_n)
                 p[t] = min(b, max(-b, float(p[t]) + (free[t] - float(rows[t].dot(p))) / diagonal[t]))
     return p
 
 
+def _held_by_springs(problem: ContactProblem, at: Floats) -> tuple[ContactProblem, Floats]:
+    """The problem where springs hold pieces at the amplitudes `at` (l,), and their compliance (l, l), m^2/N.
+
+    The springs are as soft as the rock: with P the projection of jumps on those of rigid motions they add SOFT A P.
+    """
+    motions = problem.motions
+    assert motions is not None
+    stiffness = motions.force @ motions.jump
+    softness = SOFT * float(np.median(problem.reach))
+    springs = softness * np.asarray(np.linalg.pinv(stiffness, rcond=UNSEEN, hermitian=True), dtype=np.float64)
+    moved = motions.jump @ springs
+    held = replace(
+        problem,
+        compliance=problem.compliance + moved @ motions.force,
+        free=problem.free + motions.jump @ at + moved @ motions.pull,
+        motions=None,
+    )
+    return held, springs
+
+
 def first_guess(problem: ContactProblem) -> Floats:
-    """(m,) Pa: tractions to start from, of a problem of half as many points, or of sweeps where there are few."""
+    """Unknowns (m + l,) to start from: of a problem of half as many points, or of sweeps where there are few.
+
+    Where contact alone holds pieces, all points stick at first.
+    """
+    if problem.motions is not None:
+        n = problem.n_points
+        return solve_active(problem, ActiveSet(np.ones(n, dtype=bool), np.zeros(n, dtype=np.int64)))
     coarse = halved(problem) if problem.n_points > FEW_POINTS else None
     if coarse is None:
         return sweep(problem, np.zeros(problem.free.size), FIRST_SWEEPS)
@@ -103,10 +146,11 @@ def first_guess(problem: ContactProblem) -> Floats:
 
 
 def _checked(problem: ContactProblem, start: Floats) -> Floats:
-    if start.shape != problem.free.shape or not np.isfinite(start).all():
-        raise SolveError(
+    shape = (problem.free.size + problem.n_motions,)
+    if start.shape != shape or not np.isfinite(start).all():
+        raise ValueError(
             f"contact start: shape {start.shape} with {np.count_nonzero(~np.isfinite(start))} values that are not "
-            f"finite, must be finite of shape {problem.free.shape}: leave it out to start from zero"
+            f"finite, must be finite of shape {shape}: leave it out to start from a first guess"
         )
     return np.asarray(start, dtype=np.float64)
 
@@ -118,7 +162,10 @@ def _change(problem: ContactProblem, p: Floats, du: Floats) -> float:
     return float(np.abs(projected - p).max()) / scale if scale > 0.0 else 0.0
 
 
-def _through_stick(active: ActiveSet, following: ActiveSet) -> ActiveSet:
+def _through_stick(problem: ContactProblem, active: ActiveSet, following: ActiveSet) -> ActiveSet:
     """Let a point stick for one step before it slips the other way: this ends most cycles of reversing points."""
     reversing = active.slip * following.slip < 0
-    return ActiveSet(following.closed, np.where(reversing, 0, following.slip))
+    slip = np.where(reversing, 0, following.slip)
+    if following.sense is None or problem.slipped is None:
+        return ActiveSet(following.closed, slip)
+    return ActiveSet(following.closed, slip, np.where(reversing, np.sign(problem.slipped), following.sense).astype(int))

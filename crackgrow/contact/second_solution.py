@@ -30,13 +30,13 @@ class SecondSolution:
 def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
     """A second solution, if there is one and some start leads to it; None below the limit at the cost of the bound.
 
-    Pieces that contact alone holds are not examined: the compliance of their springs is not that of the rock. Nor is
+    Pieces that contact alone holds are not examined: the bound takes supports that hold all of the rock. Nor is
     dilation, with which the compliance is not symmetric.
     """
     problem, rows = outcome.problem, outcome.rows
     if problem is None or problem.friction is None or not problem.friction.any():
         return None
-    if contact.loose or contact.law.dilation is not None:
+    if problem.motions is not None or contact.law.dilation is not None:
         return None
     largest, weights = float(problem.friction.max()), contact.weights[rows]
     if below_friction_limit(largest, problem.compliance, weights):

@@ -13,6 +13,7 @@ from scipy.sparse import csr_array, vstack
 from crackgrow.contact.condensation import ByCompliance, BySolutions, Condensation
 from crackgrow.contact.law import ContactLaw
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.solid.rigid_modes import RigidMotions
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -35,7 +36,7 @@ class ContactSystem:
     weights: Floats  # (n,) m, length of every contact point
     law: ContactLaw
     solver: Literal["newton", "lemke"]
-    loose: bool = False  # whether `system` holds pieces by springs, in whose compliance that of the rock is lost
+    loose: RigidMotions | None = None  # of pieces that contact alone holds; `system` holds each of them just once
     columns: _Columns = field(init=False, repr=False)  # displacements per unit traction, found when needed
     _between: _Between = field(init=False, repr=False)  # the compliance between the points, found when needed
 
@@ -48,21 +49,30 @@ class ContactSystem:
 
         Which way depends on nothing but the system. Columns take memory and time in proportion to unknowns and points,
         but then give displacements without any other solve. Where they are many the compliance of all points is found
-        at once by elimination alone. Not so where springs hold pieces: those columns are refined. The displacements
-        are solved for there, since as sums of columns they would be what is left of motions thousands of times as far.
+        at once by elimination alone. The displacements of pieces that contact holds are always solved for: under single
+        tractions supports let them turn much farther than under all.
         """
         operator, between = self._between.operator, None
-        if not self.loose and 2 * self.gap_of.shape[0] * self.gap_of.shape[1] > FEW_NUMBERS:
+        if self.loose is not None or 2 * self.gap_of.shape[0] * self.gap_of.shape[1] > FEW_NUMBERS:
             between = self._between.compliance
         if between is not None:
             at = np.concatenate([rows, len(self.weights) + sliding])
             taken = between[:, at] * np.tile(self.weights, 2)[at]
             return ByCompliance(self.system, operator, self.weights, taken, rows, sliding)
         responses = self.columns.of(rows, sliding)
-        if self.loose:
+        if self.loose is not None:
             return ByCompliance(self.system, operator, self.weights, operator @ responses, rows, sliding)
         multipliers = self.columns.multipliers(rows, sliding)
         return BySolutions(self.gap_of, self.slip_of, rows, sliding, responses, multipliers)
+
+    def jumps_of(self, motions: csr_array) -> Floats:
+        """Gap, then slip (2 n, k) of all points in displacements (n_dofs, k)."""
+        return np.asarray((self._between.operator @ motions).toarray())
+
+    @property
+    def moving(self) -> Floats:
+        """Gap, then slip (2 n, l) of all points in each of the rigid motions that supports leave free."""
+        return self._between.moving(self.loose)
 
 
 class _Columns:
@@ -112,11 +122,18 @@ class _Between:
 
     def __init__(self, system: ConstrainedSystem, gap_of: csr_array, slip_of: csr_array) -> None:
         self._system, self._operators = system, (gap_of, slip_of)
+        self._moving: Floats | None = None
 
     @cached_property
     def operator(self) -> csr_array:
         """G (2 n, n_dofs), gaps first."""
         return csr_array(vstack(self._operators, format="csr"))
+
+    def moving(self, loose: RigidMotions | None) -> Floats:
+        """Jumps (2 n, l) in the motions."""
+        if self._moving is None:
+            self._moving = np.zeros((self.operator.shape[0], 0)) if loose is None else loose.seen_by(self.operator)
+        return self._moving
 
     @cached_property
     def compliance(self) -> Floats | None:

@@ -33,7 +33,7 @@ from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import ActiveSet, ContactProblem, ContactSolution
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError
 
 Floats = NDArray[np.float64]
 
@@ -132,7 +132,7 @@ def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
         return
     try:
         yield solve_by_lemke(problem)
-    except SolveError:  # the compliance has no inverse: Newton's attempts are all there are
+    except NotSolvedError:  # the compliance has no inverse: Newton's attempts are all there are
         return
 
 

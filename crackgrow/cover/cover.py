@@ -100,7 +100,7 @@ def build_cover(
     What is cut as in the cover `before` is taken over; the result is the same without it. Raises GeometryError where
     the cover cannot represent a crack.
     """
-    bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings)) for body in bodies]
+    bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings), body.name) for body in bodies]
     lines = with_junctions(_on_grid(cracks), _on_grid(interfaces))
     cracks = lines[: len(cracks)]
     known = before.elements if before is not None and _same_bodies(before, lattice, bodies) else None

@@ -40,6 +40,7 @@ class BodyGeometry:
     """A body in lattice coordinates: its outline counter-clockwise, its holes clockwise."""
 
     rings: tuple[Floats, ...]  # each (n, 2), not closed
+    name: str = ""  # for messages
 
     @property
     def sides(self) -> Floats:

@@ -8,7 +8,6 @@ triangles have their apex at it, and those near it are halved until they are sma
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -46,7 +45,6 @@ class ElementPoints:
     element: Ints  # (n,)
 
 
-@lru_cache(maxsize=1)
 def plain_elements(cover: Cover) -> Bools:
     """Which elements are rectangles with four edges, none on a surface, and without tip functions: (elements,)."""
     elements = cover.elements
@@ -57,7 +55,6 @@ def plain_elements(cover: Cover) -> Bools:
     beside = np.concatenate([elements.edges.left[cover.touching], elements.edges.right[cover.touching]])
     plain[beside[beside >= 0]] = False
     plain &= ~cover.enrichment.tips.any & (cover.crumbs.of_element < 0)
-    plain.flags.writeable = False
     return np.asarray(plain)
 
 

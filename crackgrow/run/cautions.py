@@ -37,6 +37,9 @@ AT_CORNERS = 0.05
 LARGE_IMBALANCE = 1e-8
 """What may be missing of the balance of forces of the whole scene, by their magnitudes, before a step says so."""
 
+LARGE_ENERGY_ERROR = 1e-4
+"""Error of the balance of energy from which a step carries a warning: ten times what a part of the load may miss."""
+
 LARGE_RESIDUAL = 1e-9
 """Relative equilibrium residual from which a step carries a warning."""
 
@@ -67,7 +70,7 @@ def cautions(
     close to each other, once: where it is not among the warnings already `told`.
     """
     slower = solution.contact.system.note
-    found = [*solution.outcome.notes, *solution.notes, *([slower] if slower else [])]
+    found = [*solution.outcome.notes, *solution.state.notes, *solution.notes, *([slower] if slower else [])]
     if step == 0:
         found.extend(settings_cautions(scene, solution.cover, solution.faces.n))
     found.extend(_overlapping(scene, faces, shares))
@@ -76,6 +79,12 @@ def cautions(
     found.extend(text for text in close_by if text not in told)
     if solution.residual > LARGE_RESIDUAL:
         found.append(f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned")
+    error = solution.state.energy.error
+    if error > LARGE_ENERGY_ERROR:
+        found.append(
+            f"work, strain energy, dissipation and release are out of balance by {error:.1g} of the largest: contact "
+            "points change on the way; apply the load in smaller steps (loading.history)"
+        )
     left = imbalance(solution)
     if left > LARGE_IMBALANCE:
         found.append(f"loads and reactions are out of balance by {left:.1g}: bodies of very unlike stiffness")

@@ -15,7 +15,7 @@ from scipy.sparse import csr_array, vstack
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces
-from crackgrow.contact.hold import solve_contact_of_pieces
+from crackgrow.contact.hold import check_can_hold
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.law import ContactLaw, ContactMemory
 from crackgrow.contact.mortar import mortar_faces
@@ -23,7 +23,7 @@ from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.scene import Scene
@@ -32,7 +32,7 @@ from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.magnitude import LARGEST, LARGEST_STRAIN, check_magnitude
 from crackgrow.solid.matrix import SymmetricMatrix
-from crackgrow.solid.rigid_modes import FreePiece, Springs, check_held, free_pieces, loose_springs
+from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints, constraints, tied
 
@@ -50,6 +50,9 @@ UNSTRESSED = 1e-6
 
 WORST_RESIDUAL = 1e-5
 """Relative equilibrium residual beyond which a solution is refused."""
+
+LOST_DIGITS = 1e-9
+"""Of the terms of a force: what round-off leaves of them at worst."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,8 +75,6 @@ class Configuration:
     held: Constraints  # with given displacements at load factor 1
     contact: ContactSystem
     faces: ContactFaces
-    free: tuple[FreePiece, ...]  # pieces that contact alone holds
-    springs: Springs | None
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
     seconds: dict[str, float]
@@ -97,28 +98,46 @@ class Configuration:
         farthest = LARGEST_STRAIN * self.scene.lattice.spacing
         check_magnitude("loads", loads, LARGEST, "N/m")
         check_magnitude("prescribed displacements", given, farthest, "m")
-        if self.springs is None:
-            outcome = solve_contact(self.contact, loads, given, memory, self._without_contact(factor, holding))
-        else:
-            outcome = solve_contact_of_pieces(self.contact, self.cover, self.springs, self.free, loads, given, memory)
-            outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
+        outcome = self._solved(loads, given, memory, self._without_contact(factor, holding))
         check_magnitude("displacements", outcome.u, farthest, "m")
         check_magnitude("contact tractions", outcome.normal_traction, LARGEST, "Pa")
         check_magnitude("contact tractions", outcome.tangential_traction, LARGEST, "Pa")
         internal, terms = self.matrix @ outcome.u, self.matrix.sizes(outcome.u)
-        residual = _residual(self.contact, loads, outcome, internal, terms)
+        residual, place, part = _residual(self.contact, loads, outcome, internal, terms)
         if not residual <= WORST_RESIDUAL:
-            raise SolveError(
-                f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}: the system is too ill "
-                "conditioned" + ("; a tip may lie too close to another one or to an outline" if self.cover.tips else "")
-            )
+            raise NotSolvedError(self._not_balanced(residual, place, part))
         strain, strain_terms = 0.5 * float(outcome.u @ internal), 0.5 * float(np.abs(outcome.u) @ terms)
         return Equilibrium(outcome, residual, strain, strain_terms)
 
+    def _solved(
+        self, loads: Floats, given: Floats, memory: ContactMemory | None, without: tuple[Floats, Floats]
+    ) -> ContactOutcome:
+        """The outcome of contact, where contact holds all pieces; FreePieceError says which it does not hold."""
+        if self.contact.loose is None:
+            return solve_contact(self.contact, loads, given, memory, without)
+        try:
+            outcome = solve_contact(self.contact, loads, given, memory, without)
+        except NotSolvedError as error:
+            names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
+            check_can_hold(self.contact, names, loads, memory)
+            pieces = ", ".join(str(piece) for piece in self.contact.loose.pieces)
+            raise NotSolvedError(f"contact alone holds {pieces}, perhaps only just: {error}") from error
+        return replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
+
+    def _not_balanced(self, residual: float, dof: int, terms: float) -> str:
+        """What to say of a residual that is largest at an unknown, where forces are sums of `terms` their size."""
+        x, y = self.cover.lattice.to_metres(_place_of(self.cover, dof // 2)[None])[0]
+        what = f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}, near ({x:.4g}, {y:.4g}) m"
+        if residual > LOST_DIGITS * terms:
+            return f"{what}: no state was found in which forces balance there; use smaller load increments or a spacing"
+        return (
+            f"{what}: the system is too ill conditioned there, with terms {terms:.1g} times the forces; move what lies "
+            "close together (a tip, a crack, an outline, a lattice line) a little, or change numerics.spacing"
+        )
+
     def solve_loads(self) -> None:
         """Solve for the loads without contact before anything else is: what comes later then finds the same bits."""
-        if self.springs is None:
-            self._without_contact(1.0, 1.0)
+        self._without_contact(1.0, 1.0)
 
     def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
         """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
@@ -159,17 +178,17 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
             load_vector(cover, case.bodies, loads, case.numerics.quadrature) + face_load_vector(cover, bodies, loads)
             for loads in ([x for x in case.loads if not x.held], [x for x in case.loads if x.held])
         )
-        free = free_pieces(cover, held.matrix)
-        check_held(free, _patches_at(cover, faces))
+        free = free_motions(cover, held.matrix)
+        check_held(free.pieces, _patches_at(cover, faces))
     with timed(seconds, "factorize"):
-        springs = loose_springs(cover, matrix, free) if free else None
-        stiff = matrix if springs is None else springs.added_to(matrix)
+        loose = free.held_once(matrix) if free.pieces else None
+        stiff = matrix if loose is None else loose.held_in(matrix)
         factors = None if before is None else before.contact.system.factors
-        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors, loose=springs is not None)
+        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors)
     weights = faces.weights * scene.lattice.spacing
     law = _law(scene, faces, growing)
-    contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose=bool(free))
-    return Configuration(scene, cover, stiffness, held, contact, faces, free, springs, scaled, constant, seconds)
+    contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose)
+    return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, seconds)
 
 
 def lay_out(scene: Scene, growing: tuple[GrowingCrack, ...]) -> tuple[Cover, ContactFaces, Constraints]:
@@ -232,7 +251,7 @@ def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> li
     """What to say of pieces that have rigid motions which neither supports nor pressed contact points see."""
     pressed, stuck = outcome.state != OPEN, outcome.state == STICK
     rows = [contact.system.constraints, contact.gap_of[pressed], contact.slip_of[stuck]]
-    pieces = free_pieces(cover, csr_array(vstack(rows, format="csr")))
+    pieces = free_motions(cover, csr_array(vstack(rows, format="csr"))).pieces
     return [f"{piece} may move without any resistance ({piece.motion}): where it lies is arbitrary" for piece in pieces]
 
 
@@ -261,10 +280,13 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
     return ContactLaw(friction, cohesion, compliance, residual, kept, dilation if dilation.any() else None)
 
 
-def _residual(contact: ContactSystem, loads: Floats, outcome: ContactOutcome, internal: Floats, terms: Floats) -> float:
-    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts, of which K u is `internal`.
+def _residual(
+    contact: ContactSystem, loads: Floats, outcome: ContactOutcome, internal: Floats, terms: Floats
+) -> tuple[float, int, float]:
+    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts, and the unknown it is at.
 
-    Where nothing is stressed all parts are round-off of K u, whose `terms` (n_dofs,) N/m then give the size.
+    K u is `internal`, `terms` (n_dofs,) N/m are those that it is the sum of: the third is that at the unknown, relative
+    as well. Where nothing is stressed all parts are round-off, and the terms give the size.
     """
     reactions = contact.system.constraints.T @ outcome.multipliers
     tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
@@ -272,5 +294,14 @@ def _residual(contact: ContactSystem, loads: Floats, outcome: ContactOutcome, in
     parts = (internal, reactions, tractions, loads)
     size = max(np.abs(part).max(initial=0.0) for part in parts)
     size = max(size, UNSTRESSED * terms.max(initial=0.0))
-    residual = np.abs(internal + reactions + tractions - loads).max(initial=0.0)
-    return float(residual / size) if size > 0.0 else 0.0
+    left = np.abs(internal + reactions + tractions - loads)
+    place = int(np.argmax(left))
+    return (float(left[place] / size), place, float(terms[place] / size)) if size > 0.0 else (0.0, place, 0.0)
+
+
+def _place_of(cover: Cover, function: int) -> Floats:
+    """The node of a physical patch (2,), or the tip that a singular function belongs to, in lattice coordinates."""
+    if function < len(cover.patch_nodes):
+        return np.asarray(cover.patch_nodes[function])
+    of_tip = [int(ids.max(initial=-1)) for ids in cover.tip_function_ids]
+    return cover.tips[int(np.searchsorted(of_tip, function - 3))].point

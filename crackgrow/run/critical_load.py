@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.errors import FreePieceError, SolveError
+from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import GO_BY_K, TipLoading
 from crackgrow.run.configuration import Configuration, timed
@@ -121,8 +121,8 @@ class _Search:
         self._configuration, self._growth = configuration, growth
         self._start = held_loads(configuration)
         self._seconds: dict[str, float] = {}
-        self._unborne = np.inf  # the least load factor known to have no solution
-        self._why: SolveError | None = None  # it has none
+        self._unborne = np.inf  # the least load factor that no solution was found at
+        self._why: FreePieceError | NotSolvedError | None = None  # it has none, or none was found
         self._n_unborne = 0  # load factors known to have none
         self.n_increments = 0
         ends = configuration.cover.tip_ends
@@ -132,7 +132,7 @@ class _Search:
     def path(self, below: _Trial, factor: float) -> list[_Trial]:
         """The states on the way from a trial to a load factor, where that is borne: else to the last one that is.
 
-        Raises FreePieceError or SolveError where hardly more than the first trial is borne.
+        Raises FreePieceError or NotSolvedError where hardly more than the first trial is borne, or was found.
         """
         start = self._start if below.state is None else from_state(below.state)
         while True:
@@ -141,7 +141,7 @@ class _Search:
                 self._check_borne(below)
             try:
                 state = self._increment(start, factor)
-            except (FreePieceError, SolveError) as error:
+            except (FreePieceError, NotSolvedError) as error:
                 self._unborne, self._why = factor, error
                 self._n_unborne += 1
                 continue
@@ -155,7 +155,10 @@ class _Search:
         if isinstance(self._why, FreePieceError):
             what = f"{self._why.what}, from a load factor of {self._unborne:.4g} on, before the criterion is met"
             raise FreePieceError(what, self._why.remedy) from self._why
-        raise self._why
+        raise NotSolvedError(
+            f"the criterion is not met up to a load factor of {below.factor:.6g}, and no state was found at "
+            f"{self._unborne:.6g}: {self._why}"
+        ) from self._why
 
     def found(self, trial: _Trial) -> StepSolution:
         """The solution of a trial that ends the search, with the time of all of them."""

@@ -158,14 +158,15 @@ def _without_shear(
     """The advance whose new tips see least shear, with its solution and the cost of all solves."""
     trials: list[_Trial] = []
     seconds: dict[str, float] = {}
-    advance = first
+    advance, gave_up = first, ""
     while True:
         try:
             advance = advance if not trials else _advanced(scene, cracks, ends, kinks, step)
             solved = solve(advance.cracks)
-        except (GeometryError, SolveError):
+        except (GeometryError, SolveError) as error:
             if not trials:
                 return first  # solving it again tells the user why
+            gave_up = f"the search for the direction of growth ended at trial {len(trials) + 1}: {error}"
             break
         for phase, spent in solved.seconds.items():
             seconds[phase] = seconds.get(phase, 0.0) + spent
@@ -175,7 +176,7 @@ def _without_shear(
         kinks = _corrected(trials)
     best = min(trials, key=lambda trial: trial.excess)
     assert best.advance.solution is not None
-    notes = best.advance.solution.notes
+    notes = (*best.advance.solution.notes, *([gave_up] if gave_up else []))
     if best.excess > 1.0:
         notes = (
             *notes,

@@ -47,6 +47,12 @@ MOST_HALVINGS = 12
 MOST_PARTS = 100
 """Parts of an increment, after which the rest of it is not divided."""
 
+GIVEN_UP = (
+    f"the load came in {MOST_PARTS} parts, and contact points slip or break within {{}} more, which are not divided: "
+    "where they do is only as good as these; apply the load in smaller steps (loading.history)"
+)
+"""What is said then."""
+
 BESIDE = 1e-10
 """So far before and behind the factor at which a point should slip, as a fraction of it, a part ends."""
 
@@ -78,6 +84,7 @@ class LoadState:
     conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
     rate: tuple[Floats, Floats] | None  # (n,) Pa per load factor: change of tractions where everything was linear
     seconds: float  # of all increments
+    notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
 
     @property
@@ -176,7 +183,10 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         return replace(state, seconds=time.perf_counter() - began)
     at = start
     reached: list[LoadState] = []
-    size = 0.0  # of the largest energy so far
+    size, passed_over = (
+        0.0,
+        0,
+    )  # of the largest energy so far; parts that are not divided although points change in them
     ends = [(factor, 1.0, 0)]  # of the parts, the next one last: load factor, share of the held loads, halvings
     while ends:
         end, holding, halvings = ends[-1]
@@ -194,11 +204,13 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
                 ends.append(limit)
             continue
         ends.pop()
+        passed_over += changes and len(reached) >= MOST_PARTS
         reached.append(_booked(state, at) if breaks.any() else state)
         at = from_state(reached[-1])
     *via, last = reached
+    notes = (GIVEN_UP.format(passed_over),) if passed_over else ()
     passed = tuple(replace(state, outcome=replace(state.outcome, problem=None)) for state in via)  # these are large
-    return replace(last, seconds=time.perf_counter() - began, via=passed)
+    return replace(last, seconds=time.perf_counter() - began, via=passed, notes=notes)
 
 
 def held_loads(configuration: Configuration) -> Start:

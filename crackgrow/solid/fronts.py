@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from crackgrow.errors import SolveError
 from crackgrow.solid.dissection import Places, dissect
 
 Floats = NDArray[np.float64]
@@ -106,12 +107,24 @@ def fronts_of(places: Places, constraints: csr_array) -> tuple[Fronts, Bools]:
 
     code = np.full(n + m, MULTIPLIER)
     x, y = places.nodes[order].T
-    code[position[order]] = (ACROSS * x + y) * WITHIN + np.arange(n) - before[rank[order]]
+    within = np.arange(n) - before[rank[order]]
+    _check_codes(int(within.max(initial=-1)) + 1, int(places.nodes.max(initial=-1)) + 1)
+    code[position[order]] = (ACROSS * x + y) * WITHIN + within
     low = np.array([tree.boxes[number].low for number in box.tolist()])
     corner = (ACROSS * low[:, 0] + low[:, 1]) * WITHIN
     return Fronts(_inverse(position), position, starts, counts[0], n_placed, parent, tuple(boundary), code, corner), (
         rows.narrow
     )
+
+
+def _check_codes(n_within: int, n_across: int) -> None:
+    """Raise SolveError where codes of unknowns would be those of others: factors are known by them."""
+    for what, n, most in (("unknowns at one node", n_within, WITHIN), ("nodes along an axis", n_across, ACROSS)):
+        if n > most:
+            raise SolveError(
+                f"{n} {what}, at most {most} can be told apart: use another numerics.spacing, or fewer "
+                "tips at one place"
+            )
 
 
 def _rows(places: Places, constraints: csr_array, front_of: Ints, up: Ints, begin: Ints) -> _Rows:

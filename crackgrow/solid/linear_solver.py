@@ -41,13 +41,11 @@ REFINEMENTS = 3
 ROUND_OFF = 1e-14
 """Residuals below this fraction of the terms that they are sums of are round-off."""
 
-FEW = 8
-"""So many right-hand sides are refined at least once where loose springs hold pieces. The error of a factorization is
-the same in all solves: springs that follow the rock would find a place, far away, where it balances loads that nothing
-else does."""
-
 FEW_CONSTRAINTS = 16
 """Up to so many constraints the responses to all of them cost less than the solves that they save."""
+
+MANY = 8
+"""Constraints per row from which elimination of all costs more than solves for the rows."""
 
 AT_ONCE = 256
 """Right-hand sides that are solved for together."""
@@ -133,14 +131,11 @@ class ConstrainedSystem:
         constraints: csr_array,
         places: Places | None = None,
         known: Mapping[bytes, Factor] | None = None,
-        loose: bool = False,
     ) -> None:
         """`stiffness` (n, n) Pa, `constraints` (m, n), `places` of the n unknowns; without them SuperLU factorizes.
 
-        `known` are the `factors` of another system, that may be in common with this one. `loose` is whether springs
-        that are far softer than the rock hold parts of it.
+        `known` are the `factors` of another system, that may be in common with this one.
         """
-        self._loose = loose
         self.stiffness = symmetric(stiffness)
         self.constraints = constraints
         self._share = abs(constraints)
@@ -166,20 +161,25 @@ class ConstrainedSystem:
     def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
 
-        `given` (m,) are the prescribed values g, zero if None. Raises SolveError where constraints contradict.
+        `given` (m,) or (m, k) are the prescribed values g, zero if None; (m,) are those of all loads. Raises SolveError
+        where constraints contradict.
         """
         n, m = self.constraints.shape[1], self.constraints.shape[0]
         columns = loads.reshape(n, -1)
-        wanted = np.zeros((m, columns.shape[1])) if given is None else given.reshape(m, columns.shape[1])
+        each = np.zeros(m) if given is None else given
+        wanted = np.broadcast_to(each[:, None] if each.ndim == 1 else each, (m, columns.shape[1]))
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
             u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block])
         if given is not None and m:
-            left = np.abs(self.constraints @ u - wanted).max()
-            round_off = ROUND_OFF * (self._share @ np.abs(u)).max()  # where loads act on what is held
-            if left > max(INCONSISTENT * displacement_size(loads, u.reshape(loads.shape), given), round_off):
-                raise SolveError(f"the supports contradict each other by {left:.3g} m")
+            left = np.abs(self.constraints @ u - wanted).max(axis=0, initial=0.0)
+            round_off = ROUND_OFF * (self._share @ np.abs(u)).max(
+                axis=0, initial=0.0
+            )  # where loads act on what is held
+            size = np.array([displacement_size(*column) for column in zip(columns.T, u.T, wanted.T, strict=True)])
+            if np.any(left > np.maximum(INCONSISTENT * size, round_off)):
+                raise SolveError(f"the supports contradict each other by {left.max():.3g} m")
         return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
 
     def compliance(self, rows: csr_array) -> Floats | None:
@@ -189,7 +189,7 @@ class ConstrainedSystem:
         are multipliers, and P those of unit pulls: of C u they miss d M and add 1 + d P to it.
         """
         k, m = rows.shape[0], self.constraints.shape[0]
-        if m > max(FEW_CONSTRAINTS, k):
+        if m > max(FEW_CONSTRAINTS, MANY * k):
             return None
         products = self._factorization.products(csr_array(block_diag([rows.T, eye_array(m)], format="csr")))
         if products is None:
@@ -215,16 +215,14 @@ class ConstrainedSystem:
         u, multipliers = self._step(loads, wanted)
         sign = np.ones(1) if loads.shape[1] == 1 else _signs(loads)
         last = np.inf
-        for done in range(REFINEMENTS):
-            force: Floats | None = None
-            if done or not self._loose or loads.shape[1] > FEW:
-                one_of_all = loads @ sign, u @ sign, multipliers @ sign
-                force = self._residual(*one_of_all)
-                error = self._backward_error(force, *one_of_all)
-                if error <= ROUND_OFF or error > 0.5 * last:
-                    break
-                last = error
-            if force is None or loads.shape[1] > 1:
+        for _ in range(REFINEMENTS):
+            one_of_all = loads @ sign, u @ sign, multipliers @ sign
+            force = self._residual(*one_of_all)
+            error = self._backward_error(force, *one_of_all)
+            if error <= ROUND_OFF or error > 0.5 * last:
+                break
+            last = error
+            if loads.shape[1] > 1:
                 force = self._residual(loads, u, multipliers)
             du, dm = self._step(force.reshape(loads.shape), wanted - self.constraints @ u)
             u, multipliers = u + du, multipliers + dm

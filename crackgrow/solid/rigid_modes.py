@@ -1,12 +1,17 @@
-"""Rigid motions: which pieces of rock the supports leave free, and loose springs that hold those until contact does."""
+"""Rigid motions: which pieces of rock the supports leave free, and supports that hold these just once.
+
+A piece with just enough supports to keep it where it is (statically determinate ones) is not stressed by them: they
+carry what pulls at its rigid motions, and nothing where all that acts on it balances.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.linalg import qr
+from scipy.sparse import coo_array, csc_array, csr_array, hstack
 
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import FreePieceError
@@ -19,19 +24,21 @@ Ints = NDArray[np.int64]
 HOLDS_NOTHING = 1e-8
 """Singular values below this, of constraints on the three rigid motions scaled by the piece's size, hold nothing."""
 
-SPRING_STIFFNESS = 1e-3
-"""Stiffness of a loose spring, relative to the geometric mean of its piece's and the softest rock's: loose against what
-holds the piece, not so loose that it is lost in round-off. The spring ends up without force."""
-
 FULL_PATCH = 0.5
-"""Springs hang on patches whose stiffness is at least this part of the piece's median: on no sliver."""
+"""Patches whose stiffness is at least this part of the piece's median are no slivers."""
+
+CORNERS = 8
+"""Directions in which supports of a piece are looked for."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreePiece:
     """A piece of rock that the supports leave free to move."""
 
+    number: int  # among all pieces
     functions: Ints  # physical patches
+    body: str  # name of the body that it is a part of, "" for none
+    whole: bool  # whether it is all of it
     motions: (
         Floats  # (k, 3) orthonormal, its free motions: translation x, y and rotation (1 at `reach` from the centre)
     )
@@ -40,7 +47,10 @@ class FreePiece:
 
     def __str__(self) -> str:
         """Say which piece it is."""
-        return f"the piece of rock round ({self.centre[0]:.3g}, {self.centre[1]:.3g}) m"
+        if self.body and self.whole:
+            return f"body '{self.body}'"
+        of = f"of body '{self.body}'" if self.body else "of rock"
+        return f"the piece {of} round ({self.centre[0]:.3g}, {self.centre[1]:.3g}) m"
 
     @property
     def motion(self) -> str:
@@ -51,48 +61,100 @@ class FreePiece:
         )
         if len(translations) < len(self.motions):
             turning = self.motions - self.motions @ translations.T @ translations
-            a, b, w = turning[np.argmax(np.abs(turning[:, 2]))]
-            x, y = self.centre + self.reach * np.array([-b, a]) / w
-            words.append("rotation" if len(translations) else f"rotation about ({x:.3g}, {y:.3g}) m")
+            about = self.about(turning[np.argmax(np.abs(turning[:, 2]))])
+            words.append("rotation" if len(translations) else f"rotation about {about}")
         return " and ".join(words)
+
+    def about(self, motion: Floats) -> str:
+        """The point that stays where it is in a motion (3,) that turns the piece."""
+        a, b, w = motion
+        x, y = self.centre + self.reach * np.array([-b, a]) / w
+        return f"({x:.3g}, {y:.3g}) m"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Springs:
-    """Springs to the ground on the coefficients of a few physical patches."""
+class RigidMotions:
+    """The l rigid motions, of one piece or of several together, that constraints do not see."""
 
-    dofs: Ints  # (k,)
-    stiffness: Floats  # (k,) Pa
-    piece: Ints  # (k,) index into the free pieces
+    pieces: tuple[FreePiece, ...]  # that take part
+    nodes: Floats  # (n_patches, 2) of all physical patches
+    of_pieces: csr_array  # (n_dofs, 3 p) unknowns of the motions of all pieces, each by itself
+    free: Floats  # (l, 3 p) orthonormal: those that are free
+    dofs: Ints  # (l,) unknowns that supports hold
+    stiffness: Floats  # (l,) Pa, of these supports
 
-    def added_to(self, matrix: SymmetricMatrix) -> SymmetricMatrix:
-        """A stiffness matrix (n_dofs, n_dofs) with the springs."""
+    def displacements(self, amplitudes: Floats) -> Floats:
+        """Unknowns (n_dofs,) of motions by `amplitudes` (l,) m."""
+        return np.asarray(self.of_pieces @ (self.free.T @ amplitudes))
+
+    def along(self, loads: Floats) -> Floats:
+        """What `loads` (n_dofs,) do on each motion, (l,) N/m."""
+        return np.asarray(self.free @ (self.of_pieces.T @ loads))
+
+    def of_piece(self, piece: FreePiece, amplitudes: Floats) -> Floats:
+        """Translation in x and y and rotation (3,) of one piece in motions by `amplitudes` (l,)."""
+        return np.asarray((amplitudes @ self.free)[3 * piece.number : 3 * piece.number + 3])
+
+    def seen_by(self, operator: csr_array) -> Floats:
+        """What an operator (m, n_dofs) makes of each motion, (m, l)."""
+        return np.asarray((operator @ self.of_pieces).toarray() @ self.free.T)
+
+    def held_in(self, matrix: SymmetricMatrix) -> SymmetricMatrix:
+        """A stiffness matrix (n_dofs, n_dofs) with the supports."""
         return matrix.with_diagonal(self.dofs, self.stiffness)
 
+    def carrying(self, amplitudes: Floats) -> Floats:
+        """Loads (n_dofs,) that move the supports along with motions by `amplitudes` (l,) m."""
+        loads = np.zeros(self.of_pieces.shape[0])
+        loads[self.dofs] = self.stiffness * self.displacements(amplitudes)[self.dofs]
+        return loads
 
-def free_pieces(cover: Cover, constraints: csr_array) -> tuple[FreePiece, ...]:
-    """Pieces that take part in a rigid motion which `constraints` (m, n_dofs) do not see."""
-    found = all_pieces(cover)
-    free = _free_directions(constraints @ _motions_of(cover, found)).reshape(-1, len(found), 3)
-    moving = np.abs(free).max(axis=(0, 2), initial=0.0) > HOLDS_NOTHING
-    result = []
+    def held_once(self, stiffness: SymmetricMatrix) -> RigidMotions:
+        """The motions with as many supports as there are of them.
+
+        They are as stiff as the patches that they hold: those that tell the motions best from each other, by a QR
+        factorization with pivots, stiff patches before slivers.
+        """
+        diagonal = stiffness.diagonal()
+        angles = 2.0 * np.pi / CORNERS * np.arange(CORNERS)
+        directions = np.stack([np.cos(angles), np.sin(angles)])
+        candidates, share = [], []
+        for piece in self.pieces:
+            functions = piece.functions
+            full = np.minimum(diagonal[2 * functions] / np.median(diagonal[2 * functions]), 1.0)
+            solid = functions[full >= FULL_PATCH]
+            farthest = [some[np.argmax(self.nodes[some] @ directions, axis=0)] for some in (solid, functions)]
+            ends = np.unique(np.concatenate(farthest))
+            candidates.append((2 * ends[:, None] + np.arange(2)).ravel())
+            share.append(np.repeat(np.sqrt(full[np.searchsorted(functions, ends)]), 2))
+        dofs = np.concatenate(candidates)
+        motions = (self.of_pieces[dofs] @ self.free.T) * np.concatenate(share)[:, None]
+        _, pivots = qr(motions.T, mode="r", pivoting=True)
+        chosen = dofs[np.sort(pivots[: len(self.free)])]
+        return replace(self, dofs=chosen, stiffness=diagonal[chosen])
+
+
+def free_motions(cover: Cover, constraints: csr_array) -> RigidMotions:
+    """The rigid motions of pieces that `constraints` (m, n_dofs) do not see."""
+    found, elements = _pieces(cover)
+    of_pieces = _motions_of(cover, found)
+    free = _free_directions((constraints @ of_pieces).toarray())
+    by_piece = free.reshape(-1, len(found), 3)
+    moving = np.abs(by_piece).max(axis=(0, 2), initial=0.0) > HOLDS_NOTHING
+    body = cover.elements.body[[some[0] for some in elements]]
+    pieces = []
     for index in np.flatnonzero(moving).tolist():
-        _, sizes, rows = np.linalg.svd(free[:, index], full_matrices=False)
+        _, sizes, rows = np.linalg.svd(by_piece[:, index], full_matrices=False)
         nodes = cover.patch_nodes[found[index]]
         centre, reach = cover.lattice.to_metres(nodes.mean(axis=0)), cover.lattice.spacing * _reach(nodes)
-        result.append(FreePiece(found[index], rows[sizes > HOLDS_NOTHING], centre, reach))
-    return tuple(result)
+        name, whole = cover.bodies[body[index]].name, int(np.sum(body == body[index])) == 1
+        pieces.append(FreePiece(index, found[index], name, whole, rows[sizes > HOLDS_NOTHING], centre, reach))
+    return RigidMotions(tuple(pieces), cover.patch_nodes, of_pieces, free, np.empty(0, dtype=np.int64), np.empty(0))
 
 
-def free_motions(cover: Cover, constraints: csr_array) -> Floats:
-    """Unknowns (n_dofs, k) of the rigid motions of pieces that `constraints` (m, n_dofs) do not see."""
-    motions = _motions_of(cover, all_pieces(cover))
-    return np.asarray(motions @ _free_directions(constraints @ motions).T)
-
-
-def _motions_of(cover: Cover, pieces: list[Ints]) -> Floats:
+def _motions_of(cover: Cover, pieces: list[Ints]) -> csr_array:
     """Unknowns (n_dofs, 3 p) of the rigid motions of p pieces."""
-    return np.concatenate([rigid_motions(cover, functions) for functions in pieces], axis=1)
+    return csr_array(hstack([rigid_motions(cover, functions) for functions in pieces], format="csr"))
 
 
 def _free_directions(held: Floats) -> Floats:
@@ -109,41 +171,34 @@ def check_held(pieces: tuple[FreePiece, ...], touching: Ints) -> None:
             raise FreePieceError(f"{piece} is free to move: {piece.motion}", "it needs supports of its own")
 
 
-def loose_springs(cover: Cover, stiffness: SymmetricMatrix, pieces: tuple[FreePiece, ...]) -> Springs:
-    """Two springs in x and two in y on each free piece, on patches far apart."""
-    diagonal = stiffness.diagonal()
-    softest = min(float(np.median(diagonal[2 * functions])) for functions in all_pieces(cover))
-    dofs, piece, strength = [], [], []
-    for index, free in enumerate(pieces):
-        full = diagonal[2 * free.functions]
-        solid = free.functions[full >= FULL_PATCH * np.median(full)]
-        nodes = cover.patch_nodes[solid]
-        first = int(np.argmax(np.abs(nodes - nodes.mean(axis=0)).sum(axis=1)))
-        last = int(np.argmax(np.abs(nodes - nodes[first]).sum(axis=1)))
-        ends = solid[np.unique([first, last])]
-        dofs.append((2 * ends[:, None] + np.arange(2)).ravel())
-        piece.append(np.full(2 * len(ends), index))
-        strength.append(np.full(2 * len(ends), SPRING_STIFFNESS * np.sqrt(softest * np.median(full))))
-    return Springs(np.concatenate(dofs), np.concatenate(strength), np.concatenate(piece))
-
-
 def all_pieces(cover: Cover) -> list[Ints]:
     """Physical patches of each piece of rock that no way inside the rock joins to the others."""
+    return _pieces(cover)[0]
+
+
+def _pieces(cover: Cover) -> tuple[list[Ints], list[Ints]]:
+    """Physical patches, and elements, of each piece."""
     edges, passable = cover.elements.edges, cover.elements.passable
     label = connected(cover.elements.n, edges.left[passable], edges.right[passable])
-    found = (np.unique(cover.functions[label == number]) for number in range(label.max(initial=-1) + 1))
-    return [patches[patches >= 0] for patches in found]
+    order = np.argsort(label, kind="stable")
+    elements = np.split(order, np.cumsum(np.bincount(label))[:-1])
+    patches = (np.unique(cover.functions[some]) for some in elements)
+    return [some[some >= 0] for some in patches], elements
 
 
-def rigid_motions(cover: Cover, functions: Ints) -> Floats:
+def rigid_motions(cover: Cover, functions: Ints) -> csc_array:
     """Unknowns (n_dofs, 3) of unit translations in x and y and of a rotation (1 at the rim) of physical patches."""
     nodes = cover.patch_nodes[functions]
     arm = (nodes - nodes.mean(axis=0)) / _reach(nodes)
-    motions = np.zeros((cover.n_dofs, 3))
-    motions[2 * functions, 0] = 1.0
-    motions[2 * functions + 1, 1] = 1.0
-    motions[2 * functions, 2], motions[2 * functions + 1, 2] = -arm[:, 1], arm[:, 0]
-    return motions
+    x, y, one = 2 * functions, 2 * functions + 1, np.ones(len(functions))
+    motions = coo_array(
+        (
+            np.concatenate([one, one, -arm[:, 1], arm[:, 0]]),
+            (np.concatenate([x, y, x, y]), np.repeat([0, 1, 2, 2], len(functions))),
+        ),
+        shape=(cover.n_dofs, 3),
+    )
+    return csc_array(motions)
 
 
 def _reach(nodes: Floats) -> float:

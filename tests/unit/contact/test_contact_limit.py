@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from crackgrow.contact.contact_lcp import solve_by_lemke
+from crackgrow.contact.coulomb import ContactProblem, Motions, complementarity_residual, jump
 from crackgrow.contact.limit import least_unbalanced
+from crackgrow.contact.newton import solve_by_newton
 
 WEIGHT, LENGTH = 3.0, 2.0
 
@@ -45,3 +50,78 @@ def test_a_tall_block_tips_over_however_much_friction() -> None:
 
 def test_faces_do_not_pull() -> None:
     assert block_on_slope(180.0, 0.0, 1.0)[0] == pytest.approx(1.0)  # upside down it falls
+
+
+def block_on_points(friction: float, pull: tuple[float, float, float], cohesion: float = 0.0) -> ContactProblem:
+    """A block of rock on a row of points that it does not sink into evenly; motions: up, along, and rotation."""
+    n = 5
+    x = np.linspace(-1.0, 1.0, n)
+    rock = np.exp(-2.0 * np.abs(x[:, None] - x)) + 0.1 * np.eye(n)
+    A = np.block([[rock, 0.2 * np.eye(n)], [0.2 * np.eye(n), rock]])
+    none = np.zeros(n)
+    jump = np.column_stack([np.append(none + 1.0, none), np.append(none, none + 1.0), np.append(x, none)])
+    weights = np.full(2 * n, 2.0 / n)
+    motions = Motions(jump, (jump * weights[:, None]).T, np.array(pull))
+    laws = (np.full(n, friction), np.full(n, cohesion), none, none)
+    return ContactProblem(A, np.append(0.02 * np.sin(9.0 * x), none), *laws, motions)
+
+
+HELD = [
+    (0.4, (-3.0, 1.1, 0.0), 0.0),
+    (0.4, (-3.0, -1.19999, 0.3), 0.0),  # all but sliding
+    (0.4, (-3.0, 0.2, 2.3), 0.0),  # nearly on one edge
+    (0.0, (-3.0, 0.9, 0.0), 0.5),
+    (1.5, (-3.0, 3.9, -1.0), 0.0),
+]
+
+
+@pytest.mark.parametrize(("friction", "pull", "cohesion"), HELD)
+def test_a_block_that_contact_alone_holds_is_balanced(friction: float, pull: tuple, cohesion: float) -> None:
+    """Forces along its motions are those of the loads, by hand; both solvers find the same state."""
+    problem = block_on_points(friction, pull, cohesion)
+    found = solve_by_newton(problem)
+    assert found.status == "solved"
+    assert complementarity_residual(problem, found.unknowns) < 1e-10
+    normal, shear = found.traction.reshape(2, -1) * 0.4
+    x = np.linspace(-1.0, 1.0, 5)
+    np.testing.assert_allclose([normal.sum(), shear.sum(), x @ normal], pull, atol=1e-10)
+    lemke = solve_by_lemke(problem)
+    assert lemke.status == "solved"
+    np.testing.assert_allclose(lemke.traction, found.traction, atol=1e-8)
+
+
+@pytest.mark.parametrize(("friction", "pull", "cohesion"), HELD)
+def test_supports_that_hold_a_block_once_do_not_matter(friction: float, pull: tuple, cohesion: float) -> None:
+    """Their compliance, of any stiffness anywhere, adds a rigid motion to what each traction does."""
+    problem = block_on_points(friction, pull, cohesion)
+    motions, rng = problem.motions, np.random.default_rng(4)
+    turned = rng.normal(size=(3, 3))
+    moved = motions.jump @ (turned @ turned.T)
+    other = replace(
+        problem, compliance=problem.compliance + moved @ motions.force, free=problem.free + moved @ motions.pull
+    )
+    one, two = solve_by_newton(problem), solve_by_newton(other)
+    np.testing.assert_allclose(two.traction, one.traction, atol=1e-9)
+    np.testing.assert_allclose(jump(other, two.unknowns), jump(problem, one.unknowns), atol=1e-9)
+
+
+@pytest.mark.parametrize("pull", [(-3.0, 1.3, 0.0), (3.0, 0.0, 0.0), (-3.0, 0.0, 3.1)])
+def test_a_block_that_contact_does_not_hold_has_no_solution(pull: tuple) -> None:
+    """It slides, is lifted, and turns over its edge."""
+    problem = block_on_points(0.4, pull)
+    assert solve_by_newton(problem).status == "limit"
+    assert solve_by_lemke(problem).status != "solved"
+
+
+def test_a_motion_that_nothing_sees_stays_where_it_is() -> None:
+    """A smooth level base: along it nothing acts and nothing holds."""
+    rough = block_on_points(0.0, (-3.0, 0.0, 0.5))
+    problem = ContactProblem(
+        rough.compliance[:5, :5],
+        rough.free[:5],
+        motions=Motions(rough.motions.jump[:5], rough.motions.force[:, :5], rough.motions.pull),
+    )
+    for found in (solve_by_newton(problem), solve_by_lemke(problem)):
+        assert found.status == "solved"
+        assert found.traction.sum() * 0.4 == pytest.approx(-3.0)
+        assert abs(found.motion[1]) < 1e-12

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from crackgrow.contact.active_solver import solve_active
+from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import (
     OPEN,
     SLIP,
@@ -17,7 +18,9 @@ from crackgrow.contact.coulomb import (
     jump,
     project,
 )
-from crackgrow.errors import SolveError
+from crackgrow.contact.newton import solve_by_newton
+from crackgrow.errors import NotSolvedError
+from tests.contact_problems import random_problem
 
 ROUND_OFF = 1e-14
 
@@ -141,7 +144,7 @@ def test_residual_and_law_change_nothing():
 def test_value_that_is_not_finite_names_its_field(name, value):
     arrays = {"compliance": np.eye(4), "free": np.zeros(4), "friction": np.zeros(2), "cohesion": np.zeros(2)}
     arrays[name].flat[1] = value
-    with pytest.raises(SolveError, match=f"contact {name}"):
+    with pytest.raises(NotSolvedError, match=f"contact {name}"):
         ContactProblem(**arrays)
 
 
@@ -153,17 +156,21 @@ def test_value_that_is_not_finite_names_its_field(name, value):
         ({"cohesion": np.zeros(3)}, "cohesion: shape"),
         ({"friction": np.array([0.1, -0.1])}, "friction: entry 1"),
         ({"cohesion": np.array([-1.0, 0.0])}, "cohesion: entry 0"),
-        ({"compliance": np.diag([1.0, 1.0, 0.0, 1.0])}, "diagonal: entry 2"),
     ],
 )
 def test_wrong_problem_is_refused(change, message):
     arrays = {"compliance": np.eye(4), "free": np.zeros(4), "friction": np.zeros(2), "cohesion": np.zeros(2)}
-    with pytest.raises(SolveError, match=message):
+    with pytest.raises(ValueError, match=message):
         ContactProblem(**(arrays | change))
 
 
+def test_rock_that_does_not_resist_is_no_wrong_argument():
+    with pytest.raises(NotSolvedError, match="diagonal: entry 2"):
+        ContactProblem(np.diag([1.0, 1.0, 0.0, 1.0]), np.zeros(4), np.zeros(2))
+
+
 def test_traction_that_is_not_finite_is_refused():
-    with pytest.raises(SolveError, match="traction"):
+    with pytest.raises(NotSolvedError, match="traction"):
         complementarity_residual(one_point(1.0, 1.0, 0.5), np.array([np.nan, 0.0]))
 
 
@@ -171,3 +178,46 @@ def test_no_points_at_all():
     problem = ContactProblem(np.zeros((0, 0)), np.zeros(0))
     assert complementarity_residual(problem, np.zeros(0)) == 0.0
     assert active_set(problem, np.zeros(0), np.zeros(0)).states().size == 0
+
+
+def dilating(seed: int, n: int = 4) -> ContactProblem:
+    """Points that dilate, some of which have slipped one way or the other."""
+    plain, rng = random_problem(n, 0.5, seed), np.random.default_rng(seed)
+    slipped = 0.4 * rng.normal(size=n) * (rng.random(n) < 0.7)
+    return ContactProblem(plain.compliance, plain.free, plain.friction, plain.cohesion, np.full(n, 0.3), slipped)
+
+
+def test_the_equations_of_a_branch_are_the_derivative_of_the_projection():
+    """A Newton step for p = project(p), with a matrix by differences, ends where the branch's equations do."""
+    compared, dilates = 0, 0
+    for seed in range(400):
+        problem, rng = dilating(seed), np.random.default_rng(seed + 1000)
+        p = np.append(-rng.random(4), rng.normal(size=4)) * 0.7
+
+        def change(p: np.ndarray, problem: ContactProblem = problem) -> np.ndarray:
+            return project(problem, p, jump(problem, p)) - p
+
+        active = active_set(problem, p, jump(problem, p))
+        if (active.sense != np.sign(problem.slipped + jump(problem, p)[4:])).any():
+            continue  # where slip is about to end, faces dilate as they will then
+        step = 1e-7
+        J = np.stack([(change(p + step * e) - change(p - step * e)) / (2.0 * step) for e in np.eye(8)], axis=1)
+        by_differences = p - np.linalg.solve(J, change(p))
+        np.testing.assert_allclose(solve_active(problem, active), by_differences, atol=1e-5 * np.abs(p).max())
+        compared += 1
+        dilates += bool((active.closed & (active.slip != 0)).any())
+    assert compared > 10
+    assert dilates > 5
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_newton_and_lemke_agree_on_faces_that_dilate(seed: int):
+    """Both hold the law; where slip passes the place that the faces have come from, Lemke's linear law ends."""
+    problem = dilating(seed)
+    newton, lemke = solve_by_newton(problem), solve_by_lemke(problem)
+    assert newton.status == "solved"
+    assert complementarity_residual(problem, newton.traction) < 1e-11
+    through = ((problem.slipped + jump(problem, newton.traction)[4:]) * problem.slipped < -1e-12).any()
+    if not through:
+        assert lemke.status == "solved"
+        np.testing.assert_allclose(lemke.traction, newton.traction, atol=1e-9)

@@ -197,7 +197,7 @@ def enumerate_solutions(M, q):
     ],
 )
 def test_wrong_input_is_refused(M, q, d, name):
-    with pytest.raises(SolveError, match=f"lemke {name}"):
+    with pytest.raises(ValueError, match=f"lemke {name}"):
         lemke(M, q, d)
 
 

@@ -17,7 +17,6 @@ from crackgrow.contact.coulomb import (
     project,
 )
 from crackgrow.contact.newton import _through_stick, solve_by_newton, sweep
-from crackgrow.errors import SolveError
 from tests.contact_problems import crack_problem, random_problem
 
 AGREEMENT = 1e-8  # of two solvers, relative; Lemke accumulates round-off until its last solve
@@ -70,9 +69,18 @@ def test_cycles_are_left(seed):
 
 
 def test_a_reversing_point_sticks_first():
-    closed = np.ones(4, dtype=bool)
-    following = _through_stick(ActiveSet(closed, np.array([1, -1, 1, 0])), ActiveSet(closed, np.array([-1, 1, 1, -1])))
-    assert following.slip.tolist() == [0, 0, 1, -1]
+    closed, problem = np.ones(4, dtype=bool), random_problem(4, 0.5, 1)
+    before, after = (ActiveSet(closed, np.array(slip)) for slip in ([1, -1, 1, 0], [-1, 1, 1, -1]))
+    assert _through_stick(problem, before, after).slip.tolist() == [0, 0, 1, -1]
+
+
+def test_a_reversing_point_that_sticks_keeps_what_slip_has_opened():
+    closed, plain = np.ones(2, dtype=bool), random_problem(2, 0.5, 1)
+    slipped, dilation = np.array([-0.3, 0.2]), np.full(2, 0.1)
+    problem = ContactProblem(plain.compliance, plain.free, plain.friction, plain.cohesion, dilation, slipped)
+    reversed_ = ActiveSet(closed, np.array([1, -1]), np.array([1, -1]))
+    following = _through_stick(problem, ActiveSet(closed, -reversed_.slip), reversed_)
+    assert following.sense.tolist() == [-1, 1]
 
 
 def test_more_iterations_never_end_with_worse_tractions():
@@ -172,22 +180,5 @@ def test_sweeps_approach_the_solution():
 
 @pytest.mark.parametrize("start", [np.zeros(3), np.array([np.nan, 0.0])])
 def test_wrong_start_is_refused(start):
-    with pytest.raises(SolveError, match="contact start"):
+    with pytest.raises(ValueError, match="contact start"):
         solve_by_newton(ContactProblem(np.eye(2), np.zeros(2)), start)
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_the_scale_weighs_but_does_not_move_the_solution(seed: int) -> None:
-    """A pressed block on loose springs: rigid motions of a thousandfold compliance hide the rock's on the diagonal."""
-    rng, n = np.random.default_rng(seed), 12
-    x = np.linspace(0.0, 1.0, n)
-    rock = np.exp(-4.0 * np.abs(x[:, None] - x)) / n + 0.02 * np.eye(n)
-    moving = np.column_stack([np.ones(n), x - 0.5])
-    compliance = np.block([[rock + 1e3 * moving @ moving.T, 0.1 * rock], [0.1 * rock, rock + 1e3 * np.ones((n, n))]])
-    free = compliance @ np.concatenate([-np.abs(rng.normal(1.0, 0.5, n)), 0.2 * rng.normal(size=n)])
-    friction = np.full(n, 0.4)
-    scale = np.full(2 * n, np.median(np.linalg.eigvalsh(compliance)))
-    weighed = solve_by_newton(ContactProblem(compliance, free, friction, None, scale))
-    assert weighed.status == "solved"  # with the diagonal it cycles for one of the ten
-    lemke = solve_by_lemke(ContactProblem(compliance, free, friction))
-    np.testing.assert_allclose(weighed.traction, lemke.traction, atol=1e-8)

@@ -11,7 +11,7 @@ import pytest
 import crackgrow.run.critical_load as critical_load
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.errors import FreePieceError, SolveError
+from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import from_state, held_loads, increment
@@ -213,6 +213,28 @@ def test_lateral_loads_that_are_held_raise_the_critical_load(factors: list[float
         assert criticality(solution) == pytest.approx(1.0, abs=1e-9)
         assert is_first_met(configuration, found[-1])
     assert found[1] > 1.2 * found[0]
+
+
+@pytest.mark.parametrize(("error", "words"), [(NotSolvedError, "no state was found at"), (SolveError, "^the supports")])
+def test_a_state_that_is_not_found_is_none_that_is_not_borne(
+    monkeypatch: pytest.MonkeyPatch, error: type[SolveError], words: str
+) -> None:
+    """Where the solver gives up the search ends short of it and says so; what is wrong at any load ends it at once."""
+    configuration, cracks = ready(case_of("tension0"))
+    exact, tried = critical_load.increment, []
+
+    def gives_up(at: Configuration, start: Any, factor: float) -> Any:
+        tried.append(factor)
+        if factor > 0.01:
+            raise error("the supports contradict each other")
+        return exact(at, start, factor)
+
+    monkeypatch.setattr(critical_load, "increment", gives_up)
+    with pytest.raises(error, match=words) as found:
+        critical_load.critically_loaded(configuration, cracks, 1.0)
+    assert "not borne" not in str(found.value)
+    assert "contradict each other" in str(found.value)
+    assert (len(tried) == 1) == (error is SolveError)
 
 
 def test_held_loads_that_meet_the_criterion_alone_are_an_error() -> None:

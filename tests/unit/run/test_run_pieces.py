@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,9 @@ import yaml
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.contact import hold
-from crackgrow.contact.solve import ContactOutcome
-from crackgrow.contact.system import ContactSystem
-from crackgrow.errors import FreePieceError, SolveError
+from crackgrow.errors import FreePieceError
 from crackgrow.run import grow
-from crackgrow.solid.rigid_modes import Springs
+from crackgrow.solid.linear_solver import ConstrainedSystem
 
 HELD_BY_FRICTION = [
     [(-2.47, 6.123), (-2.616, 9.325), (-2.863, 14.319), (-14.167, 23.901), (-14.378, 28.896), (-13.608, 30.0)],
@@ -126,32 +124,90 @@ def test_pieces_that_are_held_only_just_are_in_equilibrium(tmp_path: Path, frict
     assert max(step.complementarity for step in steps) < 1e-9
 
 
-def test_stiffer_springs_solve_what_loose_ones_do_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The solution does not depend on them."""
-    case = pressed(tmp_path, HELD_BY_FRICTION, TIPS, [1.5] * 5)
-    expected = next(grow(case))
-    exact, tried = hold.solve_contact_held_loosely, []
+def slope(tmp_path: Path, spacing: float, friction: float, cohesion: float) -> Case:
+    """A slope of 10 m (kPa) with a joint from its toe at 35 degrees to a crack of 3 m from the top."""
+    back = float(7.0 / np.tan(np.deg2rad(35.0)))
+    path = {"points": [[0, 0], [back, 7], [back, 10]]}
+    contact = {"friction": friction, "cohesion": cohesion, "cohesion_after_slip": "lost"}
+    outline = [[-10, -10], [20, -10], [20, 10], [5.7735, 10], [0, 0], [-10, 0]]
+    scene = {
+        "title": "slope",
+        "units": {"length": "m", "stress": "kPa"},
+        "plane": "strain",
+        "bodies": {
+            "slope": {"shape": {"polygon": outline}, "material": {"young": 1e7, "poisson": 0.25, "density": 2600}}
+        },
+        "cracks": {"joint": {"path": path, "tips": "none", "contact": contact}},
+        "supports": [{"on": {"body": "slope", "edge": 0}, "displacement": {"x": 0, "y": 0}}],
+        "loads": [{"body": "slope", "gravity": [0, -9.81]}],
+        "numerics": {"spacing": spacing},
+        "output": {"frames": "none", "figures": False},
+    }
+    file = tmp_path / "slope.yaml"
+    file.write_text(yaml.safe_dump(scene))
+    return load_case(file)
 
-    def fails_at_first(contact: ContactSystem, springs: Springs, *rest: Any) -> ContactOutcome:
-        tried.append(springs.stiffness[0])
-        if len(tried) < 3:
-            raise SolveError("not solved")
-        return exact(contact, springs, *rest)
 
-    monkeypatch.setattr(hold, "solve_contact_held_loosely", fails_at_first)
-    found = next(grow(case))
-    assert tried == [tried[0], 3.0 * tried[0], 10.0 * tried[0]]
-    for name in ("normal_traction", "tangential_traction", "opening", "slip"):
-        values = getattr(expected.contact, name)
-        np.testing.assert_allclose(getattr(found.contact, name), values, atol=1e-7 * np.abs(values).max())
-
-
-def test_pieces_that_stiffer_springs_do_not_solve_either_are_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("spacing", [1.0, 0.5])
+def test_bonds_that_break_on_a_block_that_contact_holds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, spacing: float
 ) -> None:
-    def fails(*of: Any) -> ContactOutcome:
-        raise SolveError("not solved")
+    """Brittle cohesion goes in parts of the load, each of which costs a contact problem and few solves of the rock."""
+    solves = 0
+    solve = ConstrainedSystem.solve
 
-    monkeypatch.setattr(hold, "solve_contact_held_loosely", fails)
-    with pytest.raises(SolveError, match=r"contact alone holds the piece of rock.*perhaps only just: not solved"):
-        next(grow(pressed(tmp_path, HELD_BY_FRICTION, TIPS, [1.5] * 5)))
+    def counted(self: ConstrainedSystem, *of: Any) -> tuple[np.ndarray, np.ndarray]:
+        nonlocal solves
+        solves += 1
+        return solve(self, *of)
+
+    monkeypatch.setattr(ConstrainedSystem, "solve", counted)
+    (step,) = grow(slope(tmp_path, spacing, 0.8, 10.0))
+    assert step.residual < 1e-10
+    assert step.complementarity < 1e-9
+    assert not any("ill conditioned" in warning for warning in step.warnings)
+    assert solves < 1500
+
+
+def test_the_limit_of_a_slope_is_that_of_its_joint(tmp_path: Path) -> None:
+    """Friction of tan(35 degrees) = 0.70021, whatever the lattice; the block and the way that it goes are named."""
+    assert next(grow(slope(tmp_path, 1.0, 0.7004, 0.0))).residual < 1e-10
+    with pytest.raises(FreePieceError, match=r"piece of body 'slope' round \(.*hold it, it slides along 'joint'"):
+        next(grow(slope(tmp_path, 1.0, 0.7000, 0.0)))
+
+
+def stack(tmp_path: Path, friction: float, tilt: float) -> Case:
+    """Three blocks of 1 m on a rough foundation, under gravity that is tilted by an angle of this tangent."""
+
+    def square(low: float) -> dict[str, Any]:
+        shape = {"rectangle": {"center": [0, low + 0.5], "width": 1, "height": 1}}
+        return {"shape": shape, "material": {"young": 1e7, "poisson": 0.2, "density": 2600}}
+
+    names = ["low", "middle", "top"]
+    g = [float(9.81 * tilt / np.hypot(1.0, tilt)), float(-9.81 / np.hypot(1.0, tilt))]
+    rough = {"friction": friction, "cohesion": 0}
+    scene = {
+        "title": "stack",
+        "units": {"length": "m", "stress": "kPa"},
+        "plane": "strain",
+        "bodies": {name: square(low) for low, name in enumerate(names)},
+        "interfaces": [{"between": list(pair), "contact": rough} for pair in (names[:2], names[1:])],
+        "supports": [{"on": {"body": "low", "edge": "bottom"}, "contact": rough}],
+        "loads": [{"body": name, "gravity": g} for name in names],
+        "numerics": {"spacing": 0.2},
+        "output": {"frames": "none", "figures": False},
+    }
+    file = tmp_path / "stack.yaml"
+    file.write_text(json.dumps(scene))  # which is YAML without aliases
+    return load_case(file)
+
+
+def test_a_stack_slides_at_the_angle_of_friction_and_turns_over_its_toe(tmp_path: Path) -> None:
+    """The lowest surface gives way under all; high friction lets the stack topple, at 1/3 or before."""
+    assert next(grow(stack(tmp_path, 0.2, 0.1999))).residual < 1e-10
+    with pytest.raises(FreePieceError, match=r"it slides along '(low\.bottom|low/middle|middle/top)'"):
+        next(grow(stack(tmp_path, 0.2, 0.2001)))
+    all_of_it = r"body 'low' \(and with it body 'middle' and body 'top'\) is free"
+    turns = all_of_it + r".*it turns about \(0\.[3-5]\d*, -?[0-9.e-]+\) m"
+    with pytest.raises(FreePieceError, match=turns):
+        next(grow(stack(tmp_path, 2.0, 0.34)))

@@ -108,10 +108,22 @@ def test_several_loads_at_once_are_solved_column_by_column() -> None:
         np.testing.assert_allclose(multipliers[:, k], m, atol=1e-12)
 
 
-@pytest.mark.parametrize("loose", [False, True])
-def test_refinement_that_is_not_needed_is_left_out_but_for_loose_springs(
-    monkeypatch: pytest.MonkeyPatch, loose: bool
-) -> None:
+@pytest.mark.parametrize("own", [False, True])
+def test_several_loads_at_once_take_prescribed_values(own: bool) -> None:
+    """The same for all of them, or their own."""
+    system = ConstrainedSystem(definite(45), rows({0: 1.0}, {9: 1.0}))
+    loads, given = np.random.default_rng(46).normal(size=(N, 4)), np.random.default_rng(47).normal(size=(2, 4))
+    together, multipliers = system.solve(loads, given if own else given[:, 0])
+    for k in range(4):
+        u, m = system.solve(loads[:, k], given[:, k if own else 0])
+        np.testing.assert_allclose(together[:, k], u, atol=1e-13)
+        np.testing.assert_allclose(multipliers[:, k], m, atol=1e-12)
+    contradicting = ConstrainedSystem(definite(45), rows({0: 1.0}, {0: 1.0}))
+    with pytest.raises(SolveError, match="contradict each other by"):
+        contradicting.solve(loads, np.array([[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 2.0]]))
+
+
+def test_refinement_that_is_not_needed_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """The residual of a well-conditioned matrix is round-off at once; that of a rough factorization is not."""
     exact, error, n_solves = Factorization.solve, 0.0, 0
 
@@ -122,12 +134,12 @@ def test_refinement_that_is_not_needed_is_left_out_but_for_loose_springs(
 
     monkeypatch.setattr(Factorization, "solve", counted)
     loads = np.random.default_rng(49).normal(size=N)
-    system = ConstrainedSystem(definite(47), csr_array((0, N)), loose=loose)
+    system = ConstrainedSystem(definite(47), csr_array((0, N)))
     u, _ = system.solve(loads)
-    assert n_solves == (2 if loose else 1)
+    assert n_solves == 1
     error = 1e-5
     rough, _ = system.solve(loads)
-    assert n_solves > (4 if loose else 3)
+    assert n_solves > 3
     np.testing.assert_allclose(rough, u, atol=1e-12 * np.abs(u).max())
 
 

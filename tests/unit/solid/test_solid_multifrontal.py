@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from scipy.sparse import block_diag, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import spsolve
 
+from crackgrow.errors import SolveError
+from crackgrow.solid import fronts as codes
 from crackgrow.solid import multifrontal as module
 from crackgrow.solid.dissection import Places, dissect, places_of_unknowns
 from crackgrow.solid.fronts import LEAF, Fronts, fronts_of
@@ -406,3 +408,17 @@ def test_all_that_a_front_holds_is_in_its_key(build: type[Build]) -> None:
         assert taken_over.factors.keys() == fresh.factors.keys() != known.keys()
         for ours, alone in zip(taken_over.solve(loads), fresh.solve(loads), strict=True):
             np.testing.assert_array_equal(ours, alone)
+
+
+def test_unknowns_that_codes_do_not_tell_apart_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Factors are known by the codes of their unknowns: those of one must not be those of another."""
+    matrix, nodes = lattice(6, 1)
+    monkeypatch.setattr(codes, "WITHIN", 2)
+    factorized(matrix, nodes)
+    monkeypatch.setattr(codes, "WITHIN", 1)
+    with pytest.raises(SolveError, match="2 unknowns at one node, at most 1 can be told apart"):
+        factorized(matrix, nodes)
+    monkeypatch.undo()
+    monkeypatch.setattr(codes, "ACROSS", 5)
+    with pytest.raises(SolveError, match="6 nodes along an axis, at most 5"):
+        factorized(matrix, nodes)
