@@ -14,6 +14,7 @@ from typing import Any
 
 from crackgrow import __version__
 from crackgrow.case.model import Case
+from crackgrow.results.gathered import Gathered
 from crackgrow.run.result import Event, RunEnd, StepResult, event_of, event_record
 
 ROUND_OFF = 1e-8  # of the loads' K, their force over the root of a length: a smaller K tells nothing
@@ -29,14 +30,20 @@ class Tally:
         self.n_dofs: list[int] = []
         self.seconds: dict[str, float] = {}
         self.worst: dict[str, tuple[float, int]] = {}
-        self.warnings: list[str] = []
+        self.remarks: list[str] = []  # on how the run was gone on with
+        self.cautions = Gathered()
         self.events: list[Event] = []
         self.effective_toughness = math.nan
         self.energy_error = math.nan  # percent, of the first step
         self.K_spread = math.nan  # percent
 
-    def add(self, result: StepResult) -> None:
-        """Count a step in; a check that is nan counts as worst of all."""
+    @property
+    def warnings(self) -> list[str]:
+        """Remarks, then one sentence for each cause of caution, the most important first."""
+        return [*self.remarks, *self.cautions.sentences()]
+
+    def add(self, result: StepResult) -> list[str]:
+        """Count a step in; returns its warnings that are news. A check that is nan counts as worst of all."""
         self.steps.append(int(result.step))
         self.n_dofs.append(int(result.n_dofs))
         self.effective_toughness = float(result.effective_toughness)
@@ -50,7 +57,7 @@ class Tally:
             if check not in self.worst or _badness(value) > _badness(self.worst[check][0]):
                 self.worst[check] = (value, int(result.step))
         self.events.extend(result.events)
-        self.warnings.extend(f"step {result.step}: {text}" for text in result.warnings)
+        return self.cautions.add(result.step, result.cautions)
 
     def record(self) -> dict[str, object]:
         """All of it as a mapping that JSON can hold."""
@@ -59,7 +66,8 @@ class Tally:
             "n_dofs": self.n_dofs,
             "seconds": self.seconds,
             "worst": self.worst,
-            "warnings": self.warnings,
+            "remarks": self.remarks,
+            "cautions": self.cautions.records(),
             "events": [event_record(event) for event in self.events],
             "effective_toughness": self.effective_toughness,
             "energy_error": self.energy_error,
@@ -71,7 +79,8 @@ class Tally:
         """The tally of a `record`."""
         tally = cls()
         tally.steps, tally.n_dofs = list(record["steps"]), list(record["n_dofs"])
-        tally.seconds, tally.warnings = dict(record["seconds"]), list(record["warnings"])
+        tally.seconds, tally.remarks = dict(record["seconds"]), list(record["remarks"])
+        tally.cautions = Gathered.of(record["cautions"])
         tally.worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
         tally.events = [event_of(event) for event in record["events"]]
         tally.effective_toughness = record["effective_toughness"]
@@ -116,6 +125,7 @@ def summarize(
         },
         "events": [event_record(event) for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
+        "cautions": [{**record, "size": _finite(record["size"])} for record in tally.cautions.records()],
     }
 
 

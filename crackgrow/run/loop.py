@@ -74,7 +74,7 @@ def _last_error(result: StepResult, solution: StepSolution) -> float:
 def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     """The steps of a run with growth."""
     n_steps = growth.steps
-    cracks, events, told, n_pieces = begun.cracks, begun.events, begun.told, begun.n_pieces
+    cracks, events, n_pieces = begun.cracks, begun.events, begun.n_pieces
     known = None if begun.origin is None else _again(scene, begun, begun.origin)
     before: StepSolution | None = None
     for step in range(begun.step, n_steps + 1):
@@ -90,8 +90,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             return RunEnd("failed", f"step {step}: {error}", _paths(cracks), events)
         n_pieces = n_pieces or len(all_pieces(solution.cover))
         chosen = _choose(growth, cracks, solution, last=step == n_steps)
-        result = _reported(scene, RunState(step, cracks, events, told, n_pieces), solution, chosen)
-        told |= frozenset(result.warnings)
+        result = _reported(scene, RunState(step, cracks, events, n_pieces), solution, chosen)
         yield result, solution
         if step == n_steps > 0 and _criticality(cracks, solution).max(initial=-np.inf) == -np.inf:
             return _without_tips(cracks, solution, step, n_pieces)
@@ -114,11 +113,10 @@ def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
 def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     """The load factors of the history in turn, without growth."""
     assert isinstance(scene.case.loading, LoadHistory)  # critical loads need a criterion: the case was checked
-    cracks, told = begun.cracks, begun.told
+    cracks = begun.cracks
     chosen = np.empty(0, dtype=np.int64)
     for step, solution in enumerate(load_history(scene, cracks, begun.step, begun.origin), begun.step):
-        result = _reported(scene, RunState(step, cracks, told=told), solution, chosen)
-        told |= frozenset(result.warnings)
+        result = _reported(scene, RunState(step, cracks), solution, chosen)
         yield result, solution
     n = len(scene.case.loading.factors)
     return RunEnd(
@@ -154,7 +152,7 @@ def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Int
     output = scene.case.output
     wanted = output.frames != "none" or output.figures
     paths = _paths(state.cracks)
-    result = step_result(scene, paths, state.events, solution, state.step, chosen, wanted, start, state.told)
+    result = step_result(scene, paths, state.events, solution, state.step, chosen, wanted, start)
     solved = replace(state, origin=solution.origin, factorizations=solution.factorizations, notes=solution.notes)
     return replace(result, checkpoint=packed(solved))
 

@@ -51,11 +51,10 @@ def step_result(
     chosen: Ints,
     with_frame: bool,
     started: float,
-    told: frozenset[str],
 ) -> StepResult:
     """Result of step number `step`; tips `chosen` advance, `started` is when the reporting began (perf_counter).
 
-    `events` are those of the advance that made the `paths`, `told` are the warnings of the steps before.
+    `events` are those of the advance that made the `paths`.
     """
     outcome = solution.outcome
     tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
@@ -63,6 +62,7 @@ def step_result(
     shares = overlap_shares(scene, solution, faces)
     error = estimated_error(solution) if step == 0 else None
     K = [tip.K for tip in solution.tips]
+    doubts = cautions(scene, solution, faces, shares, step)
     make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error)
     return StepResult(
         step=step,
@@ -89,7 +89,7 @@ def step_result(
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
-        warnings=cautions(scene, solution, faces, shares, step, told),
+        cautions=doubts,
         energy_error=error.relative if error else float("nan"),
     )
 

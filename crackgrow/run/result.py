@@ -9,11 +9,26 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.contact.coulomb import SOLVED_RESIDUAL
+from crackgrow.run.caution import Cause, Caution
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 OPEN, STICK, SLIP = 0, 1, 2
 STATE_NAMES = ("open", "stick", "slip")
+
+BALANCED = 1e-5
+"""Energies that miss each other by less than this part of the largest are balanced."""
+
+CHECK_LIMITS = {
+    "residual": Cause.RESIDUAL.limit,
+    "penetration": 1e-6,  # of the largest jump of the step: beyond round-off
+    "complementarity": SOLVED_RESIDUAL,
+    "overlap_share": 1.0,
+    "energy_error": BALANCED,  # of the balance
+}
+"""What the columns of steps.csv that tell how good a step is should not be beyond."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,9 +203,14 @@ class StepResult:
     crack_length: float  # m, of all cracks
     effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
-    warnings: tuple[str, ...]
+    cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
     energy_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The cautions in words."""
+        return tuple(caution.words for caution in self.cautions)
 
     @property
     def frame(self) -> Frame | None:

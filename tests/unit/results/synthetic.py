@@ -183,7 +183,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         crack_length=float(s[-1]),
         effective_toughness=2e4,
         seconds={"cover": 0.1, "assembly": 0.2, "factorize": 0.3, "contact": 0.4, "criterion": 0.5, "output": 0.0625},
-        warnings=(),
+        cautions=(),
     )
     return replace(result, **changes)
 

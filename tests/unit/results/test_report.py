@@ -20,12 +20,9 @@ import pytest
 from PIL import Image
 
 from crackgrow.case import load_case
-from crackgrow.contact.coulomb import SOLVED_RESIDUAL
 from crackgrow.results.folder import FolderError, read_run
-from crackgrow.results.report import checks, pictures, write_report
+from crackgrow.results.report import pictures, write_report
 from crackgrow.results.writer import RunWriter
-from crackgrow.run.cautions import LARGE_RESIDUAL
-from crackgrow.run.increments import BALANCED
 from tests.report_runs import CASES, HOSTILE, make_run, paint
 
 VOID = ("meta", "input", "img")
@@ -261,11 +258,6 @@ def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatc
     monkeypatch.setattr(pictures, "MOST_BYTES", 100)
     write_report(tmp_path)
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
-
-
-def test_limits_of_checks_are_those_of_the_solver() -> None:
-    limits = (checks.RESIDUAL_LIMIT, checks.COMPLEMENTARITY_LIMIT, checks.ENERGY_LIMIT)
-    assert limits == (LARGE_RESIDUAL, SOLVED_RESIDUAL, BALANCED)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +12,10 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run import grow
-from crackgrow.run.cautions import LARGE_OVERLAP, _overlapping, overlap_shares
+from crackgrow.results.gathered import Gathered
+from crackgrow.run import grow, report
+from crackgrow.run.caution import Cause
+from crackgrow.run.cautions import _overlapping, overlap_shares
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution, solve_step
@@ -127,10 +130,11 @@ def test_a_full_overlap_is_told_in_plain_digits() -> None:
     (face,) = result.faces
     face = replace(face, opening=np.full_like(face.opening, -1e-3), slip=np.zeros_like(face.slip))
     scene = make_scene(load_case(CASES / "compression30.yaml"))
-    shares = overlap_shares(scene, solve_first(scene), (face,))
-    (told,) = _overlapping(scene, (face,), shares)
-    assert shares == [pytest.approx(1.0 / LARGE_OVERLAP)]  # all of the jump
-    assert "by 0.001 m between contact points, 100 % of their largest jump" in told
+    solution = solve_first(scene)
+    shares = overlap_shares(scene, solution, (face,))
+    (told,) = _overlapping(scene, solution, (face,), shares)
+    assert shares == [pytest.approx(1.0 / Cause.OVERLAP.limit)]  # all of the jump
+    assert "by 0.001 m between contact points, 100 % of their largest jump" in told.words
 
 
 def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None:
@@ -157,7 +161,7 @@ def test_soft_contact_is_told_with_the_pressure_that_it_bears(stiffness: float, 
 def test_corners_of_bodies_overlap_by_little_beside_the_displacement(spacing: str, warned: bool) -> None:
     result = first_step("block_foundation", f"numerics.spacing={spacing}")
     (faces,) = result.faces
-    assert result.overlap > LARGE_OVERLAP * np.hypot(faces.opening, faces.slip).max()
+    assert result.overlap > Cause.OVERLAP.limit * np.hypot(faces.opening, faces.slip).max()
     assert (result.overlap_share > 1.0) == any("overlap by" in text for text in result.warnings) == warned
 
 
@@ -168,20 +172,42 @@ def test_elastic_contact_explains_its_overlap() -> None:
     assert soft.overlap < 5e-3 * np.abs(faces.slip).max()
 
 
+def told_in_a_run(words: str, *settings: str) -> list[str]:
+    """The sentences of a run of compression30 that have these words."""
+    gathered = Gathered()
+    for result in grow(load_case(CASES / "compression30.yaml", [*settings, "growth.steps=2", "output.frames=none"])):
+        gathered.add(result.step, result.cautions)
+    return [text for text in gathered.sentences() if words in text]
+
+
 def test_a_tip_without_room_for_the_integral_of_K_is_told_once() -> None:
-    close = "cracks.flaw.path.center=[8, 0]"  # the end is 2.1 spacings from the side
-    case = load_case(CASES / "compression30.yaml", [close, "growth.steps=2", "output.frames=none"])
-    told = [[text for text in result.warnings if "the integral" in text] for result in grow(case)]
-    assert told == [
-        ["K at the end of crack 'flaw': the outline makes the disc of the integral small; see the columns K_*_error of "
-         "tips.csv"],
-        [],
-        [],
-    ]  # fmt: skip
+    (told,) = told_in_a_run("the integral", "cracks.flaw.path.center=[8, 0]")  # the end is 2.1 spacings from the side
+    assert told.startswith("steps 0 to 2, worst ")
+    assert "K at the end of crack 'flaw': the outline makes the disc of the integral small" in told
 
 
 def test_that_things_are_closer_than_a_spacing_is_told_once() -> None:
-    close = ["cracks.flaw.path.center=[10, 0]", "cracks.flaw.tips=start", "growth.steps=2", "output.frames=none"]
-    case = load_case(CASES / "compression30.yaml", close)  # the end is 1.2 mm from the side
-    told = [[text for text in result.warnings if "closer than a spacing" in text] for result in grow(case)]
-    assert [len(texts) for texts in told] == [1, 0, 0]
+    close = ("cracks.flaw.path.center=[10, 0]", "cracks.flaw.tips=start")  # the end is 1.2 mm from the side
+    (told,) = told_in_a_run("closer than a spacing", *close)
+    assert told.startswith("steps 0 to 2: the end of crack 'flaw' is closer than a spacing to the outline")
+
+
+REST = Path(__file__).parent / "block_at_rest.yaml"
+
+
+@pytest.mark.parametrize("spacing", [0.25, 0.1, 0.05])
+def test_a_block_at_rest_on_a_plane_warns_of_nothing(spacing: float) -> None:
+    """Its corners overlap by nearly all of their jump, which is next to nothing, on any lattice."""
+    result = next(grow(load_case(REST, [f"numerics.spacing={spacing}"])))
+    (face,) = result.faces
+    assert -face.opening.min() > 0.9 * np.hypot(face.opening, face.slip).max()
+    assert result.warnings == ()
+
+
+def test_the_time_of_cautions_is_in_a_phase(monkeypatch: pytest.MonkeyPatch) -> None:
+    def slow(*_: object) -> tuple[()]:
+        time.sleep(0.2)
+        return ()
+
+    monkeypatch.setattr(report, "cautions", slow)
+    assert first_step("compression30", "numerics.spacing=3").seconds["output"] > 0.2
