@@ -10,9 +10,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.case.model import Case, CriticalLoad, Growth, LoadHistory
+from crackgrow.case.model import Case, Growth, LoadHistory
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
-from crackgrow.fracture.advance import TIE, GrowingCrack, growing_tips
+from crackgrow.fracture.advance import GrowingCrack, growing_tips
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import advance_tips
@@ -129,11 +129,9 @@ def _choose(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolu
     if last:
         return np.empty(0, dtype=np.int64)
     n_advances = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
-    criticality = _criticality(cracks, solution)
-    largest = criticality.max(initial=-np.inf)
-    if isinstance(solution.configuration.scene.case.loading, CriticalLoad) and abs(largest - 1.0) < TIE:
-        criticality = criticality * (1.0 + TIE)  # the largest is 1 but for round-off; as critical ones grow too
-    return growing_tips(criticality, np.array(n_advances, dtype=np.int64), growth.advance)
+    places = np.array([tip.point for tip in solution.cover.tips]).reshape(-1, 2)
+    counts = np.array(n_advances, dtype=np.int64)
+    return growing_tips(_criticality(cracks, solution), counts, places, growth.advance)
 
 
 def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:
