@@ -12,7 +12,7 @@ from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import lay_out
 from crackgrow.run.scene import SurfaceLaw, make_scene
-from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions
+from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +58,7 @@ def sizes_of(case: Case) -> Sizes:
     )
     known = [
         *settings_cautions(scene, cover, len(faces.surface)),
+        *unbalanced_loads(scene, cover),
         *closeness_cautions(scene, cover),
         *_short_increment(case),
     ]

@@ -6,14 +6,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from crackgrow.case.model import Gravity, PointSupport
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.contact_cautions import contact_cautions
-from crackgrow.run.reactions import imbalance
+from crackgrow.run.reactions import imbalance, reactions
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
-from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions
+from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced, unbalanced_loads
 from crackgrow.run.step import StepSolution
 
 SHARP_KINK = 75.0
@@ -27,6 +28,9 @@ CLOSED_KINK = 20.0
 
 NEAR_CLOSED_KINK = 2.0
 """Spacings: behind a closed kink of 30 degrees K_I is off by 0.2 of K_II at 1.3 spacings, by 0.3 at 0.3."""
+
+SAW_TEETH = 2
+"""Kinks in turn, to and fro, from which on a path is a saw."""
 
 PRESSED_FLAT = 0.03
 """Overlap of a crack's faces, over what the rock of a spacing gives way to the largest pressure, that is
@@ -68,7 +72,9 @@ def _all_cautions(
         yield Caution(Cause.NOTE, note)
     if step == 0:
         yield from settings_cautions(scene, solution.cover, solution.faces.n)
+    yield from _passing_through(scene, solution, faces)
     yield from _overlapping(scene, solution, faces, shares)
+    yield from _sawing(scene, solution)
     yield from contact_cautions(solution)
     yield from _short_of_room(solution)
     yield from closeness_cautions(scene, solution.cover)
@@ -76,10 +82,44 @@ def _all_cautions(
     if solution.residual > Cause.RESIDUAL.limit:
         words = f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned"
         yield Caution(Cause.RESIDUAL, words, size=solution.residual)
+    yield from _on_points(scene, solution)
     left = imbalance(solution)
     if left > Cause.IMBALANCE.limit:
         words = f"loads and reactions are out of balance by {left:.1g}: bodies of very unlike stiffness"
         yield Caution(Cause.IMBALANCE, words, size=left)
+
+
+def _on_points(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
+    """Supports at points that carry forces. Of a heavy scene only what its other loads leave is told: see below."""
+    case = scene.case
+    if any(isinstance(load, Gravity) for load in case.loads):
+        yield from unbalanced_loads(scene, solution.cover)
+        return
+    found = reactions(solution)
+    size = float(np.abs(solution.loads).sum() + sum(np.hypot(*reaction.force) for reaction in found))
+    points = {f"supports.{n}" for n, support in enumerate(case.supports) if isinstance(support, PointSupport)}
+    for reaction in found:
+        force = float(np.hypot(*reaction.force))
+        if reaction.where in points and force > Cause.UNBALANCED.limit * size:
+            yield unbalanced(f"{force:.3g} N/m at {reaction.where}", reaction.where, force)
+
+
+def _passing_through(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> Iterator[Caution]:
+    """Cracks whose faces never touch, and lie in each other."""
+    flat = _pressed_flat(scene, solution, faces)
+    for law, face in zip(scene.laws, faces, strict=True):
+        depth = -float(face.opening.min(initial=0.0))
+        if law.contact is not None or law.bonded:
+            continue
+        if depth > max(Cause.CONTACT_NONE.limit * _largest_jump(face), PRESSED_FLAT * flat):
+            yield Caution(
+                Cause.CONTACT_NONE,
+                f"'{face.crack}' has contact: none, and its faces lie in each other by {depth:.2g} m, "
+                f"{100.0 * depth / _largest_jump(face):.3g} % of their largest jump: rock does not do that, and K_I "
+                "and the stress there mean nothing; give the crack a contact law, such as {friction: 0, cohesion: 0}",
+                f"'{face.crack}'",
+                depth,
+            )
 
 
 def overlap_shares(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[float]:
@@ -139,6 +179,31 @@ def _short_of_room(solution: StepSolution) -> Iterator[Caution]:
             radius = state.intensity.radius
             size = np.inf if np.isnan(radius) else 1.0 / radius
             yield Caution(Cause.SMALL_DISC, f"K at {place}: {state.intensity.note}", place, float(size))
+
+
+def _sawing(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
+    """Tips whose last increments turn to and fro: steps too long for a direction that is found at their beginning."""
+    growth = scene.case.growth
+    if growth is None or growth.direction == "implicit":
+        return
+    for index, at_end in solution.cover.tip_ends:
+        crack = solution.cover.cracks[index]
+        given = scene.lattice.to_lattice(scene.case.cracks[index].points[-1 if at_end else 0])
+        points = crack.points[::-1] if at_end else crack.points
+        n_grown = int(np.argmin(np.hypot(*(points - given).T)))  # segments that growth has added
+        turns = np.rad2deg(kink_angles(points))[: max(n_grown - 1, 0)][:SAW_TEETH]
+        if len(turns) < SAW_TEETH or np.abs(turns).min() < Cause.SAWING.limit or (turns[1:] * turns[:-1]).max() > 0.0:
+            continue
+        criterion = "" if growth.criterion == "max_hoop_stress" else "growth.criterion: max_hoop_stress with "
+        end = "end" if at_end else "start"
+        yield Caution(
+            Cause.SAWING,
+            f"the {end} of crack '{crack.name}' turns to and fro by {np.abs(turns).min():.0f} degrees and more at each "
+            "step: the direction is that at the beginning of an increment, which is too long for it; use "
+            f"{criterion}growth.direction: implicit, or a smaller growth.increment",
+            f"the {end} of crack '{crack.name}'",
+            float(np.abs(turns).min()),
+        )
 
 
 def _kinks(solution: StepSolution) -> Iterator[Caution]:

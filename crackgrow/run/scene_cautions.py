@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import shapely
 
+from crackgrow.case.model import Gravity, PointSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
+from crackgrow.solid.loads import load_vector
 
 THINNEST_LAYER = 1e-4
 """Length over which elastic contact gives way at a tip, over the distance of the nodes, from which it is as rigid."""
@@ -201,6 +204,35 @@ def _close_pairs(scene: Scene, cover: Cover) -> list[tuple[str, str]]:
             there = [x.name for x in interfaces if shapely.dwithin(shapely.LineString(x.points), place, close)]
             pairs.append((name, f"interface '{there[0]}'" if there else "the outline"))
     return pairs
+
+
+def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
+    """Loads that only points could carry: what supports at points must bear where nothing else holds the scene.
+
+    Weight is left out: who holds a heavy body at points means to.
+    """
+    case = scene.case
+    if not case.supports or not all(isinstance(support, PointSupport) for support in case.supports):
+        return
+    for held in (True, False):
+        loads = [load for load in case.loads if load.held == held and not isinstance(load, Gravity)]
+        forces = load_vector(cover, case.bodies, loads, case.numerics.quadrature).reshape(-1, 2)
+        forces = forces[: len(cover.patch_nodes)]  # of the patches' own functions, which add up to one everywhere
+        size, arms = float(np.hypot(*forces.T).sum()), cover.patch_nodes - cover.patch_nodes.mean(axis=0)
+        turning = float((arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum())
+        extent = float(np.ptp(cover.patch_nodes, axis=0).max())
+        left = max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / extent)
+        if left > Cause.UNBALANCED.limit * size:
+            yield unbalanced(f"{left:.3g} N/m of the loads ({100.0 * left / size:.2g} %)", "", left / size)
+
+
+def unbalanced(what: str, place: str, size: float) -> Caution:
+    """What to say of a force that supports at points carry."""
+    words = (
+        f"{what} are carried by supports at points, where a plane gives way without bound: displacements depend on the "
+        "spacing, and the stress there is not that of a specimen; balance the loads, or hold an edge"
+    )
+    return Caution(Cause.UNBALANCED, words, place, size)
 
 
 def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:

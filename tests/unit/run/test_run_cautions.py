@@ -14,7 +14,7 @@ from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow, report
-from crackgrow.run.caution import Cause
+from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.cautions import _overlapping, overlap_shares
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
@@ -211,3 +211,54 @@ def test_the_time_of_cautions_is_in_a_phase(monkeypatch: pytest.MonkeyPatch) -> 
 
     monkeypatch.setattr(report, "cautions", slow)
     assert first_step("compression30", "numerics.spacing=3").seconds["output"] > 0.2
+
+
+def told_of(cause: Cause, result: StepResult) -> list[Caution]:
+    return [caution for caution in result.cautions if caution.cause is cause]
+
+
+def test_loads_out_of_balance_on_supports_at_points_are_told_with_the_forces() -> None:
+    """Half of the lower traction is missing: 50 MPa over 31 mm stand on two points."""
+    result = first_step("compression30", "numerics.spacing=3", "loads.1.traction=[0, 50]")
+    told = told_of(Cause.UNBALANCED, result)
+    assert [caution.place for caution in told] == ["supports.0", "supports.1"]
+    assert all("7.75e+05 N/m at supports." in caution.words for caution in told)
+    assert told_of(Cause.UNBALANCED, first_step("compression30", "numerics.spacing=3")) == []
+
+
+def test_a_couple_on_supports_at_points_is_told() -> None:
+    tilted = ("loads.0.traction=[1, -100]", "loads.1.traction=[-1, 100]")  # the forces are in balance
+    result = first_step("compression30", "numerics.spacing=3", *tilted)
+    assert [caution.place for caution in told_of(Cause.UNBALANCED, result)] == ["supports.0", "supports.1"]
+
+
+def test_a_body_that_stands_on_points_by_its_weight_is_not_told_of() -> None:
+    density, weight = "bodies.rock.material.density='2700 kg/m^3'", "{body: rock, gravity: [0, -9.81]}"
+
+    def pulled(lower: float) -> StepResult:
+        up, down = "{on: {body: rock, edge: top}, traction: [0, 1]}", f"[0, {-lower}]"
+        ends = f"{up}, {{on: {{body: rock, edge: bottom}}, traction: {down}}}"
+        return first_step("tension0", density, f"loads=[{ends}, {weight}]")
+
+    assert any(np.hypot(*reaction.force) > 1.0 for reaction in pulled(1.0).reactions)
+    assert told_of(Cause.UNBALANCED, pulled(1.0)) == []
+    assert len(told_of(Cause.UNBALANCED, pulled(0.9))) == 1
+
+
+def test_faces_without_contact_that_lie_in_each_other_are_told_first_with_the_size() -> None:
+    result = first_step("compression30", "numerics.spacing=3", "cracks.flaw.contact=none")
+    assert result.tips[0].K_I < 0.0
+    assert result.cautions[0].cause is Cause.CONTACT_NONE
+    (face,) = result.faces
+    assert f"lie in each other by {-face.opening.min():.2g} m" in result.warnings[0]
+    assert told_of(Cause.CONTACT_NONE, first_step("tension0", "cracks.flaw.contact=none")) == []
+
+
+@pytest.mark.parametrize(("direction", "told"), [("explicit", 2), ("implicit", 0)])
+def test_a_path_that_saws_is_told_with_the_remedy(direction: str, told: int) -> None:
+    settings = ("growth.criterion=max_hoop_stress", "growth.advance=all", f"growth.direction={direction}")
+    case = load_case(CASES / "compression30.yaml", [*settings, "growth.steps=4", "output.frames=none"])
+    *_, last = grow(case)
+    sawing = told_of(Cause.SAWING, last)
+    assert len(sawing) == told
+    assert all("use growth.direction: implicit" in caution.words for caution in sawing)
