@@ -55,12 +55,14 @@ class TipResult:
     criticality: float  # strength ratio: >= 1 where the criterion is met
     kink_deg: float  # degrees, from the tip's direction to the growth direction, counter-clockwise
     advanced: bool
-    K_I_error: float  # Pa sqrt(m), spread between discs of integration
+    K_I_error: float  # Pa sqrt(m), bound of what K_I is off by: see `run.intensity_error`
     K_II_error: float  # Pa sqrt(m)
     K_radius: float  # m, of the disc
     K_note: str  # why the disc is smaller than usual, or missing; empty where it is not
     K_I_faces: float  # Pa sqrt(m), from the displacement of the faces: a coarse check
     K_II_faces: float  # Pa sqrt(m)
+    K_I_spread: float  # Pa sqrt(m), between discs of integration: a part of the error, often a small one
+    K_II_spread: float  # Pa sqrt(m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -74,7 +74,7 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     assert "advanced: flaw end (tension)" in lines[1]
     assert lines[4:] == [
         "warning: steps 0 to 2: thin cell",
-        "estimated error: K by radius 1 %",
+        "estimated error: K by at most 1 % of the largest",
         "completed: 2 growth steps done",
         "results in outputs/block",
     ]

@@ -137,6 +137,8 @@ def make_result(step: int, **changes: Any) -> StepResult:
             "no room",
             1e6,
             -1e6,
+            np.nan,
+            np.nan,
         ),
         TipResult(
             "flaw",
@@ -155,6 +157,8 @@ def make_result(step: int, **changes: Any) -> StepResult:
             0.005,
             "",
             1.9e6,
+            1e3,
+            2e3,
             1e3,
         ),
     )

@@ -20,7 +20,7 @@ import pytest
 from PIL import Image
 
 from crackgrow.case import load_case
-from crackgrow.results.folder import FolderError, read_run
+from crackgrow.results.folder import LATER, FolderError, read_run
 from crackgrow.results.report import pictures, write_report
 from crackgrow.results.writer import RunWriter
 from tests.report_runs import CASES, HOSTILE, make_run, paint
@@ -258,6 +258,18 @@ def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatc
     monkeypatch.setattr(pictures, "MOST_BYTES", 100)
     write_report(tmp_path)
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
+
+
+def test_a_run_of_a_version_without_the_spread_of_K_can_be_read(folder: Path, tmp_path: Path) -> None:
+    copy(folder, tmp_path, "tips.csv", {})
+    with (tmp_path / "tips.csv").open(newline="") as file:
+        lines = list(csv.reader(file))
+    earlier = [line[: -len(LATER["tips.csv"])] for line in lines]
+    assert "K_I_spread" not in earlier[0]
+    with (tmp_path / "tips.csv").open("w", newline="") as file:
+        csv.writer(file).writerows(earlier)
+    write_report(tmp_path)
+    assert len(read_run(tmp_path).tips) == len(lines) - 1
 
 
 @pytest.mark.parametrize(
