@@ -195,8 +195,8 @@ class Solution(_Tables):
     def _words(self) -> str:
         result = self.result
         words = [f"step {result.step}", f"load factor {result.load_factor:g}", f"{result.n_dofs} unknowns"]
-        if np.isfinite(result.energy_error):
-            words.append(f"estimated error {result.energy_error:.2g} % of the energy norm")
+        if np.isfinite(result.norm_error):
+            words.append(f"estimated error {result.norm_error:.2g} % of the energy norm")
         return ", ".join(words)
 
 

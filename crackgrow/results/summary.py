@@ -34,7 +34,7 @@ class Tally:
         self.cautions = Gathered()
         self.events: list[Event] = []
         self.effective_toughness = math.nan
-        self.energy_error = math.nan  # percent, of the first step
+        self.norm_error = math.nan  # percent, of the first step
         self.K_error = math.nan  # percent
         self.K_spread = math.nan  # percent
 
@@ -49,7 +49,7 @@ class Tally:
         self.n_dofs.append(int(result.n_dofs))
         self.effective_toughness = float(result.effective_toughness)
         if len(self.steps) == 1:
-            self.energy_error = float(result.energy_error)
+            self.norm_error = float(result.norm_error)
         self.K_error = max((self.K_error, K_error(result)), key=_known)
         self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
         for phase, seconds in result.seconds.items():
@@ -72,7 +72,7 @@ class Tally:
             "cautions": self.cautions.records(),
             "events": [event_record(event) for event in self.events],
             "effective_toughness": self.effective_toughness,
-            "energy_error": self.energy_error,
+            "norm_error": self.norm_error,
             "K_error": self.K_error,
             "K_spread": self.K_spread,
         }
@@ -87,7 +87,7 @@ class Tally:
         tally.worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
         tally.events = [event_of(event) for event in record["events"]]
         tally.effective_toughness = record["effective_toughness"]
-        tally.energy_error = record["energy_error"]
+        tally.norm_error = record["norm_error"]
         tally.K_error, tally.K_spread = record["K_error"], record["K_spread"]
         return tally
 
@@ -124,7 +124,7 @@ def summarize(
             check: {"value": _finite(value), "step": step} for check, (value, step) in tally.worst.items()
         },
         "error_estimate": {
-            "energy_norm_percent": {"first": _finite(tally.energy_error), "last": _finite(end.energy_error)},
+            "energy_norm_percent": {"first": _finite(tally.norm_error), "last": _finite(end.norm_error)},
             "K_percent_at_most": _finite(tally.K_error),
             "K_spread_percent": _finite(tally.K_spread),
         },
@@ -137,8 +137,8 @@ def summarize(
 def error_line(tally: Tally, end: RunEnd) -> str:
     """The estimated error of the last step and the bound of that of K over all steps, in words; empty if unknown."""
     parts = []
-    if math.isfinite(end.energy_error):
-        parts.append(f"{end.energy_error:.2g} % of the energy norm")
+    if math.isfinite(end.norm_error):
+        parts.append(f"{end.norm_error:.2g} % of the energy norm")
     if math.isfinite(tally.K_error):
         parts.append(f"K by at most {tally.K_error:.2g} % of the largest")
     return f"estimated error: {', '.join(parts)}" if parts else ""

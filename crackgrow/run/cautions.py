@@ -83,6 +83,13 @@ def _all_cautions(
         words = f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned"
         yield Caution(Cause.RESIDUAL, words, size=solution.residual)
     yield from _on_points(scene, solution)
+    missed = solution.state.energy.error
+    if missed > Cause.ENERGY.limit:
+        words = (
+            f"work, strain energy, dissipation and what bonds set free miss each other by {100.0 * missed:.2g} % of "
+            "the largest: the energies are off by as much; apply the loads in smaller steps (loading.history)"
+        )
+        yield Caution(Cause.ENERGY, words, size=missed)
     left = imbalance(solution)
     if left > Cause.IMBALANCE.limit:
         words = f"loads and reactions are out of balance by {left:.1g}: bodies of very unlike stiffness"

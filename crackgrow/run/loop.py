@@ -62,13 +62,13 @@ def solved_steps(
             last = next(steps)
         except StopIteration as stop:
             end: RunEnd = stop.value
-            return end if last is None else replace(end, energy_error=_last_error(*last))
+            return end if last is None else replace(end, norm_error=_last_error(*last))
         yield last
 
 
 def _last_error(result: StepResult, solution: StepSolution) -> float:
     """Estimated error, percent, of the last step, which is known to be the last only now."""
-    return estimated_error(solution).relative if np.isnan(result.energy_error) else result.energy_error
+    return estimated_error(solution).relative if np.isnan(result.norm_error) else result.norm_error
 
 
 def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:

@@ -92,7 +92,7 @@ def step_result(
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
         cautions=doubts,
-        energy_error=error.relative if error else float("nan"),
+        norm_error=error.relative if error else float("nan"),
     )
 
 

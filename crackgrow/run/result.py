@@ -206,7 +206,7 @@ class StepResult:
     effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
-    energy_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
+    norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 
     @property
@@ -228,4 +228,4 @@ class RunEnd:
     reason: str
     cracks: tuple[CrackPath, ...]  # the final paths, the last advance included
     events: tuple[Event, ...] = ()  # of an advance that was not solved any more
-    energy_error: float = float("nan")  # percent of the energy norm, estimated for the last step; nan if it is unknown
+    norm_error: float = float("nan")  # percent of the energy norm, estimated for the last step; nan if it is unknown

@@ -4,12 +4,12 @@ Measured on these scenes and others: tips, those of them whose true error is wit
 in the median, by the larger component.
 
     straight flaw, 2.5 to 13 spacings                                   24   100 %   15
-    young wings (`young30`), 3 to 0.375 mm                              14   100 %   19
-    grown wings (`grown30`), 3 to 0.375 mm                              14   100 %    6
+    young wings (`young30`), 3 to 0.375 mm                              14   100 %   12
+    grown wings (`grown30`), 3 to 0.375 mm                              14   100 %    4
     closed kinks of 30 to 60 degrees, wings of 1 to 12 spacings         42   100 %    4
     fifty flaws, 3, 2, 1.5 and 1 mm                                    400    95 %    3
   not fitted to:
-    wings of a flaw in a wide plate, 0.1 to 1 of its half length       174   100 %   10
+    wings of a flaw in a wide plate, 0.1 to 1 of its half length       174   100 %    4
     sixty random scenes of one to three bent cracks, 2 and 1 mm,
     against 0.35 mm                                                    308    94 %   10
 
@@ -139,7 +139,7 @@ def test_grown_wings_are_within_the_bound_which_is_not_ten_times_too_large(tmp_p
 @pytest.mark.parametrize("spacing", [3.0, 1.5])
 def test_young_wings_are_within_the_bound(tmp_path: Path, spacing: float) -> None:
     part, ratio = covered(with_wings(tmp_path, "young30", spacing))
-    assert (part, 1.0 < ratio < 30.0) == (1.0, True)
+    assert (part, 1.0 < ratio < 15.0) == (1.0, True)
 
 
 @pytest.mark.parametrize("spacing", [10.0, 5.0, 2.0])

@@ -48,8 +48,8 @@ def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> 
     tally = Tally()
     for step, spread in enumerate((0.08, 0.12, 0.04)):
         result = with_tips(step, {"K_II_spread": spread, "K_I_error": 5.0 * spread})
-        tally.add(replace(result, energy_error=1.5 if step == 0 else math.nan))
-    end = replace(make_end(2), energy_error=2.25)
+        tally.add(replace(result, norm_error=1.5 if step == 0 else math.nan))
+    end = replace(make_end(2), norm_error=2.25)
     summary = json.loads(summary_text(summarize(make_case(), Tally.of(tally.record()), end, 1.0, 1.0)))[
         "error_estimate"
     ]
