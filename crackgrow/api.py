@@ -18,6 +18,7 @@ from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results import data_frames
+from crackgrow.results.gathered import Gathered
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.error import estimated_error
 from crackgrow.run.frame import make_frame
@@ -121,8 +122,11 @@ class _Tables:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is unsure in these steps, and why, as in summary.json; empty if nothing is."""
-        return tuple(f"step {result.step}: {text}" for result in self.results for text in result.warnings)
+        """What is unsure in these steps, and why, one sentence a cause as in summary.json; empty if nothing is."""
+        gathered = Gathered()
+        for result in self.results:
+            gathered.add(result.step, result.cautions)
+        return tuple(gathered.sentences())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -191,8 +195,8 @@ class Solution(_Tables):
     def _words(self) -> str:
         result = self.result
         words = [f"step {result.step}", f"load factor {result.load_factor:g}", f"{result.n_dofs} unknowns"]
-        if np.isfinite(result.energy_error):
-            words.append(f"estimated error {result.energy_error:.2g} % of the energy norm")
+        if np.isfinite(result.norm_error):
+            words.append(f"estimated error {result.norm_error:.2g} % of the energy norm")
         return ", ".join(words)
 
 

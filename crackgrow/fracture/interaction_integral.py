@@ -33,8 +33,8 @@ class StressIntensity:
 
     K_I: float  # Pa sqrt(m)
     K_II: float  # Pa sqrt(m)
-    K_I_error: float  # Pa sqrt(m): spread over three radii
-    K_II_error: float  # Pa sqrt(m)
+    K_I_spread: float  # Pa sqrt(m): over three radii
+    K_II_spread: float  # Pa sqrt(m)
     radius: float  # m, of the largest disc; nan where none fits
     shrunk: bool  # whether the disc is smaller than the default
     note: str  # why, in words; empty where it is not

@@ -27,7 +27,7 @@ SMALLEST_RADIUS = 1e-4
 another tip K is within 3 %, where the displacement of the faces misses by 15."""
 
 PARTS = np.array([0.7, 0.85, 1.0])
-"""The discs, as fractions of the radius, whose spread is the error estimate."""
+"""The discs, as fractions of the radius, whose spread tells how far K depends on them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

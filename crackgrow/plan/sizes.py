@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from crackgrow.case.model import Case
+from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import lay_out
 from crackgrow.run.scene import SurfaceLaw, make_scene
-from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions
-
-LEAST_INCREMENT = 1.0
-"""Spacings: kinks that follow closer on each other share all of their patches."""
+from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +39,7 @@ class Sizes:
     n_contact: int  # points
     n_multipliers: int  # of supports and bonds
     surfaces: tuple[SurfacePlan, ...]
-    warnings: tuple[str, ...]
+    cautions: tuple[Caution, ...]
 
     @property
     def n_tractions(self) -> int:
@@ -57,7 +56,12 @@ def sizes_of(case: Case) -> Sizes:
         SurfacePlan(surface.name, n, law.bonded, law.contact is not None, _rough(law))
         for surface, law, n in zip(cover.surfaces, scene.laws, n_points, strict=True)
     )
-    known = [*settings_cautions(scene, cover, len(faces.surface)), *closeness_cautions(scene, cover)]
+    known = [
+        *settings_cautions(scene, cover, len(faces.surface)),
+        *unbalanced_loads(scene, cover),
+        *closeness_cautions(scene, cover),
+        *_short_increment(case),
+    ]
     return Sizes(
         n_dofs=cover.n_dofs,
         n_patches=len(cover.patch_nodes),
@@ -68,7 +72,7 @@ def sizes_of(case: Case) -> Sizes:
         n_contact=len(faces.surface),
         n_multipliers=len(held.given),
         surfaces=surfaces,
-        warnings=(*known, *_short_increment(case)),
+        cautions=tuple(known),
     )
 
 
@@ -78,11 +82,11 @@ def _rough(law: SurfaceLaw) -> bool:
     return contact is not None and max(contact.friction, contact.residual_friction, contact.cohesion) > 0.0
 
 
-def _short_increment(case: Case) -> list[str]:
+def _short_increment(case: Case) -> Iterator[Caution]:
     growth, spacing = case.growth, case.numerics.spacing
-    if growth is None or growth.steps == 0 or growth.increment >= LEAST_INCREMENT * spacing:
-        return []
-    return [
-        f"the increment {growth.increment:g} m is below a spacing ({spacing:g} m): the cover does not resolve kinks "
-        "that follow each other so closely, and where they are closed, faces overlap between contact points"
-    ]
+    if growth is not None and growth.steps > 0 and growth.increment < Cause.SHORT_INCREMENT.limit * spacing:
+        yield Caution(
+            Cause.SHORT_INCREMENT,
+            f"the increment {growth.increment:g} m is below a spacing ({spacing:g} m): the cover does not resolve kinks"
+            " that follow each other so closely, and where they are closed, faces overlap between contact points",
+        )

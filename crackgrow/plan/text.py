@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from crackgrow.case.model import Case
-from crackgrow.plan.cost import Cost, estimated_cost
+from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
 from crackgrow.plan.sizes import Sizes, sizes_of
+from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import counted
 from crackgrow.results.overview import overview
+from crackgrow.run.caution import Cause, Caution
 
 LARGEST_SUPPORT = 3.0  # up to which the cost was measured
 SHOWN_SURFACES = 12  # of more the rest is summed up
@@ -16,7 +20,8 @@ def plan_text(case: Case) -> str:
     """Lines of text: the overview of the case, the model of step 0, its cost, warnings. Raises GeometryError."""
     sizes = sizes_of(case)
     cost = estimated_cost(case, sizes)
-    return "\n".join([overview(case), *_model(case, sizes), *_cost(case, cost), *_warnings(sizes)])
+    warnings = _warnings([*sizes.cautions, *_memory_cautions(cost)])
+    return "\n".join([overview(case), *_model(case, sizes), *_cost(case, cost), *warnings])
 
 
 def _model(case: Case, sizes: Sizes) -> list[str]:
@@ -61,8 +66,22 @@ def _cost(case: Case, cost: Cost) -> list[str]:
     ]
 
 
-def _warnings(sizes: Sizes) -> list[str]:
-    return [f"warning: {text}" for text in sizes.warnings] or ["no warnings"]
+def _memory_cautions(cost: Cost) -> list[Caution]:
+    """What to say where the machine has less memory than the run takes."""
+    available = machine_memory()
+    if cost.memory <= Cause.MEMORY.limit * available:
+        return []
+    words = (
+        f"the run needs about {_memory(cost.memory)} of memory, and this machine has {_memory(available)}: it would be "
+        "killed or stand still; use a larger numerics.spacing, a smaller specimen, or numerics.accuracy draft"
+    )
+    return [Caution(Cause.MEMORY, words)]
+
+
+def _warnings(cautions: Sequence[Caution]) -> list[str]:
+    gathered = Gathered()
+    gathered.add(0, cautions)
+    return [f"warning: {text}" for text in gathered.sentences(with_steps=False)] or ["no warnings"]
 
 
 def _seconds(value: float) -> str:

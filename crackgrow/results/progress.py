@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import counted, event_line, step_label, step_line
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
@@ -14,7 +15,7 @@ if TYPE_CHECKING:  # this module is on the command line's way to --version: no n
 
 BAR_WIDTH = 20
 ROOM_FOR_BAR = 60  # columns: a narrower terminal has the words alone
-MOST_WARNINGS = 5  # told at the end; run.log has all
+MOST_WARNINGS = 8  # causes that are told at the end; run.log has all
 RECENT = 5  # steps whose mean time tells what is left: later ones are larger than the first
 CLEAR = "\x1b[K"  # the rest of a terminal's line
 
@@ -29,7 +30,7 @@ class Progress:
         self._say, self._width = say, width
         self._n_advances = 0
         self._times = [time.perf_counter()]  # at the end of every step
-        self._warnings: dict[str, None] = {}
+        self._warnings = Gathered()
         say(f"{case.name}: {case.title}", "\n")
         if first:
             say(f"goes on with step {first}", "\n")
@@ -39,7 +40,7 @@ class Progress:
         """Tell of a solved step."""
         self._n_advances += sum(tip.advanced for tip in result.tips)
         self._times.append(time.perf_counter())
-        self._warnings.update(dict.fromkeys(result.warnings))
+        self._warnings.add(result.step, result.cautions)
         if self._width is None:
             self._say(step_line(result, self._n_steps), "\n")
         advances = f", {counted(self._n_advances, 'tip advance')}" if self._n_steps is not None else ""
@@ -54,10 +55,10 @@ class Progress:
             self._say(event_line(event), "\n")
 
     def close(self) -> None:
-        """Leave the live line and tell the warnings of the steps, each once."""
+        """Leave the live line and tell the warnings of the steps, each cause once."""
         if self._width is not None:
             self._say("", "\n")
-        texts = list(self._warnings)
+        texts = self._warnings.sentences()
         for text in texts[:MOST_WARNINGS]:
             self._say(f"warning: {text}", "\n")
         if len(texts) > MOST_WARNINGS:

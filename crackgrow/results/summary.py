@@ -14,7 +14,8 @@ from typing import Any
 
 from crackgrow import __version__
 from crackgrow.case.model import Case
-from crackgrow.run.result import Event, RunEnd, StepResult, event_of, event_record
+from crackgrow.results.gathered import Gathered
+from crackgrow.run.result import Event, RunEnd, StepResult, TipResult, event_of, event_record
 
 ROUND_OFF = 1e-8  # of the loads' K, their force over the root of a length: a smaller K tells nothing
 MEMORY_FILE = Path("/proc/self/status")  # of Linux
@@ -29,19 +30,27 @@ class Tally:
         self.n_dofs: list[int] = []
         self.seconds: dict[str, float] = {}
         self.worst: dict[str, tuple[float, int]] = {}
-        self.warnings: list[str] = []
+        self.remarks: list[str] = []  # on how the run was gone on with
+        self.cautions = Gathered()
         self.events: list[Event] = []
         self.effective_toughness = math.nan
-        self.energy_error = math.nan  # percent, of the first step
+        self.norm_error = math.nan  # percent, of the first step
+        self.K_error = math.nan  # percent
         self.K_spread = math.nan  # percent
 
-    def add(self, result: StepResult) -> None:
-        """Count a step in; a check that is nan counts as worst of all."""
+    @property
+    def warnings(self) -> list[str]:
+        """Remarks, then one sentence for each cause of caution, the most important first."""
+        return [*self.remarks, *self.cautions.sentences()]
+
+    def add(self, result: StepResult) -> list[str]:
+        """Count a step in; returns its warnings that are news. A check that is nan counts as worst of all."""
         self.steps.append(int(result.step))
         self.n_dofs.append(int(result.n_dofs))
         self.effective_toughness = float(result.effective_toughness)
         if len(self.steps) == 1:
-            self.energy_error = float(result.energy_error)
+            self.norm_error = float(result.norm_error)
+        self.K_error = max((self.K_error, K_error(result)), key=_known)
         self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
@@ -50,7 +59,7 @@ class Tally:
             if check not in self.worst or _badness(value) > _badness(self.worst[check][0]):
                 self.worst[check] = (value, int(result.step))
         self.events.extend(result.events)
-        self.warnings.extend(f"step {result.step}: {text}" for text in result.warnings)
+        return self.cautions.add(result.step, result.cautions)
 
     def record(self) -> dict[str, object]:
         """All of it as a mapping that JSON can hold."""
@@ -59,10 +68,12 @@ class Tally:
             "n_dofs": self.n_dofs,
             "seconds": self.seconds,
             "worst": self.worst,
-            "warnings": self.warnings,
+            "remarks": self.remarks,
+            "cautions": self.cautions.records(),
             "events": [event_record(event) for event in self.events],
             "effective_toughness": self.effective_toughness,
-            "energy_error": self.energy_error,
+            "norm_error": self.norm_error,
+            "K_error": self.K_error,
             "K_spread": self.K_spread,
         }
 
@@ -71,11 +82,13 @@ class Tally:
         """The tally of a `record`."""
         tally = cls()
         tally.steps, tally.n_dofs = list(record["steps"]), list(record["n_dofs"])
-        tally.seconds, tally.warnings = dict(record["seconds"]), list(record["warnings"])
+        tally.seconds, tally.remarks = dict(record["seconds"]), list(record["remarks"])
+        tally.cautions = Gathered.of(record["cautions"])
         tally.worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
         tally.events = [event_of(event) for event in record["events"]]
         tally.effective_toughness = record["effective_toughness"]
-        tally.energy_error, tally.K_spread = record["energy_error"], record["K_spread"]
+        tally.norm_error = record["norm_error"]
+        tally.K_error, tally.K_spread = record["K_error"], record["K_spread"]
         return tally
 
     def add_seconds(self, phase: str, seconds: float) -> None:
@@ -111,21 +124,23 @@ def summarize(
             check: {"value": _finite(value), "step": step} for check, (value, step) in tally.worst.items()
         },
         "error_estimate": {
-            "energy_norm_percent": {"first": _finite(tally.energy_error), "last": _finite(end.energy_error)},
+            "energy_norm_percent": {"first": _finite(tally.norm_error), "last": _finite(end.norm_error)},
+            "K_percent_at_most": _finite(tally.K_error),
             "K_spread_percent": _finite(tally.K_spread),
         },
         "events": [event_record(event) for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
+        "cautions": [{**record, "size": _finite(record["size"])} for record in tally.cautions.records()],
     }
 
 
 def error_line(tally: Tally, end: RunEnd) -> str:
-    """The estimated error of the last step and the spread of K over all steps, in words; empty if neither is known."""
+    """The estimated error of the last step and the bound of that of K over all steps, in words; empty if unknown."""
     parts = []
-    if math.isfinite(end.energy_error):
-        parts.append(f"{end.energy_error:.2g} % of the energy norm")
-    if math.isfinite(tally.K_spread):
-        parts.append(f"K by radius {tally.K_spread:.2g} %")
+    if math.isfinite(end.norm_error):
+        parts.append(f"{end.norm_error:.2g} % of the energy norm")
+    if math.isfinite(tally.K_error):
+        parts.append(f"K by at most {tally.K_error:.2g} % of the largest")
     return f"estimated error: {', '.join(parts)}" if parts else ""
 
 
@@ -135,12 +150,23 @@ def K_spread(result: StepResult) -> float:
     Of tips with room for their discs, whatever kept the others from it; nan where there are none, and where all K are
     round-off of the loads, as at a crack that sticks.
     """
-    roomy = [tip for tip in result.tips if not tip.K_note and math.isfinite(tip.K_I) and math.isfinite(tip.K_II)]
-    largest = max((max(abs(tip.K_I), abs(tip.K_II)) for tip in roomy), default=0.0)
+    roomy = [tip for tip in result.tips if not tip.K_note]
+    return _part_of_largest(result, roomy, [max(tip.K_I_spread, tip.K_II_spread) for tip in roomy])
+
+
+def K_error(result: StepResult) -> float:
+    """Largest bound of the error of K, in percent of the largest K of the step; nan where that is round-off."""
+    return _part_of_largest(result, result.tips, [max(tip.K_I_error, tip.K_II_error) for tip in result.tips])
+
+
+def _part_of_largest(result: StepResult, tips: Sequence[TipResult], values: Sequence[float]) -> float:
+    """The largest of some `values` (Pa sqrt(m)) of tips, in percent of the largest K of those whose K is known."""
+    known = [(tip, value) for tip, value in zip(tips, values, strict=True) if math.isfinite(tip.K_I + tip.K_II + value)]
+    largest = max((max(abs(tip.K_I), abs(tip.K_II)) for tip, _ in known), default=0.0)
     loads = 2.0 * result.energy.strain / abs(result.load_displacement) if result.load_displacement else 0.0  # N/m
-    if largest == 0.0 or any(largest < ROUND_OFF * loads / math.sqrt(tip.K_radius) for tip in roomy):
+    if largest == 0.0 or any(largest < ROUND_OFF * loads / math.sqrt(tip.K_radius) for tip, _ in known):
         return math.nan
-    return 100.0 * max(max(tip.K_I_error, tip.K_II_error) for tip in roomy) / largest
+    return 100.0 * max(value for _, value in known) / largest
 
 
 def summary_text(summary: dict[str, object]) -> str:

@@ -12,7 +12,8 @@ from crackgrow.run.result import STATE_NAMES, CrackPath, Event, StepResult
 Value = str | bool | int | float
 
 TIPS = ("step", "crack", "tip", "x", "y", "K_I", "K_II", "sigma_1", "sigma_3", "criterion", "kink_deg", "advanced",
-        "load_factor", "K_I_error", "K_II_error", "K_radius", "K_note", "K_I_faces", "K_II_faces")  # fmt: skip
+        "load_factor", "K_I_error", "K_II_error", "K_radius", "K_note", "K_I_faces", "K_II_faces", "K_I_spread",
+        "K_II_spread")  # fmt: skip
 PATHS = ("crack", "vertex", "x", "y", "step")
 CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state")
 EVENTS = ("step", "kind", "crack", "tip", "x", "y", "met")
@@ -102,6 +103,8 @@ def tip_rows(result: StepResult) -> list[tuple[Value, ...]]:
             tip.K_note,
             float(tip.K_I_faces),
             float(tip.K_II_faces),
+            float(tip.K_I_spread),
+            float(tip.K_II_spread),
         )
         for tip in result.tips
     ]

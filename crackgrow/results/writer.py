@@ -110,7 +110,7 @@ class RunWriter:
         remove_frames(self.folder, step)
         self._log.go_on(f"crackgrow {__version__}, goes on with step {step}", results["seconds"])
         for text in found.remarks:
-            self._tally.warnings.append(f"resumed with step {step}: {text}")
+            self._tally.remarks.append(f"resumed with step {step}: {text}")
             self._log.write(f"warning: {text}")
         self._write_summary(RUNNING)
 
@@ -122,7 +122,7 @@ class RunWriter:
         policy = self.case.output.frames
         wanted = policy == "every_step" or (policy == "first_and_last" and first)
         seconds = self._write_frames(result) if wanted else 0.0
-        self._tally.add(result)
+        news = self._tally.add(result)
         self._tally.add_seconds("output", seconds)
         self._tips.extend(tables.tip_rows(result))
         self._contact.extend(tables.contact_rows(result))
@@ -133,7 +133,7 @@ class RunWriter:
         self._curve.append(load_point(result))
         self._write_events(result.events)
         self._log.write(step_line(result, self.case.growth.steps if self.case.growth else None))
-        for text in result.warnings:
+        for text in news:
             self._log.write(f"step {result.step}, warning: {text}")
         self._write_summary(RUNNING)
         if first and self.case.output.figures:
@@ -151,6 +151,8 @@ class RunWriter:
                 self._tally.add_seconds("output", time.perf_counter() - began)
         finally:  # a figure that fails doesn't take the summary with it
             self._write_summary(end)
+            for text in self._tally.warnings:
+                self._log.write(f"warning: {text}")
             self.error_line = error_line(self._tally, end)
             if self.error_line:
                 self._log.write(self.error_line)

@@ -1,16 +1,20 @@
-"""What makes a step's results doubtful, in words for the user."""
+"""What makes a step's results doubtful."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from crackgrow.case.model import Gravity, PointSupport
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
+from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.contact_cautions import contact_cautions
-from crackgrow.run.reactions import imbalance
+from crackgrow.run.reactions import imbalance, reactions
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
-from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions
+from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced, unbalanced_loads
 from crackgrow.run.step import StepSolution
 
 SHARP_KINK = 75.0
@@ -25,23 +29,17 @@ CLOSED_KINK = 20.0
 NEAR_CLOSED_KINK = 2.0
 """Spacings: behind a closed kink of 30 degrees K_I is off by 0.2 of K_II at 1.3 spacings, by 0.3 at 0.3."""
 
-LARGE_OVERLAP = 0.05
-"""Overlap of faces, as a fraction of the largest jump, from which a step carries a warning."""
+SAW_TEETH = 2
+"""Kinks in turn, to and fro, from which on a path is a saw."""
 
-NOISE = 1e-3
-"""Jumps smaller than this fraction of the displacement are within the error of the discretization."""
+PRESSED_FLAT = 0.03
+"""Overlap of a crack's faces, over what the rock of a spacing gives way to the largest pressure, that is
+small: a stuck flaw under a gradient of pressure has 0.05 at 5 spacings, where K is felt, 0.02 at 10. Where faces stick
+their jump is next to nothing, and no measure of what overlaps."""
 
-AT_CORNERS = 0.05
-"""The same on interfaces and foundations: the corners of bodies make such overlaps on any lattice."""
-
-LARGE_IMBALANCE = 1e-8
-"""What may be missing of the balance of forces of the whole scene, by their magnitudes, before a step says so."""
-
-LARGE_ENERGY_ERROR = 1e-4
-"""Error of the balance of energy from which a step carries a warning: ten times what a part of the load may miss."""
-
-LARGE_RESIDUAL = 1e-9
-"""Relative equilibrium residual from which a step carries a warning."""
+AT_CORNERS = 0.25
+"""The same on interfaces and foundations: blocks at rest have 0.14 to 0.2 at their corners on any lattice, and sticking
+between two corners next to nothing; two spacings a block 0.3."""
 
 
 def largest_overlap(scene: Scene, faces: tuple[CrackFaces, ...]) -> float:
@@ -57,46 +55,87 @@ def _overlap(law: SurfaceLaw, face: CrackFaces) -> float:
 
 
 def cautions(
-    scene: Scene,
-    solution: StepSolution,
-    faces: tuple[CrackFaces, ...],
-    shares: list[float],
-    step: int,
-    told: frozenset[str] = frozenset(),
-) -> tuple[str, ...]:
+    scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], shares: list[float], step: int
+) -> tuple[Caution, ...]:
     """What the user should know of this step, whose faces overlap by the `shares` of `overlap_shares`.
 
-    What holds for all steps is said at the first; of a tip without room for the integral of K, and of things that are
-    close to each other, once: where it is not among the warnings already `told`.
+    What holds for all steps is said at the first.
     """
+    return tuple(sorted(_all_cautions(scene, solution, faces, shares, step), key=lambda caution: caution.rank))
+
+
+def _all_cautions(
+    scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], shares: list[float], step: int
+) -> Iterator[Caution]:
     slower = solution.contact.system.note
-    found = [*solution.outcome.notes, *solution.state.notes, *solution.notes, *([slower] if slower else [])]
+    for note in (*solution.outcome.notes, *solution.state.notes, *solution.notes, *([slower] if slower else [])):
+        yield Caution(Cause.NOTE, note)
     if step == 0:
-        found.extend(settings_cautions(scene, solution.cover, solution.faces.n))
-    found.extend(_overlapping(scene, faces, shares))
-    found.extend(contact_cautions(solution))
-    close_by = (*_short_of_room(solution), *closeness_cautions(scene, solution.cover), *_kinks(solution))
-    found.extend(text for text in close_by if text not in told)
-    if solution.residual > LARGE_RESIDUAL:
-        found.append(f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned")
-    error = solution.state.energy.error
-    if error > LARGE_ENERGY_ERROR:
-        found.append(
-            f"work, strain energy, dissipation and release are out of balance by {error:.1g} of the largest: contact "
-            "points change on the way; apply the load in smaller steps (loading.history)"
+        yield from settings_cautions(scene, solution.cover, solution.faces.n)
+    yield from _passing_through(scene, solution, faces)
+    yield from _overlapping(scene, solution, faces, shares)
+    yield from _sawing(scene, solution)
+    yield from contact_cautions(solution)
+    yield from _short_of_room(solution)
+    yield from closeness_cautions(scene, solution.cover)
+    yield from _kinks(solution)
+    if solution.residual > Cause.RESIDUAL.limit:
+        words = f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned"
+        yield Caution(Cause.RESIDUAL, words, size=solution.residual)
+    yield from _on_points(scene, solution)
+    missed = solution.state.energy.error
+    if missed > Cause.ENERGY.limit:
+        words = (
+            f"work, strain energy, dissipation and what bonds set free miss each other by {100.0 * missed:.2g} % of "
+            "the largest: the energies are off by as much; apply the loads in smaller steps (loading.history)"
         )
+        yield Caution(Cause.ENERGY, words, size=missed)
     left = imbalance(solution)
-    if left > LARGE_IMBALANCE:
-        found.append(f"loads and reactions are out of balance by {left:.1g}: bodies of very unlike stiffness")
-    return tuple(found)
+    if left > Cause.IMBALANCE.limit:
+        words = f"loads and reactions are out of balance by {left:.1g}: bodies of very unlike stiffness"
+        yield Caution(Cause.IMBALANCE, words, size=left)
+
+
+def _on_points(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
+    """Supports at points that carry forces. Of a heavy scene only what its other loads leave is told: see below."""
+    case = scene.case
+    if any(isinstance(load, Gravity) for load in case.loads):
+        yield from unbalanced_loads(scene, solution.cover)
+        return
+    found = reactions(solution)
+    size = float(np.abs(solution.loads).sum() + sum(np.hypot(*reaction.force) for reaction in found))
+    points = {f"supports.{n}" for n, support in enumerate(case.supports) if isinstance(support, PointSupport)}
+    for reaction in found:
+        force = float(np.hypot(*reaction.force))
+        if reaction.where in points and force > Cause.UNBALANCED.limit * size:
+            yield unbalanced(f"{force:.3g} N/m at {reaction.where}", reaction.where, force)
+
+
+def _passing_through(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> Iterator[Caution]:
+    """Cracks whose faces never touch, and lie in each other."""
+    flat = _pressed_flat(scene, solution, faces)
+    for law, face in zip(scene.laws, faces, strict=True):
+        depth = -float(face.opening.min(initial=0.0))
+        if law.contact is not None or law.bonded:
+            continue
+        if depth > max(Cause.CONTACT_NONE.limit * _largest_jump(face), PRESSED_FLAT * flat):
+            yield Caution(
+                Cause.CONTACT_NONE,
+                f"'{face.crack}' has contact: none, and its faces lie in each other by {depth:.2g} m, "
+                f"{100.0 * depth / _largest_jump(face):.3g} % of their largest jump: rock does not do that, and K_I "
+                "and the stress there mean nothing; give the crack a contact law, such as {friction: 0, cohesion: 0}",
+                f"'{face.crack}'",
+                depth,
+            )
 
 
 def overlap_shares(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[float]:
-    """Overlap of each surface over what is small beside its jump and the displacement: beyond 1 a step warns."""
-    n_cracks, size = len(solution.cover.cracks), _elastic_size(scene, solution, faces)
+    """Overlap of each surface over what is small beside its jump and what pressure does to rock: beyond 1 it warns."""
+    n_cracks, flat = len(solution.cover.cracks), _pressed_flat(scene, solution, faces)
     shares = []
     for index, (law, face) in enumerate(zip(scene.laws, faces, strict=True)):
-        small = max(LARGE_OVERLAP * _largest_jump(face), (NOISE if index < n_cracks else AT_CORNERS) * size)
+        small = Cause.OVERLAP.limit * _largest_jump(face)
+        small = max(small, (PRESSED_FLAT if index < n_cracks else AT_CORNERS) * flat)
         overlap = _overlap(law, face)
         shares.append(overlap / small if overlap > 0.0 else 0.0)
     return shares
@@ -106,65 +145,100 @@ def _largest_jump(face: CrackFaces) -> float:
     return float(np.hypot(face.opening, face.slip).max())
 
 
-def _overlapping(scene: Scene, faces: tuple[CrackFaces, ...], shares: list[float]) -> list[str]:
-    """The surface whose faces overlap most by the size of their jump, and how many others do."""
-    found = [
-        (overlap / _largest_jump(face), overlap, face.crack)
-        for law, face, share in zip(scene.laws, faces, shares, strict=True)
-        if share > 1.0 and (overlap := _overlap(law, face))
-    ]
-    if not found:
-        return []
-    part, overlap, name = max(found)
-    others = f", and those of {len(found) - 1} more by less" if len(found) > 1 else ""
-    return [
-        f"the faces of '{name}' overlap by {overlap:.2g} m between contact points, {100.0 * part:.3g} % of their "
-        f"largest jump{others}: what happens there is unsure; use a smaller spacing"
-    ]
+def _overlapping(
+    scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], shares: list[float]
+) -> Iterator[Caution]:
+    """Surfaces whose faces overlap by more than is small."""
+    flat = _pressed_flat(scene, solution, faces)
+    for law, face, share in zip(scene.laws, faces, shares, strict=True):
+        if share <= 1.0:
+            continue
+        overlap = _overlap(law, face)
+        of_flat = (
+            f" and {100.0 * overlap / flat:.3g} % of what a spacing of rock gives way to the pressure" if flat else ""
+        )
+        yield Caution(
+            Cause.OVERLAP,
+            f"the faces of '{face.crack}' overlap by {overlap:.2g} m between contact points, "
+            f"{100.0 * overlap / _largest_jump(face):.3g} % of their largest jump{of_flat}: contact holds on average "
+            "over a spacing, and opening, slip and pressure there can be off by as much; use a smaller spacing",
+            f"'{face.crack}'",
+            share,
+        )
 
 
-def _short_of_room(solution: StepSolution) -> list[str]:
+def _pressed_flat(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> float:
+    """What the rock of a spacing gives way to the largest pressure on any face, or to its own mean stress if larger, m.
+
+    A length that neither the size of the specimen nor its rigid motion changes.
+    """
+    pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
+    softest, area = min(m.young_prime for m in scene.materials), sum(region.area for region in scene.regions)
+    mean = np.sqrt(2.0 * max(solution.state.energy.strain, 0.0) * softest / area)
+    return float(scene.lattice.spacing * max(pressure, mean) / softest)
+
+
+def _short_of_room(solution: StepSolution) -> Iterator[Caution]:
     """Tips whose K comes from a smaller disc than usual, or from the displacement of the faces alone."""
-    found = []
     for state, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True):
         if state.intensity.shrunk:
             place = f"the {'end' if at_end else 'start'} of crack '{solution.cover.cracks[index].name}'"
-            found.append(f"K at {place}: {state.intensity.note}; see the columns K_*_error of tips.csv")
-    return found
+            radius = state.intensity.radius
+            size = np.inf if np.isnan(radius) else 1.0 / radius
+            yield Caution(Cause.SMALL_DISC, f"K at {place}: {state.intensity.note}", place, float(size))
 
 
-def _kinks(solution: StepSolution) -> list[str]:
+def _sawing(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
+    """Tips whose last increments turn to and fro: steps too long for a direction that is found at their beginning."""
+    growth = scene.case.growth
+    if growth is None or growth.direction == "implicit":
+        return
+    for index, at_end in solution.cover.tip_ends:
+        crack = solution.cover.cracks[index]
+        given = scene.lattice.to_lattice(scene.case.cracks[index].points[-1 if at_end else 0])
+        points = crack.points[::-1] if at_end else crack.points
+        n_grown = int(np.argmin(np.hypot(*(points - given).T)))  # segments that growth has added
+        turns = np.rad2deg(kink_angles(points))[: max(n_grown - 1, 0)][:SAW_TEETH]
+        if len(turns) < SAW_TEETH or np.abs(turns).min() < Cause.SAWING.limit or (turns[1:] * turns[:-1]).max() > 0.0:
+            continue
+        criterion = "" if growth.criterion == "max_hoop_stress" else "growth.criterion: max_hoop_stress with "
+        end = "end" if at_end else "start"
+        yield Caution(
+            Cause.SAWING,
+            f"the {end} of crack '{crack.name}' turns to and fro by {np.abs(turns).min():.0f} degrees and more at each "
+            "step: the direction is that at the beginning of an increment, which is too long for it; use "
+            f"{criterion}growth.direction: implicit, or a smaller growth.increment",
+            f"the {end} of crack '{crack.name}'",
+            float(np.abs(turns).min()),
+        )
+
+
+def _kinks(solution: StepSolution) -> Iterator[Caution]:
     """Tips behind a kink whose field, which has no functions of its own, disturbs theirs."""
-    found = []
     for index, at_end in solution.cover.tip_ends:
         crack = solution.cover.cracks[index]
         points = crack.points[::-1] if at_end else crack.points
         turns, distance = np.rad2deg(np.abs(kink_angles(points))), arc_lengths(points)[1:-1]
-        where = f"spacings from its {'end' if at_end else 'start'}"
+        end = "end" if at_end else "start"
+        where, place = f"spacings from its {end}", f"the {end} of crack '{crack.name}'"
         sharp = np.flatnonzero((turns > SHARP_KINK) & (distance < NEAR_KINK))
         young = np.flatnonzero((turns > CLOSED_KINK) & (distance < NEAR_CLOSED_KINK))
         if len(sharp):
-            found.append(
+            words = (
                 f"crack '{crack.name}' turns by {turns[sharp[0]]:.0f} degrees less than {NEAR_KINK:g} {where}: so "
                 "sharp a corner is not resolved, and K there can be off by half of the larger of K_I and K_II"
             )
+            yield Caution(Cause.SHARP_KINK, words, place, turns[sharp[0]])
         elif len(young) and _pressed(solution, index, at_end):
-            found.append(
+            words = (
                 f"crack '{crack.name}' is closed and turns by {turns[young[0]]:.0f} degrees less than "
                 f"{NEAR_CLOSED_KINK:g} {where}: K_I there can be off by a third of K_II, and by all of it where the "
                 "kink is closer than half a spacing"
             )
-    return found
+            yield Caution(Cause.CLOSED_KINK, words, place, turns[young[0]])
 
 
 def _pressed(solution: StepSolution, crack: int, at_end: bool) -> bool:
     """Whether the contact point next to a tip is closed."""
     mine = np.flatnonzero(solution.faces.surface == crack)
     return len(mine) > 0 and bool(solution.outcome.state[mine[-1 if at_end else 0]] != OPEN)
-
-
-def _elastic_size(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> float:
-    """Displacement (m) that overlaps are held against; also where nothing but the given stress presses the faces."""
-    pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
-    softest = min(material.young_prime for material in scene.materials)
-    return float(max(solution.displacement_size, 2.0 * scene.lattice.spacing * pressure / softest))

@@ -29,7 +29,6 @@ class RunState:
     step: int
     cracks: tuple[GrowingCrack, ...]
     events: tuple[Event, ...] = ()  # of the advance that has made the cracks
-    told: frozenset[str] = frozenset()  # warnings of the steps before
     n_pieces: int = 0  # of rock at the start; 0: not counted yet
     origin: Origin | None = None  # of the step's solution; None: there is none yet
     factorizations: int = 1  # of the step, rejected directions of growth included
@@ -46,7 +45,6 @@ def packed(state: RunState) -> Checkpoint:
     origin = state.origin or FROM_REST
     values: dict[str, Any] = {
         "events": [event_record(event) for event in state.events],
-        "told": sorted(state.told),
         "n_pieces": state.n_pieces,
         "factorizations": state.factorizations,
         "notes": list(state.notes),
@@ -85,7 +83,6 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         checkpoint.step,
         cracks,
         tuple(event_of(record) for record in values["events"]),
-        frozenset(values["told"]),
         values["n_pieces"],
         Origin(values["guess"], start, batches),
         values["factorizations"],

@@ -34,7 +34,7 @@ SMALL_SHEAR = 1e-3
 """K_II below this fraction of K has vanished: it turns a crack by 0.1 degrees."""
 
 WORST_ERROR = 1e-2
-"""K_II within its own error has vanished too, as long as the error is below this fraction of K."""
+"""K_II within its spread over radii has vanished too, as long as that is below this fraction of K."""
 
 USUAL_SLOPE = 1.0
 """d(K_II / K)/dkink, 1/rad: 0.5 for a small kink of an open crack, measured 2 for the wing of a closed one."""
@@ -200,7 +200,7 @@ def _judged(kinks: Floats, advance: Advance, ends: Sequence[tuple[int, bool]]) -
             continue  # nothing to turn it
         # the kink of the largest hoop stress is -2 K_II / K_I where that is small, and bounded everywhere
         shear[number] = -0.5 * hoop_stress_kink(*state.K)
-        error[number] = np.clip(np.nan_to_num(state.intensity.K_II_error) / size, SMALL_SHEAR, WORST_ERROR)
+        error[number] = np.clip(np.nan_to_num(state.intensity.K_II_spread) / size, SMALL_SHEAR, WORST_ERROR)
     return _Trial(kinks, advance, shear, error)
 
 

@@ -29,7 +29,7 @@ from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Surface
 from crackgrow.run.configuration import Configuration
-from crackgrow.run.result import Energy
+from crackgrow.run.result import BALANCED, Energy
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -37,9 +37,6 @@ Bools = NDArray[np.bool_]
 
 ON_OLD_FACES = 1e-6
 """Spacings: points closer than this to the crack as it was lie on it."""
-
-BALANCED = 1e-5
-"""Energies that miss each other by less than this part of the largest are balanced."""
 
 MOST_HALVINGS = 12
 """Times that an increment is halved."""

@@ -10,9 +10,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.case.model import Case, CriticalLoad, Growth, LoadHistory
+from crackgrow.case.model import Case, Growth, LoadHistory
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
-from crackgrow.fracture.advance import TIE, GrowingCrack, growing_tips
+from crackgrow.fracture.advance import GrowingCrack, growing_tips
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import advance_tips
@@ -62,19 +62,19 @@ def solved_steps(
             last = next(steps)
         except StopIteration as stop:
             end: RunEnd = stop.value
-            return end if last is None else replace(end, energy_error=_last_error(*last))
+            return end if last is None else replace(end, norm_error=_last_error(*last))
         yield last
 
 
 def _last_error(result: StepResult, solution: StepSolution) -> float:
     """Estimated error, percent, of the last step, which is known to be the last only now."""
-    return estimated_error(solution).relative if np.isnan(result.energy_error) else result.energy_error
+    return estimated_error(solution).relative if np.isnan(result.norm_error) else result.norm_error
 
 
 def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     """The steps of a run with growth."""
     n_steps = growth.steps
-    cracks, events, told, n_pieces = begun.cracks, begun.events, begun.told, begun.n_pieces
+    cracks, events, n_pieces = begun.cracks, begun.events, begun.n_pieces
     known = None if begun.origin is None else _again(scene, begun, begun.origin)
     before: StepSolution | None = None
     for step in range(begun.step, n_steps + 1):
@@ -90,8 +90,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             return RunEnd("failed", f"step {step}: {error}", _paths(cracks), events)
         n_pieces = n_pieces or len(all_pieces(solution.cover))
         chosen = _choose(growth, cracks, solution, last=step == n_steps)
-        result = _reported(scene, RunState(step, cracks, events, told, n_pieces), solution, chosen)
-        told |= frozenset(result.warnings)
+        result = _reported(scene, RunState(step, cracks, events, n_pieces), solution, chosen)
         yield result, solution
         if step == n_steps > 0 and _criticality(cracks, solution).max(initial=-np.inf) == -np.inf:
             return _without_tips(cracks, solution, step, n_pieces)
@@ -114,11 +113,10 @@ def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
 def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     """The load factors of the history in turn, without growth."""
     assert isinstance(scene.case.loading, LoadHistory)  # critical loads need a criterion: the case was checked
-    cracks, told = begun.cracks, begun.told
+    cracks = begun.cracks
     chosen = np.empty(0, dtype=np.int64)
     for step, solution in enumerate(load_history(scene, cracks, begun.step, begun.origin), begun.step):
-        result = _reported(scene, RunState(step, cracks, told=told), solution, chosen)
-        told |= frozenset(result.warnings)
+        result = _reported(scene, RunState(step, cracks), solution, chosen)
         yield result, solution
     n = len(scene.case.loading.factors)
     return RunEnd(
@@ -131,11 +129,9 @@ def _choose(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolu
     if last:
         return np.empty(0, dtype=np.int64)
     n_advances = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
-    criticality = _criticality(cracks, solution)
-    largest = criticality.max(initial=-np.inf)
-    if isinstance(solution.configuration.scene.case.loading, CriticalLoad) and abs(largest - 1.0) < TIE:
-        criticality = criticality * (1.0 + TIE)  # the largest is 1 but for round-off; as critical ones grow too
-    return growing_tips(criticality, np.array(n_advances, dtype=np.int64), growth.advance)
+    places = np.array([tip.point for tip in solution.cover.tips]).reshape(-1, 2)
+    counts = np.array(n_advances, dtype=np.int64)
+    return growing_tips(_criticality(cracks, solution), counts, places, growth.advance)
 
 
 def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:
@@ -154,7 +150,7 @@ def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Int
     output = scene.case.output
     wanted = output.frames != "none" or output.figures
     paths = _paths(state.cracks)
-    result = step_result(scene, paths, state.events, solution, state.step, chosen, wanted, start, state.told)
+    result = step_result(scene, paths, state.events, solution, state.step, chosen, wanted, start)
     solved = replace(state, origin=solution.origin, factorizations=solution.factorizations, notes=solution.notes)
     return replace(result, checkpoint=packed(solved))
 

@@ -19,6 +19,7 @@ from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
+from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import (
     ContactPoints,
@@ -51,18 +52,19 @@ def step_result(
     chosen: Ints,
     with_frame: bool,
     started: float,
-    told: frozenset[str],
 ) -> StepResult:
     """Result of step number `step`; tips `chosen` advance, `started` is when the reporting began (perf_counter).
 
-    `events` are those of the advance that made the `paths`, `told` are the warnings of the steps before.
+    `events` are those of the advance that made the `paths`.
     """
     outcome = solution.outcome
-    tips = tuple(_tip(solution, tip, tip in chosen, scene) for tip in range(len(solution.tips)))
     contact, faces = _along_surfaces(solution, scene)
+    errors = intensity_errors(scene, solution, faces)
+    tips = tuple(_tip(solution, tip, tip in chosen, scene, error) for tip, error in enumerate(errors))
     shares = overlap_shares(scene, solution, faces)
     error = estimated_error(solution) if step == 0 else None
     K = [tip.K for tip in solution.tips]
+    doubts = cautions(scene, solution, faces, shares, step)
     make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error)
     return StepResult(
         step=step,
@@ -89,8 +91,8 @@ def step_result(
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         effective_toughness=_toughness(scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},
-        warnings=cautions(scene, solution, faces, shares, step, told),
-        energy_error=error.relative if error else float("nan"),
+        cautions=doubts,
+        norm_error=error.relative if error else float("nan"),
     )
 
 
@@ -117,7 +119,7 @@ def _load_displacement(solution: StepSolution) -> float:
     return solution.state.factor * float(np.abs(solution.held.given).max(initial=0.0))
 
 
-def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene) -> TipResult:
+def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error: tuple[float, float]) -> TipResult:
     cover, state = solution.cover, solution.tips[tip]
     index, at_end = cover.tip_ends[tip]
     verdict = state.verdict
@@ -134,12 +136,14 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene) -> TipR
         criticality=verdict.criticality if verdict else nan,
         kink_deg=float(np.rad2deg(verdict.kink)) if verdict else nan,
         advanced=advances,
-        K_I_error=state.intensity.K_I_error,
-        K_II_error=state.intensity.K_II_error,
+        K_I_error=K_error[0],
+        K_II_error=K_error[1],
         K_radius=state.intensity.radius,
         K_note=state.intensity.note,
         K_I_faces=state.K_faces[0],
         K_II_faces=state.K_faces[1],
+        K_I_spread=state.intensity.K_I_spread,
+        K_II_spread=state.intensity.K_II_spread,
     )
 
 

@@ -9,11 +9,26 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.contact.coulomb import SOLVED_RESIDUAL
+from crackgrow.run.caution import Cause, Caution
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 OPEN, STICK, SLIP = 0, 1, 2
 STATE_NAMES = ("open", "stick", "slip")
+
+BALANCED = 1e-5
+"""Energies that miss each other by less than this part of the largest are balanced."""
+
+CHECK_LIMITS = {
+    "residual": Cause.RESIDUAL.limit,
+    "penetration": 1e-6,  # of the largest jump of the step: beyond round-off
+    "complementarity": SOLVED_RESIDUAL,
+    "overlap_share": 1.0,
+    "energy_error": BALANCED,  # of the balance
+}
+"""What the columns of steps.csv that tell how good a step is should not be beyond."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,12 +55,14 @@ class TipResult:
     criticality: float  # strength ratio: >= 1 where the criterion is met
     kink_deg: float  # degrees, from the tip's direction to the growth direction, counter-clockwise
     advanced: bool
-    K_I_error: float  # Pa sqrt(m), spread between discs of integration
+    K_I_error: float  # Pa sqrt(m), bound of what K_I is off by: see `run.intensity_error`
     K_II_error: float  # Pa sqrt(m)
     K_radius: float  # m, of the disc
     K_note: str  # why the disc is smaller than usual, or missing; empty where it is not
     K_I_faces: float  # Pa sqrt(m), from the displacement of the faces: a coarse check
     K_II_faces: float  # Pa sqrt(m)
+    K_I_spread: float  # Pa sqrt(m), between discs of integration: a part of the error, often a small one
+    K_II_spread: float  # Pa sqrt(m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,9 +205,14 @@ class StepResult:
     crack_length: float  # m, of all cracks
     effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
-    warnings: tuple[str, ...]
-    energy_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
+    cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
+    norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The cautions in words."""
+        return tuple(caution.words for caution in self.cautions)
 
     @property
     def frame(self) -> Frame | None:
@@ -206,4 +228,4 @@ class RunEnd:
     reason: str
     cracks: tuple[CrackPath, ...]  # the final paths, the last advance included
     events: tuple[Event, ...] = ()  # of an advance that was not solved any more
-    energy_error: float = float("nan")  # percent of the energy norm, estimated for the last step; nan if it is unknown
+    norm_error: float = float("nan")  # percent of the energy norm, estimated for the last step; nan if it is unknown

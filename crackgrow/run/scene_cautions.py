@@ -1,171 +1,150 @@
-"""What makes the results of a scene doubtful before anything is solved, in words for the user."""
+"""What makes the results of a scene doubtful before anything is solved."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import shapely
 
+from crackgrow.case.model import Gravity, PointSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
-
-SMALL_RADIUS = 0.5
-"""Averaging radius, in spacings, from which the averaged stress varies by less than 2.5 % with the spacing."""
-
-SHORT_CRACK = 3.0
-"""Spacings: the two tips of a shorter crack share all of their patches (K_II within 2 % from here on)."""
-
-SHORT_ARM = 4.0
-"""Spacings: where a shorter crack ends on another one, the tip functions fade out too near its tip. Of two cracks in
-line or at 30 degrees one of 1, 2, 3 spacings has K off by 55, 22, 11 %, the other, of 4 or more, by 16, 6, 2 %."""
-
-GOOD_SUPPORT = 2.0
-"""Half width of a patch, in spacings, from which K is within 1 %."""
-
-GOOD_CONTACT_SPACING = 1.25
-"""Distance of the contact nodes, in spacings, from which tractions follow the displacement without oscillating."""
-
-GAUSS_LAYER = 0.25
-"""Least E'/(2k), in spacings, over which gauss points resolve how pressure falls to a closed tip: K_I is within 5 % of
-its own at 0.18, 20 % off at 0.05, and of the wrong sign or size far below."""
-
-SOFT_CONTACT = 0.1
-"""What faces give way to pressure, over what a crack of their length would open under it: r = E'/(2 k length). Of the
-pressure on rigid faces a crack bears 1/(1 + r), within 0.04 with mortar nodes and 0.06 with gauss points."""
-
-NEARLY_INCOMPRESSIBLE = 0.49
-"""Poisson's ratio in plane strain up to which K is within 1 %, and, at a support of 1.5, the displacement."""
-
-CLOSE = 1.0
-"""Spacings: things closer than this share all of their patches."""
+from crackgrow.solid.loads import load_vector
 
 THINNEST_LAYER = 1e-4
 """Length over which elastic contact gives way at a tip, over the distance of the nodes, from which it is as rigid."""
 
 
-def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> list[str]:
+def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Caution]:
     """What holds for all steps."""
-    found = []
     growth, spacing = scene.case.growth, scene.case.numerics.spacing
-    if growth is not None and growth.tip_radius < SMALL_RADIUS * spacing:
-        found.append(
-            f"the averaging radius {growth.tip_radius:g} m is below {SMALL_RADIUS:g} spacings ({spacing:g} m): "
-            "the tip stress may depend on the spacing"
+    if growth is not None and growth.tip_radius < Cause.SMALL_RADIUS.limit * spacing:
+        yield Caution(
+            Cause.SMALL_RADIUS,
+            f"the averaging radius {growth.tip_radius:g} m is below {Cause.SMALL_RADIUS.limit:g} spacings "
+            f"({spacing:g} m): the tip stress may depend on the spacing",
         )
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in scene.case.cracks)
     if growth is not None and growth.steps > 0 and not growing:
-        found.append(f"{growth.steps} growth steps are asked for, but no crack has a tip that could grow")
-    support = scene.case.numerics.support
-    if support < GOOD_SUPPORT and scene.case.cracks:
-        found.append(
-            f"numerics.support is {support:g}: below {GOOD_SUPPORT:g} tips are resolved badly, and K can be 2 % low"
+        yield Caution(
+            Cause.NO_TIPS, f"{growth.steps} growth steps are asked for, but no crack has a tip that could grow"
         )
-    contact = scene.case.numerics.contact
-    if contact.discretization == "mortar" and contact.spacing < GOOD_CONTACT_SPACING and n_contact:
-        found.append(
-            f"numerics.contact.spacing is {contact.spacing:g}: below {GOOD_CONTACT_SPACING:g} contact tractions can "
-            "oscillate from node to node, where faces stick up to their full size"
+    support, least = scene.case.numerics.support, Cause.SUPPORT.limit
+    if support < least and scene.case.cracks:
+        yield Caution(
+            Cause.SUPPORT,
+            f"numerics.support is {support:g}: below {least:g} tips are resolved badly, and K can be 2 % low",
         )
-    found.extend(_soft_contact(scene, cover))
-    found.extend(_elastic_contact_warnings(scene))
-    found.extend(_incompressible_warnings(scene))
-    found.extend(_left_out(scene))
-    found.extend(_short_cracks(cover))
-    return found
+    contact, least = scene.case.numerics.contact, Cause.CONTACT_SPACING.limit
+    if contact.discretization == "mortar" and contact.spacing < least and n_contact:
+        yield Caution(
+            Cause.CONTACT_SPACING,
+            f"numerics.contact.spacing is {contact.spacing:g}: below {least:g} contact tractions can "
+            "oscillate from node to node, where faces stick up to their full size",
+        )
+    yield from _soft_contact(scene, cover)
+    yield from _contact_layers(scene)
+    yield from _incompressible(scene)
+    yield from _left_out(scene)
+    yield from _short_cracks(cover)
 
 
-def _short_cracks(cover: Cover) -> list[str]:
-    """The shortest of the cracks that the cover does not resolve, and how many others there are."""
-    lengths = [(float(arc_lengths(crack.points)[-1]), crack) for crack in cover.cracks]
-    short = [(length, c.name) for length, c in lengths if length < SHORT_CRACK and not _ends_on(c, cover.cracks)]
-    if not short:
-        return []
-    length, name = min(short)
-    others = f", and {len(short) - 1} more {'are' if len(short) > 2 else 'is'} short" if len(short) > 1 else ""
-    return [
-        f"crack '{name}' is {length:.3g} spacings long{others}: below {SHORT_CRACK:g} the cover does not resolve a "
-        "crack, and K can be off: by 2 % from one spacing on, by 8 % at half a spacing, by 20 % below"
-    ]
+def _short_cracks(cover: Cover) -> Iterator[Caution]:
+    """Cracks that the cover does not resolve."""
+    for crack in cover.cracks:
+        length = float(arc_lengths(crack.points)[-1])
+        if length < Cause.SHORT_CRACK.limit and not _ends_on(crack, cover.cracks):
+            yield Caution(
+                Cause.SHORT_CRACK,
+                f"crack '{crack.name}' is {length:.3g} spacings long: below {Cause.SHORT_CRACK.limit:g} the cover does "
+                "not resolve a crack, and K can be off: by 2 % from one spacing on, by 8 % at half a spacing, by 20 % "
+                "below",
+                f"crack '{crack.name}'",
+                1.0 / length,
+            )
 
 
-def _soft_contact(scene: Scene, cover: Cover) -> list[str]:
-    """The surface whose elastic contact holds its faces apart least."""
+def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:
+    """Surfaces whose elastic contact holds their faces apart too little."""
     stiffness = scene.case.numerics.contact.stiffness
     if stiffness is None:
-        return []
+        return
     softest = min(material.young_prime for material in scene.materials)
-    ratios = [
-        (
-            0.5 * law.compliance * softest / (float(arc_lengths(surface.points)[-1]) * scene.lattice.spacing),
-            surface.name,
-        )
-        for surface, law in zip(cover.surfaces, scene.laws, strict=True)
-        if law.contact is not None
-    ]
-    ratio, name = max(ratios, default=(0.0, ""))
-    if ratio <= SOFT_CONTACT:
-        return []
-    return [
-        f"numerics.contact.stiffness is {stiffness:g}, soft for '{name}': its faces give way to pressure by {ratio:.2g}"
-        " of what a crack of its length would open under it, and overlap; of its pressure a crack bears about "
-        f"{100.0 / (1.0 + ratio):.0f} %; use {stiffness * ratio / SOFT_CONTACT:.2g} or more, or rigid"
-    ]
+    for surface, law in zip(cover.surfaces, scene.laws, strict=True):
+        length = float(arc_lengths(surface.points)[-1]) * scene.lattice.spacing
+        ratio = 0.0 if law.contact is None else 0.5 * law.compliance * softest / length
+        if ratio > Cause.SOFT_CONTACT.limit:
+            yield Caution(
+                Cause.SOFT_CONTACT,
+                f"numerics.contact.stiffness is {stiffness:g}, soft for '{surface.name}': its faces give way to "
+                f"pressure by {ratio:.2g} of what a crack of its length would open under it, and overlap; of its "
+                f"pressure a crack bears about {100.0 / (1.0 + ratio):.0f} %; use "
+                f"{stiffness * ratio / Cause.SOFT_CONTACT.limit:.2g} or more, or rigid",
+                f"'{surface.name}'",
+                ratio,
+            )
 
 
-def _elastic_contact_warnings(scene: Scene) -> list[str]:
+def _contact_layers(scene: Scene) -> Iterator[Caution]:
     """Tips at which faces give way over less than contact points resolve."""
     contact = scene.case.numerics.contact
     if contact.stiffness is None:
-        return []
+        return
     if contact.discretization == "gauss":
-        layers, points, much = _layers(scene, GAUSS_LAYER), "gauss points", "a quarter of the spacing"
+        layers, points, much = _layers(scene, Cause.CONTACT_LAYER.limit), "gauss points", "a quarter of the spacing"
         other = ""
     else:
         layers = _layers(scene, contact.spacing, THINNEST_LAYER * contact.spacing)
         points, much, other = "mortar nodes", "their distance", "numerics.contact.discretization gauss with "
-    if not any(layers):
-        return []
-    return [
-        f"elastic contact with {points}: the pressure falls to a closed tip over E'/(2k), less than {much}, and K_I "
-        f"there is not resolved; use a rigid contact, or {other}a spacing of the size of E'/(2k)"
-    ]
+    if any(layers):
+        yield Caution(
+            Cause.CONTACT_LAYER,
+            f"elastic contact with {points}: the pressure falls to a closed tip over E'/(2k), less than {much}, and "
+            f"K_I there is not resolved; use a rigid contact, or {other}a spacing of the size of E'/(2k)",
+        )
 
 
-def _incompressible_warnings(scene: Scene) -> list[str]:
+def _incompressible(scene: Scene) -> Iterator[Caution]:
     """What bodies that hardly change their volume cost in accuracy."""
     if scene.case.plane == "stress":
-        return []
-    found = []
+        return
     for index, body in enumerate(scene.case.bodies):
-        ratio = body.material.poisson
-        if ratio <= NEARLY_INCOMPRESSIBLE:
+        ratio, place = body.material.poisson, f"body '{body.name}'"
+        if ratio <= Cause.NEARLY_INCOMPRESSIBLE.limit:
             continue
-        if scene.case.numerics.support < GOOD_SUPPORT:
-            found.append(
-                f"body '{body.name}' has a Poisson's ratio of {ratio:g} and numerics.support is below {GOOD_SUPPORT:g}:"
-                " it locks, displacements can be 3 % too small at 0.499 and 7 % at 0.4999"
+        if scene.case.numerics.support < Cause.SUPPORT.limit:
+            yield Caution(
+                Cause.NEARLY_INCOMPRESSIBLE,
+                f"{place} has a Poisson's ratio of {ratio:g} and numerics.support is below {Cause.SUPPORT.limit:g}:"
+                " it locks, displacements can be 3 % too small at 0.499 and 7 % at 0.4999",
+                place,
+                1.0 + ratio,
             )
         if index in scene.crack_bodies:
-            found.append(
-                f"body '{body.name}' has a Poisson's ratio of {ratio:g}: on a coarse lattice K can be off by 3 % at "
-                "0.499 and by 20 % at 0.4999; see the columns K_*_error of tips.csv"
+            yield Caution(
+                Cause.NEARLY_INCOMPRESSIBLE,
+                f"{place} has a Poisson's ratio of {ratio:g}: on a coarse lattice K can be off by 3 % at "
+                "0.499 and by 20 % at 0.4999",
+                place,
+                ratio,
             )
-    return found
 
 
-def _left_out(scene: Scene) -> list[str]:
+def _left_out(scene: Scene) -> Iterator[Caution]:
     """Cracks that were given with more vertices than they have."""
-    found = []
     given: Any = scene.case.resolved.get("cracks", {})  # nothing where the case was not read from a file
     for crack in scene.case.cracks:
         path = given.get(crack.name, {}).get("path", {})
         n = len(path.get("points", crack.points)) - len(crack.points)
         if n:
-            found.append(f"crack '{crack.name}': {n} of its vertices repeat the one before them, and are left out")
-    return found
+            words = f"crack '{crack.name}': {n} of its vertices repeat the one before them, and are left out"
+            yield Caution(Cause.LEFT_OUT, words, f"crack '{crack.name}'", n)
 
 
 def _layers(scene: Scene, most: float, least: float = 0.0) -> list[bool]:
@@ -178,16 +157,20 @@ def _layers(scene: Scene, most: float, least: float = 0.0) -> list[bool]:
     return [least < length / scene.lattice.spacing < most for length in lengths]
 
 
-def _short_arms(cover: Cover) -> list[str]:
+def _short_arms(cover: Cover) -> Iterator[Caution]:
     """Cracks that lead from a tip to another crack in a few spacings."""
     cracks = cover.cracks
-    return [
-        f"crack '{crack.name}' ends on {' and '.join(others)} and is shorter than {SHORT_ARM:g} spacings: K at its tip "
-        "can be off by 60 %, and at the other tips by 25 %; use a smaller spacing, or give cracks that continue each "
-        "other as one"
-        for crack in cracks
-        if arc_lengths(crack.points)[-1] < SHORT_ARM and (others := _ends_on(crack, cracks))
-    ]
+    for crack in cracks:
+        length = float(arc_lengths(crack.points)[-1])
+        if length < Cause.SHORT_ARM.limit and (others := _ends_on(crack, cracks)):
+            yield Caution(
+                Cause.SHORT_ARM,
+                f"crack '{crack.name}' ends on {' and '.join(others)} and is shorter than {Cause.SHORT_ARM.limit:g} "
+                "spacings: K at its tip can be off by 60 %, and at the other tips by 25 %; use a smaller spacing, or "
+                "give cracks that continue each other as one",
+                f"crack '{crack.name}'",
+                1.0 / length,
+            )
 
 
 def _ends_on(crack: CrackGeometry, cracks: tuple[CrackGeometry, ...]) -> list[str]:
@@ -204,9 +187,10 @@ def _close_pairs(scene: Scene, cover: Cover) -> list[tuple[str, str]]:
 
     Cracks that meet are close to each other there: of them only tips count.
     """
+    close = Cause.CLOSE.limit
     lines = [shapely.LineString(crack.points) for crack in cover.cracks]
     names = [f"crack '{crack.name}'" for crack in cover.cracks]
-    found = cover.crack_tree.query(cover.crack_tree.geometries, predicate="dwithin", distance=CLOSE).T.tolist()
+    found = cover.crack_tree.query(cover.crack_tree.geometries, predicate="dwithin", distance=close).T.tolist()
     near = sorted((i, j) for i, j in found if j < i)
     meeting = [pair for pair in near if shapely.dwithin(lines[pair[0]], lines[pair[1]], ON_LINE)]
     pairs = [(names[i], names[j]) for i, j in sorted(set(near) - set(meeting))]
@@ -215,17 +199,49 @@ def _close_pairs(scene: Scene, cover: Cover) -> list[tuple[str, str]]:
     for tip, (index, at_end) in zip(cover.tips, cover.tip_ends, strict=True):
         name, place = f"the {'end' if at_end else 'start'} of {names[index]}", shapely.Point(tip.point)
         others = [i if j == index else j for i, j in meeting if index in (i, j)]
-        pairs.extend((name, names[other]) for other in others if shapely.dwithin(lines[other], place, CLOSE))
-        if shapely.dwithin(outline, place, CLOSE):
-            there = [x.name for x in interfaces if shapely.dwithin(shapely.LineString(x.points), place, CLOSE)]
+        pairs.extend((name, names[other]) for other in others if shapely.dwithin(lines[other], place, close))
+        if shapely.dwithin(outline, place, close):
+            there = [x.name for x in interfaces if shapely.dwithin(shapely.LineString(x.points), place, close)]
             pairs.append((name, f"interface '{there[0]}'" if there else "the outline"))
     return pairs
 
 
-def closeness_cautions(scene: Scene, cover: Cover) -> list[str]:
+def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
+    """Loads that only points could carry: what supports at points must bear where nothing else holds the scene.
+
+    Weight is left out: who holds a heavy body at points means to.
+    """
+    case = scene.case
+    if not case.supports or not all(isinstance(support, PointSupport) for support in case.supports):
+        return
+    for held in (True, False):
+        loads = [load for load in case.loads if load.held == held and not isinstance(load, Gravity)]
+        forces = load_vector(cover, case.bodies, loads, case.numerics.quadrature).reshape(-1, 2)
+        forces = forces[: len(cover.patch_nodes)]  # of the patches' own functions, which add up to one everywhere
+        size, arms = float(np.hypot(*forces.T).sum()), cover.patch_nodes - cover.patch_nodes.mean(axis=0)
+        turning = float((arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum())
+        extent = float(np.ptp(cover.patch_nodes, axis=0).max())
+        left = max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / extent)
+        if left > Cause.UNBALANCED.limit * size:
+            yield unbalanced(f"{left:.3g} N/m of the loads ({100.0 * left / size:.2g} %)", "", left / size)
+
+
+def unbalanced(what: str, place: str, size: float) -> Caution:
+    """What to say of a force that supports at points carry."""
+    words = (
+        f"{what} are carried by supports at points, where a plane gives way without bound: displacements depend on the "
+        "spacing, and the stress there is not that of a specimen; balance the loads, or hold an edge"
+    )
+    return Caution(Cause.UNBALANCED, words, place, size)
+
+
+def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Cracks that are short, and cracks and tips that lie close to other things."""
-    return _short_arms(cover) + [
-        f"{first} is closer than a spacing to {second}: the cover does not resolve what is between, and K there is too "
-        "small, at a tenth of a spacing by up to 10 %, at a hundredth by 30 %"
-        for first, second in _close_pairs(scene, cover)
-    ]
+    yield from _short_arms(cover)
+    for first, second in _close_pairs(scene, cover):
+        yield Caution(
+            Cause.CLOSE,
+            f"{first} is closer than a spacing to {second}: the cover does not resolve what is between, and K there is "
+            "too small, at a tenth of a spacing by up to 10 %, at a hundredth by 30 %",
+            f"{first} and {second}",
+        )

@@ -109,7 +109,7 @@ def over_units(result: StepResult, young: float, size: float, stress: float) -> 
     u, tips, contact, energy = sigma * a / modulus, result.tips, result.contact, result.energy
     return {
         "K": np.array([(tip.K_I, tip.K_II, tip.K_I_faces, tip.K_II_faces) for tip in tips]) / (sigma * np.sqrt(a)),
-        "spread": np.array([(1.0, tip.K_I_error / (sigma * np.sqrt(a))) for tip in tips]),
+        "spread": np.array([(1.0, tip.K_I_spread / (sigma * np.sqrt(a))) for tip in tips]),
         "radius": np.array([tip.K_radius for tip in tips]) / a,
         "tip stress": np.array([(tip.sigma_1, tip.sigma_3) for tip in tips]) / sigma,
         "criticality": np.array([tip.criticality for tip in tips]),

@@ -73,7 +73,7 @@ def test_tables_are_those_on_disk(run: crackgrow.Run, folder: Path, name: str) -
 def test_folder_is_that_of_the_command(run: crackgrow.Run, folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert (summary["status"], summary["stop_reason"]) == (run.status, run.reason)
-    assert summary["error_estimate"]["energy_norm_percent"]["last"] == run.end.energy_error
+    assert summary["error_estimate"]["energy_norm_percent"]["last"] == run.end.norm_error
     assert len(list((folder / "frames").glob("*.vtu"))) == 3
 
 

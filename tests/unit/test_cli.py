@@ -21,6 +21,7 @@ from crackgrow.case.model import Case
 from crackgrow.errors import CaseError, Fault, GeometryError, SolveError
 from crackgrow.results import writer
 from crackgrow.results.atomic import OutputError
+from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.result import RunEnd, StepResult
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
 
@@ -29,7 +30,7 @@ Grow = Callable[[Case, object], Generator[StepResult, None, RunEnd]]
 
 def growing(case: Case, checkpoint: object) -> Generator[StepResult, None, RunEnd]:
     for step in range(3):
-        yield make_result(step, warnings=("thin cell",))
+        yield make_result(step, cautions=(Caution(Cause.NOTE, "thin cell"),))
     return make_end(3)
 
 
@@ -72,8 +73,8 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     assert [line.split(",")[0] for line in lines[1:4]] == ["step 0/2", "step 1/2", "step 2/2"]
     assert "advanced: flaw end (tension)" in lines[1]
     assert lines[4:] == [
-        "warning: thin cell",
-        "estimated error: K by radius 1 %",
+        "warning: steps 0 to 2: thin cell",
+        "estimated error: K by at most 1 % of the largest",
         "completed: 2 growth steps done",
         "results in outputs/block",
     ]

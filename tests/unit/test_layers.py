@@ -15,7 +15,10 @@ LAYERS = (
     "errors", "case", "geometry", "cover", "approximation", "quadrature", "solid", "contact", "fracture", "run",
     "results", "plan", "study", "api", "cli",
 )  # fmt: skip
-RESULTS_MAY_READ = ("crackgrow", "crackgrow.errors", "crackgrow.case", "crackgrow.run.result", "crackgrow.results")
+RESULTS_MAY_READ = (
+    "crackgrow", "crackgrow.errors", "crackgrow.case", "crackgrow.run.caution", "crackgrow.run.result",
+    "crackgrow.results",
+)  # fmt: skip
 ENTRIES = ("__init__.py", "__main__.py")  # the concept map with its lazy names, and python -m
 
 

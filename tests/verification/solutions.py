@@ -85,7 +85,7 @@ def solve_case(case: Case) -> Solved:
     growing = before_growth(case)
     solution = solve_step(scene, growing, case.last_factor)
     paths = tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in growing)
-    result = step_result(scene, paths, (), solution, 0, np.empty(0, dtype=np.int64), True, 0.0, frozenset())
+    result = step_result(scene, paths, (), solution, 0, np.empty(0, dtype=np.int64), True, 0.0)
     return Solved(case, scene, solution, result)
 
 

@@ -12,14 +12,9 @@ from numpy.typing import NDArray
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.report.markup import Markup, tag
 from crackgrow.results.units import shown
+from crackgrow.run.result import CHECK_LIMITS
 
 Floats = NDArray[np.float64]
-
-RESIDUAL_LIMIT = 1e-9  # from which a step warns
-COMPLEMENTARITY_LIMIT = 1e-8  # above which contact is not solved
-ENERGY_LIMIT = 1e-5  # to which increments of load are divided
-OVERLAP_LIMIT = 1.0  # of what is small beside jump and displacement, from which a step warns
-PENETRATION_LIMIT = 1e-6  # of the largest jump of the step: beyond round-off
 
 WHAT = {
     "residual": "equilibrium residual",
@@ -27,13 +22,6 @@ WHAT = {
     "complementarity": "complementarity of contact",
     "overlap_share": "overlap anywhere along the faces, by what is small beside jump and displacement",
     "energy_error": "error of the energy balance",
-}
-LIMITS = {
-    "residual": RESIDUAL_LIMIT,
-    "penetration": PENETRATION_LIMIT,
-    "complementarity": COMPLEMENTARITY_LIMIT,
-    "overlap_share": OVERLAP_LIMIT,
-    "energy_error": ENERGY_LIMIT,
 }
 
 
@@ -47,9 +35,9 @@ def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
         if len(values) == 0:
             continue
         worst = int(np.argmax(np.where(np.isnan(values), np.inf, values)))
-        good = bool(values[worst] <= LIMITS[name])
+        good = bool(values[worst] <= CHECK_LIMITS[name])
         verdict = tag("span", "ok" if good else "above the limit", class_="good" if good else "bad")
-        yield words, shown(float(values[worst]), 3), run.solved[worst], f"{LIMITS[name]:g}", verdict
+        yield words, shown(float(values[worst]), 3), run.solved[worst], f"{CHECK_LIMITS[name]:g}", verdict
 
 
 def estimate_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:

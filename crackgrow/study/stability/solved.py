@@ -104,5 +104,5 @@ def solved(case: Case, placement: Placement | None = None, offset: tuple[float, 
     solution = load(scene, growing)
     paths = tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in growing)
     none = np.empty(0, dtype=np.int64)
-    result = step_result(scene, paths, (), solution, 0, none, False, 0.0, frozenset())
+    result = step_result(scene, paths, (), solution, 0, none, False, 0.0)
     return Solved(quiet, solution, result, placement or scaled())

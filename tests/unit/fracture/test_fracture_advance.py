@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from typing import Literal
+
 import numpy as np
 import pytest
 import shapely
@@ -11,7 +14,6 @@ from crackgrow.fracture.advance import CLEARANCE, TIE, GrowingCrack, advanced, c
 from crackgrow.fracture.meeting import CORNER, Meeting
 
 PLATE = shapely.box(-10.0, -10.0, 10.0, 10.0)
-NONE_YET = np.zeros(4, dtype=np.int64)
 
 
 def growing(points: list[tuple[float, float]], steps: list[int] | None = None) -> GrowingCrack:
@@ -19,33 +21,59 @@ def growing(points: list[tuple[float, float]], steps: list[int] | None = None) -
     return GrowingCrack(crack, np.array(steps or [0] * len(points), dtype=np.int64))
 
 
+def numbers(
+    criticality: list[float], advance: Literal["most_critical", "in_turn", "all"], n_advances: list[int] | None = None
+) -> list[int]:
+    """The tips that grow, of tips that lie from left to right."""
+    counts = np.array(n_advances or [0] * len(criticality), dtype=np.int64)
+    places = np.array([(float(k), 0.0) for k in range(len(criticality))]).reshape(-1, 2)
+    return growing_tips(np.array(criticality), counts, places, advance).tolist()
+
+
 def test_all_critical_tips_grow_with_all() -> None:
-    assert growing_tips(np.array([1.2, 0.9, 1.0, 3.0]), NONE_YET, "all").tolist() == [0, 2, 3]
+    assert numbers([1.2, 0.9, 1.0, 3.0], "all") == [0, 2, 3]
 
 
 @pytest.mark.parametrize("advance", ["most_critical", "in_turn", "all"])
-def test_no_tip_grows_below_the_criterion(advance: str) -> None:
-    assert growing_tips(np.array([0.999999, 0.3]), NONE_YET[:2], advance).tolist() == []
-    assert growing_tips(np.array([]), NONE_YET[:0], advance).tolist() == []
+def test_no_tip_grows_below_the_criterion(advance: Literal["most_critical", "in_turn", "all"]) -> None:
+    assert numbers([0.999999, 0.3], advance) == []
+    assert numbers([], advance) == []
 
 
 def test_the_most_critical_tip_grows_however_often_it_has() -> None:
-    criticality = np.array([1.2, 2.0, 1.9, 0.5])
-    assert growing_tips(criticality, np.array([0, 9, 0, 0]), "most_critical").tolist() == [1]
+    assert numbers([1.2, 2.0, 1.9, 0.5], "most_critical", [0, 9, 0, 0]) == [1]
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_of_equally_critical_tips_the_first_grows_whatever_the_round_off(sign: float) -> None:
-    criticality = np.array([0.4, 2.0, 2.0 * (1.0 + sign * 0.5 * TIE)])
-    assert growing_tips(criticality, NONE_YET[:3], "most_critical").tolist() == [1]
-    clear = np.array([0.4, 2.0, 2.0 * (1.0 + 2.0 * TIE)])
-    assert growing_tips(clear, NONE_YET[:3], "most_critical").tolist() == [2]
+def test_of_equally_critical_tips_the_least_advanced_and_then_the_leftmost_grows(sign: float) -> None:
+    tied = [0.4, 2.0, 2.0 * (1.0 + sign * 0.5 * TIE)]
+    assert numbers(tied, "most_critical") == [1]
+    assert numbers(tied, "most_critical", [0, 3, 2]) == [2]
+    assert numbers([0.4, 2.0, 2.0 * (1.0 + 2.0 * TIE)], "most_critical", [0, 3, 4]) == [2]
+
+
+def test_tips_tied_with_a_critical_one_are_critical() -> None:
+    assert numbers([1.0, 1.0 - 0.5 * TIE, 1.0 - 2.0 * TIE], "all") == [0, 1]
+    assert numbers([1.0, 1.0 - 0.5 * TIE], "in_turn", [1, 0]) == [1]
+    assert numbers([3.0, 1.0 - 0.5 * TIE], "all") == [0]  # tied with nothing
+
+
+@pytest.mark.parametrize("advance", ["most_critical", "in_turn", "all"])
+def test_the_order_of_the_tips_does_not_matter(advance: Literal["most_critical", "in_turn", "all"]) -> None:
+    criticality = np.array([1.2, 1.0, 1.2, 1.2001, 0.999])
+    places = np.array([(3.0, 1.0), (2.0, 0.0), (-1.0, 5.0), (-1.0 + 1e-12, 2.0), (0.0, 0.0)])
+    n_advances = np.array([1, 0, 1, 1, 0])
+    expected = places[growing_tips(criticality, n_advances, places, advance)].tolist()
+    for order in itertools.permutations(range(5)):
+        these = list(order)
+        found = growing_tips(criticality[these], n_advances[these], places[these], advance)
+        assert places[these][found].tolist() == expected
 
 
 def test_in_turn_takes_the_critical_tip_that_has_advanced_least() -> None:
-    assert growing_tips(np.array([3.0, 1.1, 2.0]), np.array([2, 1, 1]), "in_turn").tolist() == [2]
-    assert growing_tips(np.array([3.0, 0.9, 0.8]), np.array([2, 0, 0]), "in_turn").tolist() == [0]  # not critical
-    assert growing_tips(np.array([2.0, 2.0]), np.array([1, 0]), "in_turn").tolist() == [1]
+    assert numbers([3.0, 1.1, 2.0], "in_turn", [2, 1, 1]) == [2]
+    assert numbers([3.0, 0.9, 0.8], "in_turn", [2, 0, 0]) == [0]  # not critical
+    assert numbers([2.0, 2.0], "in_turn", [1, 0]) == [1]
 
 
 @pytest.mark.parametrize("kink_deg", [-70.5, 0.0, 45.0])

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from crackgrow import cli
 from crackgrow.case import Case, load_case
-from crackgrow.plan import picture
+from crackgrow.plan import cost, picture, text
 from crackgrow.plan.cost import Cost, estimated_cost, probe
 from crackgrow.plan.picture import draw_scene
-from crackgrow.plan.sizes import sizes_of
+from crackgrow.plan.sizes import Sizes, sizes_of
 from crackgrow.plan.text import plan_text
 from crackgrow.run import grow
 
@@ -29,6 +29,10 @@ COARSE = {
 }
 
 
+def words_of(sizes: Sizes) -> tuple[str, ...]:
+    return tuple(caution.words for caution in sizes.cautions)
+
+
 def coarse(name: str, *settings: str) -> Case:
     return load_case(CASES / f"{name}.yaml", (*COARSE.get(name, ()), *settings))
 
@@ -40,8 +44,8 @@ def test_counts_are_those_of_the_run(name: str) -> None:
     assert (sizes.n_dofs, sizes.n_contact) == (first.n_dofs, len(first.contact.s))
     assert sizes.n_dofs == 2 * sizes.n_patches + 8 * sizes.n_singular
     assert sizes.n_tips == len(first.tips)
-    plan_alone = {text for text in sizes.warnings if text.startswith("the increment")}
-    assert set(sizes.warnings) - plan_alone <= set(first.warnings)  # the same words
+    plan_alone = {text for text in words_of(sizes) if text.startswith("the increment")}
+    assert set(words_of(sizes)) - plan_alone <= set(first.warnings)  # the same words
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -84,17 +88,42 @@ def test_bonds_are_multipliers() -> None:
         (("cracks.flaw.path.center=[9.9, 0]",), "is closer than a spacing to the outline"),
         (("cracks={}",), "22 growth steps are asked for, but no crack has a tip"),
         (("cracks.flaw.tips=none",), "22 growth steps are asked for, but no crack has a tip"),
+        (("loads.1.traction=[0, 50]",), "1.55e+06 N/m of the loads (33 %) are carried by supports at points"),
         (("numerics.contact.stiffness=100",), "elastic contact with mortar nodes"),
         (("numerics.contact.stiffness=0.1",), "of its pressure a crack bears about 38 %; use 1.6 or more, or rigid"),
-        (
-            ("cracks.flaw.path.length=6", "cracks.b={path: {center: [0, 12], length: 4, angle: 0}, contact: none}"),
-            "crack 'b' is 1.33 spacings long, and 1 more is short",
-        ),
     ],
 )
 def test_warnings_come_before_the_run(settings: tuple[str, ...], words: str) -> None:
-    assert any(words in text for text in sizes_of(coarse("compression30", *settings)).warnings)
-    assert not any(words in text for text in sizes_of(load_case(CASES / "compression30.yaml")).warnings)
+    assert any(words in text for text in words_of(sizes_of(coarse("compression30", *settings))))
+    assert not any(words in text for text in words_of(sizes_of(load_case(CASES / "compression30.yaml"))))
+
+
+def test_short_cracks_are_one_warning_that_tells_the_shortest() -> None:
+    second = "cracks.b={path: {center: [0, 12], length: 4, angle: 0}, contact: none}"
+    lines = plan_text(coarse("compression30", "cracks.flaw.path.length=6", second)).splitlines()
+    (told,) = [line for line in lines if "spacings long" in line]
+    assert told.startswith("warning: crack 'b' is 1.33 spacings long")
+    assert told.endswith("likewise crack 'flaw'")
+
+
+def test_more_memory_than_the_machine_has_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = coarse("compression30")
+    needed = estimated_cost(case, sizes_of(case)).memory
+    monkeypatch.setattr(text, "machine_memory", lambda: 1.1 * needed)
+    assert "of memory, and this machine" not in plan_text(case)
+    monkeypatch.setattr(text, "machine_memory", lambda: 0.9 * needed)
+    assert f"needs about {needed:.0f} MiB of memory, and this machine has {0.9 * needed:.0f} MiB" in plan_text(case)
+
+
+def test_the_memory_of_a_machine_is_the_least_of_its_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    free = cost.machine_memory()
+    assert 100.0 < free < 1e8  # MiB
+    limit = tmp_path / "memory.max"
+    monkeypatch.setattr(cost, "CONTAINER_MEMORY", (limit,))
+    limit.write_text("max\n")
+    assert cost.machine_memory() >= free
+    limit.write_text(f"{64 * 2**20}\n")
+    assert cost.machine_memory() == 64.0
 
 
 def test_a_sound_case_has_no_warnings() -> None:

@@ -137,6 +137,8 @@ def make_result(step: int, **changes: Any) -> StepResult:
             "no room",
             1e6,
             -1e6,
+            np.nan,
+            np.nan,
         ),
         TipResult(
             "flaw",
@@ -155,6 +157,8 @@ def make_result(step: int, **changes: Any) -> StepResult:
             0.005,
             "",
             1.9e6,
+            1e3,
+            2e3,
             1e3,
         ),
     )
@@ -183,7 +187,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         crack_length=float(s[-1]),
         effective_toughness=2e4,
         seconds={"cover": 0.1, "assembly": 0.2, "factorize": 0.3, "contact": 0.4, "criterion": 0.5, "output": 0.0625},
-        warnings=(),
+        cautions=(),
     )
     return replace(result, **changes)
 

@@ -8,29 +8,37 @@ from dataclasses import replace
 
 import numpy as np
 
-from crackgrow.results.summary import K_spread, Tally, error_line, summarize, summary_text
+from crackgrow.results.summary import K_error, K_spread, Tally, error_line, summarize, summary_text
 from crackgrow.run.result import StepResult, TipResult
 from tests.unit.results.synthetic import make_case, make_end, make_result
 
 
 def with_tips(step: int, *changes: dict[str, object]) -> StepResult:
-    """A step with one tip for each of `changes`: K = (3, -4), spread (0.02, 0.08), room enough."""
-    tip: TipResult = replace(make_result(step).tips[1], K_I=3.0, K_II=-4.0, K_I_error=0.02, K_II_error=0.08, K_note="")
+    """A step with one tip for each of `changes`: K = (3, -4), errors (0.4, 0.1), spread (0.02, 0.08), room enough."""
+    K = {"K_I": 3.0, "K_II": -4.0, "K_I_error": 0.4, "K_II_error": 0.1, "K_I_spread": 0.02, "K_II_spread": 0.08}
+    tip: TipResult = replace(make_result(step).tips[1], **K, K_note="")
     return make_result(step, tips=tuple(replace(tip, **change) for change in changes))
 
 
 def test_the_spread_is_that_of_tips_with_room_by_the_largest_K() -> None:
     np.testing.assert_allclose(K_spread(with_tips(0, {})), 2.0)
-    crowded = {"K_note": "the outline makes the disc of the integral small", "K_I_error": 1.0, "K_I": 9.0}
+    crowded = {"K_note": "the outline makes the disc of the integral small", "K_I_spread": 1.0, "K_I": 9.0}
     np.testing.assert_allclose(K_spread(with_tips(0, {}, crowded)), 2.0)
-    np.testing.assert_allclose(K_spread(with_tips(0, {}, {"K_II": -8.0, "K_I_error": 0.4})), 5.0)
+    np.testing.assert_allclose(K_spread(with_tips(0, {}, {"K_II": -8.0, "K_I_spread": 0.4})), 5.0)
     for tips in ((crowded,), (), ({"K_I": 0.0, "K_II": 0.0},), ({"K_I": math.nan},)):
         assert math.isnan(K_spread(with_tips(0, *tips)))
 
 
+def test_the_bound_is_that_of_all_tips_by_the_largest_K() -> None:
+    np.testing.assert_allclose(K_error(with_tips(0, {})), 10.0)
+    crowded = {"K_note": "the outline makes the disc of the integral small", "K_II_error": 0.8}
+    np.testing.assert_allclose(K_error(with_tips(0, {}, crowded)), 20.0)
+    assert math.isnan(K_error(with_tips(0, {"K_I": math.nan})))
+
+
 def test_round_off_has_no_spread() -> None:
     """The loads do work of 2 * 3 J/m over 1e-5 m; a tenth of a metre makes K of 1.9e6 Pa sqrt(m) of that."""
-    noise = {"K_I": 3e-3, "K_II": -4e-3, "K_I_error": 1e-3, "K_radius": 0.1}
+    noise = {"K_I": 3e-3, "K_II": -4e-3, "K_I_spread": 1e-3, "K_radius": 0.1}
     assert math.isnan(K_spread(with_tips(0, noise)))
     np.testing.assert_allclose(K_spread(with_tips(0, noise, {"K_radius": 0.1})), 2.0)
     np.testing.assert_allclose(K_spread(replace(with_tips(0, noise), load_displacement=0.0)), 2000.0)
@@ -39,21 +47,24 @@ def test_round_off_has_no_spread() -> None:
 def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> None:
     tally = Tally()
     for step, spread in enumerate((0.08, 0.12, 0.04)):
-        tally.add(replace(with_tips(step, {"K_II_error": spread}), energy_error=1.5 if step == 0 else math.nan))
-    end = replace(make_end(2), energy_error=2.25)
+        result = with_tips(step, {"K_II_spread": spread, "K_I_error": 5.0 * spread})
+        tally.add(replace(result, norm_error=1.5 if step == 0 else math.nan))
+    end = replace(make_end(2), norm_error=2.25)
     summary = json.loads(summary_text(summarize(make_case(), Tally.of(tally.record()), end, 1.0, 1.0)))[
         "error_estimate"
     ]
     assert summary["energy_norm_percent"] == {"first": 1.5, "last": 2.25}
     np.testing.assert_allclose(summary["K_spread_percent"], 3.0)
-    assert error_line(tally, end) == "estimated error: 2.2 % of the energy norm, K by radius 3 %"
+    np.testing.assert_allclose(summary["K_percent_at_most"], 15.0)
+    assert error_line(tally, end) == "estimated error: 2.2 % of the energy norm, K by at most 15 % of the largest"
 
 
 def test_what_is_unknown_is_null_and_not_told() -> None:
     tally = Tally()
     tally.add(with_tips(0))
     summary = json.loads(summary_text(summarize(make_case(), tally, make_end(0), 1.0, 1.0)))["error_estimate"]
-    assert summary == {"energy_norm_percent": {"first": None, "last": None}, "K_spread_percent": None}
+    unknown = {"energy_norm_percent": {"first": None, "last": None}, "K_percent_at_most": None}
+    assert summary == unknown | {"K_spread_percent": None}
     assert error_line(tally, make_end(0)) == ""
     tally.add(with_tips(1, {}))
-    assert error_line(tally, make_end(0)) == "estimated error: K by radius 2 %"
+    assert error_line(tally, make_end(0)) == "estimated error: K by at most 10 % of the largest"

@@ -20,12 +20,9 @@ import pytest
 from PIL import Image
 
 from crackgrow.case import load_case
-from crackgrow.contact.coulomb import SOLVED_RESIDUAL
-from crackgrow.results.folder import FolderError, read_run
-from crackgrow.results.report import checks, pictures, write_report
+from crackgrow.results.folder import LATER, FolderError, read_run
+from crackgrow.results.report import pictures, write_report
 from crackgrow.results.writer import RunWriter
-from crackgrow.run.cautions import LARGE_RESIDUAL
-from crackgrow.run.increments import BALANCED
 from tests.report_runs import CASES, HOSTILE, make_run, paint
 
 VOID = ("meta", "input", "img")
@@ -263,9 +260,16 @@ def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatc
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
 
 
-def test_limits_of_checks_are_those_of_the_solver() -> None:
-    limits = (checks.RESIDUAL_LIMIT, checks.COMPLEMENTARITY_LIMIT, checks.ENERGY_LIMIT)
-    assert limits == (LARGE_RESIDUAL, SOLVED_RESIDUAL, BALANCED)
+def test_a_run_of_a_version_without_the_spread_of_K_can_be_read(folder: Path, tmp_path: Path) -> None:
+    copy(folder, tmp_path, "tips.csv", {})
+    with (tmp_path / "tips.csv").open(newline="") as file:
+        lines = list(csv.reader(file))
+    earlier = [line[: -len(LATER["tips.csv"])] for line in lines]
+    assert "K_I_spread" not in earlier[0]
+    with (tmp_path / "tips.csv").open("w", newline="") as file:
+        csv.writer(file).writerows(earlier)
+    write_report(tmp_path)
+    assert len(read_run(tmp_path).tips) == len(lines) - 1
 
 
 @pytest.mark.parametrize(

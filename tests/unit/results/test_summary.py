@@ -9,6 +9,7 @@ from pathlib import Path
 
 from crackgrow import __version__
 from crackgrow.results.summary import Tally, git_state, peak_memory_mb, summarize, summary_text
+from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.result import RunEnd
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
 
@@ -16,7 +17,7 @@ from tests.unit.results.synthetic import make_case, make_end, make_event, make_r
 def test_summary_of_a_run() -> None:
     tally = Tally()
     for step in range(3):
-        tally.add(make_result(step, warnings=("thin cell",) if step == 2 else ()))
+        tally.add(make_result(step, cautions=(Caution(Cause.NOTE, "thin cell"),) if step == 2 else ()))
     tally.add_seconds("output", 1.0)
     summary = json.loads(summary_text(summarize(make_case(), tally, make_end(2), 12.5, 100.0)))
     assert (summary["case"], summary["title"], summary["version"]) == ("block", "A block with a crack", __version__)
@@ -30,6 +31,8 @@ def test_summary_of_a_run() -> None:
     assert summary["worst_checks"]["residual"] == {"value": 1e-12, "step": 0}
     assert summary["worst_checks"]["energy_error"] == {"value": 1e-6, "step": 0}
     assert summary["warnings"] == ["step 2: thin cell"]
+    (record,) = summary["cautions"]
+    assert (record["cause"], record["words"], record["steps"]) == ("note", "thin cell", [[2, 2]])
     assert summary["events"] == []
     assert summary["peak_memory_mb"] > 10
     assert "git_commit" in summary

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +12,10 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run import grow
-from crackgrow.run.cautions import LARGE_OVERLAP, _overlapping, overlap_shares
+from crackgrow.results.gathered import Gathered
+from crackgrow.run import grow, report
+from crackgrow.run.caution import Cause, Caution
+from crackgrow.run.cautions import _overlapping, cautions, overlap_shares
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution, solve_step
@@ -127,10 +130,11 @@ def test_a_full_overlap_is_told_in_plain_digits() -> None:
     (face,) = result.faces
     face = replace(face, opening=np.full_like(face.opening, -1e-3), slip=np.zeros_like(face.slip))
     scene = make_scene(load_case(CASES / "compression30.yaml"))
-    shares = overlap_shares(scene, solve_first(scene), (face,))
-    (told,) = _overlapping(scene, (face,), shares)
-    assert shares == [pytest.approx(1.0 / LARGE_OVERLAP)]  # all of the jump
-    assert "by 0.001 m between contact points, 100 % of their largest jump" in told
+    solution = solve_first(scene)
+    shares = overlap_shares(scene, solution, (face,))
+    (told,) = _overlapping(scene, solution, (face,), shares)
+    assert shares == [pytest.approx(1.0 / Cause.OVERLAP.limit)]  # all of the jump
+    assert "by 0.001 m between contact points, 100 % of their largest jump" in told.words
 
 
 def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None:
@@ -157,7 +161,7 @@ def test_soft_contact_is_told_with_the_pressure_that_it_bears(stiffness: float, 
 def test_corners_of_bodies_overlap_by_little_beside_the_displacement(spacing: str, warned: bool) -> None:
     result = first_step("block_foundation", f"numerics.spacing={spacing}")
     (faces,) = result.faces
-    assert result.overlap > LARGE_OVERLAP * np.hypot(faces.opening, faces.slip).max()
+    assert result.overlap > Cause.OVERLAP.limit * np.hypot(faces.opening, faces.slip).max()
     assert (result.overlap_share > 1.0) == any("overlap by" in text for text in result.warnings) == warned
 
 
@@ -168,20 +172,105 @@ def test_elastic_contact_explains_its_overlap() -> None:
     assert soft.overlap < 5e-3 * np.abs(faces.slip).max()
 
 
+def told_in_a_run(words: str, *settings: str) -> list[str]:
+    """The sentences of a run of compression30 that have these words."""
+    gathered = Gathered()
+    for result in grow(load_case(CASES / "compression30.yaml", [*settings, "growth.steps=2", "output.frames=none"])):
+        gathered.add(result.step, result.cautions)
+    return [text for text in gathered.sentences() if words in text]
+
+
 def test_a_tip_without_room_for_the_integral_of_K_is_told_once() -> None:
-    close = "cracks.flaw.path.center=[8, 0]"  # the end is 2.1 spacings from the side
-    case = load_case(CASES / "compression30.yaml", [close, "growth.steps=2", "output.frames=none"])
-    told = [[text for text in result.warnings if "the integral" in text] for result in grow(case)]
-    assert told == [
-        ["K at the end of crack 'flaw': the outline makes the disc of the integral small; see the columns K_*_error of "
-         "tips.csv"],
-        [],
-        [],
-    ]  # fmt: skip
+    (told,) = told_in_a_run("the integral", "cracks.flaw.path.center=[8, 0]")  # the end is 2.1 spacings from the side
+    assert told.startswith("steps 0 to 2, worst ")
+    assert "K at the end of crack 'flaw': the outline makes the disc of the integral small" in told
 
 
 def test_that_things_are_closer_than_a_spacing_is_told_once() -> None:
-    close = ["cracks.flaw.path.center=[10, 0]", "cracks.flaw.tips=start", "growth.steps=2", "output.frames=none"]
-    case = load_case(CASES / "compression30.yaml", close)  # the end is 1.2 mm from the side
-    told = [[text for text in result.warnings if "closer than a spacing" in text] for result in grow(case)]
-    assert [len(texts) for texts in told] == [1, 0, 0]
+    close = ("cracks.flaw.path.center=[10, 0]", "cracks.flaw.tips=start")  # the end is 1.2 mm from the side
+    (told,) = told_in_a_run("closer than a spacing", *close)
+    assert told.startswith("steps 0 to 2: the end of crack 'flaw' is closer than a spacing to the outline")
+
+
+REST = Path(__file__).parent / "block_at_rest.yaml"
+
+
+@pytest.mark.parametrize("spacing", [0.25, 0.1, 0.05])
+def test_a_block_at_rest_on_a_plane_warns_of_nothing(spacing: float) -> None:
+    """Its corners overlap by nearly all of their jump, which is next to nothing, on any lattice."""
+    result = next(grow(load_case(REST, [f"numerics.spacing={spacing}"])))
+    (face,) = result.faces
+    assert -face.opening.min() > 0.9 * np.hypot(face.opening, face.slip).max()
+    assert result.warnings == ()
+
+
+def test_the_time_of_cautions_is_in_a_phase(monkeypatch: pytest.MonkeyPatch) -> None:
+    def slow(*_: object) -> tuple[()]:
+        time.sleep(0.2)
+        return ()
+
+    monkeypatch.setattr(report, "cautions", slow)
+    assert first_step("compression30", "numerics.spacing=3").seconds["output"] > 0.2
+
+
+def told_of(cause: Cause, result: StepResult) -> list[Caution]:
+    return [caution for caution in result.cautions if caution.cause is cause]
+
+
+def test_loads_out_of_balance_on_supports_at_points_are_told_with_the_forces() -> None:
+    """Half of the lower traction is missing: 50 MPa over 31 mm stand on two points."""
+    result = first_step("compression30", "numerics.spacing=3", "loads.1.traction=[0, 50]")
+    told = told_of(Cause.UNBALANCED, result)
+    assert [caution.place for caution in told] == ["supports.0", "supports.1"]
+    assert all("7.75e+05 N/m at supports." in caution.words for caution in told)
+    assert told_of(Cause.UNBALANCED, first_step("compression30", "numerics.spacing=3")) == []
+
+
+def test_a_couple_on_supports_at_points_is_told() -> None:
+    tilted = ("loads.0.traction=[1, -100]", "loads.1.traction=[-1, 100]")  # the forces are in balance
+    result = first_step("compression30", "numerics.spacing=3", *tilted)
+    assert [caution.place for caution in told_of(Cause.UNBALANCED, result)] == ["supports.0", "supports.1"]
+
+
+def test_a_body_that_stands_on_points_by_its_weight_is_not_told_of() -> None:
+    density, weight = "bodies.rock.material.density='2700 kg/m^3'", "{body: rock, gravity: [0, -9.81]}"
+
+    def pulled(lower: float) -> StepResult:
+        up, down = "{on: {body: rock, edge: top}, traction: [0, 1]}", f"[0, {-lower}]"
+        ends = f"{up}, {{on: {{body: rock, edge: bottom}}, traction: {down}}}"
+        return first_step("tension0", density, f"loads=[{ends}, {weight}]")
+
+    assert any(np.hypot(*reaction.force) > 1.0 for reaction in pulled(1.0).reactions)
+    assert told_of(Cause.UNBALANCED, pulled(1.0)) == []
+    assert len(told_of(Cause.UNBALANCED, pulled(0.9))) == 1
+
+
+def test_faces_without_contact_that_lie_in_each_other_are_told_first_with_the_size() -> None:
+    result = first_step("compression30", "numerics.spacing=3", "cracks.flaw.contact=none")
+    assert result.tips[0].K_I < 0.0
+    assert result.cautions[0].cause is Cause.CONTACT_NONE
+    (face,) = result.faces
+    assert f"lie in each other by {-face.opening.min():.2g} m" in result.warnings[0]
+    assert told_of(Cause.CONTACT_NONE, first_step("tension0", "cracks.flaw.contact=none")) == []
+
+
+@pytest.mark.parametrize(("direction", "told"), [("explicit", 2), ("implicit", 0)])
+def test_a_path_that_saws_is_told_with_the_remedy(direction: str, told: int) -> None:
+    settings = ("growth.criterion=max_hoop_stress", "growth.advance=all", f"growth.direction={direction}")
+    case = load_case(CASES / "compression30.yaml", [*settings, "growth.steps=4", "output.frames=none"])
+    *_, last = grow(case)
+    sawing = told_of(Cause.SAWING, last)
+    assert len(sawing) == told
+    assert all("use growth.direction: implicit" in caution.words for caution in sawing)
+
+
+@pytest.mark.parametrize(("missed", "told"), [(0.02, 1), (1e-5, 0)])
+def test_energies_that_miss_each_other_are_told_with_the_size(missed: float, told: int) -> None:
+    scene = make_scene(load_case(CASES / "compression30.yaml", ["numerics.spacing=3"]))
+    solved = solve_first(scene)
+    state = replace(solved.state, energy=replace(solved.state.energy, error=missed))
+    faces = first_step("compression30", "numerics.spacing=3").faces
+    found = cautions(scene, replace(solved, state=state), faces, [0.0], 1)
+    words = [caution.words for caution in found if caution.cause is Cause.ENERGY]
+    assert len(words) == told
+    assert all("miss each other by 2 % of the largest" in text for text in words)

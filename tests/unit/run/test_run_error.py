@@ -53,7 +53,7 @@ def test_units_and_loads_do_not_matter() -> None:
 
 def test_the_cells_of_a_frame_add_up_to_the_estimate() -> None:
     results, end = run("growth.steps=1")
-    for result, expected in zip(results, (results[0].energy_error, end.energy_error), strict=True):
+    for result, expected in zip(results, (results[0].norm_error, end.norm_error), strict=True):
         frame = result.frame
         assert frame is not None
         assert frame.energy_error is not None
@@ -64,10 +64,10 @@ def test_the_cells_of_a_frame_add_up_to_the_estimate() -> None:
 
 def test_the_first_and_the_last_step_are_estimated_alone() -> None:
     results, end = run("growth.steps=2", "output.frames=none")
-    assert [bool(np.isfinite(result.energy_error)) for result in results] == [True, False, False]
-    assert end.energy_error > results[0].energy_error  # the kinks
+    assert [bool(np.isfinite(result.norm_error)) for result in results] == [True, False, False]
+    assert end.norm_error > results[0].norm_error  # the kinks
     (only,), end = run("growth.steps=0", "output.frames=none")
-    assert end.energy_error == only.energy_error == results[0].energy_error
+    assert end.norm_error == only.norm_error == results[0].norm_error
 
 
 def _areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:

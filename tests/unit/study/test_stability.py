@@ -15,6 +15,7 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case, ContactSupport, EdgeTraction
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE
 from crackgrow.errors import SolveError
+from crackgrow.run.caution import Cause, Caution
 from crackgrow.study.stability import runner
 from crackgrow.study.stability.measures import everything, overall
 from crackgrow.study.stability.placed import mirrored, moved, placed, scaled, turned
@@ -81,8 +82,10 @@ def test_row_tells_how_its_scene_was_solved(flaw: Solved) -> None:
 
 
 def test_warnings_that_the_usual_scene_does_not_have_are_news(flaw: Solved) -> None:
-    warned = replace(flaw, result=replace(flaw.result, warnings=("old", "new")))
-    usual = replace(flaw, result=replace(flaw.result, warnings=("old",)))
+    warned = replace(
+        flaw, result=replace(flaw.result, cautions=(Caution(Cause.NOTE, "old"), Caution(Cause.NOTE, "new")))
+    )
+    usual = replace(flaw, result=replace(flaw.result, cautions=(Caution(Cause.NOTE, "old"),)))
     found = evaluate(trial(lambda: warned, 1.0, usual))
     assert (found.status, found.reason, found.verdict) == ("warned", "new", "said")
 

@@ -1,0 +1,112 @@
+"""The warnings of a run: one sentence a cause, with its places and steps, instead of one for each of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
+    from crackgrow.run.caution import Caution
+
+MOST_PLACES = 6  # that a sentence lists besides the worst
+NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
+
+
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What has been told of one cause at one place."""
+
+    cause: str
+    rank: int  # of the cause: the smaller the more important
+    place: str
+    size: float
+    words: str  # of the step where the size was largest
+    worst: int  # that step
+    steps: list[list[int]]  # first and last of each row of steps
+
+    def and_at(self, step: int, caution: Caution) -> _Told:
+        """The same with one step more."""
+        first, last = self.steps[-1]
+        steps = [*self.steps[:-1], [first, step]] if step <= last + 1 else [*self.steps, [step, step]]
+        if caution.size <= self.size:
+            return replace(self, steps=steps)
+        return replace(self, steps=steps, size=caution.size, words=caution.words, worst=step)
+
+
+class Gathered:
+    """The cautions of a run, step after step."""
+
+    def __init__(self) -> None:
+        self._told: dict[tuple[str, str], _Told] = {}
+
+    def add(self, step: int, cautions: Iterable[Caution]) -> list[str]:
+        """Count in those of a step; returns the words of those that nothing has told before."""
+        news = []
+        for caution in cautions:
+            key = (_kind(caution), caution.place)
+            known = self._told.get(key)
+            if known is None:
+                name = caution.cause.name.lower()
+                row = _Told(name, caution.rank, caution.place, caution.size, caution.words, step, [[step, step]])
+                self._told[key] = row
+                news.append(caution.words)
+            else:
+                self._told[key] = known.and_at(step, caution)
+        return news
+
+    def sentences(self, *, with_steps: bool = True) -> list[str]:
+        """One sentence a cause, the most important first: the worst place in words, the others by name."""
+        by_kind: dict[str, list[_Told]] = {}
+        for (kind, _), row in self._told.items():
+            by_kind.setdefault(kind, []).append(row)
+        causes = [sorted(rows, key=lambda row: -row.size) for rows in by_kind.values()]
+        causes.sort(key=lambda rows: rows[0].rank)
+        return [f"{_steps(rows) if with_steps else ''}{rows[0].words}{_others(rows[1:])}" for rows in causes]
+
+    def records(self) -> list[dict[str, Any]]:
+        """One record for each cause and place, as mappings that JSON can hold."""
+        rows = sorted(self._told.values(), key=lambda row: (row.rank, -row.size))
+        return [asdict(row) for row in rows]
+
+    @classmethod
+    def of(cls, records: Sequence[Mapping[str, Any]]) -> Gathered:
+        """What `records` tell of."""
+        gathered = cls()
+        for record in records:
+            row = _Told(**record)
+            gathered._told[(_kind_of(row.cause, row.words), row.place)] = row
+        return gathered
+
+
+def _kind(caution: Caution) -> str:
+    return _kind_of(caution.cause.name.lower(), caution.words)
+
+
+def _kind_of(cause: str, words: str) -> str:
+    """What is told in one sentence: a cause; of notes, those that differ in numbers alone."""
+    return NUMBER.sub("#", words) if cause == "note" else cause
+
+
+def _others(rows: Sequence[_Told]) -> str:
+    if not rows:
+        return ""
+    names = [row.place for row in rows[:MOST_PLACES]]
+    more = len(rows) - len(names)
+    return f"; likewise {', '.join([*names, *([f'{more} more'] if more else [])])}"
+
+
+def _steps(rows: Sequence[_Told]) -> str:
+    """ "step 3: ", "steps 3 to 14, worst 7: ": when it was so at any of the places."""
+    spans: list[list[int]] = []
+    for first, last in sorted(span for row in rows for span in row.steps):
+        if spans and first <= spans[-1][1] + 1:
+            spans[-1][1] = max(spans[-1][1], last)
+        else:
+            spans.append([first, last])
+    if spans[0][0] == spans[-1][1]:
+        return f"step {spans[0][0]}: "
+    listed = ", ".join(str(first) if first == last else f"{first} to {last}" for first, last in spans)
+    worst = f", worst {rows[0].worst}" if rows[0].size else ""
+    return f"steps {listed}{worst}: "
