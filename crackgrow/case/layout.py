@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import shapely
 from shapely import LineString
 
-from crackgrow.case.accuracy import AUTO, PRESETS, Lengths, automatic_spacing
+from crackgrow.case.accuracy import AUTO, PRESETS, automatic_spacing
+from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
 from crackgrow.case.model import EdgeRegion, Floats
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines, with_common_corners
 from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import segments_of
 from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
 from crackgrow.case.units import Units
+
+SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
 
 SHORTEST = 1e-3  # least crack length, segment and increment, in lattice spacings
 
@@ -92,20 +96,24 @@ def named(resolved: dict[str, Any], key: str) -> dict[str, Any]:
 
 
 def scene_of(resolved: dict[str, Any], report: Report, units: Units) -> Scene:
-    """Collect the geometry of bodies and cracks that are sound; report shapes that are not, and overlaps."""
+    """Collect the bodies whose shapes are sound and bring them together; report shapes that are not, and overlaps."""
     scene = Scene(resolved, report, units)
     for name, body in named(resolved, "bodies").items():
         shape = shape_of(name, body, report, units) if report.sound("bodies", name, "shape") else None
         if shape is not None:
             scene.bodies[name] = shape
-    _settle_spacing(scene)
-    for name, crack in named(resolved, "cracks").items():
-        if report.sound("cracks", name, "path"):
-            spacing = scene.get("numerics", "spacing")
-            scene.cracks[name] = points_of(crack["path"], 0.0 if spacing is None else SHORTEST * spacing)
     if scene.bodies:
         _place(scene)
     return scene
+
+
+def place_cracks(scene: Scene) -> None:
+    """Collect the cracks whose paths are sound, and find out what body each lies in."""
+    spacing = scene.get("numerics", "spacing")
+    for name, crack in named(scene.resolved, "cracks").items():
+        if scene.report.sound("cracks", name, "path"):
+            scene.cracks[name] = points_of(crack["path"], 0.0 if spacing is None else SHORTEST * spacing)
+    scene.hosts.update(_hosts(scene.cracks, list(scene.bodies.values())))
 
 
 def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
@@ -128,38 +136,48 @@ def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
     return frozen(points[kept])
 
 
-def _length(points: Floats) -> float:
-    """Length (m) of a polyline, 0 of fewer than two points."""
-    return float(np.hypot(*np.diff(points, axis=0).T).sum())
-
-
-def _settle_spacing(scene: Scene) -> None:
+def settle_spacing(scene: Scene) -> None:
     """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds."""
     given = scene.get("numerics", "spacing")
     accuracy = scene.get("numerics", "accuracy")
     if given is None:
         return
-    if not (accuracy and scene.bodies and all(scene.report.sound(key) for key in ("bodies", "cracks", "growth"))):
+    if not (accuracy and scene.bodies and all(scene.report.sound(key) for key in SPACED_BY)):
         if given == AUTO:
             scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
         return
-    cracks = {name: _length(points_of(crack["path"])) for name, crack in named(scene.resolved, "cracks").items()}
-    spacing, rule = automatic_spacing(
-        PRESETS[accuracy],
-        Lengths(
-            cracks={name: length for name, length in cracks.items() if length > 0.0},
-            widths={name: float(body.extent.min()) for name, body in scene.bodies.items()},
-            increment=scene.get("growth", "increment"),
-            radius=scene.get("growth", "tip_stress", "radius"),
-        ),
-    )
     numerics = scene.resolved["numerics"]
-    if given == AUTO:
-        numerics["spacing"] = spacing
+    spacing, rule = given, ""
+    if given == AUTO or "auto_rule" in numerics:
+        spacing, rule = automatic_spacing(PRESETS[accuracy], _lengths(scene))
     followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
     rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
-    first = {"accuracy": accuracy, "spacing": numerics["spacing"], **({"auto_rule": rule} if followed else {})}
-    scene.resolved["numerics"] = {**first, **rest}
+    first = {"accuracy": accuracy, "spacing": spacing if followed else given}
+    scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
+
+
+def _lengths(scene: Scene) -> Iterator[Length]:
+    """Every length of the scene that the lattice must resolve."""
+    for name, crack in named(scene.resolved, "cracks").items():
+        length = line_length(points_of(crack["path"]))
+        if length > 0.0:
+            yield Length("crack", length, f"length of crack '{name}'")
+    bodies = list(scene.bodies.values())
+    for body in bodies:
+        yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")
+        yield from feature_lengths(body)
+    for (first, second), lines in scene.shared.items():
+        shortest = min(line_length(line) for line in lines)
+        yield Length("support", shortest, f"interface between bodies '{first}' and '{second}'")
+    supported = [region for key, region in scene.regions.items() if key[0] == "supports"]
+    loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
+    yield from part_lengths("support", bodies, supported, "supported")
+    yield from part_lengths("load", bodies, loaded, "loaded")
+    increment, radius = scene.get("growth", "increment"), scene.get("growth", "tip_stress", "radius")
+    if increment is not None:
+        yield Length("increment", increment, "growth.increment")
+    if radius is not None:
+        yield Length("radius", radius, "growth.tip_stress.radius")
 
 
 def _place(scene: Scene) -> None:
@@ -187,7 +205,6 @@ def _place(scene: Scene) -> None:
             lines = shared_lines(bodies[first], bodies[second], scene.tolerance)
             if lines:
                 scene.shared[bodies[first].name, bodies[second].name] = lines
-    scene.hosts.update(_hosts(scene.cracks, bodies))
 
 
 def _is_too_fine(body: BodyShape, tolerance: float) -> bool:

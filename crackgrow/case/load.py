@@ -15,7 +15,7 @@ from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_regions import check_regions
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
-from crackgrow.case.layout import Scene, scene_of
+from crackgrow.case.layout import Scene, place_cracks, scene_of, settle_spacing
 from crackgrow.case.model import Case
 from crackgrow.case.overrides import apply_override
 from crackgrow.case.reader import Table, read_file
@@ -24,14 +24,16 @@ from crackgrow.case.scalars import Context
 from crackgrow.case.scene import CASE, UNITS_SPEC
 from crackgrow.case.units import Units
 
-CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
+STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
+    check_regions,
+    settle_spacing,
+    place_cracks,
     check_counts,
     check_material,
     check_numerics,
     check_cracks,
     check_contacts,
     check_interfaces,
-    check_regions,
     check_foundations,
     check_supports,
     check_loads,
@@ -65,8 +67,8 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     if units is None:
         raise report.error()
     scene = scene_of(resolved, report, units)
-    for check in CHECKS:
-        check(scene)
+    for stage in STAGES:
+        stage(scene)
     if report.faults:
         raise report.error()
     resolved["units"] = {"length": "m", "stress": "Pa"}

@@ -6,6 +6,9 @@ from typing import Any
 
 import shapely
 
+from crackgrow.case.accuracy import PRESETS
+from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
+from crackgrow.case.model import EdgeTraction, PointSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import arc_lengths
@@ -38,6 +41,9 @@ pressure on rigid faces a crack bears 1/(1 + r), within 0.04 with mortar nodes a
 
 NEARLY_INCOMPRESSIBLE = 0.49
 """Poisson's ratio in plane strain up to which K is within 1 %, and, at a support of 1.5, the displacement."""
+
+COARSE = 0.9
+"""What a lattice resolves worse than `accuracy: draft` by more than this factor is named."""
 
 CLOSE = 1.0
 """Spacings: things closer than this share all of their patches."""
@@ -74,7 +80,32 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> list[str]:
     found.extend(_incompressible_warnings(scene))
     found.extend(_left_out(scene))
     found.extend(_short_cracks(cover))
+    found.extend(_unresolved(scene))
     return found
+
+
+def _unresolved(scene: Scene) -> list[str]:
+    """The hole, corner, bridge of rock, or part of an edge that a lattice given by hand resolves worst."""
+    case, draft = scene.case, PRESETS["draft"]
+    supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
+    loads = [load.region for load in case.loads if isinstance(load, EdgeTraction)]
+    lengths = [length for body in case.bodies for length in feature_lengths(body)]
+    lengths += part_lengths("support", case.bodies, supports, "supported")
+    lengths += part_lengths("load", case.bodies, loads, "loaded")
+    for interface in case.interfaces:
+        between = " and ".join(f"'{name}'" for name in interface.bodies)
+        shortest = min(line_length(line) for line in interface.lines)
+        lengths.append(Length("support", shortest, f"interface between bodies {between}"))
+    coarse = [length for length in lengths if length.metres < draft.parts(length.kind) * scene.lattice.spacing * COARSE]
+    if not coarse:
+        return []
+    worst = min(coarse, key=lambda length: length.metres / draft.parts(length.kind))
+    more = f", and {len(coarse) - 1} more {'are' if len(coarse) > 2 else 'is'} short" if len(coarse) > 1 else ""
+    return [
+        f"{worst.what}: {worst.metres:.3g} m, {worst.metres / scene.lattice.spacing:.2g} spacings long{more}: stresses "
+        "and displacements near it are not resolved, and can be off by tens of per cent; use a spacing of "
+        f"{worst.metres / draft.parts(worst.kind):.2g} m or less, or auto"
+    ]
 
 
 def _short_cracks(cover: Cover) -> list[str]:
