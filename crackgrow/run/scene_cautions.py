@@ -8,7 +8,9 @@ import shapely
 
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
+from crackgrow.case.meetings import scene_size
 from crackgrow.case.model import EdgeTraction, PointSupport
+from crackgrow.case.snapping import SNAP
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import arc_lengths
@@ -41,6 +43,9 @@ pressure on rigid faces a crack bears 1/(1 + r), within 0.04 with mortar nodes a
 
 NEARLY_INCOMPRESSIBLE = 0.49
 """Poisson's ratio in plane strain up to which K is within 1 %, and, at a support of 1.5, the displacement."""
+
+MOST_MOVED = 8
+"""Of more points that were moved only the number is told."""
 
 COARSE = 0.9
 """What a lattice resolves worse than `accuracy: draft` by more than this factor is named."""
@@ -81,7 +86,23 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> list[str]:
     found.extend(_left_out(scene))
     found.extend(_short_cracks(cover))
     found.extend(_unresolved(scene))
+    found.extend(_moved(scene))
     return found
+
+
+def _moved(scene: Scene) -> list[str]:
+    """What was brought to what it nearly touched when the case was read."""
+    moved = scene.case.moved
+    if not moved:
+        return []
+    shown = ", ".join(
+        f"{move.what} by {move.distance:.2g} m onto {move.onto} at ({move.place[0]:.12g} m, {move.place[1]:.12g} m)"
+        for move in moved[:MOST_MOVED]
+    )
+    more = f", and {len(moved) - MOST_MOVED} more" if len(moved) > MOST_MOVED else ""
+    more += "; ends of cracks that were moved are no tips" if any(move.end for move in moved) else ""
+    within = f"{SNAP:g} of the scene's size, {SNAP * scene_size(scene.case):.2g} m"
+    return [f"what comes nearer than {within}, touches; so these were moved: {shown}{more}"]
 
 
 def _unresolved(scene: Scene) -> list[str]:
