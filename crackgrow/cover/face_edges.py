@@ -120,10 +120,10 @@ def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, cra
     number = coo_array((np.arange(1, len(a) + 1), tuple(ends)), shape=(n, n)).tocsr()
     is_end = [(used[0] == corners[corner]) & (used[1] == 2 * corner) for corner in (0, len(corners) - 1)]
     if not all(found.any() for found in is_end):
+        missed = " and ".join(_off(vertices, crack, end) for end in (0, -1))
         raise GeometryError(
-            f"'{crack.name}' could not be cut along all of its {arc_lengths(crack.points)[-1]:.6g} spacings: no edge of "
-            f"the cut lattice ends at its {' and '.join(_off(vertices, crack, end) for end in (0, -1))}; use another "
-            "spacing"
+            f"'{crack.name}' could not be cut along all of its {arc_lengths(crack.points)[-1]:.6g} spacings: no edge "
+            f"of the cut lattice ends at its {missed}; use another spacing"
         )
     first, last = (int(np.argmax(found)) for found in is_end)
     length, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
