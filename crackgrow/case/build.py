@@ -53,6 +53,7 @@ def build_case(name: str, scene: Scene) -> Case:
         numerics=_numerics(resolved["numerics"]),
         output=_output(resolved["output"]),
         resolved=resolved,
+        moved=tuple(move for move in scene.moves if move.distance > scene.tolerance),
     )
 
 
@@ -63,12 +64,12 @@ def _body(shape: BodyShape, body: Resolved) -> Body:
 
 
 def _crack(scene: Scene, name: str, crack: Resolved) -> Crack:
-    tips, contact = crack["tips"], crack["contact"]
+    tips, contact = scene.tips_of(name), crack["contact"]
     return Crack(
         name=name,
         points=scene.cracks[name],
-        tip_at_start=tips in ("both", "start"),
-        tip_at_end=tips in ("both", "end"),
+        tip_at_start="start" in tips,
+        tip_at_end="end" in tips,
         contact=None if contact == "none" else _contact(contact),
         body=scene.hosts[name],
     )

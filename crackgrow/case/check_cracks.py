@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from shapely import LineString, Point, Polygon
 
-from crackgrow.case.check_meetings import ENDS_WITH_TIP, check_meetings, meets_itself
+from crackgrow.case.check_meetings import check_meetings, meets_itself
 from crackgrow.case.layout import SHORTEST, Scene
 from crackgrow.case.model import Floats
 from crackgrow.case.segments import common_parts
@@ -67,7 +67,7 @@ def _problem(scene: Scene, points: Floats, around: _Surroundings) -> str | None:
     for index in np.flatnonzero(on_edge | outside).tolist():
         where = f"{ {0: 'start', last: 'end'}.get(index, f'vertex {index}') } {scene.point(points[index])}"
         if outside[index]:
-            return f"{where} {_outside(scene, body, vertices[index])}"
+            return f"{where} {_outside(scene, body, vertices[index], index in (0, last))}"
         if 0 < index < last:
             return f"{where} lies on {_edge_at(scene, body, vertices[index])}; only an end may: give it as two cracks"
     found = _along(scene, points, around)
@@ -101,7 +101,7 @@ def _along(scene: Scene, points: Floats, around: _Surroundings) -> Floats | None
 def _check_ends(scene: Scene, name: str, around: _Surroundings) -> set[tuple[str, str]]:
     """Report tips on the boundary of the body; return them: the crack, and `start` or `end`."""
     refused = set()
-    tips = ENDS_WITH_TIP.get(scene.get("cracks", name, "tips"), ())
+    tips = scene.tips_of(name)
     for end, point in zip(("start", "end"), scene.cracks[name][[0, -1]], strict=True):
         if end in tips and Point(point).dwithin(around.boundary, scene.tolerance):
             edge = _edge_at(scene, around.body, Point(point))
@@ -111,15 +111,20 @@ def _check_ends(scene: Scene, name: str, around: _Surroundings) -> set[tuple[str
     return refused
 
 
-def _outside(scene: Scene, body: BodyShape, point: Point) -> str:
-    """Say where a point lies that is not in the body."""
+def _outside(scene: Scene, body: BodyShape, point: Point, is_end: bool) -> str:
+    """Say where a point lies that is not in the body, and where its boundary is."""
     other = next((other for other in scene.bodies.values() if other.polygon.dwithin(point, scene.tolerance)), None)
     if other is not None:
         split = "a crack lies in one body: give it as two that end on the interface"
         return f"lies in body '{other.name}' and most of the crack in body '{body.name}'; {split}"
-    if Polygon(body.polygon.exterior).contains(point):
-        return f"lies in {_ring_at(body, point)} of body '{body.name}'"
-    return f"lies outside the outline of body '{body.name}'"
+    ring = _ring_at(body, point) if Polygon(body.polygon.exterior).contains(point) else ""
+    where = f"lies in {ring} of body '{body.name}'" if ring else f"lies outside the outline of body '{body.name}'"
+    nearest = shapely.get_coordinates(shapely.shortest_line(body.polygon.boundary, point))[0]
+    distance = float(np.hypot(nearest[0] - point.x, nearest[1] - point.y))
+    told = f"{where}, {scene.units.show(distance, 'length', 3)} from it at {scene.exact_point(nearest)}"
+    return (
+        f"{told}; an end within {scene.units.show(scene.reach, 'length', 2)} of it is moved there" if is_end else told
+    )
 
 
 def _edge_at(scene: Scene, body: BodyShape, point: Point) -> str:

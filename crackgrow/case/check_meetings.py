@@ -8,8 +8,6 @@ import shapely
 from crackgrow.case.layout import Scene
 from crackgrow.case.segments import MOST_PAIRS, Ids, Segments, close_segments, common_parts, places_between, segments_of
 
-ENDS_WITH_TIP = {"both": ("start", "end"), "start": ("start",), "end": ("end",)}
-
 
 def check_meetings(scene: Scene, names: list[str], refused_tips: set[tuple[str, str]]) -> None:
     """Report cracks of these names that run along each other, or meet another one with a tip; none meets itself.
@@ -71,7 +69,7 @@ def _check_tips(
         if end // 2 != host:
             hosts.setdefault(names[end // 2], {}).setdefault(("start", "end")[end % 2], names[host])
     for name, found in hosts.items():
-        tips = [end for end in ENDS_WITH_TIP.get(scene.get("cracks", name, "tips"), ()) if (name, end) not in refused]
+        tips = [end for end in scene.tips_of(name) if (name, end) not in refused]
         left = " ".join(end for end in tips if end not in found) or "none"
         for end, host in found.items():
             if end in tips and not {(name, host), (host, name)} & along:

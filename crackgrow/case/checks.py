@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from crackgrow.case.layout import SHORTEST, Scene, named
@@ -107,8 +109,27 @@ def _check_spacing(scene: Scene, spacing: float) -> None:
         scene.report.fault(key, f"{scene.length(spacing)} is too coarse; at most {limit}")
         return
     margin = 2 * (scene.get("numerics", "support") or 0.0) + 1
-    n_nodes = float(np.prod((scene.box[1] - scene.box[0]) / spacing + margin))
+    width, height = (scene.box[1] - scene.box[0]).tolist()
+    n_nodes = (width / spacing + margin) * (height / spacing + margin)
     if n_nodes > MAX_NODES:
         rule = scene.get("numerics", "auto_rule")
+        least = _finest_spacing(width, height, margin)
         given = scene.length(spacing) + (f" (auto: {rule})" if rule else "")
-        scene.report.fault(key, f"{given} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed")
+        remedy = f"wanted: {scene.length(least)} or more"
+        if rule:
+            what, _, parts = rule.rpartition(" / ")
+            n_parts = spacing * float(parts) / least
+            remedy = (
+                f"give a spacing by hand, of {scene.length(least)} or more, at which the {what} is {n_parts:.2g} "
+                f"spacings, not {parts}, or a smaller body"
+            )
+        message = f"{given} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed; {remedy}"
+        scene.report.fault(key, message)
+
+
+def _finest_spacing(width: float, height: float, margin: float) -> float:
+    """The least spacing (m), two digits of it and rounded up, that needs no more than the nodes that are allowed."""
+    a, b, c = MAX_NODES - margin**2, -margin * (width + height), -width * height  # a h^2 + b h + c = 0
+    least = (-b + math.sqrt(b**2 - 4 * a * c)) / (2 * a)
+    digit = 10.0 ** (math.floor(math.log10(least)) - 1)
+    return math.ceil(least / digit) * digit

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, Final
+
+import numpy as np
 import yaml
 
-from crackgrow.case.model import Case
+from crackgrow.case.load import read_case
+from crackgrow.case.model import Case, LoadHistory
+from crackgrow.errors import CaseError, Fault
+
+DERIVED: Final = ("name", "resolved", "moved")  # of a case: the file does not hold them, or they are what it holds
 
 
 class _Dumper(yaml.SafeDumper):
@@ -15,7 +23,79 @@ class _Dumper(yaml.SafeDumper):
 
 
 def dump_case(case: Case) -> str:
-    """Return the resolved case as YAML: SI units, every default filled in, floats with all their digits."""
-    return yaml.dump(
-        case.resolved, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None, width=100
+    """Return the case as YAML: SI units, every default filled in, floats with all their digits.
+
+    Settings are written as the fields of the case have them. Raises CaseError where bodies, cracks, supports or loads
+    are others than those that were read: they cannot be written.
+    """
+    text = _text({**case.resolved, **_settings(case)})
+    try:
+        again = read_case(text, "the case as it is", case.name)
+    except CaseError as error:
+        raise CaseError(
+            [Fault("the case as it is", None, fault.key, fault.message) for fault in error.faults]
+        ) from None
+    changed = [
+        part.name
+        for part in fields(case)
+        if part.name not in DERIVED and not _same(getattr(case, part.name), getattr(again, part.name))
+    ]
+    if changed:
+        remedy = "change the case file, or load it with overrides such as 'cracks.flaw.path.angle=30'"
+        message = f"differs from what was read, and cannot be written: {remedy}"
+        raise CaseError([Fault("the case as it is", None, name, message) for name in changed])
+    return _text(again.resolved)
+
+
+def _text(resolved: object) -> str:
+    return str(
+        yaml.dump(resolved, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None, width=100)
     )
+
+
+def _settings(case: Case) -> dict[str, Any]:
+    """What a case says beside its bodies, cracks, supports and loads, as a mapping in the case format."""
+    numerics, growth, output = case.numerics, case.growth, case.output
+    contact = {part.name: getattr(numerics.contact, part.name) for part in fields(numerics.contact)}
+    contact["stiffness"] = "rigid" if numerics.contact.stiffness is None else numerics.contact.stiffness
+    found: dict[str, Any] = {
+        "title": case.title,
+        "source": case.source,
+        "plane": case.plane,
+        "loading": {"history": list(case.loading.factors)} if isinstance(case.loading, LoadHistory) else "critical",
+        "numerics": {
+            "accuracy": numerics.accuracy,
+            "spacing": numerics.spacing,
+            **({} if numerics.auto_rule is None else {"auto_rule": numerics.auto_rule}),
+            "support": numerics.support,
+            "quadrature": numerics.quadrature,
+            "contact": contact,
+        },
+        "output": {
+            "frames": output.frames,
+            "fields": list(output.fields),
+            "figures": output.figures,
+            "report": output.report,
+        },
+    }
+    if growth is not None:
+        found["growth"] = {
+            part.name: getattr(growth, part.name) for part in fields(growth) if part.name != "tip_radius"
+        }
+        found["growth"]["tip_stress"] = {"radius": growth.tip_radius}
+    return found
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two parts of a case are equal, number by number; the rule of a spacing follows from the rest."""
+    if isinstance(one, np.ndarray):
+        return isinstance(other, np.ndarray) and np.array_equal(one, other)
+    if isinstance(one, tuple):
+        return isinstance(other, tuple) and len(one) == len(other) and all(map(_same, one, other))
+    if is_dataclass(one) and not isinstance(one, type):
+        if hasattr(one, "auto_rule") and hasattr(other, "auto_rule"):
+            one, other = replace(one, auto_rule=None), replace(other, auto_rule=None)
+        return type(one) is type(other) and all(
+            _same(getattr(one, part.name), getattr(other, part.name)) for part in fields(one)
+        )
+    return bool(one == other)

@@ -53,7 +53,7 @@ def schema_of(spec: Spec) -> Schema:
         case Mapping():
             return _mapping(spec)
         case Chosen():
-            return _chosen(spec)
+            return _mapping(spec.otherwise)
         case OneOf(forms):
             return {"anyOf": [schema_of(form) for form in forms]}
         case Converted(inner):
@@ -108,18 +108,6 @@ def _mapping(spec: Mapping) -> Schema:
         **({"required": required} if required else {}),
         **({"minProperties": 1} if spec.at_least_one else {}),
     }
-
-
-def _chosen(spec: Chosen) -> Schema:
-    """The forms differ in their defaults alone: one mapping tells all of them, and what each of them requires."""
-    schema = _mapping(spec.otherwise)
-    always = schema.pop("required", [])
-    chosen = next(iter(spec.forms.values()))
-    given = [key for key, field in chosen.fields.items() if field.default is REQUIRED]
-    for key, field in chosen.fields.items():
-        if field.default is not REQUIRED and key in always:
-            schema["properties"][key]["description"] += f"; default where {spec.key} is given: {field.default}"
-    return schema | {"anyOf": [{"required": [spec.key, *given]}, {"required": always}]}
 
 
 def _property(field: Field) -> Schema:

@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import shapely
 from shapely import LineString
 
-from crackgrow.case.accuracy import AUTO, PRESETS, Lengths, automatic_spacing
-from crackgrow.case.model import EdgeRegion, Floats
-from crackgrow.case.neighbours import close_pairs, overlap, shared_lines, with_common_corners
+from crackgrow.case.accuracy import AUTO, PRESETS, automatic_spacing
+from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
+from crackgrow.case.model import EdgeRegion, Floats, Move
+from crackgrow.case.neighbours import close_pairs, overlap, shared_lines
 from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import segments_of
 from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
+from crackgrow.case.snapping import SNAP, size_of, snapped_bodies, snapped_cracks
 from crackgrow.case.units import Units
+
+SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
+
+EXACT: Final = 12  # digits of a place that the user is to write
+ENDS_WITH_TIP: Final = {"both": ("start", "end"), "start": ("start",), "end": ("end",)}
 
 SHORTEST = 1e-3  # least crack length, segment and increment, in lattice spacings
 
-ON_OUTLINE = 1e-9  # points nearer to an outline than this part of the scene's diagonal lie on it
-FARTHEST = 1e5  # largest distance of a scene from the origin, in diagonals: coordinates must resolve ON_OUTLINE
+ON_OUTLINE = 1e-9  # points nearer to an outline than this part of the scene's size lie on it
+FARTHEST = 1e5  # largest distance of a scene from the origin, in sizes: coordinates must resolve ON_OUTLINE
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,19 +41,26 @@ class Scene:
     bodies: dict[str, BodyShape] = field(default_factory=dict)  # those with a sound shape
     cracks: dict[str, Floats] = field(default_factory=dict)  # points (n, 2) m of those with a sound path
     box: Floats = field(default_factory=lambda: np.zeros((2, 2)))  # (2, 2) m, lower left and upper right of the bodies
+    diameter: Floats = field(default_factory=lambda: np.zeros(1))  # (1,) m, of the least circle round the bodies
+    moves: list[Move] = field(default_factory=list)  # what was brought to what it nearly touched
     shared: dict[tuple[str, str], tuple[Floats, ...]] = field(default_factory=dict)  # of bodies with a common boundary
     hosts: dict[str, str] = field(default_factory=dict)  # for a crack, the body in which most of it lies
     regions: dict[Path, EdgeRegion] = field(default_factory=dict)  # by key of `on`, filled by check_regions
 
     @property
     def size(self) -> float:
-        """Diagonal of the bounding box of all bodies in m."""
-        return float(np.hypot(*(self.box[1] - self.box[0])))
+        """Diameter of the least circle round all bodies in m."""
+        return float(self.diameter[0])
 
     @property
     def tolerance(self) -> float:
         """Distance in m; what is nearer is the same place."""
         return ON_OUTLINE * self.size
+
+    @property
+    def reach(self) -> float:
+        """Distance in m; corners and ends of cracks that are nearer to what they may touch are moved onto it."""
+        return SNAP * self.size
 
     @property
     def complete(self) -> bool:
@@ -55,6 +70,13 @@ class Scene:
     def touch(self, first: str, second: str) -> bool:
         """Whether two bodies share a boundary."""
         return (first, second) in self.shared or (second, first) in self.shared
+
+    def tips_of(self, crack: str) -> tuple[str, ...]:
+        """The ends of a crack, `start` and `end`, with a tip that can grow: not those that were moved."""
+        moved = [move.end for move in self.moves if move.end is not None and move.distance > self.tolerance]
+        return tuple(
+            end for end in ENDS_WITH_TIP.get(self.get("cracks", crack, "tips"), ()) if (crack, end) not in moved
+        )
 
     def get(self, *path: str) -> Any:
         """Return the value at a key path if it is given and sound, else None."""
@@ -84,6 +106,10 @@ class Scene:
         """Write a point in the units of the case."""
         return f"({self.length(point[0])}, {self.length(point[1])})"
 
+    def exact_point(self, point: Floats) -> str:
+        """Write a point with as many digits as tell it from what lies within reach of it."""
+        return f"({', '.join(self.units.show(float(value), 'length', EXACT) for value in point)})"
+
 
 def named(resolved: dict[str, Any], key: str) -> dict[str, Any]:
     """Return the things under names, empty if they could not be read."""
@@ -92,20 +118,28 @@ def named(resolved: dict[str, Any], key: str) -> dict[str, Any]:
 
 
 def scene_of(resolved: dict[str, Any], report: Report, units: Units) -> Scene:
-    """Collect the geometry of bodies and cracks that are sound; report shapes that are not, and overlaps."""
+    """Collect the bodies whose shapes are sound and bring them together; report shapes that are not, and overlaps."""
     scene = Scene(resolved, report, units)
     for name, body in named(resolved, "bodies").items():
         shape = shape_of(name, body, report, units) if report.sound("bodies", name, "shape") else None
         if shape is not None:
             scene.bodies[name] = shape
-    _settle_spacing(scene)
-    for name, crack in named(resolved, "cracks").items():
-        if report.sound("cracks", name, "path"):
-            spacing = scene.get("numerics", "spacing")
-            scene.cracks[name] = points_of(crack["path"], 0.0 if spacing is None else SHORTEST * spacing)
     if scene.bodies:
         _place(scene)
     return scene
+
+
+def place_cracks(scene: Scene) -> None:
+    """Collect the cracks whose paths are sound, and find out what body each lies in."""
+    spacing = scene.get("numerics", "spacing")
+    for name, crack in named(scene.resolved, "cracks").items():
+        if scene.report.sound("cracks", name, "path"):
+            scene.cracks[name] = points_of(crack["path"], 0.0 if spacing is None else SHORTEST * spacing)
+    scene.hosts.update(_hosts(scene.cracks, list(scene.bodies.values())))
+    hosts = {name: scene.bodies[host] for name, host in scene.hosts.items()}
+    cracks, moves = snapped_cracks(scene.cracks, hosts, scene.reach)
+    scene.cracks.update(cracks)
+    scene.moves.extend(moves)
 
 
 def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
@@ -128,44 +162,54 @@ def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
     return frozen(points[kept])
 
 
-def _length(points: Floats) -> float:
-    """Length (m) of a polyline, 0 of fewer than two points."""
-    return float(np.hypot(*np.diff(points, axis=0).T).sum())
-
-
-def _settle_spacing(scene: Scene) -> None:
+def settle_spacing(scene: Scene) -> None:
     """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds."""
     given = scene.get("numerics", "spacing")
     accuracy = scene.get("numerics", "accuracy")
     if given is None:
         return
-    if not (accuracy and scene.bodies and all(scene.report.sound(key) for key in ("bodies", "cracks", "growth"))):
+    if not (accuracy and scene.bodies and all(scene.report.sound(key) for key in SPACED_BY)):
         if given == AUTO:
             scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
         return
-    cracks = {name: _length(points_of(crack["path"])) for name, crack in named(scene.resolved, "cracks").items()}
-    spacing, rule = automatic_spacing(
-        PRESETS[accuracy],
-        Lengths(
-            cracks={name: length for name, length in cracks.items() if length > 0.0},
-            widths={name: float(body.extent.min()) for name, body in scene.bodies.items()},
-            increment=scene.get("growth", "increment"),
-            radius=scene.get("growth", "tip_stress", "radius"),
-        ),
-    )
     numerics = scene.resolved["numerics"]
-    if given == AUTO:
-        numerics["spacing"] = spacing
+    spacing, rule = given, ""
+    if given == AUTO or "auto_rule" in numerics:
+        spacing, rule = automatic_spacing(PRESETS[accuracy], _lengths(scene))
     followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
     rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
-    first = {"accuracy": accuracy, "spacing": numerics["spacing"], **({"auto_rule": rule} if followed else {})}
-    scene.resolved["numerics"] = {**first, **rest}
+    first = {"accuracy": accuracy, "spacing": spacing if followed else given}
+    scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
+
+
+def _lengths(scene: Scene) -> Iterator[Length]:
+    """Every length of the scene that the lattice must resolve."""
+    for name, crack in named(scene.resolved, "cracks").items():
+        length = line_length(points_of(crack["path"]))
+        if length > 0.0:
+            yield Length("crack", length, f"length of crack '{name}'")
+    bodies = list(scene.bodies.values())
+    for body in bodies:
+        yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")
+        yield from feature_lengths(body)
+    for (first, second), lines in scene.shared.items():
+        shortest = min(line_length(line) for line in lines)
+        yield Length("support", shortest, f"interface between bodies '{first}' and '{second}'")
+    supported = [region for key, region in scene.regions.items() if key[0] == "supports"]
+    loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
+    yield from part_lengths("support", bodies, supported, "supported")
+    yield from part_lengths("load", bodies, loaded, "loaded")
+    increment, radius = scene.get("growth", "increment"), scene.get("growth", "tip_stress", "radius")
+    if increment is not None:
+        yield Length("increment", increment, "growth.increment")
+    if radius is not None:
+        yield Length("radius", radius, "growth.tip_stress.radius")
 
 
 def _place(scene: Scene) -> None:
     """Measure the scene, bring neighbours together and find out what lies where."""
     outlines = np.concatenate([body.outline for body in scene.bodies.values()])
-    scene.box[:] = outlines.min(axis=0), outlines.max(axis=0)
+    scene.box[:], scene.diameter[:] = (outlines.min(axis=0), outlines.max(axis=0)), size_of(outlines)
     far = {name: float(np.abs(body.outline).max()) for name, body in scene.bodies.items()}
     name, distance = max(far.items(), key=lambda item: item[1])
     if distance > FARTHEST * scene.size:
@@ -173,7 +217,8 @@ def _place(scene: Scene) -> None:
         scene.report.fault(("bodies", name, "shape"), f"{message}: coordinates lose accuracy; move the scene")
         scene.bodies.clear()
         return
-    bodies = with_common_corners(list(scene.bodies.values()), scene.tolerance)
+    bodies, moves = snapped_bodies(list(scene.bodies.values()), scene.reach)
+    scene.moves.extend(moves)
     for body in bodies:
         if _is_too_fine(body, scene.tolerance):
             message = f"has details below the smallest length of this scene, {scene.length(scene.tolerance)}"
@@ -187,7 +232,6 @@ def _place(scene: Scene) -> None:
             lines = shared_lines(bodies[first], bodies[second], scene.tolerance)
             if lines:
                 scene.shared[bodies[first].name, bodies[second].name] = lines
-    scene.hosts.update(_hosts(scene.cracks, bodies))
 
 
 def _is_too_fine(body: BodyShape, tolerance: float) -> bool:

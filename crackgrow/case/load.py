@@ -15,23 +15,25 @@ from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_regions import check_regions
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
-from crackgrow.case.layout import Scene, scene_of
+from crackgrow.case.layout import Scene, place_cracks, scene_of, settle_spacing
 from crackgrow.case.model import Case
 from crackgrow.case.overrides import apply_override
-from crackgrow.case.reader import Table, read_file
+from crackgrow.case.reader import Node, Table, parse, read_file
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Context
 from crackgrow.case.scene import CASE, UNITS_SPEC
 from crackgrow.case.units import Units
 
-CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
+STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
+    check_regions,
+    settle_spacing,
+    place_cracks,
     check_counts,
     check_material,
     check_numerics,
     check_cracks,
     check_contacts,
     check_interfaces,
-    check_regions,
     check_foundations,
     check_supports,
     check_loads,
@@ -53,6 +55,20 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     root = read_file(path, report)
     if Path(path).stem in ("", ".", ".."):  # the case is named after its file, and its results after the case
         report.fault((), "the file has no name of its own; wanted: such as my_case.yaml", Place(str(path), None))
+    return _case_of(root, report, overrides, Path(path))
+
+
+def read_case(text: str, source: str, name: str) -> Case:
+    """Return the checked case of a YAML text, in SI units; `source` stands for its file in faults.
+
+    Raises CaseError with every fault found.
+    """
+    report = Report(source)
+    return _case_of(parse(text, report, Place(source, 1)), report, (), Path(f"{name}.yaml"))
+
+
+def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: Path) -> Case:
+    """The checked case of a node tree. Raises CaseError with every fault found."""
     if not isinstance(root, Table):
         if root is not None and not report.faults:
             report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
@@ -60,17 +76,17 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     for override in overrides:
         apply_override(root, override, report)
     units = _units_of(root)
-    context = Context(report, units or Units(), Path(path).parent)
+    context = Context(report, units or Units(), path.parent)
     resolved: Any = CASE.read(root, (), context)
     if units is None:
         raise report.error()
     scene = scene_of(resolved, report, units)
-    for check in CHECKS:
-        check(scene)
+    for stage in STAGES:
+        stage(scene)
     if report.faults:
         raise report.error()
     resolved["units"] = {"length": "m", "stress": "Pa"}
-    return build_case(Path(path).stem, scene)
+    return build_case(path.stem, scene)
 
 
 def _units_of(root: Table) -> Units | None:

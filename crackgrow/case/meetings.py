@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from crackgrow.case.layout import ON_OUTLINE
 from crackgrow.case.model import Case, Floats
 from crackgrow.case.segments import close_segments, places_between, segments_of
+from crackgrow.case.snapping import size_of
 
 SAME_MEETING = 10.0  # places nearer than so many tolerances are one: each lies within the tolerance of its cracks
 
@@ -31,6 +32,5 @@ def meeting_places(case: Case) -> Floats:
 
 
 def scene_size(case: Case) -> float:
-    """Return the diagonal of the bounding box of all bodies in m."""
-    outlines = np.concatenate([body.outline for body in case.bodies])
-    return float(np.hypot(*np.ptp(outlines, axis=0)))
+    """Return the diameter of the least circle round all bodies in m."""
+    return size_of(np.concatenate([body.outline for body in case.bodies]))

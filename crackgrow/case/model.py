@@ -234,6 +234,17 @@ class Output:
     report: bool = True
 
 
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A point of a case that was brought to what it nearly touched."""
+
+    what: str  # such as "the end of crack 'joint'"
+    onto: str  # such as "the boundary of body 'rock'"
+    distance: float  # m
+    place: tuple[float, float]  # m, where it is now
+    end: tuple[str, str] | None = None  # the crack, and `start` or `end`, of which it is the end
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
     """A whole scene. `resolved` is the same as a mapping in the case format, SI, every default filled in."""
@@ -252,6 +263,7 @@ class Case:
     numerics: Numerics
     output: Output
     resolved: dict[str, object]
+    moved: tuple[Move, ...] = ()  # farther than rounding; `resolved` has the points where they were given
 
     def __repr__(self) -> str:
         return f"<Case {self.name}: {self.title}>"

@@ -2,32 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import shapely
 
 from crackgrow.case.model import Floats
-from crackgrow.case.shapes import BodyShape, body_shape, frozen
-
-
-def with_common_corners(bodies: list[BodyShape], tolerance: float) -> list[BodyShape]:
-    """Return the bodies with every corner that lies within the tolerance of an earlier body's moved onto that one."""
-    done: list[BodyShape] = []
-    for body in bodies:
-        if done:
-            known = np.concatenate([other.corners for other in done])
-            tree = shapely.STRtree(shapely.points(known))
-            rings = []
-            for ring in body.rings:
-                nearest = tree.nearest(shapely.points(ring.points))
-                distance = np.hypot(*(known[nearest] - ring.points).T)
-                points = np.where((distance <= tolerance)[:, None], known[nearest], ring.points)
-                rings.append(replace(ring, points=frozen(points)))
-            body = body_shape(body.name, rings)
-        done.append(body)
-    return done
+from crackgrow.case.shapes import BodyShape, frozen
 
 
 def close_pairs(bodies: list[BodyShape], tolerance: float) -> list[tuple[int, int]]:

@@ -23,6 +23,10 @@ def apply_override(root: Table, override: str, report: Report) -> None:
     if not all(parts) or len(parts) > MAX_DEPTH:
         report.fault((), f"{quoted(key)} is not a key path such as numerics.spacing", place)
         return
+    if re.search(r"\[\d+\]", key):
+        written = re.sub(r"\[(\d+)\]", r".\1", key)
+        report.fault((), f"an item of a list is written with its number, as in {quoted(written)}", place)
+        return
     n_faults = len(report.faults)
     value = parse(text, report, place, parts)
     if len(report.faults) == n_faults:

@@ -120,12 +120,29 @@ def parse(text: str, report: Report, start: Place, path: Path = ()) -> Node | No
         report.fault(path, f"not valid YAML: the character {letter} is not allowed", builder.at(line))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        context = f"{error.context}, " if error.context else ""
-        message = f"not valid YAML: {clean(context + (error.problem or 'unreadable'))}"
-        report.fault(path, message, builder.at(mark.line + 1 if mark else 1))
+        report.fault(path, f"not valid YAML: {_in_words(error, text)}", builder.at(mark.line + 1 if mark else 1))
     except (yaml.YAMLError, ValueError, OverflowError) as error:  # such as an escape beyond Unicode
         report.fault(path, f"not valid YAML: {clean(str(error))}", builder.at(builder.line))
     return None
+
+
+def _in_words(error: yaml.MarkedYAMLError, text: str) -> str:
+    """What the parser says, in whole, and for what goes wrong most often what to do."""
+    problem, context = error.problem or "unreadable", f"{error.context}, " if error.context else ""
+    told = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in context + problem)
+    mark = error.problem_mark
+    lines = text.splitlines()
+    line = lines[mark.line] if mark is not None and mark.line < len(lines) else ""
+    opened = error.context_mark.line + 1 if error.context_mark is not None else 0
+    if "'\\t'" in problem or "\t" in line[: len(line) - len(line.lstrip())]:
+        return f"{told}: indent with spaces, not with a tab"
+    if problem.startswith("mapping values are not allowed"):
+        return f"{told}: a text with ': ' in it stands in quotes, and keys of one mapping stand in one column"
+    if (error.context or "").startswith("while parsing a flow"):
+        return f"{told}: a bracket or brace that opens in line {opened} is not closed, or a comma is missing"
+    if (error.context or "").startswith("while parsing a block"):
+        return f"{told}: keys of one mapping, or items of one list, which begins in line {opened}, stand in one column"
+    return told
 
 
 class _Builder:

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crackgrow.case.model import EdgeRegion, Floats
 from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
+
+Ints = NDArray[np.int64]
 
 FULL_CIRCLE = 360.0  # degrees
 SAME_PLACE = 1e-9  # parts of a side shorter than this part of it are none
@@ -21,6 +24,7 @@ class Edge:
 
     sides: tuple[int, ...]  # numbers of the body's sides
     ends: Floats  # (k, 2, 2) m, first and second corner of each as drawn
+    drawn: Ints  # (k,) number of the drawn side that each is, or is a part of
     backwards: bool  # whether the stored sides run the other way
     measure: Literal["x", "y", "distance", "angle"]  # what tells a place on it
     reach: tuple[float, float]  # m or degrees, least and largest place
@@ -62,28 +66,32 @@ def ends_of(body: BodyShape, region: EdgeRegion) -> Floats:
 def _edge(ring: DrawnRing, name: str, first_side: int, tolerance: float) -> Edge:
     n = len(ring.points)
     ends = np.stack([ring.points, np.roll(ring.points, -1, axis=0)], axis=1)
+    given = np.stack([ring.given, np.roll(ring.given, -1, axis=0)], axis=1)[ring.drawn]
     ids = np.arange(n)
     if ring.backwards:
-        ends, ids = ends[::-1, ::-1], ids[::-1]
+        ends, given, ids = ends[::-1, ::-1], given[::-1, ::-1], ids[::-1]
     has_name = np.array(ring.edge_names)[ids] == name
     starts = np.flatnonzero(has_name & ~np.roll(has_name, 1))
     order = np.roll(np.arange(n), -int(starts[0])) if len(starts) else np.arange(n)
     order = order[has_name[order]]
-    measure, reach = _measure(ends[order], ring.is_arc, tolerance)
-    return Edge(tuple((first_side + ids[order]).tolist()), ends[order], ring.backwards, measure, reach)
+    drawn = ring.drawn[ids[order]]
+    first_parts = np.append(True, drawn[1:] != drawn[:-1])
+    measure, reach = _measure(ends[order], given[order][first_parts], ring.is_arc, tolerance)
+    return Edge(tuple((first_side + ids[order]).tolist()), ends[order], drawn, ring.backwards, measure, reach)
 
 
 def _measure(
-    ends: Floats, is_arc: bool, tolerance: float
+    ends: Floats, given: Floats, is_arc: bool, tolerance: float
 ) -> tuple[Literal["x", "y", "distance", "angle"], tuple[float, float]]:
-    """Return what tells a place on an edge, and its range."""
+    """Return what tells a place on an edge, which was drawn as sides `given` (m, 2, 2), and its range."""
     if is_arc:
         return "angle", (0.0, FULL_CIRCLE)
-    width, height = np.abs(ends[-1, 1] - ends[0, 0])
-    if len(ends) == 1 and height <= tolerance:
-        return "x", (float(ends[0, :, 0].min()), float(ends[0, :, 0].max()))
-    if len(ends) == 1 and width <= tolerance:
-        return "y", (float(ends[0, :, 1].min()), float(ends[0, :, 1].max()))
+    width, height = np.abs(given[-1, 1] - given[0, 0])
+    low, high = np.sort([ends[0, 0], ends[-1, 1]], axis=0)
+    if len(given) == 1 and height <= tolerance:
+        return "x", (float(low[0]), float(high[0]))
+    if len(given) == 1 and width <= tolerance:
+        return "y", (float(low[1]), float(high[1]))
     return "distance", (0.0, float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum()))
 
 
@@ -92,8 +100,8 @@ def _part_of_line(edge: Edge, start: float, end: float) -> list[tuple[int, float
     lengths = np.hypot(*(edge.ends[:, 1] - edge.ends[:, 0]).T)
     if edge.measure != "distance":
         axis = "xy".index(edge.measure)
-        first, second = edge.ends[0, :, axis]
-        start, end = sorted(((place - first) / (second - first) * lengths[0]) for place in (start, end))
+        first, second = edge.ends[0, 0, axis], edge.ends[-1, 1, axis]
+        start, end = sorted(((place - first) / (second - first) * lengths.sum()) for place in (start, end))
     parts, passed = [], 0.0
     for side, length in zip(edge.sides, lengths.tolist(), strict=True):
         parts += _piece(side, (start - passed) / length, (end - passed) / length)
@@ -103,12 +111,18 @@ def _part_of_line(edge: Edge, start: float, end: float) -> list[tuple[int, float
 
 def _part_of_arc(edge: Edge, start: float, end: float) -> list[tuple[int, float, float]]:
     """Return sides with fractions, both in drawing order, between two angles in degrees."""
-    n = len(edge.sides)
+    chords = np.flatnonzero(np.append(True, edge.drawn[1:] != edge.drawn[:-1]))  # the first part of each
+    n = len(chords)
     step = FULL_CIRCLE / n
+    lengths = np.hypot(*(edge.ends[:, 1] - edge.ends[:, 0]).T)
     parts = []
     for k in range(math.floor(start / step), math.ceil(end / step)):
-        limits = (_chord_fraction(angle / step - k, step) for angle in (start, end))
-        parts += _piece(edge.sides[k % n], *limits)
+        low, high = (_chord_fraction(angle / step - k, step) for angle in (start, end))
+        sides = range(int(chords[k % n]), int(chords[k % n + 1]) if k % n + 1 < n else len(edge.sides))
+        whole, passed = float(lengths[sides].sum()), 0.0
+        for side in sides:
+            parts += _piece(edge.sides[side], *((t * whole - passed) / float(lengths[side]) for t in (low, high)))
+            passed += float(lengths[side])
     return parts
 
 

@@ -25,7 +25,6 @@ from crackgrow.case.scalars import (
 from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,
-    REQUIRED,
     Chosen,
     Converted,
     Field,
@@ -175,7 +174,7 @@ DISPLACEMENT: Final = Mapping(
     at_least_one=True,
 )
 
-_ON: Final = Field(REGION, "an edge or a part of one")
+_ON: Final = Field(REGION, "an edge or a part of one", also=("true",))  # what writers of YAML 1.1 make of `on`
 _DISPLACEMENT_FIELD: Final = Field(DISPLACEMENT, "prescribed displacement")
 _BODY_NAME: Final = Field(Text(), "name of a body")
 
@@ -290,7 +289,7 @@ def _numerics(preset: Preset, spacing: object) -> Mapping:
         {
             "accuracy": Field(_ACCURACY, "preset of what is left out here", STANDARD),
             "spacing": Field(WordOr((AUTO,), Quantity("length", POSITIVE)), "lattice spacing h", spacing),
-            "auto_rule": Field(Text(), "what gave an automatic spacing; written by the program", OPTIONAL),
+            "auto_rule": Field(Text(), "what gave an automatic spacing", OPTIONAL, offered=False),
             "support": Field(_SUPPORT_WIDTH, "half width of a patch, in spacings", preset.support),
             "quadrature": Field(_GAUSS_POINTS, "Gauss points per direction on an uncut cell", preset.quadrature),
             "contact": Field(contact, "how contact is discretized and solved", BY_PARTS),
@@ -301,7 +300,7 @@ def _numerics(preset: Preset, spacing: object) -> Mapping:
 NUMERICS: Final = Chosen(
     "accuracy",
     {name: _numerics(preset, AUTO) for name, preset in PRESETS.items()},
-    _numerics(PRESETS[STANDARD], REQUIRED),
+    _numerics(PRESETS[STANDARD], AUTO),
 )
 
 OUTPUT: Final = Mapping(
@@ -328,7 +327,7 @@ CASE: Final = Mapping(
         "loads": Field(ListOf(LOAD), "loads", []),
         "loading": Field(LOADING, "how the loads are applied in time", {"history": [1.0]}),
         "growth": Field(GROWTH, "how cracks grow; left out: one static solve", OPTIONAL),
-        "numerics": Field(NUMERICS, "settings of the discretization"),
+        "numerics": Field(NUMERICS, "settings of the discretization", BY_PARTS),
         "output": Field(OUTPUT, "what is written", BY_PARTS),
     }
 )

@@ -30,6 +30,8 @@ class Field:
     spec: Spec
     doc: str  # one line for the user
     default: object = REQUIRED  # a plain SI value, or REQUIRED, OPTIONAL, BY_PARTS
+    offered: bool = True  # whether messages name the key; else the program writes it
+    also: tuple[str, ...] = ()  # other spellings that are taken for the key
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +47,11 @@ class Mapping:
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
-        return f"a mapping of {', '.join(self.fields)}"
+        return f"a mapping of {', '.join(self.offered())}"
+
+    def offered(self) -> list[str]:
+        """The keys that are named to users."""
+        return [key for key, field in self.fields.items() if field.offered]
 
     def form(self) -> str:
         """Write the keys that tell this mapping from others: those that must be given."""
@@ -59,6 +65,7 @@ class Mapping:
         """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
+        node = _respelt(node, self.fields)
         misspelt = self._report_unknown(node, path, context)
         values: dict[str, object] = {}
         for key, wanted in self.fields.items():
@@ -82,22 +89,39 @@ class Mapping:
         guesses = set()
         unknown = [(key, entry) for key, entry in node.entries.items() if key not in self.fields]
         if len(unknown) > SHOWN_UNKNOWN:
-            context.report.fault(path, f"{len(unknown)} unknown keys; allowed: {', '.join(self.fields)}")
+            context.report.fault(path, f"{len(unknown)} unknown keys; allowed: {', '.join(self.offered())}")
         else:
             for key, entry in unknown:
-                free = [known for known in self.fields if known not in node.entries]
-                hint = did_you_mean(key, free) or did_you_mean(key, self.fields)
-                message = f"unknown key; allowed: {', '.join(self.fields)}{hint}"
+                free = [known for known in self.offered() if known not in node.entries]
+                hint = self._inner_key(key) or did_you_mean(key, free) or did_you_mean(key, self.offered())
+                message = f"unknown key; allowed: {', '.join(self.offered())}{hint}"
                 context.report.fault((*path, key), message, entry.place)
                 guesses.add(nearest(key, free) or "")
         return guesses
 
+    def _inner_key(self, key: str) -> str:
+        """Return "; did you mean 'numerics.spacing'?" for a key of a mapping inside, or nothing."""
+        for outer, field in self.fields.items():
+            spec = field.spec.otherwise if isinstance(field.spec, Chosen) else field.spec
+            if isinstance(spec, Mapping) and key in spec.offered():
+                return f"; did you mean '{outer}.{key}'?"
+        return ""
+
+
+def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
+    """The table with keys in the spelling of `fields`, where it has another one that is taken for it."""
+    spellings = {other: key for key, field in fields.items() for other in field.also if key not in node.entries}
+    if not spellings.keys() & node.entries.keys():
+        return node
+    return Table({spellings.get(key, key): entry for key, entry in node.entries.items()}, node.place)
+
 
 def _default(wanted: Field) -> object:
     if wanted.default is BY_PARTS:
-        if not isinstance(wanted.spec, Mapping):
+        spec = wanted.spec.otherwise if isinstance(wanted.spec, Chosen) else wanted.spec
+        if not isinstance(spec, Mapping):
             raise TypeError("BY_PARTS is for mappings")
-        return wanted.spec.defaults()
+        return spec.defaults()
     return deepcopy(wanted.default)
 
 
@@ -115,10 +139,11 @@ class OneOf:
         """Return the value of the form that is given."""
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
-        known = list(dict.fromkeys(key for form in self.forms for key in form.fields))
+        every = {key: field for form in self.forms for key, field in form.fields.items()}
+        known, node = list(every), _respelt(node, every)
         free = [key for key in known if key not in node.entries]
-        meant = {key if key in known else nearest(key, free) for key in node.entries} - {None}
-        matches = [form for form in self.forms if meant and meant <= set(form.fields)]
+        given = node.entries.keys() & every.keys()
+        matches = [form for form in self.forms if given and given <= form.fields.keys()]
         if len(matches) == 1:
             return matches[0].read(node, path, context)
         for key, entry in node.entries.items():

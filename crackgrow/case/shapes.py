@@ -33,6 +33,8 @@ class DrawnRing:
 
     points: Floats  # (n, 2) m, not closed
     edge_names: tuple[str, ...]  # (n,): name of the edge that the side after each corner belongs to
+    given: Floats  # (m, 2) m, the corners before neighbours moved them or gave it more
+    drawn: NDArray[np.int64]  # (n,) number of the given corner that each side begins at, or at whose side it lies
     backwards: bool  # whether it runs against the direction in which it was drawn
     is_arc: bool  # whether it is a circle, on which places are angles
 
@@ -178,7 +180,7 @@ def _oriented(points: Floats, names: tuple[str, ...], *, is_hole: bool, is_arc: 
     backwards = (_area(points) < 0) is not is_hole
     if backwards:  # the first corner stays the first
         points, names = np.roll(points[::-1], 1, axis=0), names[::-1]
-    return DrawnRing(frozen(points), names, backwards, is_arc)
+    return DrawnRing(frozen(points), names, frozen(points), np.arange(len(points)), backwards, is_arc)
 
 
 def _area(points: Floats) -> float:

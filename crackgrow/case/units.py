@@ -49,10 +49,10 @@ class Units:
         chosen = {"length": self.length, "stress": self.stress}
         return chosen.get(kind) or next(iter(UNITS[kind]))
 
-    def show(self, value: float, kind: str) -> str:
+    def show(self, value: float, kind: str, digits: int = 6) -> str:
         """Write an SI value in the units of the case, for messages."""
         unit = self.of(kind)
-        return f"{value / float(UNITS[kind][unit]):.6g} {unit}"
+        return f"{value / float(UNITS[kind][unit]):.{digits}g} {unit}"
 
 
 def is_number(text: str) -> bool:

@@ -97,6 +97,12 @@ def _searched(line: CrackGeometry, vertices: Floats, edges: Edges, n_whole: int)
     return candidates[hit[chain]], segment[chain]
 
 
+def _off(vertices: Floats, crack: CrackGeometry, end: int) -> str:
+    """An end of a line, and how far from it the nearest vertex is."""
+    distance = float(np.hypot(*(vertices - crack.points[end]).T).min())
+    return f"{'end' if end else 'start'} (the nearest vertex is {distance:.2g} spacings from it)"
+
+
 def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, crack: CrackGeometry) -> Ints:
     """The edges (a, b), of those that lie on a `segment` of a crack within rounding, that lead along it, in order.
 
@@ -114,7 +120,11 @@ def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, cra
     number = coo_array((np.arange(1, len(a) + 1), tuple(ends)), shape=(n, n)).tocsr()
     is_end = [(used[0] == corners[corner]) & (used[1] == 2 * corner) for corner in (0, len(corners) - 1)]
     if not all(found.any() for found in is_end):
-        raise GeometryError(f"'{crack.name}' could not be cut along all of its length: its ends are not on its edges")
+        missed = " and ".join(_off(vertices, crack, end) for end in (0, -1))
+        raise GeometryError(
+            f"'{crack.name}' could not be cut along all of its {arc_lengths(crack.points)[-1]:.6g} spacings: no edge "
+            f"of the cut lattice ends at its {missed}; use another spacing"
+        )
     first, last = (int(np.argmax(found)) for found in is_end)
     length, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
     total = arc_lengths(crack.points)[-1]

@@ -21,6 +21,10 @@ class Cause(Enum):
     SECOND_SOLUTION = (0.0, "", "friction leaves more than one solution, and the run is one of them")
     SHARP_KINK = (75.0, "degrees", "K within 1 % of K_II below, off by half of the larger K beyond (see `cautions`)")
     CLOSED_KINK = (20.0, "degrees", "K_I off by a third of K_II, less than 2 spacings from a tip (see `cautions`)")
+    UNRESOLVED = (
+        0.9, "spacing that accuracy: draft would take",
+        "with a spacing of a tunnel's radius and twice that stresses at its wall are 2 and 33 to 65 % off",
+    )  # fmt: skip
     SHORT_CRACK = (3.0, "spacings", "K off by 2 % from one spacing on, by 8 % at half a spacing, by 20 % below")
     SHORT_ARM = (
         4.0, "spacings",
@@ -53,6 +57,7 @@ class Cause(Enum):
     SHORT_INCREMENT = (1.0, "spacings", "kinks that follow closer on each other share all of their patches")
     MEMORY = (1.0, "memory of the machine", "the run is killed, or takes disk for memory and stands still")
     NO_TIPS = (0.0, "", "nothing can grow")
+    MOVED = (0.0, "", "corners and ends that nearly touch do so in the scene that is solved")
     LEFT_OUT = (0.0, "", "vertices that repeat the one before them are no kinks")
     NOTE = (0.0, "", "what a solver tells of how it came to its answer")
 

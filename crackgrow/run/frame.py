@@ -57,7 +57,9 @@ def _densities(elements: Elements, spacing: float, error: ErrorEstimate) -> Floa
     start, end = elements.vertices[elements.ring_start], elements.vertices[elements.ring_end]
     area = 0.5 * spacing**2 * np.bincount(elements.ring_element, cross(start, end), elements.n)
     mean = error.norm**2 / area.sum()
-    return np.sqrt(error.elements / area / mean) if mean > 0.0 else np.zeros(elements.n)
+    there = area > 0.0  # slivers that the grid leaves no area hold no error
+    density = np.divide(error.elements, area, out=np.zeros(elements.n), where=there)
+    return np.sqrt(density / mean) if mean > 0.0 else np.zeros(elements.n)
 
 
 def _vertex_of(elements: Elements, points: Floats) -> Ints:

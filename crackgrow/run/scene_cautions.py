@@ -8,7 +8,11 @@ from typing import Any
 import numpy as np
 import shapely
 
-from crackgrow.case.model import Gravity, PointSupport
+from crackgrow.case.accuracy import PRESETS
+from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
+from crackgrow.case.meetings import scene_size
+from crackgrow.case.model import Case, EdgeTraction, Gravity, PointSupport
+from crackgrow.case.snapping import SNAP
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import arc_lengths
@@ -16,6 +20,9 @@ from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
 from crackgrow.solid.loads import load_vector
+
+MOST_MOVED = 8
+"""Of more points that were moved only the number is told."""
 
 THINNEST_LAYER = 1e-4
 """Length over which elastic contact gives way at a tip, over the distance of the nodes, from which it is as rigid."""
@@ -53,6 +60,53 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     yield from _incompressible(scene)
     yield from _left_out(scene)
     yield from _short_cracks(cover)
+    yield from _unresolved(scene)
+    yield from _moved(scene)
+
+
+def _unresolved(scene: Scene) -> Iterator[Caution]:
+    """Holes, corners, bridges of rock, and parts of edges that a lattice given by hand does not resolve."""
+    draft, spacing = PRESETS["draft"], scene.lattice.spacing
+    for length in _lengths(scene.case):
+        needed = length.metres / draft.parts(length.kind)
+        if needed < Cause.UNRESOLVED.limit * spacing:
+            yield Caution(
+                Cause.UNRESOLVED,
+                f"{length.what}: {length.metres:.3g} m, {length.metres / spacing:.2g} spacings long: stresses and "
+                f"displacements near it are not resolved, and can be off by tens of per cent; use a spacing of "
+                f"{needed:.2g} m or less, or auto",
+                length.what,
+                spacing / needed,
+            )
+
+
+def _lengths(case: Case) -> list[Length]:
+    """What the stress varies over besides cracks."""
+    supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
+    loads = [load.region for load in case.loads if isinstance(load, EdgeTraction)]
+    lengths = [length for body in case.bodies for length in feature_lengths(body)]
+    lengths += part_lengths("support", case.bodies, supports, "supported")
+    lengths += part_lengths("load", case.bodies, loads, "loaded")
+    for interface in case.interfaces:
+        between = " and ".join(f"'{name}'" for name in interface.bodies)
+        shortest = min(line_length(line) for line in interface.lines)
+        lengths.append(Length("support", shortest, f"interface between bodies {between}"))
+    return lengths
+
+
+def _moved(scene: Scene) -> Iterator[Caution]:
+    """What was brought to what it nearly touched when the case was read."""
+    moved = scene.case.moved
+    if not moved:
+        return
+    shown = ", ".join(
+        f"{move.what} by {move.distance:.2g} m onto {move.onto} at ({move.place[0]:.12g} m, {move.place[1]:.12g} m)"
+        for move in moved[:MOST_MOVED]
+    )
+    more = f", and {len(moved) - MOST_MOVED} more" if len(moved) > MOST_MOVED else ""
+    more += "; ends of cracks that were moved are no tips" if any(move.end for move in moved) else ""
+    within = f"{SNAP:g} of the scene's size, {SNAP * scene_size(scene.case):.2g} m"
+    yield Caution(Cause.MOVED, f"what comes nearer than {within}, touches; so these were moved: {shown}{more}")
 
 
 def _short_cracks(cover: Cover) -> Iterator[Caution]:

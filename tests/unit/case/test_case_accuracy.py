@@ -8,13 +8,15 @@ from typing import Any
 import pytest
 
 from crackgrow.case import Case, dump_case, load_case
-from crackgrow.case.accuracy import PRESETS, Lengths, Preset, automatic_spacing
+from crackgrow.case.accuracy import PRESETS, Preset, automatic_spacing
+from crackgrow.case.features import Length
 from crackgrow.errors import CaseError
 from crackgrow.results.overview import overview
 
 CASES = Path(__file__).parents[3] / "cases"
 NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
-SIMPLE = Preset(5.0, 2.0, 1.0, 10.0, support=2.0, quadrature=4, contact_spacing=1.25)
+SIMPLE = Preset(5.0, 2.0, 1.0, 10.0, 8.0, 3.0, 4.0, 2.0, support=2.0, quadrature=4, contact_spacing=1.25)
+WIDE = Length("width", 20.0, "wide")
 
 
 def numerics(case: Case) -> dict[str, Any]:
@@ -38,14 +40,20 @@ def without_numerics(tmp_path: Path, *lines: str) -> Path:
 @pytest.mark.parametrize(
     ("lengths", "spacing", "rule"),
     [
-        (Lengths({"a": 10.0, "b": 5.0}, {"rock": 20.0}), 1.0, "length of crack 'b' / 5"),
-        (Lengths({"a": 10.0}, {"rock": 20.0, "thin": 5.0}), 0.5, "smaller side of body 'thin' / 10"),
-        (Lengths({"a": 10.0}, {"rock": 20.0}, increment=1.0), 0.5, "growth.increment / 2"),
-        (Lengths({"a": 10.0}, {"rock": 20.0}, increment=1.0, radius=0.25), 0.25, "growth.tip_stress.radius / 1"),
-        (Lengths({}, {"rock": 20.0}), 2.0, "smaller side of body 'rock' / 10"),
+        ([Length("crack", 10.0, "crack a"), Length("crack", 5.0, "crack b"), WIDE], 1.0, "crack b / 5"),
+        ([Length("crack", 10.0, "crack a"), WIDE, Length("width", 5.0, "thin")], 0.5, "thin / 10"),
+        ([Length("crack", 10.0, "crack a"), WIDE, Length("increment", 1.0, "increment")], 0.5, "increment / 2"),
+        ([WIDE, Length("increment", 1.0, "increment"), Length("radius", 0.25, "radius")], 0.25, "radius / 1"),
+        ([WIDE], 2.0, "wide / 10"),
+        ([WIDE, Length("feature", 4.0, "hole")], 0.5, "hole / 8"),
+        (
+            [WIDE, Length("bridge", 4.5, "rock"), Length("support", 8.0, "foot"), Length("load", 5.0, "strip")],
+            1.5,
+            "rock / 3",
+        ),
     ],
 )
-def test_smallest_length_rules(lengths: Lengths, spacing: float, rule: str):
+def test_smallest_length_rules(lengths: list[Length], spacing: float, rule: str):
     assert automatic_spacing(SIMPLE, lengths) == (spacing, rule)
 
 

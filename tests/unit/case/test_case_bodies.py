@@ -126,7 +126,7 @@ def test_bodies_that_touch_at_a_corner_need_no_interface(tmp_path: Path):
 
 
 FLUSH = {"low": rectangle(0, 0, 3, 1), "top": rectangle(0, 1, 3, 1)}
-GAP = {"low": rectangle(0, 0, 3, 4), "top": rectangle(0, 4 + 1e-7, 3, 4)}
+GAP = {"low": rectangle(0, 0, 3, 4), "top": rectangle(0, 4 + 1e-4, 3, 4)}
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ GAP = {"low": rectangle(0, 0, 3, 4), "top": rectangle(0, 4 + 1e-7, 3, 4)}
             "bodies 'low' and 'top' share a boundary; say what holds there, such as "
             "- {between: [low, top], contact: {friction: 0.5, cohesion: 0}}, or with contact: bonded",
         ),
-        (GAP, joint("low top"), "interfaces.0.between", "share no boundary: they are 1e-07 m apart"),
+        (GAP, joint("low top"), "interfaces.0.between", "share no boundary: they are 0.0001 m apart"),
         (
             FLUSH,
             joint("low top", "top low"),
@@ -155,12 +155,12 @@ GAP = {"low": rectangle(0, 0, 3, 4), "top": rectangle(0, 4 + 1e-7, 3, 4)}
         ({"a": rectangle(0, 0, 3, 3), "b": rectangle(1, 1, 1, 1)}, [], "bodies.b.shape", "at (1.5 m, 1.5 m)"),
         ({"a": rectangle(0, 0, 1, 1), "b": rectangle(0, 0, 1, 1)}, [], "bodies.b.shape", "overlaps body 'a'"),
         (
-            {"a": rectangle(0, 0, 1, 1), "b": rectangle(1 - 1e-5, 1 - 1e-5, 1, 1)},
+            {"a": rectangle(0, 0, 1, 1), "b": rectangle(1 - 1e-4, 1 - 1e-4, 1, 1)},
             [],
             "bodies.b.shape",
             "overlaps body 'a'",
         ),
-        ({"a": rectangle(0, 0, 2, 2), "b": rectangle(2 - 1e-8, 0, 2, 2)}, [], "bodies.b.shape", "overlaps body 'a'"),
+        ({"a": rectangle(0, 0, 2, 2), "b": rectangle(2 - 1e-4, 0, 2, 2)}, [], "bodies.b.shape", "overlaps body 'a'"),
     ],
 )
 def test_fault_of_bodies_and_interfaces(shapes, interfaces, key, words, tmp_path: Path):

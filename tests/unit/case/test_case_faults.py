@@ -71,7 +71,6 @@ FORMAT_FAULTS = [
     ("spacing: 1.5", "spacing: 1.5\n  support: 2.1", "numerics.support", "steps of 0.25", "support: 2.1"),
     ("spacing: 1.5", "spacing: 1.5\n  quadrature: 1", "numerics.quadrature", ">= 2", "quadrature"),
     ("spacing: 1.5", "spacing: 1.5\n  accuracy: fin", "numerics.accuracy", "did you mean 'fine'?", "accuracy"),
-    ("spacing: 1.5", "support: 2", "numerics.spacing", "missing: lattice spacing h (auto | a length > 0)", "numerics"),
     ("spacing: 1.5", "spacing: atuo", "numerics.spacing", "did you mean 'auto'?", "atuo"),
     ("spacing: 1.5", "spacing: 1.5\n  contact: {stiffness: rgid}", "numerics.contact.stiffness", "'rigid'?", "rgid"),
     ("spacing: 1.5", "spacing: 1.5\n  contact: {stiffness: 0}", "numerics.contact.stiffness", "> 0", "stiffness"),

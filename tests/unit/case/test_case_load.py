@@ -303,7 +303,6 @@ REQUIRED = [
     "growth.criterion",
     "growth.tip_stress",
     "growth.tip_stress.radius",
-    "numerics",
 ]
 
 
@@ -319,7 +318,7 @@ def test_missing_key(key: str, tmp_path: Path):
 
 
 OPTIONAL = ["source", "units", "loads", "loading", "growth", "growth.unload_between_steps", "numerics.contact"]
-OPTIONAL += ["growth.direction", "interfaces", "numerics.accuracy"]
+OPTIONAL += ["growth.direction", "interfaces", "numerics", "numerics.accuracy"]
 
 
 @pytest.mark.parametrize("key", [*OPTIONAL, "output", "output.frames", "cracks.flaw.tips", "numerics.support"])

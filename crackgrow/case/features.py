@@ -1,0 +1,219 @@
+"""The lengths of a scene that a lattice must resolve: holes, notches and corners, bridges of rock, parts of edges.
+
+A curve given as many short sides counts by its radius, and what an outline does over less than ROUGHNESS is not seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final, Literal, Protocol
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from crackgrow.case.model import EdgeRegion, Floats
+from crackgrow.geometry.vectors import cross
+
+Ints = NDArray[np.int64]
+Kind = Literal["crack", "increment", "radius", "width", "feature", "bridge", "support", "load"]
+
+ROUGHNESS: Final = 0.01  # shallower or shorter details, over the width of the ring that they are part of, are none
+SHARP: Final = np.deg2rad(30.0)  # a ring that turns by more at a vertex has a corner there, by less it is a curve
+NARROWER: Final = 0.8  # corners and curves of a hole count beside its width where they are smaller by this factor
+SAME_PLACE: Final = 1e-9  # over the length of a ring: parts of it that are no farther apart are one
+IN_ROCK: Final = 0.99  # part of a bridge that must lie in rock: its ends lie on the boundary but for rounding
+
+
+@dataclass(frozen=True, slots=True)
+class Length:
+    """A length that the lattice must resolve."""
+
+    kind: Kind
+    metres: float
+    what: str  # in words, such as "length of crack 'flaw'"
+
+
+class Ring(Protocol):
+    """A closed line with rock on its left."""
+
+    @property
+    def points(self) -> Floats:
+        """Corners (n, 2) m, not closed."""
+        ...
+
+
+class Outlined(Protocol):
+    """A body, as far as its shape goes."""
+
+    @property
+    def name(self) -> str:
+        """Name of the body."""
+        ...
+
+    @property
+    def rings(self) -> Sequence[Ring]:
+        """The outline, then the holes."""
+        ...
+
+
+def feature_lengths(body: Outlined) -> Iterator[Length]:
+    """Widths of the holes of a body, notches and re-entrant corners, and the rock between its rings and corners."""
+    rings = [ring.points for ring in body.rings]
+    lines = np.array([shapely.LinearRing(ring) for ring in rings], dtype=object)
+    widths = [_width(line) for line in lines]
+    for number, width in enumerate(widths[1:]):
+        yield Length("feature", width, f"width of hole{number} of body '{body.name}'")
+    if len(lines) > 1:
+        apart, pair = _nearest_rings(lines)
+        yield Length("bridge", apart, f"rock between {' and '.join(map(_ring_name, pair))} of body '{body.name}'")
+    region = shapely.Polygon(rings[0], rings[1:])
+    shapely.prepare(region)
+    for number, (line, width) in enumerate(zip(lines, widths, strict=True)):
+        shape = _simplified(line, ROUGHNESS * width)
+        least, most = ROUGHNESS * width, NARROWER * width if number else np.inf
+        where = f"{_ring_name(number)} of body '{body.name}'"
+        yield from (length for length in _corner_lengths(shape, least, where) if length.metres < most)
+        yield from _bridges(shape, region, least, where)
+
+
+def part_lengths(kind: Kind, bodies: Iterable[Outlined], regions: Sequence[EdgeRegion], verb: str) -> Iterator[Length]:
+    """Lengths of the parts of edges that `regions` cover; parts that follow each other along a ring are one.
+
+    verb: what is done to them, such as "loaded"
+    """
+    for body in bodies:
+        mine = [region for region in regions if region.body == body.name]
+        first_side = 0
+        for number, ring in enumerate(body.rings):
+            lengths = np.hypot(*(np.roll(ring.points, -1, axis=0) - ring.points).T)
+            places = [places for region in mine for places in _intervals(region, first_side, lengths)]
+            first_side += len(lengths)
+            covered = _united(sorted(places), float(lengths.sum()))
+            if covered:
+                shortest = min(end - start for start, end in covered)
+                yield Length(kind, shortest, f"{verb} part of {_ring_name(number)} of body '{body.name}'")
+
+
+def line_length(line: Floats) -> float:
+    """Length (m) of a polyline (n, 2), 0 of fewer than two points."""
+    return float(np.hypot(*np.diff(line, axis=0).T).sum())
+
+
+def _ring_name(number: int) -> str:
+    return f"hole{number - 1}" if number else "the outline"
+
+
+def _nearest_rings(lines: NDArray[np.object_]) -> tuple[float, tuple[int, int]]:
+    """Least distance (m) of the holes, lines[1:], from the outline, lines[0], and from each other, and who has it."""
+    shapely.prepare(lines)
+    from_outline = shapely.distance(lines[0], lines[1:])
+    nearest = int(np.argmin(from_outline)) + 1
+    apart, pair = float(from_outline[nearest - 1]), (0, nearest)
+    tree = shapely.STRtree(lines[1:])
+    for number in range(1, len(lines)):
+        near = 1 + tree.query(lines[number], predicate="dwithin", distance=apart)
+        for other in near[near > number].tolist():
+            distance = float(shapely.distance(lines[number], lines[other]))
+            if distance < apart:
+                apart, pair = distance, (number, other)
+    return apart, pair
+
+
+def _width(line: shapely.LinearRing) -> float:
+    """Smaller side (m) of the least rectangle round a ring, in whatever direction."""
+    corners = shapely.get_coordinates(shapely.oriented_envelope(line))
+    return float(np.hypot(*np.diff(corners[:3], axis=0).T).min())
+
+
+def _simplified(line: shapely.LinearRing, tolerance: float) -> Floats:
+    """Corners (n, 2) of a ring that stand out by the tolerance (m) from the line between their neighbours."""
+    points = shapely.get_coordinates(shapely.simplify(line, tolerance))[:-1]
+    while len(points) > 3:
+        before, after = np.roll(points, 1, axis=0), np.roll(points, -1, axis=0)
+        chord = after - before
+        lowest = np.abs(cross(chord, points - before)) / np.hypot(*chord.T)
+        if lowest.min() >= tolerance:
+            break
+        points = np.delete(points, int(np.argmin(lowest)), axis=0)
+    return np.asarray(points)
+
+
+def _turns(points: Floats) -> Floats:
+    """How far (n,) radians a ring turns to the left at each of its corners (n, 2)."""
+    after = np.roll(points, -1, axis=0) - points
+    angle = np.arctan2(after[:, 1], after[:, 0])
+    return np.asarray((angle - np.roll(angle, 1) + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def _corner_lengths(points: Floats, least: float, where: str) -> Iterator[Length]:
+    """The smallest re-entrant corner or curve of a ring, as the diameter of a circle.
+
+    A curve has sides of l and turns by 2 l / d from one to the next; a corner counts by the shorter of its two sides,
+    which may be curved. Those with sides below the `least` (m) are roughness.
+    """
+    turns, sides = _turns(points), np.hypot(*(np.roll(points, -1, axis=0) - points).T)
+    smaller = 0.5 * (sides + np.roll(sides, 1))
+    sharp = np.flatnonzero(np.abs(turns) > SHARP)
+    if len(sharp):
+        ends = np.append(sharp, sharp[0] + len(points))
+        stretches = np.array([np.take(sides, range(a, b), mode="wrap").sum() for a, b in pairwise(ends)])
+        smaller[sharp] = np.minimum(stretches, np.roll(stretches, 1))
+    inward = np.flatnonzero((turns < 0.0) & (smaller >= least))
+    if len(inward):
+        diameters = 2.0 * smaller[inward] / -turns[inward]
+        x, y = points[inward[np.argmin(diameters)]]
+        yield Length("feature", float(diameters.min()), f"corner or curve at ({x:g} m, {y:g} m) of {where}")
+
+
+def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) -> Iterator[Length]:
+    """The shortest way through rock, not below the `least` (m), from a re-entrant corner of a ring to a far side."""
+    turns = _turns(points)
+    sharp = np.flatnonzero(np.abs(turns) > SHARP)
+    sides = shapely.linestrings(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
+    stretch = np.searchsorted(sharp, np.arange(len(points)), side="right") % max(len(sharp), 1)  # of each side
+    best, place = np.inf, points[0]
+    for number, corner in enumerate(sharp.tolist()):
+        if turns[corner] > 0.0:
+            continue
+        own = {number, (number + 1) % len(sharp)}
+        far = np.array([index for index in range(len(points)) if stretch[index] not in own], dtype=np.int64)
+        links = shapely.shortest_line(shapely.Point(points[corner]), sides[far])
+        lengths = shapely.length(links)
+        for link in np.argsort(np.where(lengths < least, np.inf, lengths)):
+            if not least <= lengths[link] < best:
+                break
+            if _is_in_rock(links[link], region):
+                best, place = float(lengths[link]), points[corner]
+                break
+    if np.isfinite(best):
+        yield Length("bridge", best, f"rock beside the corner ({place[0]:g} m, {place[1]:g} m) of {where}")
+
+
+def _is_in_rock(link: shapely.LineString, region: shapely.Polygon) -> bool:
+    """Whether a line between two places of a rim leads through rock, and not along the rim."""
+    inside = shapely.distance(region.boundary, link.interpolate(0.5, normalized=True)) > (1.0 - IN_ROCK) * link.length
+    return bool(inside and shapely.length(shapely.intersection(region, link)) > IN_ROCK * link.length)
+
+
+def _intervals(region: EdgeRegion, first_side: int, lengths: Floats) -> Iterator[tuple[float, float]]:
+    """Arc lengths along a ring, whose sides are numbered from `first_side`, between which a region covers it."""
+    begin = np.concatenate([[0.0], np.cumsum(lengths)])
+    for side, (low, high) in zip((region.sides - first_side).tolist(), region.limits.tolist(), strict=True):
+        if 0 <= side < len(lengths):
+            yield float(begin[side] + low * lengths[side]), float(begin[side] + high * lengths[side])
+
+
+def _united(places: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:
+    """Intervals in order along a closed ring of length `total`, those that touch as one."""
+    found: list[tuple[float, float]] = []
+    for start, end in places:
+        if found and start <= found[-1][1] + SAME_PLACE * total:
+            found[-1] = found[-1][0], max(found[-1][1], end)
+        else:
+            found.append((start, end))
+    if len(found) > 1 and found[0][0] + total <= found[-1][1] + SAME_PLACE * total:  # round the first corner
+        found[0] = found.pop()[0] - total, found[0][1]
+    return found

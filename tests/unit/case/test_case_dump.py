@@ -1,0 +1,66 @@
+"""A case that was changed in Python: what is written agrees with its fields, or is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from crackgrow.case import dump_case, load_case
+from crackgrow.case.load import read_case
+from crackgrow.case.model import CriticalLoad, LoadHistory
+from crackgrow.errors import CaseError
+
+FILE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+
+
+def test_changed_settings_are_written():
+    case = load_case(FILE)
+    assert case.growth is not None
+    changed = replace(
+        case,
+        title="another one",
+        numerics=replace(case.numerics, spacing=0.003, contact=replace(case.numerics.contact, stiffness=10.0)),
+        growth=replace(case.growth, steps=3, tip_radius=0.002),
+        loading=LoadHistory((0.5, 1.0)),
+        output=replace(case.output, frames="none"),
+    )
+    again = read_case(dump_case(changed), "text", case.name)
+    assert (again.title, again.numerics.spacing, again.numerics.contact.stiffness) == ("another one", 0.003, 10.0)
+    assert again.growth is not None
+    assert (again.growth.steps, again.growth.tip_radius, again.output.frames) == (3, 0.002, "none")
+    assert again.loading.factors == (0.5, 1.0)  # type: ignore[union-attr]
+    assert read_case(dump_case(replace(case, loading=CriticalLoad())), "", "").resolved["loading"] == "critical"
+
+
+def test_spacing_changed_by_hand_has_no_rule_any_more():
+    case = load_case(FILE, ["numerics.spacing=auto"])
+    again = read_case(dump_case(replace(case, numerics=replace(case.numerics, spacing=0.001))), "", "")
+    assert (again.numerics.spacing, again.numerics.auto_rule) == (0.001, None)
+
+
+@pytest.mark.parametrize("part", ["bodies", "cracks", "supports", "loads"])
+def test_changed_geometry_and_loads_are_refused(part: str):
+    case = load_case(FILE)
+    changed = {
+        "bodies": (replace(case.bodies[0], material=replace(case.bodies[0].material, young=1e9)),),
+        "cracks": (replace(case.cracks[0], points=0.5 * case.cracks[0].points),),
+        "supports": case.supports[:1],
+        "loads": case.loads[::-1],
+    }
+    with pytest.raises(CaseError) as caught:
+        dump_case(replace(case, **{part: changed[part]}))  # type: ignore[arg-type]
+    assert [fault.key for fault in caught.value.faults] == [part]
+    assert "cannot be written" in str(caught.value)
+
+
+def test_resolved_settings_changed_from_outside_are_not_followed():
+    case = load_case(FILE)
+    case.resolved["numerics"]["spacing"] = 0.005  # type: ignore[index]
+    assert read_case(dump_case(case), "", "").numerics.spacing == 0.0015
+    case.resolved["plane"] = "stress"
+    assert read_case(dump_case(case), "", "").plane == "strain"
+    case.resolved["bodies"]["rock"]["material"]["young"] = 1.0  # type: ignore[index]
+    with pytest.raises(CaseError, match="bodies: differs"):
+        dump_case(case)
