@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import os
 import shutil
 import signal
 import sys
@@ -21,6 +22,7 @@ from crackgrow.results.progress import Progress
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
+    from crackgrow.results.resume import Resumption
     from crackgrow.results.writer import RunWriter
     from crackgrow.run.result import RunEnd, StepResult
 
@@ -29,16 +31,25 @@ def run(arguments: argparse.Namespace) -> int:
     """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run, and can be gone on from."""
     case = load_case_file(arguments)
     folder = arguments.out or Path("outputs") / case.name
-    found = crackgrow.find_resumption(case, folder) if arguments.resume else None
-    if found is not None and found.finished is not None:
+    if not arguments.resume:
+        _spare_case_file(arguments.case, folder)
+    writer = crackgrow.RunWriter(case, folder)
+    with writer.held():
+        found = crackgrow.find_resumption(case, folder) if arguments.resume else None
+        if found is None or found.finished is None:
+            return _run(writer, found, arguments)
         crackgrow.complete_run(case, folder)
-        if not arguments.quiet:
-            say(f"{found.finished}\nnothing is left to do, results in {folder}")
-        return EXIT_DONE
+    if not arguments.quiet:
+        say(f"{found.finished}\nnothing is left to do, results in {folder}")
+    return EXIT_DONE
+
+
+def _run(writer: RunWriter, found: Resumption | None, arguments: argparse.Namespace) -> int:
+    """Grow and write, from the beginning or from where an earlier run was broken off."""
+    case, folder = writer.case, writer.folder
     if found is None:
         _spare_case_file(arguments.case, folder)
     steps = crackgrow.grow(case, None if found is None else found.checkpoint)  # starts with its first step
-    writer = crackgrow.RunWriter(case, folder)
     for remark in () if found is None else found.remarks:
         complain(f"warning: {remark}")
     with _uninterrupted():
@@ -71,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _spare_case_file(file: Path, folder: Path) -> None:
     """Raise OccupiedError where the run's case.yaml would replace the file that the case was read from."""
     written = folder / "case.yaml"
-    if written.exists() and written.samefile(file):
+    if os.path.exists(written) and written.samefile(file):  # noqa: PTH110  (Path's fails on a long name)
         raise OccupiedError(
             f"{file} is the case itself, which the run would replace by its settings in SI units; choose another "
             "folder with --out, or rename the case"

@@ -289,9 +289,8 @@ def test_disk_that_fills_during_a_run_exits_3(
 def test_case_file_in_the_folder_of_the_results_is_not_replaced(
     scene: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (scene / "slope").mkdir()
+    assert cli.main(["run", "block.yaml", "--out", "slope", "--quiet"]) == 0
     (scene / "slope" / "case.yaml").write_text("# mine\n")
-    (scene / "slope" / "summary.json").write_text('{"stop_reason": "of an earlier run"}')
     assert cli.main(["run", "slope/case.yaml", "--out", "slope"]) == 2
     assert capsys.readouterr().err.startswith("crackgrow: slope/case.yaml is the case itself, which the run would")
     assert (scene / "slope" / "case.yaml").read_text() == "# mine\n"
