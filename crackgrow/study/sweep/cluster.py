@@ -26,6 +26,7 @@ LOOPBACK: Final = "127.0.0.1"
 LOST_WORKERS: Final = 2  # a run may lose so many and is repeated; the next one is its own fault
 GONE: Final = "the Dask scheduler is gone; what has ended is in the table, go on with --resume"
 LEAST_MEMORY: Final = 200_000_000  # bytes: the program and its libraries alone take about so much
+MOST_MEMORY: Final = 2**60  # bytes: no machine has more, and systems count no further than 2^63
 _ADDRESS: Final = re.compile(r"([a-z]+://)?[^/]+:\d+/?|inproc://.+")
 POLL: Final = 1.0  # s, between looks at how many workers there are
 CONNECT: Final = "15s"
@@ -56,6 +57,8 @@ def bytes_of(memory: str) -> int:
         size = int(parse_bytes(memory))
     except (ValueError, OverflowError):
         raise _memory_error(f"'{memory}' is no size of a memory") from None
+    if size > MOST_MEMORY:
+        raise _memory_error(f"'{memory}' is more than a machine can have")
     if size < LEAST_MEMORY:
         raise _memory_error(f"'{memory}' is {size} bytes; a worker takes {LEAST_MEMORY // 10**6} MB at least")
     return size

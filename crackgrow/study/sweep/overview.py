@@ -131,6 +131,8 @@ def _paths(axes: Axes, table: SweepTable, runs: Sequence[Run], length: tuple[flo
     scale, unit = length
     values = _ticks(table, 0)
     for run in runs:
+        if run.case is not None and not run.case.cracks:
+            continue
         part = values.index(run.values[0]) / max(1, len(values) - 1)
         for line in read_paths(run.folder).cracks.values():
             points: NDArray[np.float64] = scale * line.points
@@ -138,7 +140,8 @@ def _paths(axes: Axes, table: SweepTable, runs: Sequence[Run], length: tuple[flo
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(f"x [{unit}]", fontsize=8)
     axes.set_ylabel(f"y [{unit}]", fontsize=8)
-    axes.set_title(f"paths, coloured by {table.plan.parameters[0]}", fontsize=9)
+    drawn = f"paths, coloured by {table.plan.parameters[0]}" if axes.lines else "no cracks, no paths"
+    axes.set_title(drawn, fontsize=9)
 
 
 def _number(row: Values, name: str) -> float:
