@@ -27,6 +27,7 @@ CHOSEN: Final = ("K_I_first", "K_II_first", "x", "y")  # of the last tip, where 
 PANEL: Final = (3.6, 3.0)  # inches
 MOST_ACROSS: Final = 4  # panels
 MOST_LABELS: Final = 12  # of an axis of a heat map
+LONGEST_LABEL: Final = 16  # letters of a value that is no number, such as a whole crack
 SMALL: Final = 7  # points, of numbers
 DPI: Final = 130
 COLOURS: Final = colormaps["viridis"]
@@ -150,4 +151,6 @@ def _number(row: Values, name: str) -> float:
 
 
 def _short(text: str) -> str:
-    return f"{float(text):.4g}" if is_number(text) else text
+    if is_number(text):
+        return f"{float(text):.4g}"
+    return text if len(text) <= LONGEST_LABEL else f"{text[: LONGEST_LABEL - 3]}..."
