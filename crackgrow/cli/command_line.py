@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import crackgrow
+from crackgrow.blas import one_thread
 from crackgrow.cli.check import add_check
 from crackgrow.cli.compare import add_compare
 from crackgrow.cli.completion import add_completion
@@ -21,7 +22,6 @@ from crackgrow.cli.stability import add_stability
 from crackgrow.cli.sweep import add_sweep
 from crackgrow.cli.trade import add_trade
 from crackgrow.errors import CaseError, CrackgrowError
-from crackgrow.study.threads import one_thread
 
 RUN_EXAMPLES = """\
 examples:

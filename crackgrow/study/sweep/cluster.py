@@ -18,9 +18,9 @@ from dask.utils import parse_bytes
 from distributed import CancelledError, Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
 from distributed.utils import silence_logging_cmgr
 
+from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.errors import CaseError, CrackgrowError, Fault, reason_of
 from crackgrow.study.sweep.job import Job, Values
-from crackgrow.study.threads import THREAD_SETTINGS
 
 LOOPBACK: Final = "127.0.0.1"
 LOST_WORKERS: Final = 2  # a run may lose so many and is repeated; the next one is its own fault

@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
-
-import numpy as np
-import scipy.linalg
 
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
@@ -18,15 +14,6 @@ from crackgrow.run import grow
 from crackgrow.study.one_run import write_run
 from crackgrow.study.sweep.job import Values
 from crackgrow.study.sweep.measured import measured
-
-WARM: Final = 256  # rows of a matrix that no shortcut for small ones takes
-
-
-def warm_up() -> None:
-    """Have both copies of BLAS, numpy's and scipy's, take their work space: later they'd wait for memory for ever."""
-    matrix = np.eye(WARM)
-    scipy.linalg.lu_solve(scipy.linalg.lu_factor(matrix @ matrix), matrix)
-    np.linalg.solve(matrix, matrix)
 
 
 def solve(case: Case, folder: Path) -> Values:

@@ -176,8 +176,8 @@ def test_workers_have_one_thread_for_linear_algebra_and_bounded_memory(tmp_path:
 
         from distributed import get_worker
 
+        from crackgrow.blas import THREAD_SETTINGS
         from crackgrow.study.sweep.job import bounded_memory
-        from crackgrow.study.threads import THREAD_SETTINGS
 
         with bounded_memory(job.memory):
             limit = resource.getrlimit(resource.RLIMIT_DATA)[0]
