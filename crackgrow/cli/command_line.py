@@ -22,6 +22,7 @@ from crackgrow.cli.stability import add_stability
 from crackgrow.cli.sweep import add_sweep
 from crackgrow.cli.trade import add_trade
 from crackgrow.errors import CaseError, CrackgrowError
+from crackgrow.results.style import pass_over_settings
 
 RUN_EXAMPLES = """\
 examples:
@@ -34,6 +35,7 @@ examples:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` (default: that of the process) and return the exit code."""
     one_thread()
+    pass_over_settings()
     write_any_character()
     arguments = _parser().parse_args(argv)
     command: Callable[[argparse.Namespace], int] = arguments.command

@@ -22,6 +22,7 @@ from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.load_point import LoadPoint
 from crackgrow.results.stress import principal_stresses
+from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, Frame, StepResult
 
 Floats = NDArray[np.float64]
@@ -56,6 +57,7 @@ class Displaced(Protocol):
     def displacement(self) -> Floats: ...
 
 
+@own_style()
 def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     """Draw the specimen's outline, the given cracks in black and each advance in the colour of its step.
 
@@ -81,7 +83,7 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
         grown = crack.steps > 0
         x, y = (crack.points[grown] * scale).T
         axes.scatter(x, y, s=7, color=colours.to_rgba(crack.steps[grown]), zorder=4)
-    axes.set_title(case.title, fontsize=10, wrap=True)
+    axes.set_title(wrapped(case.title, figure), fontsize=10)
     if last > 0:
         every = -(-last // MOST_STEP_TICKS)
         bar = figure.colorbar(colours, ax=axes, ticks=range(1, last + 1, every), shrink=0.8)
@@ -90,6 +92,7 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     _save(path, figure)
 
 
+@own_style()
 def draw_sigma_1(path: Path, case: Case, frame: Frame, step: int) -> None:
     """Draw the major in-plane principal stress as filled cells of the displaced, magnified specimen.
 
@@ -109,11 +112,13 @@ def draw_sigma_1(path: Path, case: Case, frame: Frame, step: int) -> None:
     edges = points[boundary_edges(frame)]
     axes.add_collection(LineCollection(list(edges), colors="0.15", linewidths=0.5))
     bar = figure.colorbar(cells, ax=axes, extend="both", shrink=0.8)
-    bar.set_label(f"$\\sigma_1$, most tensile in-plane principal stress [{stress_unit}]")
-    axes.set_title(f"{case.title}\nstep {step}, displacement x {magnification:g}", fontsize=10, wrap=True)
+    bar.set_label(f"\u03c3\u2081, most tensile in-plane principal stress [{stress_unit}]")
+    caption = f"step {step}, displacement x {magnification:g}"
+    axes.set_title(f"{wrapped(case.title, figure)}\n{caption}", fontsize=10)
     _save(path, figure)
 
 
+@own_style()
 def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     """Plot slip, normal and shear traction against the arc length, a row for each surface with a contact law.
 
@@ -151,10 +156,11 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
             axes.grid(linewidth=0.3)
         row[0].legend(fontsize=7)
     rest = f" (the first {len(faces)} of {len(touching)} surfaces)" if len(touching) > len(faces) else ""
-    figure.suptitle(f"{case.title}, step {result.step}{rest}", fontsize=10, wrap=True)
+    figure.suptitle(wrapped(f"{case.title}, step {result.step}{rest}", figure), fontsize=10)
     _save(path, figure)
 
 
+@own_style()
 def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
     """Plot the load factor, step by step from step 0, against the displacement of the loads and what cracks make of it.
 
@@ -180,7 +186,7 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
         axes.margins(x=0.1)  # room for the words at the right end
         axes.set(xlabel=label, ylabel="load factor")
         axes.grid(linewidth=0.3)
-    figure.suptitle(f"{case.title} (points: steps)", fontsize=10, wrap=True)
+    figure.suptitle(wrapped(f"{case.title} (points: steps)", figure), fontsize=10)
     _save(path, figure)
 
 

@@ -6,7 +6,6 @@ They are drawn by matplotlib: no display, no graphics driver is needed.
 from __future__ import annotations
 
 import io
-import textwrap
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -23,18 +22,18 @@ from crackgrow.results.figures import boundary_edges, colours_of, displayed_magn
 from crackgrow.results.folder import RunFolder, read_run
 from crackgrow.results.frame_files import DrawnFrame, chosen_files, field_unit, read_frame
 from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
+from crackgrow.results.style import own_style, wrapped
 from crackgrow.results.units import LENGTHS, unit_of
 
 Floats = NDArray[np.float64]
 
 LONG_SIDE = 1000  # pixels, where no size is given
 INCHES = 6.5  # of the longer side of a picture whose size fits the specimen: text is in proportion to that
-LETTER = 0.085  # inches that a letter of the caption takes
 COLOUR_BAR = 0.34  # what caption and colour bar take of the width, by the specimen's longer side
 BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side
-NAMES = {"displacement": "size of the displacement", "sigma_1": r"$\sigma_1$, most tensile in-plane principal stress",
-         "sigma_3": r"$\sigma_3$, least in-plane principal stress"}  # fmt: skip
+NAMES = {"displacement": "size of the displacement", "sigma_1": "\u03c3\u2081, most tensile in-plane principal stress",
+         "sigma_3": "\u03c3\u2083, least in-plane principal stress"}  # fmt: skip
 
 
 def render(
@@ -94,6 +93,7 @@ class _Scene:
         self.size = fitting if size is None else size
         self.dpi = LONG_SIDE / INCHES * min(self.size[0] / fitting[0], self.size[1] / fitting[1])
 
+    @own_style()
     def picture(self, frame: DrawnFrame) -> bytes:
         """The picture of a frame, as PNG."""
         width, height = self.size[0] / self.dpi, self.size[1] / self.dpi
@@ -118,8 +118,7 @@ class _Scene:
         bar.set_label(f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}")
         load = f", load factor {self.factors[frame.step]:.4g}" if frame.step in self.factors else ""
         caption = f"step {frame.step}{load}, displacement x {self.warp:.3g}"
-        title = textwrap.fill(self.title, int(width / LETTER))
-        figure.suptitle(f"{title}\n{caption}", fontsize=10, parse_math=False)
+        figure.suptitle(f"{wrapped(self.title, figure)}\n{caption}", fontsize=10)
         data = io.BytesIO()
         figure.savefig(data, format="png")
         return data.getvalue()

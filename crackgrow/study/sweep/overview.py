@@ -18,6 +18,7 @@ from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.overview import length_unit
 from crackgrow.results.resume import FINISHED
+from crackgrow.results.style import own_style
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.sweep.job import Values
 from crackgrow.study.sweep.plan import Run
@@ -33,6 +34,7 @@ DPI: Final = 130
 COLOURS: Final = colormaps["viridis"]
 
 
+@own_style()
 def draw(path: Path, table: SweepTable) -> None:
     """Draw the responses over each parameter, as heat maps where there are two on a grid, and the paths.
 
