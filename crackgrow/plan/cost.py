@@ -9,9 +9,12 @@ are those of the machine of the measurements, times how much longer a probe take
 from __future__ import annotations
 
 import json
+import os
+import resource
 import time
 from dataclasses import dataclass
 from importlib.resources import files
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -26,6 +29,7 @@ IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the ne
 PROBE_SIZE, PROBE_REPEATS = 260, 7
 USUAL_PAIRS = 115.0  # of patches on an element, by the dofs of the patches, at a support of 2
 USUAL_PAIRS_HERE = 256.0  # on each element
+CONTAINER_MEMORY = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"))  # bytes
 CROWDING = 0.6  # power of the pairs that seconds grow with: supports of 1.5 to 3 in compression30 and two_flaws
 
 
@@ -89,6 +93,16 @@ def _held_first(case: Case) -> bool:
 def _singular(sizes: Sizes) -> float:
     """S: dofs / 10^4 of the tip functions, of which many meet on an element where tips are close."""
     return 8 * sizes.n_singular / 1e4
+
+
+def machine_memory() -> float:
+    """MiB that a program on this machine can have: what is built in, or allowed to it or to its container."""
+    most = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
+    limits = (resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_AS, resource.RLIMIT_DATA))
+    most += [limit for limit in limits if limit != resource.RLIM_INFINITY]
+    texts = (path.read_text(encoding="ascii").strip() for path in CONTAINER_MEMORY if path.is_file())
+    most += [int(text) for text in texts if text.isdigit()]  # "max" where there is no limit
+    return min(most) / 2**20
 
 
 def probe() -> float:
