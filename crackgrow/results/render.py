@@ -18,7 +18,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.figures import boundary_edges, colours_of, displayed_magnification
+from crackgrow.results.figures import bar_place, boundary_edges, colours_of, displayed_magnification
 from crackgrow.results.folder import RunFolder, read_run
 from crackgrow.results.frame_files import DrawnFrame, chosen_files, field_unit, read_frame
 from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 LONG_SIDE = 1000  # pixels, where no size is given
 INCHES = 6.5  # of the longer side of a picture whose size fits the specimen: text is in proportion to that
-COLOUR_BAR = 0.34  # what caption and colour bar take of the width, by the specimen's longer side
+COLOUR_BAR = 0.34  # what caption and colour bar take of the width or height, by the specimen's longer side
 BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side
 NAMES = {"displacement": "size of the displacement", "sigma_1": "\u03c3\u2081, most tensile in-plane principal stress",
@@ -113,7 +113,8 @@ class _Scene:
         axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=0.8))
         axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]), aspect="equal")
         axes.set(xlabel=f"x [{self.length[1]}]", ylabel=f"y [{self.length[1]}]")
-        bar = figure.colorbar(ScalarMappable(self.norm, self.colormap), ax=axes, extend="both", shrink=0.8)
+        colours, place = ScalarMappable(self.norm, self.colormap), bar_place(self.high - self.low)
+        bar = figure.colorbar(colours, ax=axes, extend="both", shrink=0.8, location=place)
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
         bar.set_label(f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}")
         load = f", load factor {self.factors[frame.step]:.4g}" if frame.step in self.factors else ""
@@ -136,6 +137,7 @@ def _as_triangles(frame: DrawnFrame) -> NDArray[np.int64]:
 
 def _fitting(extent: Floats) -> tuple[int, int]:
     """Width and height in pixels of a picture of a specimen of this extent (2,), with its colour bar; even numbers."""
-    width, height = extent / extent.max() + [COLOUR_BAR, 0.16]
+    room = [COLOUR_BAR, 0.16] if bar_place(extent) == "right" else [0.12, COLOUR_BAR]
+    width, height = extent / extent.max() + room
     scale = LONG_SIDE / max(width, height)
     return 2 * round(width * scale / 2), 2 * round(height * scale / 2)
