@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-all browser verify stability lint check bench wheel readme clean distclean
+.PHONY: help run case-exists test test-all browser verify stability lint check bench wheel readme clean clean-outputs distclean
 .DELETE_ON_ERROR:
 
 help:
@@ -25,7 +25,8 @@ help:
 	@echo "make bench [ARGS=--quick]      benchmarks: ratios against a baseline, tables in tests/benchmarks"
 	@echo "make wheel                     the package as a wheel, in dist"
 	@echo "make readme [ARGS=--all]       run the commands of README.md, with --all the long ones too"
-	@echo "make clean | distclean         remove outputs and caches | and .venv"
+	@echo "make clean | distclean         remove caches | and .venv"
+	@echo "make clean-outputs             remove all results in outputs, after asking"
 
 # Without the stamp the environment is new or half made: start afresh. With it, only bring the versions up to date.
 $(STAMP): .requirements.lock pyproject.toml
@@ -86,9 +87,19 @@ readme: $(STAMP)
 	@$(PY) -m tests.readme.run $(ARGS)
 
 clean:
-	@find outputs -mindepth 1 ! -name .gitkeep -delete
 	@rm -rf build dist .pytest_cache .mypy_cache .ruff_cache
 	@find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
+
+# Results are the user's: nothing else of this file removes them.
+clean-outputs:
+	@n=$$(find outputs -mindepth 1 -maxdepth 1 ! -name .gitkeep | wc -l); \
+	if [ $$n -eq 0 ]; then echo "outputs is empty"; exit 0; fi; \
+	find outputs -mindepth 1 -maxdepth 1 ! -name .gitkeep | sort; \
+	printf 'remove these and all that is in them? [y/N] '; read answer || answer=; \
+	case "$$answer" in \
+		y|Y|yes) find outputs -mindepth 1 ! -name .gitkeep -delete; echo "removed";; \
+		*) echo "nothing is removed";; \
+	esac
 
 distclean: clean
 	@rm -rf $(VENV) *.egg-info

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
@@ -149,7 +150,8 @@ class Solution(_Tables):
     def frame(self) -> Frame:
         """The specimen as a mesh, double along cracks: nodes (m), displacement (m), stress in the cells (Pa)."""
         solved = self._solved
-        return make_frame(solved.cover, solved.materials, solved.outcome.u, estimated_error(solved))
+        with single_threaded():
+            return make_frame(solved.cover, solved.materials, solved.outcome.u, estimated_error(solved))
 
     def displacement_at(self, points: ArrayLike) -> Floats:
         """Displacement (..., 2) m at points (..., 2) in m; nan outside of the rock.

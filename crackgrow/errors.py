@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 from dataclasses import dataclass
+from typing import Final
+
+NO_ROOM: Final = ("failed to map segment", "annot allocate memory", "without exception set", "without setting an")
+LESS_MEMORY: Final = (
+    "a larger numerics.spacing takes less, twice it about a quarter; so do growth.steps that end earlier, "
+    "output.figures=false and output.frames=none"
+)
 
 
 class CrackgrowError(Exception):
@@ -63,10 +71,19 @@ class FreePieceError(SolveError):
         super().__init__(f"{what}; {remedy}")
 
 
+def is_out_of_memory(error: BaseException) -> bool:
+    """Whether memory has run out: also where it was a library that found no room."""
+    if isinstance(error, ImportError | SystemError):  # SystemError: of a library that fails without a word
+        return any(words in str(error) for words in NO_ROOM)
+    return isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == errno.ENOMEM)
+
+
 def reason_of(error: BaseException) -> str:
     """Why a run broke off, in a line: what the program raises on purpose speaks for itself."""
     if isinstance(error, CrackgrowError):
         return " ".join(str(error).split())
-    if isinstance(error, MemoryError):
-        return " ".join(f"out of memory: {error}".split())
+    if is_out_of_memory(error):
+        return " ".join(f"out of memory{f': {error}' if str(error) else ''}; {LESS_MEMORY}".split())
+    if isinstance(error, OSError) and error.strerror:
+        return f"the system refuses: {error.strerror}{f': {error.filename}' if error.filename else ''}"
     return " ".join(f"internal error: {type(error).__name__}: {error}".split())

@@ -55,6 +55,9 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     root = read_file(path, report)
     if Path(path).stem in ("", ".", ".."):  # the case is named after its file, and its results after the case
         report.fault((), "the file has no name of its own; wanted: such as my_case.yaml", Place(str(path), None))
+    elif not _is_text(Path(path).stem):
+        place = Place(str(path), None)
+        report.fault((), "the file's name is no text in UTF-8, and the case is named after it; rename it", place)
     return _case_of(root, report, overrides, Path(path))
 
 
@@ -87,6 +90,15 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
         raise report.error()
     resolved["units"] = {"length": "m", "stress": "Pa"}
     return build_case(path.stem, scene)
+
+
+def _is_text(name: str) -> bool:
+    """Whether a name can be written into files: the system has other bytes as halves of surrogate pairs."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _units_of(root: Table) -> Units | None:

@@ -8,6 +8,8 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.case.read_only import read_only
+
 Floats = NDArray[np.float64]
 
 
@@ -247,7 +249,7 @@ class Move:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """A whole scene. `resolved` is the same as a mapping in the case format, SI, every default filled in."""
+    """A whole scene. `resolved` is the same as a mapping in the case format, SI, every default filled in; read-only."""
 
     name: str
     title: str
@@ -267,6 +269,9 @@ class Case:
 
     def __repr__(self) -> str:
         return f"<Case {self.name}: {self.title}>"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "resolved", read_only(self.resolved))
 
     @property
     def last_factor(self) -> float:

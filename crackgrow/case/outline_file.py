@@ -53,7 +53,7 @@ def _polygon_of(file: FilePath) -> shapely.Polygon:
         raise OutlineError(f"ends in {quoted(file.suffix)}")
     try:
         geometry = reader(_text_of(file))
-    except shapely.errors.ShapelyError as error:
+    except (shapely.errors.ShapelyError, NotImplementedError) as error:  # NotImplementedError: curves
         raise OutlineError(f"cannot be read as {file.suffix.lower()[1:]}: {clean(str(error))}") from None
     parts = list(shapely.get_parts(geometry)) if geometry is not None else []
     if len(parts) != 1 or parts[0].geom_type != "Polygon" or parts[0].is_empty:

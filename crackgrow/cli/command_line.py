@@ -8,10 +8,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import crackgrow
+from crackgrow.blas import one_thread
 from crackgrow.cli.check import add_check
 from crackgrow.cli.compare import add_compare
 from crackgrow.cli.completion import add_completion
-from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, complain, write_any_character
+from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, write_any_character
 from crackgrow.cli.new import add_new
 from crackgrow.cli.render import add_render
 from crackgrow.cli.report import add_report
@@ -20,8 +21,8 @@ from crackgrow.cli.schema import add_schema
 from crackgrow.cli.stability import add_stability
 from crackgrow.cli.sweep import add_sweep
 from crackgrow.cli.trade import add_trade
-from crackgrow.errors import CaseError, CrackgrowError
-from crackgrow.study.threads import one_thread
+from crackgrow.errors import CaseError, CrackgrowError, is_out_of_memory, reason_of
+from crackgrow.results.style import pass_over_settings
 
 RUN_EXAMPLES = """\
 examples:
@@ -34,6 +35,7 @@ examples:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` (default: that of the process) and return the exit code."""
     one_thread()
+    pass_over_settings()
     write_any_character()
     arguments = _parser().parse_args(argv)
     command: Callable[[argparse.Namespace], int] = arguments.command
@@ -49,7 +51,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         complain("crackgrow: interrupted")
         return EXIT_INTERRUPTED
-    except Exception:
+    except Exception as error:
+        if is_out_of_memory(error) or isinstance(error, OSError):
+            complain(f"crackgrow: {reason_of(error)}")
+            return EXIT_UNSOLVED
         complain("crackgrow: internal error, a bug in the program:")
         complain(traceback.format_exc())
         return EXIT_BUG

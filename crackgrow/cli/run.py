@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import os
 import shutil
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import crackgrow
+from crackgrow.blas import warm_up
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
-from crackgrow.errors import reason_of
+from crackgrow.errors import SolveError, is_out_of_memory, reason_of
 from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.progress import Progress
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
+    from crackgrow.plan.outlook import Outlook
+    from crackgrow.results.resume import Resumption
     from crackgrow.results.writer import RunWriter
     from crackgrow.run.result import RunEnd, StepResult
 
@@ -29,21 +34,31 @@ def run(arguments: argparse.Namespace) -> int:
     """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run, and can be gone on from."""
     case = load_case_file(arguments)
     folder = arguments.out or Path("outputs") / case.name
-    found = crackgrow.find_resumption(case, folder) if arguments.resume else None
-    if found is not None and found.finished is not None:
+    if not arguments.resume:
+        _spare_case_file(arguments.case, folder)
+    writer = crackgrow.RunWriter(case, folder)
+    with writer.held():
+        found = crackgrow.find_resumption(case, folder) if arguments.resume else None
+        if found is None or found.finished is None:
+            return _run(writer, found, arguments)
         crackgrow.complete_run(case, folder)
-        if not arguments.quiet:
-            say(f"{found.finished}\nnothing is left to do, results in {folder}")
-        return EXIT_DONE
+    if not arguments.quiet:
+        say(f"{found.finished}\nnothing is left to do, results in {folder}")
+    return EXIT_DONE
+
+
+def _run(writer: RunWriter, found: Resumption | None, arguments: argparse.Namespace) -> int:
+    """Grow and write, from the beginning or from where an earlier run was broken off."""
+    case, folder = writer.case, writer.folder
     if found is None:
         _spare_case_file(arguments.case, folder)
+    expected = _outlook(case)
     steps = crackgrow.grow(case, None if found is None else found.checkpoint)  # starts with its first step
-    writer = crackgrow.RunWriter(case, folder)
-    for remark in () if found is None else found.remarks:
+    for remark in (*(() if found is None else found.remarks), *filter(None, [expected.warning])):
         complain(f"warning: {remark}")
     with _uninterrupted():
         writer.begin() if found is None else writer.resume(found)
-    progress = _progress(case, arguments, 0 if found is None else found.checkpoint.step)
+    progress = _progress(case, arguments, 0 if found is None else found.checkpoint.step, expected.words)
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:
@@ -54,7 +69,13 @@ def run(arguments: argparse.Namespace) -> int:
         complain(f"crackgrow: interrupted; go on with: {_resuming(arguments, folder)}")
         return EXIT_INTERRUPTED
     except Exception as error:
-        _break_off(writer.fail, reason_of(error))
+        reason = reason_of(error)
+        if is_out_of_memory(error):
+            traceback.clear_frames(error.__traceback__)  # what they hold leaves no room for the last files
+            reason = f"{reason} (the run takes {expected.needs})"
+            _break_off(writer.fail, reason)
+            raise SolveError(reason) from None
+        _break_off(writer.fail, reason)
         raise
     finally:
         progress.close()
@@ -71,19 +92,28 @@ def run(arguments: argparse.Namespace) -> int:
 def _spare_case_file(file: Path, folder: Path) -> None:
     """Raise OccupiedError where the run's case.yaml would replace the file that the case was read from."""
     written = folder / "case.yaml"
-    if written.exists() and written.samefile(file):
+    if os.path.exists(written) and written.samefile(file):  # noqa: PTH110  (Path's fails on a long name)
         raise OccupiedError(
             f"{file} is the case itself, which the run would replace by its settings in SI units; choose another "
             "folder with --out, or rename the case"
         )
 
 
-def _progress(case: Case, arguments: argparse.Namespace, first: int) -> Progress:
+def _outlook(case: Case) -> Outlook:
+    """What the run is about to take; from now on linear algebra has its work space, whatever memory is left."""
+    from crackgrow.plan.outlook import outlook  # only now: it loads numpy
+
+    warm_up()
+    return outlook(case)
+
+
+def _progress(case: Case, arguments: argparse.Namespace, first: int, expected: str) -> Progress:
     """What tells of a run that begins with step `first`."""
     if arguments.quiet:
         return Progress(case, lambda text, end: None, width=None, first=first)
     live = sys.stdout is not None and sys.stdout.isatty()
-    return Progress(case, say, width=shutil.get_terminal_size().columns - 1 if live else None, first=first)
+    width = shutil.get_terminal_size().columns - 1 if live else None
+    return Progress(case, say, width=width, first=first, expected=expected)
 
 
 def _write_steps(steps: Iterator[StepResult], writer: RunWriter, progress: Progress) -> RunEnd:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from pathlib import Path
 from typing import Final
 
@@ -32,6 +31,7 @@ from crackgrow.case.model import (
 from crackgrow.plan.glyphs import GIVEN, LOAD, arrow, beside, dimension, hatch, label, rollers, triangle
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.overview import length_unit, stress_text
+from crackgrow.results.style import own_style, wrapped
 
 Floats = NDArray[np.float64]
 
@@ -41,10 +41,10 @@ SIDE: Final = 6.5  # inches, the longer one of the scene
 SHEAR: Final = 0.5  # sine of the angle to an edge below which a traction runs along it
 ARROW, SIGN, MARGIN = 0.10, 0.035, 0.27  # of the scene's size
 STEEP: Final = 0.6  # of the normal along y, from which words stand on what they name, not beside it
-LETTERS_PER_INCH: Final = 14  # of the title
 COLOURS: Final = ("#e6e1d8", "#d5dde6", "#dfe6d5", "#e6d5df")
 
 
+@own_style()
 def draw_scene(path: Path, case: Case) -> None:
     """Draw the case into a .png or .svg file; raises OutputError."""
     scale, unit = length_unit(case)
@@ -70,8 +70,7 @@ def draw_scene(path: Path, case: Case) -> None:
     corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.87 * margin]), np.array([-0.87 * margin, 0.0])
     dimension(axes, low, corner, below, f"{(high - low)[0] * scale:g} {unit}")
     dimension(axes, low, np.array([low[0], high[1]]), left, f"{(high - low)[1] * scale:g} {unit}")
-    title = textwrap.fill(f"{case.name}: {case.title}", max(20, round(LETTERS_PER_INCH * figure.get_figwidth())))
-    figure.suptitle(title, fontsize=9, y=0.995, va="top")
+    figure.suptitle(wrapped(f"{case.name}: {case.title}", figure), fontsize=9, y=0.995, va="top")
     write_atomically(path, lambda temporary: figure.savefig(temporary, format=path.suffix[1:].lower()))
 
 

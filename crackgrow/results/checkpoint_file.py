@@ -103,6 +103,22 @@ def steps_with_checkpoint(folder: Path) -> list[int]:
     return sorted((int(match[1]) for match in found if match), reverse=True)
 
 
+def checkpoint_files(folder: Path) -> list[Path]:
+    """The files of checkpoints in the run's folder, half written ones too."""
+    files = sorted(_folder(folder).glob("*.npz"))
+    return [path for path in files if NAME.fullmatch(path.name) or HALF_WRITTEN.fullmatch(path.name)]
+
+
+def is_checkpoint(path: Path) -> bool:
+    """Whether a file is a checkpoint of this program, of whatever version."""
+    try:
+        with path.open("rb") as file, NpzFile(file, allow_pickle=False) as archive:
+            header = json.loads(archive["header"].tobytes())
+    except (OSError, zipfile.BadZipFile, ValueError, KeyError, EOFError, RecursionError):
+        return False
+    return isinstance(header, dict) and {"format", "program", "case", "step", "run", "results"} <= header.keys()
+
+
 def read_checkpoint(folder: Path, step: int) -> StoredCheckpoint:
     """The checkpoint of a step. Raises DamagedError, and OutputError where the system refuses."""
     path = _folder(folder) / f"step_{step:04d}.npz"
@@ -133,9 +149,9 @@ def read_checkpoint(folder: Path, step: int) -> StoredCheckpoint:
 
 def remove_checkpoints(folder: Path, keep: set[int] | frozenset[int] = frozenset()) -> None:
     """Remove the checkpoints in the run's folder but those of the steps `keep`; raises OutputError."""
-    for path in sorted(_folder(folder).glob("*")):
+    for path in checkpoint_files(folder):
         match = NAME.fullmatch(path.name)
-        if HALF_WRITTEN.fullmatch(path.name) or (match and int(match[1]) not in keep):
+        if match is None or int(match[1]) not in keep:
             try:
                 path.unlink(missing_ok=True)
             except OSError as error:

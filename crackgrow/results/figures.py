@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Literal, Protocol
 
 import matplotlib as mpl
 import numpy as np
@@ -22,11 +22,15 @@ from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.load_point import LoadPoint
 from crackgrow.results.stress import principal_stresses
+from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, Frame, StepResult
 
 Floats = NDArray[np.float64]
 
 DISPLACED_SHARE = 0.04  # of the specimen's size: how far the most displaced point is drawn from its place
+LARGEST_STRAIN = 0.15  # that is drawn: beyond it holes lose their shape
+STRAIN_PERCENTILE = 98.0  # of the sides of cells, which are as long as that or less: what is left lies at tips
+WIDE = 2.0  # width over height from which a colour bar lies below the picture, where its words have room
 COLOUR_PERCENTILES = (2.0, 98.0)  # colours span these, so that a singular tip doesn't wash out the rest
 ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
 LONG_SIDE = 7.0  # inches
@@ -46,8 +50,8 @@ class Cells(Protocol):
     def quads(self) -> NDArray[np.int64]: ...
 
 
-class Displaced(Protocol):
-    """Points (n, 2) m that are displaced."""
+class Displaced(Cells, Protocol):
+    """A mesh whose points (n, 2) m are displaced."""
 
     @property
     def points(self) -> Floats: ...
@@ -56,6 +60,7 @@ class Displaced(Protocol):
     def displacement(self) -> Floats: ...
 
 
+@own_style()
 def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     """Draw the specimen's outline, the given cracks in black and each advance in the colour of its step.
 
@@ -81,15 +86,16 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
         grown = crack.steps > 0
         x, y = (crack.points[grown] * scale).T
         axes.scatter(x, y, s=7, color=colours.to_rgba(crack.steps[grown]), zorder=4)
-    axes.set_title(case.title, fontsize=10, wrap=True)
+    axes.set_title(wrapped(case.title, figure), fontsize=10)
     if last > 0:
-        every = -(-last // MOST_STEP_TICKS)
-        bar = figure.colorbar(colours, ax=axes, ticks=range(1, last + 1, every), shrink=0.8)
+        every, place = -(-last // MOST_STEP_TICKS), bar_place(high - low)
+        bar = figure.colorbar(colours, ax=axes, ticks=range(1, last + 1, every), shrink=0.8, location=place)
         bar.minorticks_off()
         bar.set_label("step of the advance (given crack: black)")
     _save(path, figure)
 
 
+@own_style()
 def draw_sigma_1(path: Path, case: Case, frame: Frame, step: int) -> None:
     """Draw the major in-plane principal stress as filled cells of the displaced, magnified specimen.
 
@@ -108,12 +114,14 @@ def draw_sigma_1(path: Path, case: Case, frame: Frame, step: int) -> None:
     axes.add_collection(cells)
     edges = points[boundary_edges(frame)]
     axes.add_collection(LineCollection(list(edges), colors="0.15", linewidths=0.5))
-    bar = figure.colorbar(cells, ax=axes, extend="both", shrink=0.8)
-    bar.set_label(f"$\\sigma_1$, most tensile in-plane principal stress [{stress_unit}]")
-    axes.set_title(f"{case.title}\nstep {step}, displacement x {magnification:g}", fontsize=10, wrap=True)
+    bar = figure.colorbar(cells, ax=axes, extend="both", shrink=0.8, location=bar_place(high - low))
+    bar.set_label(f"\u03c3\u2081, most tensile in-plane principal stress [{stress_unit}]")
+    caption = f"step {step}, displacement x {magnification:g}"
+    axes.set_title(f"{wrapped(case.title, figure)}\n{caption}", fontsize=10)
     _save(path, figure)
 
 
+@own_style()
 def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     """Plot slip, normal and shear traction against the arc length, a row for each surface with a contact law.
 
@@ -151,10 +159,11 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
             axes.grid(linewidth=0.3)
         row[0].legend(fontsize=7)
     rest = f" (the first {len(faces)} of {len(touching)} surfaces)" if len(touching) > len(faces) else ""
-    figure.suptitle(f"{case.title}, step {result.step}{rest}", fontsize=10, wrap=True)
+    figure.suptitle(wrapped(f"{case.title}, step {result.step}{rest}", figure), fontsize=10)
     _save(path, figure)
 
 
+@own_style()
 def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
     """Plot the load factor, step by step from step 0, against the displacement of the loads and what cracks make of it.
 
@@ -178,9 +187,11 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
         for (x, y), steps in _labels(values * scale, factor, named):
             axes.annotate(", ".join(steps), (x, y), xytext=(4, -9), textcoords="offset points", fontsize=7)
         axes.margins(x=0.1)  # room for the words at the right end
+        axes.locator_params(axis="x", nbins=5)
+        axes.ticklabel_format(scilimits=(-3, 5), useOffset=False)
         axes.set(xlabel=label, ylabel="load factor")
         axes.grid(linewidth=0.3)
-    figure.suptitle(f"{case.title} (points: steps)", fontsize=10, wrap=True)
+    figure.suptitle(wrapped(f"{case.title} (points: steps)", figure), fontsize=10)
     _save(path, figure)
 
 
@@ -213,21 +224,40 @@ def _most_slip(curve: Sequence[LoadPoint], unit: str) -> list[tuple[Floats, str]
 def displayed_magnification(frame: Displaced) -> float:
     """Factor, two digits, that draws the largest displacement off the mean as DISPLACED_SHARE of the size.
 
-    It is 1 where nothing is displaced.
+    It is less where LARGEST_STRAIN would be drawn, and 1 where nothing is displaced.
     """
     largest = np.linalg.norm(frame.displacement - frame.displacement.mean(axis=0), axis=1).max()
     size = np.ptp(frame.points, axis=0).max()
     if not largest > 0:
         return 1.0
-    return float(f"{DISPLACED_SHARE * size / largest:.1e}")
+    strain = max(_usual_strain(frame, sides) for sides in (np.concatenate(_all_sides(frame)), boundary_edges(frame)))
+    return float(f"{min(DISPLACED_SHARE * size / largest, LARGEST_STRAIN / max(strain, 1e-300)):.1e}")
+
+
+def _usual_strain(frame: Displaced, sides: NDArray[np.int64]) -> float:
+    """Size of the strain along sides of cells, given by their ends (n, 2), that few of them exceed."""
+    x, u = (values[sides[:, 1]] - values[sides[:, 0]] for values in (frame.points, frame.displacement))
+    squares = (x * x).sum(axis=1)
+    kept = squares > 0.0
+    strains = np.abs((x * u).sum(axis=1)[kept]) / squares[kept]
+    return float(np.percentile(strains, STRAIN_PERCENTILE)) if len(strains) else 0.0
 
 
 def boundary_edges(frame: Cells) -> NDArray[np.int64]:
     """Edges (n, 2) that one cell alone has: the outline and both faces of the cracks."""
-    edges = [np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in _cell_groups(frame)]
-    unique, counts = np.unique(np.sort(np.concatenate(edges), axis=1), axis=0, return_counts=True)
+    unique, counts = np.unique(np.sort(np.concatenate(_all_sides(frame)), axis=1), axis=0, return_counts=True)
     outer: NDArray[np.int64] = unique[counts == 1]
     return outer
+
+
+def _all_sides(frame: Cells) -> list[NDArray[np.int64]]:
+    """Ends (n, 2) of the sides of triangles and of quads, a side of two cells twice."""
+    return [np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in _cell_groups(frame)]
+
+
+def bar_place(extent: Floats) -> Literal["right", "bottom"]:
+    """The side of a picture of something of this width and height (2,) on which its colour bar has room."""
+    return "bottom" if extent[0] > WIDE * extent[1] else "right"
 
 
 def _cell_groups(frame: Cells) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -264,7 +294,9 @@ def _extent(points: Sequence[Floats]) -> tuple[Floats, Floats]:
 def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
     """A figure in the specimen's proportions, with room for titles and a colour bar."""
     width, height = LONG_SIDE * (high - low) / (high - low).max()
-    figure = Figure(figsize=(max(width, 2.5) + 2.2, max(height, 2.2) + 1.2), dpi=DPI, layout="constrained")
+    beside = bar_place(high - low) == "right"
+    size = (max(width, 2.5) + 2.2, max(height, 2.2) + 1.2) if beside else (width + 1.0, max(height, 0.7) + 2.4)
+    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
     axes = figure.add_subplot()
     margin = 0.03 * (high - low).max()
     axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))

@@ -1,4 +1,8 @@
-"""What an earlier run left in a folder: only files of the program's own names are ever removed."""
+"""What an earlier run left in a folder: only files of the program's own names are ever removed.
+
+And only where something that no stranger has shows that a run wrote them: a summary.json with the program's own keys;
+where there is none, or an empty one as after a loss of power, a checkpoint or a log of the program.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +13,16 @@ from pathlib import Path
 from typing import Any
 
 from crackgrow.results.atomic import OccupiedError, OutputError, temporary_path
-from crackgrow.results.checkpoint_file import remove_checkpoints, steps_with_checkpoint
+from crackgrow.results.checkpoint_file import checkpoint_files, is_checkpoint
+from crackgrow.results.lock import check_place, existing_part, is_too_long
+from crackgrow.results.log import is_log
 from crackgrow.results.rendered import rendered_files
 
-REPORT = "report.html"
-FILES = ("case.yaml", "summary.json", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
-         "events.csv", "run.log", REPORT)  # fmt: skip
+REPORT, SUMMARY, LOG = "report.html", "summary.json", "run.log"
+OWN_KEYS = ("case", "status", "stop_reason", "steps_done", "n_solves", "version", "git_commit", "wall_seconds",
+            "peak_memory_mb", "worst_checks")  # of a summary, all of them in that of every version
+FILES = ("case.yaml", SUMMARY, "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
+         "events.csv", LOG, REPORT)  # fmt: skip
 FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
            "figures/load_curve.png")  # fmt: skip
 SERIES = {
@@ -38,48 +46,64 @@ def series_names(case_name: str) -> tuple[str, str]:
     return f"{case_name}.pvd", f"{case_name}_cracks.pvd"
 
 
-def remove_leftovers(folder: Path, case_name: str) -> None:
-    """Remove the files of an earlier run, half written ones too, of this case or of another.
+def check_folder(folder: Path, case_name: str) -> None:
+    """Make sure that a run may write into a folder, which need not be there; changes nothing.
 
-    Raises OutputError, and OccupiedError where nothing shows that a run wrote them.
+    Raises OutputError where the system can't have such files, OccupiedError as `check_place` and `earlier_files`.
     """
-    for place in (folder, *folder.parents):
-        if place.exists() and not place.is_dir():
-            raise OutputError(f"cannot write results into {folder}: {place} is a file; choose another folder")
-    earlier = _summary(folder)
-    names = [*FILES, *FIGURES, *series_names(case_name)]
-    if earlier is None and not steps_with_checkpoint(folder):
-        _refuse_to_replace(folder, names)
-    elif earlier is not None and isinstance(earlier.get("case"), str):
-        names += [name for name in series_names(earlier["case"]) if Path(name).name == name]
-    _remove(folder, ["summary.json"])  # nothing is lost of a folder that is read-only
-    remove_checkpoints(folder)  # before the results without which they lead nowhere
-    _remove(folder, names)
-    remove_half_written(folder, case_name)
-    remove_frames(folder, 0)
+    check_place(folder)
+    for name in map(Path, series_names(case_name)):
+        if is_too_long(existing_part(folder) / temporary_path(name)) or is_too_long(folder / temporary_path(name)):
+            raise OutputError(f"cannot write {folder / name}: the name is too long; rename the case")
+    earlier_files(folder, case_name)
 
 
-def _summary(folder: Path) -> dict[str, Any] | None:
-    """The summary of a run in a folder, empty if it is damaged; None if there is none, or one of something else."""
-    try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    except OSError:
-        return None
-    except ValueError:
-        return {}
-    return summary if isinstance(summary, dict) and "stop_reason" in summary else None
+def earlier_files(folder: Path, case_name: str) -> list[Path]:
+    """The files in a folder that a run would remove or replace, half written ones too, of this case or of another.
 
-
-def _refuse_to_replace(folder: Path, names: Iterable[str]) -> None:
-    """Raise OccupiedError where a folder has one of these files, or frames."""
-    frames = [f"{sub}/{path.name}" for sub, path in _series_files(folder)]
-    found = [name for name in (*names, *frames) if (folder / name).exists()]
-    if found:
+    Checkpoints come before the results without which they lead nowhere, the summary, which shows whose the files are,
+    comes last. Raises OccupiedError where nothing shows that a run wrote them.
+    """
+    summary = _own_summary(folder)
+    cases = {case_name, str((summary or {}).get("case", case_name))}
+    series = [name for case in cases for name in series_names(case) if Path(name).name == name]
+    named = [folder / name for name in (*FILES, *FIGURES, *series) if name != SUMMARY]
+    pieces = [path for _, path in _series_files(folder)]
+    files = [*checkpoint_files(folder), *named, *map(temporary_path, [*named, folder / SUMMARY])]
+    files += [*pieces, *rendered_files(folder), folder / SUMMARY]
+    found = [path for path in files if path.is_symlink() or path.exists()]
+    if found and summary is None and not _is_own_without_summary(folder):
+        first = found[-1] if found[-1].name == SUMMARY else found[0]
         others = f" and {len(found) - 1} more" if len(found) > 1 else ""
         raise OccupiedError(
-            f"{folder / found[0]}{others} would be replaced, and nothing in {folder} (summary.json, checkpoint) shows "
+            f"{first}{others} would be replaced, and nothing in {folder} (summary.json, checkpoint, run.log) shows "
             "that a run wrote it; choose another folder, or remove the file if it is not needed"
         )
+    return found
+
+
+def remove_files(files: Iterable[Path]) -> None:
+    """Remove files as far as they are there; raises OutputError."""
+    for path in files:
+        _remove(path.parent, [path.name])
+
+
+def _own_summary(folder: Path) -> dict[str, Any] | None:
+    """The summary of a run in a folder; None if there is none, or one of something else."""
+    path = folder / SUMMARY
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+    except (OSError, ValueError, RecursionError):  # RecursionError: of lists in lists in lists
+        return None
+    return summary if isinstance(summary, dict) and all(key in summary for key in OWN_KEYS) else None
+
+
+def _is_own_without_summary(folder: Path) -> bool:
+    """Whether a checkpoint or the log is of the program, and no summary of something else is in the way."""
+    path = folder / SUMMARY
+    if path.is_symlink() or (path.exists() and (not path.is_file() or path.stat().st_size > 0)):
+        return False
+    return is_log(folder / LOG) or any(map(is_checkpoint, checkpoint_files(folder)))
 
 
 def remove_half_written(folder: Path, case_name: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from datetime import datetime
 from pathlib import Path
@@ -11,6 +12,18 @@ from crackgrow.results.atomic import append_text, write_text
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.run.result import Event, StepResult
+
+
+FIRST_LINE = re.compile(rb" *\d+\.\d\d s  crackgrow \S+, case ")
+
+
+def is_log(path: Path) -> bool:
+    """Whether a file begins as the log of a run does."""
+    try:
+        with path.open("rb") as file:
+            return FIRST_LINE.match(file.read(200)) is not None
+    except OSError:
+        return False
 
 
 class RunLog:

@@ -23,8 +23,13 @@ CLEAR = "\x1b[K"  # the rest of a terminal's line
 class Progress:
     """Tells of the steps through `say`, a function of a text and of its end; a live line is `width` characters long."""
 
-    def __init__(self, case: Case, say: Callable[[str, str], None], *, width: int | None, first: int = 0) -> None:
-        """`width` is None where there is no terminal; `first` is the step with which the run begins."""
+    def __init__(
+        self, case: Case, say: Callable[[str, str], None], *, width: int | None, first: int = 0, expected: str = ""
+    ) -> None:
+        """`width` is None where there is no terminal; `first` is the step with which the run begins.
+
+        `expected` says what the run is about to take.
+        """
         self._last_step = case.last_step
         self._n_steps = case.growth.steps if case.growth else None
         self._say, self._width = say, width
@@ -32,6 +37,8 @@ class Progress:
         self._times = [time.perf_counter()]  # at the end of every step
         self._warnings = Gathered()
         say(f"{case.name}: {case.title}", "\n")
+        if expected:
+            say(expected, "\n")
         if first:
             say(f"goes on with step {first}", "\n")
         self._show_live(first - 1, "")

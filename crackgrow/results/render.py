@@ -6,7 +6,6 @@ They are drawn by matplotlib: no display, no graphics driver is needed.
 from __future__ import annotations
 
 import io
-import textwrap
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -19,22 +18,22 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.figures import boundary_edges, colours_of, displayed_magnification
+from crackgrow.results.figures import bar_place, boundary_edges, colours_of, displayed_magnification
 from crackgrow.results.folder import RunFolder, read_run
 from crackgrow.results.frame_files import DrawnFrame, chosen_files, field_unit, read_frame
 from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
+from crackgrow.results.style import own_style, wrapped
 from crackgrow.results.units import LENGTHS, unit_of
 
 Floats = NDArray[np.float64]
 
 LONG_SIDE = 1000  # pixels, where no size is given
 INCHES = 6.5  # of the longer side of a picture whose size fits the specimen: text is in proportion to that
-LETTER = 0.085  # inches that a letter of the caption takes
-COLOUR_BAR = 0.34  # what caption and colour bar take of the width, by the specimen's longer side
+COLOUR_BAR = 0.34  # what caption and colour bar take of the width or height, by the specimen's longer side
 BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side
-NAMES = {"displacement": "size of the displacement", "sigma_1": r"$\sigma_1$, most tensile in-plane principal stress",
-         "sigma_3": r"$\sigma_3$, least in-plane principal stress"}  # fmt: skip
+NAMES = {"displacement": "size of the displacement", "sigma_1": "\u03c3\u2081, most tensile in-plane principal stress",
+         "sigma_3": "\u03c3\u2083, least in-plane principal stress"}  # fmt: skip
 
 
 def render(
@@ -94,6 +93,7 @@ class _Scene:
         self.size = fitting if size is None else size
         self.dpi = LONG_SIDE / INCHES * min(self.size[0] / fitting[0], self.size[1] / fitting[1])
 
+    @own_style()
     def picture(self, frame: DrawnFrame) -> bytes:
         """The picture of a frame, as PNG."""
         width, height = self.size[0] / self.dpi, self.size[1] / self.dpi
@@ -113,13 +113,13 @@ class _Scene:
         axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=0.8))
         axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]), aspect="equal")
         axes.set(xlabel=f"x [{self.length[1]}]", ylabel=f"y [{self.length[1]}]")
-        bar = figure.colorbar(ScalarMappable(self.norm, self.colormap), ax=axes, extend="both", shrink=0.8)
+        colours, place = ScalarMappable(self.norm, self.colormap), bar_place(self.high - self.low)
+        bar = figure.colorbar(colours, ax=axes, extend="both", shrink=0.8, location=place)
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
         bar.set_label(f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}")
         load = f", load factor {self.factors[frame.step]:.4g}" if frame.step in self.factors else ""
         caption = f"step {frame.step}{load}, displacement x {self.warp:.3g}"
-        title = textwrap.fill(self.title, int(width / LETTER))
-        figure.suptitle(f"{title}\n{caption}", fontsize=10, parse_math=False)
+        figure.suptitle(f"{wrapped(self.title, figure)}\n{caption}", fontsize=10)
         data = io.BytesIO()
         figure.savefig(data, format="png")
         return data.getvalue()
@@ -137,6 +137,7 @@ def _as_triangles(frame: DrawnFrame) -> NDArray[np.int64]:
 
 def _fitting(extent: Floats) -> tuple[int, int]:
     """Width and height in pixels of a picture of a specimen of this extent (2,), with its colour bar; even numbers."""
-    width, height = extent / extent.max() + [COLOUR_BAR, 0.16]
+    room = [COLOUR_BAR, 0.16] if bar_place(extent) == "right" else [0.12, COLOUR_BAR]
+    width, height = extent / extent.max() + room
     scale = LONG_SIDE / max(width, height)
     return 2 * round(width * scale / 2), 2 * round(height * scale / 2)

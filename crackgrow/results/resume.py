@@ -78,7 +78,7 @@ def find_resumption(case: Case, folder: Path) -> Resumption | None:
         return Resumption(stored, None, (*remarks, *_version_remarks(stored)))
     if remarks:
         raise ResumeError(f"{folder} has nothing to go on from: {'; '.join(remarks)}; run without --resume")
-    if (folder / "steps.csv").is_file() and len((folder / "steps.csv").read_text(encoding="utf-8").splitlines()) > 1:
+    if (folder / "steps.csv").is_file() and len((folder / "steps.csv").read_bytes().splitlines()) > 1:
         raise ResumeError(f"{folder} has results but no checkpoint to go on from; run without --resume")
     return None
 
@@ -125,7 +125,7 @@ def _finished(folder: Path) -> str | None:
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         status, reason = summary["status"], summary["stop_reason"]
-    except (OSError, ValueError, KeyError, TypeError):  # then its last step is made again, which tells
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):  # then its last step is made again, which tells
         return None
     return f"{status}: {reason}" if status in FINISHED else None
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Literal
@@ -17,15 +18,19 @@ from crackgrow.results.atomic import write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.leftovers import (
     REPORT,
+    SUMMARY,
+    check_folder,
     cracks_name,
+    earlier_files,
     frame_name,
     remove_file,
+    remove_files,
     remove_frames,
     remove_half_written,
-    remove_leftovers,
     series_names,
 )
 from crackgrow.results.load_point import LoadPoint, load_point
+from crackgrow.results.lock import FolderLock
 from crackgrow.results.log import RunLog, event_line, step_line
 from crackgrow.results.resume import Resumption
 from crackgrow.results.summary import Tally, error_line, peak_memory_mb, program_commit, summarize, summary_text
@@ -50,7 +55,8 @@ def _write_report(folder: Path) -> None:
 class RunWriter:
     """Writes one run into `folder`: `begin` or `resume`, `add` for each step, then `finish`, `interrupt` or `fail`.
 
-    Every method raises OutputError where the disk refuses. A checkpoint is written before the other files of its step,
+    The folder is locked from the first to the last of them, or as long as it is `held`. Every method raises OutputError
+    where the disk refuses. A checkpoint is written before the other files of its step,
     and tells how far they went until then:
 
         tables     by file name: number of bytes and their checksum
@@ -63,6 +69,7 @@ class RunWriter:
     def __init__(self, case: Case, folder: Path) -> None:
         self.case = case
         self.folder = folder
+        self._lock = FolderLock(folder, f"case {case.name}")
         self._log = RunLog(folder / "run.log")
         self._checkpoints = CheckpointWriter(folder)
         self._tally = Tally()
@@ -81,20 +88,36 @@ class RunWriter:
         self._memory = 0.0  # MB, of the processes before
         self._resumed: list[int] = []
 
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """No other run writes into the folder until the end of the block; what was found there stays true.
+
+        Raises LockedError where another one does, OccupiedError and OutputError as `begin`; nothing is changed then.
+        """
+        check_folder(self.folder, self.case.name)
+        with self._lock.held():
+            yield
+
     def begin(self) -> None:
         """Make the folder, remove what an earlier run left of these files, write case.yaml and empty tables.
 
-        Raises OccupiedError where there are such files but nothing shows that a run wrote them.
+        Raises LockedError where another run writes into it, OccupiedError where there are such files but nothing shows
+        that a run wrote them.
         """
-        remove_leftovers(self.folder, self.case.name)
-        self._write_summary(RUNNING)  # first of all: it shows that the files are a run's
+        check_folder(self.folder, self.case.name)
+        self._lock.take()
+        earlier = earlier_files(self.folder, self.case.name)
+        self._write_summary(RUNNING)  # first of all: it shows that the files are a run's, whatever comes now
+        remove_files(path for path in earlier if path.name != SUMMARY)
         write_text(self.folder / "case.yaml", self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
+        self._warn_of_lock()
         self._write_tables(*self._growing)
         self._write_paths(())
 
     def resume(self, found: Resumption) -> None:
         """Go on where an earlier run was broken off: what it left of the checkpoint's step and behind is removed."""
+        self._lock.take()
         step, results = found.stored.checkpoint.step, found.stored.results
         self._tally = Tally.of(results["tally"])
         self._curve = [LoadPoint(**point) for point in results["curve"]]
@@ -112,7 +135,14 @@ class RunWriter:
         for text in found.remarks:
             self._tally.remarks.append(f"resumed with step {step}: {text}")
             self._log.write(f"warning: {text}")
+        self._warn_of_lock()
         self._write_summary(RUNNING)
+
+    def _warn_of_lock(self) -> None:
+        """Say where the folder could not be locked."""
+        if self._lock.remark:
+            self._tally.warnings.append(self._lock.remark)
+            self._log.write(f"warning: {self._lock.remark}")
 
     def add(self, result: StepResult) -> None:
         """Write what a solved step gives; its frames' writing time goes into seconds_output."""
@@ -141,6 +171,10 @@ class RunWriter:
 
     def finish(self, end: RunEnd) -> None:
         """Write the final paths, what is left of frames, the figures, the summary, and last the report."""
+        with self._lock.held():
+            self._finish(end)
+
+    def _finish(self, end: RunEnd) -> None:
         try:
             self._write_paths(end.cracks)
             self._write_events(end.events)

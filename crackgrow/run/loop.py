@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, LoadHistory
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack, growing_tips
@@ -52,7 +53,21 @@ def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResu
 def solved_steps(
     case: Case, checkpoint: Checkpoint | None = None
 ) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
-    """As `grow`, each result with the solution that it tells of."""
+    """As `grow`, each result with the solution that it tells of; linear algebra has one thread while they are made."""
+    steps = _solved_steps(case, checkpoint)
+    while True:
+        try:
+            with single_threaded():
+                step = next(steps)
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            return end
+        yield step
+
+
+def _solved_steps(
+    case: Case, checkpoint: Checkpoint | None
+) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     scene = make_scene(case)
     begun = beginning(case) if checkpoint is None else restored(case, checkpoint)
     steps = _static(scene, begun) if case.growth is None else _growth(scene, case.growth, begun)

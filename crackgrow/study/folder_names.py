@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Final
 
-LONGEST: Final = 120  # letters: file systems take 255 bytes
+LONGEST: Final = 120  # bytes: file systems take 255
 
 
 def folder_names(names: Iterable[str]) -> list[str]:
@@ -26,7 +26,7 @@ def folder_names(names: Iterable[str]) -> list[str]:
 def folder_name(name: str) -> str:
     """Such as angle=30_friction=0.2, in letters that every file system takes; a long name ends in its checksum."""
     words = re.sub(r"[^\w.=+-]+", "_", name).strip("_")
-    if len(words) <= LONGEST:
+    if len(words.encode()) <= LONGEST:
         return words
     checksum = f"_{zlib.crc32(name.encode()):08x}"
-    return words[: LONGEST - len(checksum)] + checksum
+    return words.encode()[: LONGEST - len(checksum)].decode(errors="ignore") + checksum

@@ -83,7 +83,7 @@ def test_a_run_killed_at_any_change_of_its_files_goes_on(unbroken: Path, tmp_pat
         assert (done.returncode, done.stderr) == (0, "")
         assert contents(folder) == whole
         assert (folder / "report.html").is_file()
-    assert operation > 200
+    assert operation > 150  # files that are not there are not removed, and do not count
 
 
 @pytest.mark.parametrize(

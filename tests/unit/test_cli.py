@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import os
@@ -70,9 +71,10 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     assert err == ""
     lines = out.splitlines()
     assert lines[0] == "block: A block with a crack"
-    assert [line.split(",")[0] for line in lines[1:4]] == ["step 0/2", "step 1/2", "step 2/2"]
-    assert "advanced: flaw end (tension)" in lines[1]
-    assert lines[4:] == [
+    assert re.fullmatch(r"about \d+ dofs, 0\.\d+ GiB of memory, 0\.\d+ s of CPU for the first step.*", lines[1])
+    assert [line.split(",")[0] for line in lines[2:5]] == ["step 0/2", "step 1/2", "step 2/2"]
+    assert "advanced: flaw end (tension)" in lines[2]
+    assert lines[5:] == [
         "warning: steps 0 to 2: thin cell",
         "estimated error: K by at most 1 % of the largest",
         "completed: 2 growth steps done",
@@ -133,7 +135,7 @@ def test_what_tips_have_met_is_told_as_it_happens_and_at_the_end(
     assert cli.main(["run", "block.yaml"]) == 0
     lines = capsys.readouterr().out.splitlines()
     told = [number for number, line in enumerate(lines) if "coalescence: crack 'flaw' (end) reached" in line]
-    assert told == [3, 4]  # behind the lines of the scene and of steps 0 and 1
+    assert told == [4, 5]  # behind the lines of the scene, of what it takes and of steps 0 and 1
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     assert cli.main(["run", "block.yaml"]) == 0
     lines = capsys.readouterr().out.split("\n")  # a carriage return only goes back to the bar's begin
@@ -290,9 +292,8 @@ def test_disk_that_fills_during_a_run_exits_3(
 def test_case_file_in_the_folder_of_the_results_is_not_replaced(
     scene: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (scene / "slope").mkdir()
+    assert cli.main(["run", "block.yaml", "--out", "slope", "--quiet"]) == 0
     (scene / "slope" / "case.yaml").write_text("# mine\n")
-    (scene / "slope" / "summary.json").write_text('{"stop_reason": "of an earlier run"}')
     assert cli.main(["run", "slope/case.yaml", "--out", "slope"]) == 2
     assert capsys.readouterr().err.startswith("crackgrow: slope/case.yaml is the case itself, which the run would")
     assert (scene / "slope" / "case.yaml").read_text() == "# mine\n"
@@ -308,6 +309,30 @@ def test_missing_case_file_suggests_a_near_name(scene: Path, capsys: pytest.Capt
     assert capsys.readouterr().err == "my_rock: no such case file; did you mean cases/my_rock.yaml?\n"
     assert cli.main(["check", "."]) == 2
     assert "is a folder" in capsys.readouterr().err
+
+
+def test_names_longer_than_the_file_system_allows_are_told(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    long = "n" * 300
+    for command in ("run", "check", "trade"):
+        assert cli.main([command, f"{long}.yaml"]) == 2
+        assert capsys.readouterr().err.startswith(f"{long}.yaml: no such case file")
+    assert cli.main(["run", "block.yaml", "--out", long]) == 3
+    assert capsys.readouterr().err.endswith("the name is too long; choose another folder\n")
+    for command in ("report", "render", "view"):
+        assert cli.main([command, long]) == 3
+        assert "Traceback" not in capsys.readouterr().err
+    picture = ["check", "block.yaml", "--picture", f"{long}.png"]
+    for words in (["compare", long, long], ["sweep", f"{long}.yaml"], ["new", long], picture):
+        assert cli.main(words) in (2, 3)
+        assert "Traceback" not in capsys.readouterr().err
+    assert sorted(path.name for path in scene.iterdir()) == ["block.yaml"]
+
+
+def test_what_the_system_refuses_is_no_bug(scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
+    monkeypatch.setattr(crackgrow, "grow", breaking(OSError(errno.EMFILE, "Too many open files", "/dev/null")))
+    assert cli.main(["run", "block.yaml"]) == 3
+    assert capsys.readouterr().err == "crackgrow: the system refuses: Too many open files: /dev/null\n"
+    assert summary(scene / "outputs" / "block")["n_solves"] == 2
 
 
 def test_check_says_what_is_modelled(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:

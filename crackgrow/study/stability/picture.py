@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from crackgrow.results.atomic import write_atomically
+from crackgrow.results.style import own_style
 from crackgrow.study.stability.trial import Row
 
 COLOURS = {"yes": "tab:green", "said": "tab:orange", "NO": "tab:red"}
@@ -23,6 +24,7 @@ LOWEST, HIGHEST = 1e-15, 1e2  # of the deviations drawn; refused ones lie at the
 DPI = 130
 
 
+@own_style(math=True)
 def draw(path: Path, rows: Sequence[Row]) -> None:
     """Draw all axes into a PNG. Raises OutputError."""
     groups = [(axis, list(group)) for axis, group in groupby(rows, key=lambda row: row.axis)]
@@ -52,6 +54,7 @@ def _panel(axes: Axes, axis: str, rows: Sequence[Row]) -> None:
     axes.set_yscale("log")
     axes.set_ylim(0.3 * LOWEST, 3.0 * HIGHEST)
     axes.set_title(axis, fontsize=9)
-    axes.set_xticks(range(len(rows)), [row.value for row in rows], rotation=55, ha="right", fontsize=5.5)
+    values = [row.value for row in rows]
+    axes.set_xticks(range(len(rows)), values, rotation=55, ha="right", fontsize=5.5, parse_math=False)
     axes.tick_params(axis="y", labelsize=7)
     axes.grid(axis="y", color="0.9")

@@ -6,9 +6,11 @@ import contextlib
 import logging
 import os
 import queue
+import re
 import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import dask
@@ -16,14 +18,16 @@ from dask.utils import parse_bytes
 from distributed import CancelledError, Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
 from distributed.utils import silence_logging_cmgr
 
+from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.errors import CaseError, CrackgrowError, Fault, reason_of
 from crackgrow.study.sweep.job import Job, Values
-from crackgrow.study.threads import THREAD_SETTINGS
 
 LOOPBACK: Final = "127.0.0.1"
 LOST_WORKERS: Final = 2  # a run may lose so many and is repeated; the next one is its own fault
 GONE: Final = "the Dask scheduler is gone; what has ended is in the table, go on with --resume"
 LEAST_MEMORY: Final = 200_000_000  # bytes: the program and its libraries alone take about so much
+MOST_MEMORY: Final = 2**60  # bytes: no machine has more, and systems count no further than 2^63
+_ADDRESS: Final = re.compile(r"([a-z]+://)?[^/]+:\d+/?|inproc://.+")
 POLL: Final = 1.0  # s, between looks at how many workers there are
 CONNECT: Final = "15s"
 SETTINGS: Final = {
@@ -51,8 +55,10 @@ def bytes_of(memory: str) -> int:
     """Bytes of a text such as 2GB; raises CaseError, also where no run fits into it."""
     try:
         size = int(parse_bytes(memory))
-    except ValueError:
+    except (ValueError, OverflowError):
         raise _memory_error(f"'{memory}' is no size of a memory") from None
+    if size > MOST_MEMORY:
+        raise _memory_error(f"'{memory}' is more than a machine can have")
     if size < LEAST_MEMORY:
         raise _memory_error(f"'{memory}' is {size} bytes; a worker takes {LEAST_MEMORY // 10**6} MB at least")
     return size
@@ -67,21 +73,31 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where runs go. Raises CaseError where the scheduler's address is none."""
+
+    scheduler: str | None  # address; None: processes of this machine
+    workers: int  # processes at most
+    memory: int | None  # bytes of each; None does not bound them
+
+    def __post_init__(self) -> None:
+        if self.scheduler is not None and not _ADDRESS.fullmatch(self.scheduler):
+            message = f"'{self.scheduler}' is no address of a scheduler; wanted: such as tcp://127.0.0.1:8786"
+            raise CaseError([Fault("--scheduler", None, "", message)])
+
+
 @contextlib.contextmanager
-def connected(scheduler: str | None, workers: int, memory: int | None) -> Iterator[Client]:
-    """A client of the scheduler at an address, or of `workers` processes of this machine with `memory` bytes each.
-
-    memory: None does not bound them
-
-    Raises ClusterError.
-    """
+def connected(place: Place, n_jobs: int) -> Iterator[Client]:
+    """A client of the scheduler, or of as many processes of this machine as there are jobs for; raises ClusterError."""
+    scheduler, memory = place.scheduler, place.memory
     with contextlib.ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
         stack.enter_context(silence_logging_cmgr(logging.CRITICAL))  # what becomes of workers is told by the table
         ours = scheduler is None
         if scheduler is None:
             cluster = LocalCluster(
-                n_workers=workers,
+                n_workers=min(place.workers, n_jobs),
                 threads_per_worker=1,
                 processes=True,
                 host=LOOPBACK,

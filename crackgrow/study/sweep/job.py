@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from crackgrow.study.threads import one_thread
+from crackgrow.blas import one_thread, warm_up
 
 Values = dict[str, str | float | int | None]
 """Cells of the table by column, SI; None where there is no value."""
@@ -41,7 +41,7 @@ def job_of(number: int, folder: Path, case: object, memory: int | None) -> Job:
 def run_job(job: Job) -> Values:
     """Run the case and return what its folder tells: a run that fails is told like any other."""
     one_thread()
-    from crackgrow.study.sweep.solving import solve, warm_up  # only now: numpy reads the threads when it loads
+    from crackgrow.study.sweep.solving import solve  # only now: numpy reads the threads when it loads
 
     with _ALONE:
         warm_up()

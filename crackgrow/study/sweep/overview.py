@@ -18,6 +18,7 @@ from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.overview import length_unit
 from crackgrow.results.resume import FINISHED
+from crackgrow.results.style import own_style
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.sweep.job import Values
 from crackgrow.study.sweep.plan import Run
@@ -27,11 +28,13 @@ CHOSEN: Final = ("K_I_first", "K_II_first", "x", "y")  # of the last tip, where 
 PANEL: Final = (3.6, 3.0)  # inches
 MOST_ACROSS: Final = 4  # panels
 MOST_LABELS: Final = 12  # of an axis of a heat map
+LONGEST_LABEL: Final = 16  # letters of a value that is no number, such as a whole crack
 SMALL: Final = 7  # points, of numbers
 DPI: Final = 130
 COLOURS: Final = colormaps["viridis"]
 
 
+@own_style()
 def draw(path: Path, table: SweepTable) -> None:
     """Draw the responses over each parameter, as heat maps where there are two on a grid, and the paths.
 
@@ -131,6 +134,8 @@ def _paths(axes: Axes, table: SweepTable, runs: Sequence[Run], length: tuple[flo
     scale, unit = length
     values = _ticks(table, 0)
     for run in runs:
+        if run.case is not None and not run.case.cracks:
+            continue
         part = values.index(run.values[0]) / max(1, len(values) - 1)
         for line in read_paths(run.folder).cracks.values():
             points: NDArray[np.float64] = scale * line.points
@@ -138,7 +143,8 @@ def _paths(axes: Axes, table: SweepTable, runs: Sequence[Run], length: tuple[flo
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(f"x [{unit}]", fontsize=8)
     axes.set_ylabel(f"y [{unit}]", fontsize=8)
-    axes.set_title(f"paths, coloured by {table.plan.parameters[0]}", fontsize=9)
+    drawn = f"paths, coloured by {table.plan.parameters[0]}" if axes.lines else "no cracks, no paths"
+    axes.set_title(drawn, fontsize=9)
 
 
 def _number(row: Values, name: str) -> float:
@@ -147,4 +153,6 @@ def _number(row: Values, name: str) -> float:
 
 
 def _short(text: str) -> str:
-    return f"{float(text):.4g}" if is_number(text) else text
+    if is_number(text):
+        return f"{float(text):.4g}"
+    return text if len(text) <= LONGEST_LABEL else f"{text[: LONGEST_LABEL - 3]}..."

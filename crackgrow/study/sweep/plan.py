@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +18,8 @@ from crackgrow.study.sweep.design import combinations
 from crackgrow.study.sweep.sweep_file import SweepFile, read_sweep_file
 
 MOST_FAULTS: Final = 20  # that are told where no combination is a case
+EMPTY: Final = "none"  # in the name of a run: a value such as {}
+_WORDS: Final = re.compile(r"\w")
 _FROM_OVERRIDE: Final = "--set "
 
 
@@ -89,8 +92,13 @@ def _shortest(key: str, others: Iterable[str]) -> str:
 
 
 def _run_name(names: Sequence[str], values: Sequence[str]) -> str:
-    shown = (f"{float(value):.6g}" if is_number(value) else value for value in values)
-    return " ".join(f"{name}={text}" for name, text in zip(names, shown, strict=True))
+    return " ".join(f"{name}={_shown(value)}" for name, value in zip(names, values, strict=True))
+
+
+def _shown(value: str) -> str:
+    if is_number(value):
+        return f"{float(value):.6g}"
+    return value if _WORDS.search(value) else EMPTY
 
 
 def _case(file: SweepFile, overrides: Sequence[str]) -> tuple[Case | None, tuple[Fault, ...]]:

@@ -7,17 +7,21 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from crackgrow.case import dump_case
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.atomic import OccupiedError
-from crackgrow.results.leftovers import remove_leftovers
+from crackgrow.results.leftovers import earlier_files, remove_files
+from crackgrow.results.lock import FolderLock, LockedError
 from crackgrow.results.log import counted
 from crackgrow.results.resume import FINISHED
 from crackgrow.study.sweep.job import Job, Values, job_of, run_job
 from crackgrow.study.sweep.measured import measured
 from crackgrow.study.sweep.plan import Run, SweepPlan
+
+if TYPE_CHECKING:
+    from crackgrow.study.sweep.cluster import Place
 
 NEEDED: Final = ("dask", "distributed", "pyarrow")
 REFUSED: Final = "refused"
@@ -60,15 +64,25 @@ def sweep(
     resume: leave runs alone that are done, and go on with those that were broken off
     function: what a worker does with a job
 
-    Raises MissingPackageError, CaseError (a wrong `memory`), ClusterError and OutputError; what has ended is in the
-    table then. A run that fails is a row like any other.
+    Raises MissingPackageError, CaseError (a wrong `memory` or `scheduler`), LockedError where another study writes into
+    the folder, ClusterError and OutputError; what has ended is in the table then. A run that fails is a row
+    like any other.
     """
     check_packages()
-    from crackgrow.study.sweep.cluster import available_cores, bytes_of, connected, run_all  # they import Dask
+    from crackgrow.study.sweep.cluster import Place, available_cores, bytes_of  # imports Dask
+
+    size = None if memory is None else bytes_of(memory)
+    place = Place(scheduler, workers or available_cores(), size)
+    with FolderLock(plan.folder, f"sweep {plan.name}").held():
+        yield from _rows(plan, place, resume, function)
+
+
+def _rows(plan: SweepPlan, place: Place, resume: bool, function: Callable[[Job], Values]) -> Iterator[SweepRow]:
+    """As `sweep`, in a folder that is locked."""
+    from crackgrow.study.sweep.cluster import connected, run_all  # as above
     from crackgrow.study.sweep.overview import draw
     from crackgrow.study.sweep.table import SweepTable  # imports pyarrow
 
-    size = None if memory is None else bytes_of(memory)
     table = SweepTable(plan, {})
     jobs = []
     settled = []
@@ -80,12 +94,9 @@ def sweep(
             table.found[run.number] = measured(run.folder)
             settled.append(SweepRow(run, table.row(run), False))
         else:
-            jobs.append(job_of(run.number, run.folder, run.case, size))
+            jobs.append(job_of(run.number, run.folder, run.case, place.memory))
     with contextlib.ExitStack() as stack:
-        client = None
-        if jobs:
-            n_workers = min(workers or available_cores(), len(jobs))
-            client = stack.enter_context(connected(scheduler, n_workers, size))
+        client = stack.enter_context(connected(place, len(jobs))) if jobs else None
         if not resume:  # only now: earlier results are kept where nothing can run
             _remove_earlier(plan)
         table.write()
@@ -101,9 +112,10 @@ def sweep(
 def _remove_earlier(plan: SweepPlan) -> None:
     """Remove what an earlier sweep has left in the folders of the runs; raises OutputError."""
     for run in plan.runs:
-        if run.case is not None:
-            with contextlib.suppress(OccupiedError):  # then the run itself is refused, and the others are made
-                remove_leftovers(run.folder, run.case.name)
+        if run.case is not None and run.folder.is_dir():
+            # Where it must not be changed, the run itself is refused, and the others are made.
+            with contextlib.suppress(OccupiedError, LockedError), FolderLock(run.folder, f"sweep {plan.name}").held():
+                remove_files(earlier_files(run.folder, run.case.name))
 
 
 def done(run: Run) -> bool:

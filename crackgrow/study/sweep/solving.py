@@ -3,29 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
-
-import numpy as np
-import scipy.linalg
 
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
 from crackgrow.results.atomic import OccupiedError
+from crackgrow.results.lock import LockedError
 from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
 from crackgrow.study.one_run import write_run
 from crackgrow.study.sweep.job import Values
 from crackgrow.study.sweep.measured import measured
-
-WARM: Final = 256  # rows of a matrix that no shortcut for small ones takes
-
-
-def warm_up() -> None:
-    """Have both copies of BLAS, numpy's and scipy's, take their work space: later they'd wait for memory for ever."""
-    matrix = np.eye(WARM)
-    scipy.linalg.lu_solve(scipy.linalg.lu_factor(matrix @ matrix), matrix)
-    np.linalg.solve(matrix, matrix)
 
 
 def solve(case: Case, folder: Path) -> Values:
@@ -35,22 +23,23 @@ def solve(case: Case, folder: Path) -> Values:
     """
     try:
         return _solve(case, folder)
-    except OccupiedError as error:  # nothing in the folder is this run's
+    except (OccupiedError, LockedError) as error:  # nothing in the folder is this run's
         return {"status": "failed", "reason": reason_of(error)}
     except Exception as error:
         return {**measured(folder), "status": "failed", "reason": reason_of(error)}
 
 
 def _solve(case: Case, folder: Path) -> Values:
-    try:
-        found = find_resumption(case, folder)
-    except ResumeError:  # the folder is that of another sweep
-        found = None
-    if found is None or found.finished is None:
-        writer = RunWriter(case, folder)
-        if found is None:
-            writer.begin()
-        else:
-            writer.resume(found)
-        write_run(writer, grow(case, None if found is None else found.checkpoint))
-    return measured(folder)
+    writer = RunWriter(case, folder)
+    with writer.held():
+        try:
+            found = find_resumption(case, folder)
+        except ResumeError:  # the folder is that of another sweep
+            found = None
+        if found is None or found.finished is None:
+            if found is None:
+                writer.begin()
+            else:
+                writer.resume(found)
+            write_run(writer, grow(case, None if found is None else found.checkpoint))
+        return measured(folder)

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from crackgrow.results.atomic import write_atomically
+from crackgrow.results.style import own_style
 from crackgrow.study.trade.pareto import pareto_front
 from crackgrow.study.trade.row import ENERGY, ERRORS, REFERENCE, Row
 
@@ -41,6 +42,7 @@ DPI = 130
 COLOURS = colormaps["viridis"]
 
 
+@own_style(math=True)
 def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
     """Draw all errors that any row has, and that are not zero in all of them, into a PNG. Raises OutputError."""
     solved = [row for row in rows if row.solved and row.name != REFERENCE]
@@ -58,7 +60,7 @@ def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
         axes.set_xlabel("CPU seconds of the run", fontsize=8)
     for axes in panels[len(shown) :]:
         axes.set_axis_off()
-    figure.suptitle(title, fontsize=10)
+    figure.suptitle(title, fontsize=10, parse_math=False)
     figure.legend(handles=_legend(supports), loc="outside lower center", ncols=4, frameon=False, fontsize=8)
     write_atomically(path, lambda file: figure.savefig(file, dpi=DPI))
 

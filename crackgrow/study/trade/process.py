@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from crackgrow.study.threads import THREAD_SETTINGS
+from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.study.trade.axes import CaseFile
 from crackgrow.study.trade.worker import COST_FILE, Cost
 

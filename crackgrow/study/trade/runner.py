@@ -8,6 +8,7 @@ from pathlib import Path
 from crackgrow.case import load_case
 from crackgrow.errors import CrackgrowError, SolveError
 from crackgrow.results.atomic import write_text
+from crackgrow.results.lock import FolderLock
 from crackgrow.results.resume import FINISHED
 from crackgrow.study.folder_names import folder_names
 from crackgrow.study.trade.energy import EnergyReference
@@ -31,9 +32,15 @@ def trade(plan: Plan, *, repeat: int = 1, resume: bool = False, timeout: float |
     timeout: seconds after which a run is given up
 
     Raises CaseError where there is nothing to resume or the reference is gone, SolveError where the reference can't be
-    solved, OutputError.
+    solved, LockedError where another study writes into the folder, OutputError.
     A setting that fails is a row like any other.
     """
+    with FolderLock(plan.folder, f"trade {plan.file.path.stem}").held():
+        yield from _rows(plan, repeat, resume, timeout)
+
+
+def _rows(plan: Plan, repeat: int, resume: bool, timeout: float | None) -> Iterator[Row]:
+    """As `trade`, in a folder that is locked."""
     table = plan.folder / TABLE
     rows: list[Row] = []
     if resume:

@@ -47,6 +47,12 @@ def test_name_that_no_file_can_have():
     assert only_fault(Path("a" * 5000)).message
 
 
+def test_name_that_is_no_text(tmp_path: Path):
+    path = tmp_path / os.fsdecode(b"rock\xff.yaml")
+    path.write_bytes(COMPRESSION)
+    assert only_fault(path).message == "the file's name is no text in UTF-8, and the case is named after it; rename it"
+
+
 def test_huge_file(tmp_path: Path):
     assert "larger than" in only_fault(written(tmp_path, b"# " + b"x" * 3_000_000)).message
 

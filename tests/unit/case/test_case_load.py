@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
+import pickle
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -97,10 +100,35 @@ def test_defaults_are_filled_in():
     assert case.resolved["units"] == {"length": "m", "stress": "Pa"}
 
 
-def test_defaults_of_one_case_are_not_those_of_the_next():
-    first = load_case(CASES / "compression30.yaml")
-    first.resolved["output"]["fields"].clear()  # type: ignore[index]
-    assert load_case(CASES / "compression30.yaml").output.fields == ("displacement", "stress")
+def test_a_case_is_not_changed_from_outside():
+    case = load_case(CASES / "compression30.yaml")
+    resolved: Any = case.resolved
+    text = dump_case(case)
+    changes = [
+        lambda: resolved.clear(),
+        lambda: resolved.update(title="another"),
+        lambda: resolved["cracks"]["flaw"]["path"].__setitem__("angle", 60.0),
+        lambda: resolved["output"]["fields"].clear(),
+        lambda: resolved["loads"].append({}),
+        lambda: resolved["loads"][0]["traction"].sort(),
+        lambda: resolved["supports"].__delitem__(0),
+        lambda: resolved.__ior__({"title": "another"}),
+    ]
+    for change in changes:
+        with pytest.raises(TypeError, match="a case cannot be changed; load it with overrides"):
+            change()
+    assert dump_case(case) == text
+
+
+def test_the_mapping_of_a_case_can_be_copied_and_sent_to_another_process():
+    case = load_case(CASES / "compression30.yaml")
+    copied: Any = copy.deepcopy(case.resolved)
+    copied["loads"][0]["traction"][1] = 0.0
+    assert copied != case.resolved
+    sent = pickle.loads(pickle.dumps(case))
+    assert sent.resolved == case.resolved
+    with pytest.raises(TypeError, match="cannot be changed"):
+        sent.resolved["loads"].clear()
 
 
 def test_arrays_are_read_only():
@@ -254,7 +282,7 @@ def test_edge_support_with_part(tmp_path: Path):
 
 def without(tmp_path: Path, *keys: str) -> Path:
     """Write the resolved compression30 without some keys, such as "bodies.rock.strength"."""
-    resolved = load_case(CASES / "compression30.yaml").resolved
+    resolved = copy.deepcopy(load_case(CASES / "compression30.yaml").resolved)
     for key in keys:
         *parents, last = key.split(".")
         mapping: dict = resolved

@@ -256,6 +256,7 @@ def test_coordinates_of_a_file_are_read_like_those_of_the_case(tmp_path: Path):
         ("rock.dxf", "", "ends in '.dxf'; wanted: the name of a .geojson or .wkt file with one polygon"),
         ("rock.wkt", "", "cannot be read as wkt"),
         ("rock.wkt", "POLYGON ((0 0, 1", "cannot be read as wkt"),
+        ("rock.wkt", "CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))", "cannot be read as wkt: Nonlinear"),
         ("rock.wkt", "POINT (0 0)", "holds Point"),
         ("rock.wkt", "POLYGON EMPTY", "holds nothing"),
         ("rock.wkt", "MULTIPOLYGON (((0 0, 1 0, 1 1, 0 0)), ((5 0, 6 0, 6 1, 5 0)))", "holds 2 shapes"),

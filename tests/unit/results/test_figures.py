@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
@@ -57,6 +60,53 @@ def test_magnification_draws_the_largest_displacement_as_four_percent(scale: flo
     factor = figures.displayed_magnification(replace(frame, displacement=moved))
     largest = np.linalg.norm(frame.displacement - frame.displacement.mean(axis=0), axis=1).max()
     assert factor * largest / np.ptp(frame.points, axis=0).max() == pytest.approx(0.04, rel=0.05)  # two digits
+
+
+def test_magnification_leaves_holes_their_shape() -> None:
+    """A wide plate that shifts much far away, and a small hole in it that closes: u = -c / r."""
+    x, y = (grid.ravel() for grid in np.meshgrid(np.arange(-20.0, 21.0), np.arange(-20.0, 21.0)))
+    corners = np.arange(41 * 41).reshape(41, 41)
+    quads = np.stack([corners[:-1, :-1], corners[:-1, 1:], corners[1:, 1:], corners[1:, :-1]], axis=-1)
+    quads = np.delete(quads.reshape(-1, 4), [19 * 40 + 19, 19 * 40 + 20, 20 * 40 + 19, 20 * 40 + 20], axis=0)
+    points, c = np.column_stack([x, y]), 1e-3
+    closing = -c * points / np.maximum((points**2).sum(axis=1), 0.5)[:, None]
+    frame = SimpleNamespace(points=points, displacement=closing, triangles=np.empty((0, 3), dtype=int), quads=quads)
+    factor = figures.displayed_magnification(frame)
+    assert figures.LARGEST_STRAIN / 2 < factor * c / 2 < figures.LARGEST_STRAIN * 1.5  # c / 2: at its corners
+
+
+def white_rim(path: Path) -> bool:
+    """Whether nothing touches the rim of a picture, as words do that it has no room for."""
+    image = imread(path)[:, :, :3]
+    return all(bool((side == 1.0).all()) for side in (image[0], image[-1], image[:, 0], image[:, -1]))
+
+
+@pytest.mark.parametrize("stretch", [(1.0, 1.0), (8.0, 1.0), (1.0, 8.0)])
+def test_words_beside_a_colour_bar_have_room(stretch: tuple[float, float], tmp_path: Path) -> None:
+    frame = make_frame()
+    case = make_case()
+    rings = [tuple(replace(ring, points=ring.points * stretch) for ring in body.rings) for body in case.bodies]
+    bodies = tuple(replace(body, rings=mine) for body, mine in zip(case.bodies, rings, strict=True))
+    figures.draw_sigma_1(tmp_path / "a.png", case, replace(frame, points=frame.points * stretch), 3)
+    figures.draw_paths(tmp_path / "b.png", replace(case, bodies=bodies), make_paths(3))
+    assert white_rim(tmp_path / "a.png")
+    assert white_rim(tmp_path / "b.png")
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-4, 1e-9, 1e6])
+def test_ticks_of_a_load_curve_do_not_overlap(size: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr(figures, "_save", lambda path, figure: drawn.append(figure))
+    curve = [LoadPoint(1.0 - 0.1 * k, size * (1.1e-5 + 4e-7 * k**2), 0.01 + 0.002 * k, {}) for k in range(9)]
+    figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
+    (figure,) = drawn
+    FigureCanvasAgg(figure).draw()
+    for axes in figure.axes:
+        low, high = axes.get_xlim()
+        texts = [t for t in axes.get_xticklabels() if low <= t.get_position()[0] <= high]
+        boxes = [text.get_window_extent() for text in texts]
+        assert len(boxes) >= 2
+        assert all(left.x1 < right.x0 for left, right in pairwise(boxes))
 
 
 def test_boundary_edges_are_outline_and_both_crack_faces() -> None:

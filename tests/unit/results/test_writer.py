@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 import pyvista
 
 from crackgrow.results import writer as writer_module
-from crackgrow.results.atomic import OccupiedError
+from crackgrow.results.atomic import OccupiedError, OutputError
+from crackgrow.results.leftovers import OWN_KEYS
+from crackgrow.results.lock import LOCK
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.result import Frame, FrameOnDemand, RunEnd
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_frame, make_paths, make_result
@@ -29,7 +33,16 @@ def column(path: Path, name: str) -> list[str]:
 
 
 def files(folder: Path) -> set[str]:
-    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    """All but the lock of a run that goes on."""
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file() and path.name != LOCK}
+
+
+def a_run_s(folder: Path) -> Path:
+    """A folder in which a run has begun, and ended."""
+    writer = RunWriter(make_case(), folder)
+    writer.begin()
+    writer.finish(make_end(0))
+    return folder
 
 
 TABLES = {
@@ -167,11 +180,12 @@ def test_figure_that_fails_does_not_take_the_summary_with_it(tmp_path: Path, mon
 
 
 def test_earlier_results_go_and_other_files_stay(tmp_path: Path) -> None:
-    mine = ["summary.json", "block.pvd", "frames/step_0007.vtu", "frames/step_12345.vtu", "frames/.step_0008.tmp.vtu",
+    mine = ["block.pvd", "frames/step_0007.vtu", "frames/step_12345.vtu", "frames/.step_0008.tmp.vtu",
             "cracks/step_0007.vtp", "figures/path.png", ".summary.tmp.json", "figures/load_curve.png", "report.html",
             "render/sigma_1/step_0007.png", "render/sigma_1/animation.gif"]  # fmt: skip
     others = ["notes.txt", "other.pvd", "frames/step_1.vtu", "frames/mine.vtu", "figures/own.png",
               "cracks/step_0007.csv", "checkpoint/state", "render/sigma_1/own.png"]  # fmt: skip
+    a_run_s(tmp_path)
     for name in mine + others:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(name)
@@ -216,17 +230,79 @@ def test_files_that_no_run_has_written_are_not_replaced(name: str, tmp_path: Pat
         assert (tmp_path / name).read_text() == "mine"
 
 
-def test_a_folder_whose_summary_is_damaged_is_still_a_run_s(tmp_path: Path) -> None:
-    RunWriter(make_case(), tmp_path).begin()
-    (tmp_path / "summary.json").write_text('{"case": "blo')
+@pytest.mark.parametrize("left", [None, ""])
+def test_a_folder_that_has_lost_its_summary_is_still_a_run_s(left: str | None, tmp_path: Path) -> None:
+    """As a loss of power may leave it: the log tells."""
+    (a_run_s(tmp_path) / "summary.json").unlink()
+    if left is not None:
+        (tmp_path / "summary.json").write_text(left)
     RunWriter(make_case(), tmp_path).begin()
     assert json.loads((tmp_path / "summary.json").read_text())["status"] == "running"
+
+
+OWN = json.dumps(dict.fromkeys(OWN_KEYS, "mine"))
+FOREIGN = {
+    "a text": b"what I found",
+    "half a summary": b'{"case": "blo',
+    "of another program": b'{"case": "a", "status": "ok", "stop_reason": "done", "version": "7"}',
+    "lines of JSON": f"{OWN}\n{OWN}\n".encode(),
+    "UTF-16": OWN.encode("utf-16"),
+    "a list": b"[" * 100_000,
+}
+
+
+@pytest.mark.parametrize("content", FOREIGN.values(), ids=FOREIGN)
+def test_a_summary_that_no_run_has_written_is_not_replaced(content: bytes, tmp_path: Path) -> None:
+    for folder in (tmp_path, a_run_s(tmp_path / "with files of a run")):
+        (folder / "summary.json").write_bytes(content)
+        before = files(folder)
+        with pytest.raises(OccupiedError, match=r"summary\.json.* would be replaced") as caught:
+            RunWriter(make_case(), folder).begin()
+        assert caught.value.exit_code == 2
+        assert (files(folder), (folder / "summary.json").read_bytes()) == (before, content)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["summary.json", "checkpoint/step_0000.npz", "checkpoint/step_12345.npz", "render/sigma_1/step_0001.png",
+     "render/mine/animation.gif", "run.log", "figures/path.png", ".steps.tmp.csv"],
+)  # fmt: skip
+def test_no_file_of_a_stranger_goes(name: str, tmp_path: Path) -> None:
+    """Empty, of text, an archive of numbers: whatever it holds."""
+    path = tmp_path / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    archive = io.BytesIO()
+    np.savez(archive, header=np.frombuffer(b'{"format": 2}', dtype=np.uint8))
+    for content in (b"", b"mine", archive.getvalue()):
+        path.write_bytes(content)
+        with pytest.raises(OccupiedError, match="would be replaced"):
+            RunWriter(make_case(), tmp_path).begin()
+        assert (files(tmp_path), path.read_bytes()) == ({name}, content)
+
+
+def test_the_root_of_all_folders_is_none_for_results() -> None:
+    with pytest.raises(OccupiedError, match="the root of all folders"):
+        RunWriter(make_case(), Path("/")).begin()
+
+
+def test_names_that_the_file_system_refuses_are_told_before_anything_is_made(tmp_path: Path) -> None:
+    long = "n" * 300
+    for folder in (tmp_path / long, tmp_path / "new" / long / "inner"):
+        with pytest.raises(OutputError, match="the name is too long; choose another folder"):
+            RunWriter(make_case(), folder).begin()
+    case = replace(make_case(), name="n" * 245)  # its .pvd could be, that of its cracks not
+    for folder in (tmp_path, tmp_path / "new"):
+        with pytest.raises(OutputError, match=r"_cracks\.pvd: the name is too long; rename the case"):
+            RunWriter(case, folder).begin()
+    assert not files(tmp_path)
+    assert not list(tmp_path.iterdir())
 
 
 def test_series_of_another_case_go_with_its_frames(tmp_path: Path) -> None:
     writer = RunWriter(make_case(), tmp_path)
     writer.begin()
     writer.add(make_result(0))
+    writer.finish(make_end(0))
     assert {"block.pvd", "block_cracks.pvd"} < files(tmp_path)
     RunWriter(replace(make_case(), name="other"), tmp_path).begin()
     assert files(tmp_path) == TABLES

@@ -19,3 +19,8 @@ def test_long_names_that_differ_at_their_end_only_are_told_apart_wherever_they_s
     assert len(set(folders)) == 2
     assert all(len(folder) == LONGEST for folder in folders)
     assert folder_names([other, one]) == folders[::-1]
+
+
+def test_letters_of_several_bytes_count_as_such() -> None:
+    (folder,) = folder_names(["\u0444" * 200])
+    assert LONGEST - 1 <= len(folder.encode()) <= LONGEST

@@ -101,7 +101,8 @@ def test_command_line_runs_what_is_missing_and_nothing_else(
     assert tables(plan.runs[2].folder) == alone(plan, 2, tmp_path / "alone")
 
     when = (plan.runs[0].folder / "summary.json").stat().st_mtime_ns
-    (plan.runs[2].folder / "summary.json").write_text('{"status": "running"}')
+    summary = plan.runs[2].folder / "summary.json"
+    summary.write_text(summary.read_text().replace('"status": "completed"', '"status": "running"'))
     assert cli.main([*command, "--resume"]) == 0
     told, complaints = capfd.readouterr()
     assert complaints == ""
@@ -126,6 +127,39 @@ def test_exit_code_tells_whether_any_run_is_done(
     assert cli.main(["sweep", str(written(tmp_path, "[0]")), "--out", str(tmp_path)]) == code
 
 
+@pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1", "127.0.0.1", "tcp://", "tcp://host:", "tcp://host:port"])
+def test_a_scheduler_s_address_without_a_port_is_refused_at_once(scheduler: str, tmp_path: Path, capsys):
+    out = tmp_path / "out"
+    assert cli.main(["sweep", str(written(tmp_path)), "--scheduler", scheduler, "--out", str(out)]) == 2
+    assert f"--scheduler: '{scheduler}' is no address of a scheduler; wanted: such as tcp://" in capsys.readouterr().err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("memory", ["1e400GB", "-1e400GB", "1e30GB", "nan", "100MB", "much"])
+def test_a_memory_that_no_machine_has_is_refused(memory: str, tmp_path: Path, capsys):
+    out = tmp_path / "out"
+    assert cli.main(["sweep", str(written(tmp_path)), f"--memory={memory}", "--out", str(out)]) == 2
+    assert f"--memory: '{memory}' is " in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_scenes_without_cracks_are_swept_too(tmp_path: Path):
+    """And a value that has no letter in it has a name of a folder."""
+    path = tmp_path / "study.yaml"
+    flaw = "{flaw: {path: {center: [0, 0], length: 10, angle: 30}, tips: both, contact: {friction: 0, cohesion: 0}}}"
+    scene = f"base: {FLAW}\nset: {{numerics.spacing: 4, growth.steps: 0}}\n"
+    path.write_text(f"{scene}parameters: {{cracks: [{{}}, {flaw}]}}\n")
+    rows = sorted(sweep(plan_sweep(path, tmp_path / "out"), workers=1), key=lambda row: row.run.number)
+    assert [(row.values["status"], row.values["reason"]) for row in rows] == [
+        ("completed", "the static solve is done")
+    ] * 2
+    assert rows[0].run.folder.name == "cracks=none"
+    assert (tmp_path / "out" / "sweep.png").is_file()
+    path.write_text(f"{scene}parameters: {{cracks: [{{}}]}}\n")
+    assert [row.done for row in sweep(plan_sweep(path, tmp_path / "none"), workers=1)] == [True]
+    assert (tmp_path / "none" / "sweep.png").is_file()
+
+
 def test_workers_are_not_asked_for_beside_a_scheduler(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     with pytest.raises(SystemExit) as stopped:
         cli.main(["sweep", str(written(tmp_path)), "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"])
@@ -142,8 +176,8 @@ def test_workers_have_one_thread_for_linear_algebra_and_bounded_memory(tmp_path:
 
         from distributed import get_worker
 
+        from crackgrow.blas import THREAD_SETTINGS
         from crackgrow.study.sweep.job import bounded_memory
-        from crackgrow.study.threads import THREAD_SETTINGS
 
         with bounded_memory(job.memory):
             limit = resource.getrlimit(resource.RLIMIT_DATA)[0]

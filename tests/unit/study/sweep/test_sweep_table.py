@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from pyarrow import parquet
 
+from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
 from crackgrow.study.one_run import write_run
@@ -22,7 +23,6 @@ from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
 from crackgrow.study.sweep.runner import done
 from crackgrow.study.sweep.solving import solve
 from crackgrow.study.sweep.table import SweepTable
-from crackgrow.study.threads import THREAD_SETTINGS
 
 FLAW = Path(__file__).parents[4] / "cases" / "compression30.yaml"
 

@@ -1,0 +1,72 @@
+"""What a run is about to take, guessed from lengths and areas alone: told before anything is laid out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from crackgrow.case.model import Case
+from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
+from crackgrow.plan.sizes import Sizes
+from crackgrow.results.overview import estimated_nodes
+from crackgrow.results.progress import duration
+
+SINGULAR_AT_A_TIP: Final = 16  # patches that carry its functions
+SPACINGS_OF_A_POINT: Final = 2.0  # along a crack, of contact points
+MOST_SHARE: Final = 0.9  # of the machine's memory: others need some, too
+
+
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """How large the first step is, about, and what the run takes."""
+
+    n_dofs: int
+    cost: Cost
+    memory: float  # MiB that this machine has
+
+    @property
+    def words(self) -> str:
+        """What to expect, on a line."""
+        later = f", {_seconds(self.cost.later_step)} each of {self.cost.n_later} more" if self.cost.n_later else ""
+        return f"{self.needs}, {_seconds(self.cost.first_step)} of CPU for the first step{later}"
+
+    @property
+    def needs(self) -> str:
+        """How large it is, and the memory that it takes."""
+        return f"about {self.n_dofs} dofs, {_memory(self.cost.memory)} of memory"
+
+    @property
+    def warning(self) -> str:
+        """What to say where the machine has less memory than that; empty where it has enough."""
+        if self.cost.memory <= MOST_SHARE * self.memory:
+            return ""
+        return (
+            f"the run needs about {_memory(self.cost.memory)} of memory, and this machine has "
+            f"{_memory(self.memory)}: it would run out of it, or stand still; use a larger numerics.spacing"
+        )
+
+
+def _seconds(value: float) -> str:
+    return f"{value:.2g} s" if value < 90.0 else duration(value)
+
+
+def _memory(value: float) -> str:
+    return f"{value / 1024.0:.2g} GiB"
+
+
+def outlook(case: Case) -> Outlook:
+    """What a run of the case is about to take; good to a factor of two, and made in hundredths of a second."""
+    support, spacing = case.numerics.support, case.numerics.spacing
+    nodes = estimated_nodes(case)
+    tips = sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
+    tiles = 1 if support % 1.0 == 0.0 else 4 if support % 0.5 == 0.0 else 9  # of a cell, cut by the edges of patches
+    elements, singular = nodes * tiles, SINGULAR_AT_A_TIP * tips
+    lines = [crack.points for crack in case.cracks if crack.contact is not None]
+    lines += [line for interface in case.interfaces for line in interface.lines]
+    length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
+    points = round(length / (SPACINGS_OF_A_POINT * spacing))
+    n_dofs = 2 * nodes + 8 * singular
+    sizes = Sizes(n_dofs, nodes, singular, tips, elements, round(elements * (2.0 * support) ** 4), points, 0, (), ())
+    return Outlook(n_dofs, estimated_cost(case, sizes), machine_memory())

@@ -1,0 +1,52 @@
+"""What a run is about to take: guessed in no time, and near to what is counted on the cover."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.plan import outlook as outlook_module
+from crackgrow.plan.cost import estimated_cost
+from crackgrow.plan.outlook import outlook
+from crackgrow.plan.sizes import sizes_of
+
+CASES = Path(__file__).resolve().parents[3] / "cases"
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("compression30", []),
+        ("block_foundation", []),
+        ("flaw_and_hole", ["numerics.spacing=1"]),
+        ("interface_friction04", []),
+        ("random_flaws", []),
+        ("compression30", ["numerics.support=2.25", "numerics.spacing=1"]),
+    ],
+)
+def test_guess_is_near_to_the_count(name: str, settings: list[str]) -> None:
+    case = load_case(CASES / f"{name}.yaml", settings)
+    found, sizes = outlook(case), sizes_of(case)
+    assert found.n_dofs == pytest.approx(sizes.n_dofs, rel=0.15)
+    counted = estimated_cost(case, sizes)
+    assert found.cost.memory == pytest.approx(counted.memory, rel=0.3)
+    assert counted.first_step / 2.0 < found.cost.first_step < 2.0 * counted.first_step
+    assert f"about {found.n_dofs} dofs, " in found.words
+
+
+def test_a_scene_that_takes_minutes_to_lay_out_is_guessed_at_once_and_warned_of(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = load_case(CASES / "compression30.yaml", ["numerics.spacing=0.05"])
+    began = time.process_time()
+    found = outlook(case)
+    assert time.process_time() - began < 1.0
+    assert "of CPU for the first step" in found.words
+    assert " each of 22 more" in found.words
+    monkeypatch.setattr(outlook_module, "machine_memory", lambda: 8.0 * 1024.0)
+    assert outlook(case).warning.startswith("the run needs about 15 GiB of memory, and this machine has 8 GiB: ")
+    monkeypatch.setattr(outlook_module, "machine_memory", lambda: 64.0 * 1024.0)
+    assert outlook(case).warning == ""

@@ -1,0 +1,145 @@
+"""Two runs never write into one folder at once, and a run that is gone is in nobody's way."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from crackgrow.results import lock
+from crackgrow.results.lock import LOCK, FolderLock, LockedError
+from crackgrow.results.writer import RunWriter
+from tests.properties.broken_off import ENVIRONMENT, command, contents, finished, started, wait_for
+from tests.unit.results.synthetic import make_case, make_end
+
+COARSE = ("numerics.spacing=3", "growth.steps=2", "output.figures=false", "output.report=false")
+HOLDING = """
+import pathlib, sys, time
+from crackgrow.results.lock import FolderLock
+
+lock = FolderLock(pathlib.Path(sys.argv[1]), "case slope")
+lock.take()
+print("taken", flush=True)
+time.sleep(600)
+"""
+
+
+def holder(folder: Path) -> subprocess.Popen[str]:
+    """Another process that holds the lock of a folder."""
+    process = started([sys.executable, "-c", HOLDING, str(folder)])
+    assert wait_for(process, "taken")
+    return process
+
+
+def test_the_second_says_who_the_first_is(tmp_path: Path) -> None:
+    process = holder(tmp_path)
+    try:
+        with pytest.raises(LockedError) as caught:
+            FolderLock(tmp_path, "other").take()
+    finally:
+        process.kill()
+        process.communicate()
+    told = str(caught.value)
+    assert f"another run is writing into {tmp_path}" in told
+    assert f"case slope, process {process.pid} on {socket.gethostname()}, since 20" in told
+    assert caught.value.exit_code == 3
+
+
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])
+def test_a_lock_goes_with_the_process(end: signal.Signals, tmp_path: Path) -> None:
+    process = holder(tmp_path)
+    process.send_signal(end)
+    process.communicate()
+    assert (tmp_path / LOCK).is_file()
+    with FolderLock(tmp_path, "next").held():
+        assert json.loads((tmp_path / LOCK).read_bytes())["process"] == os.getpid()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_that_another_machine_or_anybody_has_left_is_no_lock(tmp_path: Path) -> None:
+    for left in (b"", b'{"what": "a", "process": 1, "host": "elsewhere", "since": "then"}', b"\xff not of a run"):
+        (tmp_path / LOCK).write_bytes(left)
+        with FolderLock(tmp_path, "next").held():
+            pass
+        assert not list(tmp_path.iterdir())
+
+
+def test_a_holder_that_has_not_told_its_name_yet_holds(tmp_path: Path) -> None:
+    first = FolderLock(tmp_path, "first")
+    first.take()
+    (tmp_path / LOCK).write_bytes(b"")
+    with pytest.raises(LockedError, match="it has not said which"):
+        FolderLock(tmp_path, "second").take()
+
+
+def test_a_lock_that_its_holder_has_removed_is_taken_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between the opening of the file and its locking, the holder goes and a third one comes."""
+    flock, opened = lock.fcntl.flock, []
+
+    def late(file: int, operation: int) -> None:
+        opened.append(file)
+        if len(opened) == 1:
+            (tmp_path / LOCK).unlink()
+        flock(file, operation)
+
+    monkeypatch.setattr(lock.fcntl, "flock", late)
+    second = FolderLock(tmp_path, "second")
+    second.take()
+    assert len(opened) == 2
+    with pytest.raises(LockedError, match="second, process"):
+        FolderLock(tmp_path, "third").take()
+
+
+def test_a_file_system_without_locks_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(file: int, operation: int) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(lock.fcntl, "flock", refuse)
+    writer = RunWriter(make_case(), tmp_path)
+    writer.begin()
+    writer.finish(make_end(0))
+    assert "knows no locks (No locks available)" in (tmp_path / "run.log").read_text()
+    assert "see to it that no other run" in json.loads((tmp_path / "summary.json").read_text())["warnings"][0]
+
+
+@pytest.mark.parametrize("second", [[], ["--resume"]])
+def test_a_second_run_in_the_folder_of_one_that_goes_on_ends_and_changes_nothing(
+    second: list[str], tmp_path: Path
+) -> None:
+    finished(command("compression30", COARSE, tmp_path / "alone"))
+    process = started(command("compression30", COARSE, tmp_path / "out"))
+    assert wait_for(process, "step 0")
+    process.send_signal(signal.SIGSTOP)
+    before = contents(tmp_path / "out")
+    done = finished(command("compression30", COARSE, tmp_path / "out", *second))
+    assert done.returncode == 3
+    assert f"process {process.pid} on " in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert contents(tmp_path / "out") == before
+    process.send_signal(signal.SIGCONT)
+    process.communicate()
+    assert process.returncode == 0
+    assert contents(tmp_path / "out") == contents(tmp_path / "alone")
+
+
+@pytest.mark.parametrize("study", ["sweep", "trade"])
+def test_studies_hold_their_folders(study: str, tmp_path: Path) -> None:
+    case = tmp_path / "plate.yaml"
+    case.write_bytes((Path(__file__).resolve().parents[3] / "cases" / "compression30.yaml").read_bytes())
+    (tmp_path / "sweep.yaml").write_text("base: plate.yaml\nparameters: {growth.steps: [0]}\n")
+    file = {"sweep": "sweep.yaml", "trade": "plate.yaml"}[study]
+    process = holder(tmp_path / "out")
+    words = [sys.executable, "-m", "crackgrow", study, file, "--out", "out"]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT, check=False)
+    process.kill()
+    process.communicate()
+    assert done.returncode == 3
+    assert f"process {process.pid} on " in done.stderr
+    assert [path.name for path in (tmp_path / "out").iterdir()] == [LOCK]
