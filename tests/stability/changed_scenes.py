@@ -174,6 +174,7 @@ class Deviations:
 
     @property
     def largest(self) -> float:
+        """Infinite where a run ended otherwise."""
         return np.inf if self.ended else float(np.nanmax([self.K, self.path, self.factor, 0.0]))
 
 
@@ -186,6 +187,8 @@ def deviations(first: WrittenRun, other: WrittenRun, change: Change) -> Deviatio
     K = _K_deviation(first, other, change)
     steps = [run.tables["steps"].set_index("step")["load_factor"] for run in (first, other)]
     both = steps[0].index.intersection(steps[1].index)
+    if not len(both):
+        return Deviations(np.nan, np.nan, np.nan, np.nan, ended)
     sizes = np.maximum(np.abs(steps[0][both]), 1e-300)
     factor = float((np.abs(steps[0][both] - steps[1][both]) / sizes).max())
     return Deviations(
