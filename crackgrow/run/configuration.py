@@ -25,6 +25,7 @@ from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.scene import Scene
 from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
@@ -197,7 +198,8 @@ def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
 def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
     """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not.
 
-    `body` is the one that it lies in.
+    `body` is the one that it lies in. Vertices at which the crack does not turn are left out: a straight stretch is one
+    whatever it was put together from, for the cover as for the disc of the integrals of K.
     """
     points = growing.crack.points.copy()
     inside = [True, True]
@@ -207,7 +209,8 @@ def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
         if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
             points[end] = shapely.shortest_line(boundary, place).coords[0]
             inside[index] = False
-    return CrackGeometry(growing.crack.name, scene.lattice.to_lattice(points), inside[0], inside[1])
+    path = shapely.simplify(shapely.LineString(scene.lattice.to_lattice(points)), ON_LINE)
+    return CrackGeometry(growing.crack.name, shapely.get_coordinates(path), inside[0], inside[1])
 
 
 def _faces(scene: Scene, cover: Cover) -> ContactFaces:

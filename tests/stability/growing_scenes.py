@@ -33,6 +33,9 @@ KINDS = (
 GRAVITY = 9.81
 """m/s^2; of a scene a multiple, so that weight counts."""
 
+WEAKER = 0.4
+"""Strength of rock that is pressed, over that of rock that is pulled: else most cracks under pressure never grow."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
@@ -304,10 +307,11 @@ def _set_loading(frame: Frame, scene: Scene, kind: str) -> None:
     criterion = str(rng.choice(["strength", "directional_strength", "max_hoop_stress"]))
     radius = frame.spacing * float(rng.uniform(0.5, 1.5))
     angle = float(rng.uniform(10.0, 50.0))
-    tension = float(frame.level * np.sqrt(frame.spacing / radius) * 10.0 ** rng.uniform(-1.0, 0.2))
+    weaker = 1.0 if kind in ("tension", "fluid") else WEAKER
+    tension = float(weaker * frame.level * np.sqrt(frame.spacing / radius) * 10.0 ** rng.uniform(-1.0, 0.1))
     cohesion = float(tension * (np.tan(np.deg2rad(angle)) + rng.uniform(0.5, 4.0)))
     scene["bodies"]["rock"]["strength"] = {"tension": tension, "cohesion": cohesion, "friction_angle": angle}
-    loading = str(rng.choice(["once", "critical", "history"], p=[0.4, 0.35, 0.25]))
+    loading = str(rng.choice(["once", "critical", "history"], p=[0.35, 0.4, 0.25]))
     if all(crack["tips"] == "none" for crack in scene["cracks"].values()):
         loading = "once"
     scene["growth"] = {
