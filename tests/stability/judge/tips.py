@@ -49,17 +49,19 @@ def _closed(court: Court, tip: pd.Series, step: int) -> None:
     half = 0.5 * float(np.hypot(*np.diff(path, axis=0).T).sum())
     pressure = float(-points["normal_traction"].min()) if len(points) else 0.0
     whole = pressure * np.sqrt(np.pi * half)
+    error = float(tip["K_I_error"]) if "K_I_spread" in tip else 0.0  # without that column it is the spread
     if run.case["cracks"][name]["contact"] == "none":
         court.check("overlap without contact", -K_I / max(abs(K_I), abs(K_II)), BELOW_ZERO, step, name)
         return
     if max(abs(K_I), abs(K_II)) > LEAST_SLIP * whole:
-        court.check("K_I below zero", -K_I / max(abs(K_I), abs(K_II)), BELOW_ZERO, step, name)
+        court.check("K_I below zero", -K_I / max(abs(K_I), abs(K_II)), BELOW_ZERO, step, name, error >= -K_I)
     if len(points) and (points["state"] != "open").all() and len(path) == 2 and _dilation(run, name) == 0.0:
         if (points["state"] == "stick").all():
-            court.check("K of a stuck crack", np.hypot(K_I, K_II) / whole, STUCK, step, name)
+            both = error >= abs(K_I) and float(tip["K_II_error"]) >= abs(K_II)
+            court.check("K of a stuck crack", np.hypot(K_I, K_II) / whole, STUCK, step, name, both)
         else:
             size = max(abs(K_II), LEAST_SLIP * whole)
-            court.check("K_I of a closed straight tip", abs(K_I) / size, K_I_CLOSED, step, name)
+            court.check("K_I of a closed straight tip", abs(K_I) / size, K_I_CLOSED, step, name, error >= abs(K_I))
 
 
 def _dilation(run: WrittenRun, name: str) -> float:

@@ -48,10 +48,13 @@ class WrittenRun:
         """m"""
         return float(self.case["numerics"]["spacing"])
 
-    def warnings(self, step: int) -> list[str]:
-        """What the run has said up to a step."""
+    def warnings(self, step: int) -> list[tuple[str, str]]:
+        """What the run has said up to a step: sentences, each with the places it is of, empty for the whole scene."""
+        if "cautions" in self.summary:
+            told = self.summary["cautions"]
+            return [(record["words"], record["place"]) for record in told if record["steps"][0][0] <= step]
         split = (text.split(": ", 1) for text in self.summary.get("warnings", []))
-        return [text for head, text in split if int(head.removeprefix("step ")) <= step]
+        return [(text, text) for head, text in split if int(head.removeprefix("step ")) <= step]
 
     def laws(self) -> dict[str, dict[str, float | str]]:
         """The laws of contact by the names that contact.csv has; cracks without contact are left out."""
