@@ -16,6 +16,9 @@ BETWEEN = 0.05
 """Of the largest jump of a surface: opening and slip in contact.csv are those at the points, the law holds for their
 averages round the points."""
 
+AT_CORNERS = 0.2
+"""The same for overlap on interfaces and foundations: bodies at rest have as much at their corners on any lattice."""
+
 NO_JUMP = 0.1
 """Of what the pressure would open a crack of this length by: a surface whose jump is smaller is held against that."""
 
@@ -72,7 +75,8 @@ def _jumps(court: Court, points: pd.DataFrame, law: dict, name: str, step: int) 
     largest = _size(court.run, points)
     if largest == 0.0 or court.run.case["numerics"]["contact"]["stiffness"] != "rigid":
         return
-    court.check("overlap", float((-opening).max()) / largest, BETWEEN, step, name)
+    limit = BETWEEN if name in court.run.case["cracks"] else AT_CORNERS
+    court.check("overlap", float((-opening).max()) / largest, limit, step, name)
     closed = points["state"].to_numpy() != "open"
     if closed.any():
         risen = np.abs(slip) * np.tan(np.deg2rad(law["dilation_angle"]))

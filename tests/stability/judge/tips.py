@@ -20,8 +20,8 @@ BELOW_ZERO = 0.03
 LEAST_SLIP = 0.02
 """K_II, of p sqrt(pi a), below which a crack is taken to stick."""
 
-MET, TIE = 1e-6, 2e-3
-"""Of the strength: the most critical tip meets it, tips that are equally critical nearly."""
+MET, TIE = 1e-6, 6e-3
+"""Of the strength: the most critical tip meets it; one that differs by less than a lattice resolves may advance."""
 
 DEGREES = 1e-4
 LARGEST_KINK = 110.0
@@ -114,21 +114,22 @@ def _advances(court: Court, rows: pd.DataFrame, step: int) -> None:
     for name, value in zip(rows["crack"][advanced], values[advanced], strict=True):
         if np.isfinite(value):
             court.check("advanced below its strength", 1.0 - value, TIE if critical else MET, step, name)
-    if advanced.any() and critical and np.isfinite(values).all():
-        court.check("critical load that is not", abs(values[advanced].max() - 1.0), MET, step)
+    grows = np.array([_can_grow(run, tip) for _, tip in rows.iterrows()])
+    known = advanced.any() and np.isfinite(values[grows]).all()
+    if known and critical:
+        court.check("critical load that is not", abs(values[grows].max() - 1.0), MET, step)
     if growth["advance"] != "all":
         court.check("more than one advance", float(advanced.sum()), 1.0, step)
-    grows = np.array([_can_grow(run, tip, step) for _, tip in rows.iterrows()])
-    if advanced.any() and growth["advance"] == "all" and np.isfinite(values[grows]).all():
+    if known and growth["advance"] == "all":
         left = np.where(grows & ~advanced, values, 0.0)
         court.check("critical but not advanced", float(left.max()) - 1.0, MET, step)
-    if advanced.any() and growth["advance"] == "most_critical" and np.isfinite(values[grows]).all():
+    if known and growth["advance"] == "most_critical":
         largest = float(np.where(grows, values, 0.0).max())
         court.check("not the most critical advanced", 1.0 - values[advanced].min() / largest, TIE, step)
 
 
-def _can_grow(run: WrittenRun, tip: pd.Series, step: int) -> bool:
-    """Whether the case lets a tip grow and it has met nothing."""
+def _can_grow(run: WrittenRun, tip: pd.Series) -> bool:
+    """Whether the case lets a tip grow; one that has met something has no row."""
     tips = run.case["cracks"][tip["crack"]]["tips"]
     return tips in ("both", tip["tip"])
 
