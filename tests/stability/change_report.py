@@ -4,7 +4,7 @@
 
 runs the scenes with seeds 0 to 39 as they are, turned by 90 degrees, mirrored, in other units, scaled, with cracks in
 another order, reversed, and with a vertex more on their first segments, each by the command line, into
-outputs/changed/<seed>, and appends how far K, paths and load factors are apart to outputs/changed/scenes.jsonl.
+outputs/change/<seed>, and appends how far K, paths and load factors are apart to outputs/change/scenes.jsonl.
 Started again it goes on with what is missing. At the end, and with `--table` alone, it prints the table.
 
 Exit code: 1 if a deviation is beyond 1e-6, else 0.
@@ -12,7 +12,6 @@ Exit code: 1 if a deviation is beyond 1e-6, else 0.
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import json
 import shutil
@@ -22,7 +21,7 @@ from pathlib import Path
 
 from tests.stability.changed_scenes import CHANGES, TOLERANCE, deviations
 from tests.stability.growing_scenes import KINDS, growing_scene
-from tests.stability.growth_report import Record, read_records
+from tests.stability.growth_report import Record, options, read_records
 from tests.stability.judge.written import run_case
 from tests.stability.random_scenes import text_of
 
@@ -73,24 +72,9 @@ def print_table(records: Sequence[Record]) -> None:
             print(f"{r['seed']:5d} {r['kind']:10s} {r['change']}: {sizes} {r['ended']}")
 
 
-def arguments() -> argparse.Namespace:
-    """Of the command line."""
-    parser = argparse.ArgumentParser(
-        prog="python -m tests.stability.change_report",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("--scenes", type=int, default=40, help="how many (default 40)")
-    parser.add_argument("--seed", type=int, default=0, help="the first one's seed (default 0)")
-    parser.add_argument("--limit", type=float, default=40.0, help="seconds of CPU that a run may take (default 40)")
-    parser.add_argument("--out", type=Path, default=Path("outputs/changed"), help="folder (default outputs/changed)")
-    parser.add_argument("--table", action="store_true", help="print the table of what is there, run nothing")
-    return parser.parse_args()
-
-
 def main() -> int:
     """Run what is missing, and tell."""
-    given = arguments()
+    given = options("change_report", __doc__, 40).parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     file = given.out / "scenes.jsonl"
     records = read_records(file)

@@ -2,11 +2,11 @@
 
     python -m tests.stability.growth_report --scenes 400 --processes 2
 
-runs the scenes with seeds 0 to 399, each by the command line, into outputs/growing/<seed>, and appends what came of
-each to outputs/growing/scenes.jsonl. Started again it goes on with the scenes that are missing there; `--judge` judges
+runs the scenes with seeds 0 to 399, each by the command line, into outputs/growth/<seed>, and appends what came of
+each to outputs/growth/scenes.jsonl. Started again it goes on with the scenes that are missing there; `--judge` judges
 the folders again without running anything. At the end, and with `--table` alone, it prints the tables: how scenes
 ended, and for every kind of check how many were made, how many departures the run had told of, and how many it had
-not, with the worst of these. The scene itself is outputs/growing/<seed>.yaml.
+not, with the worst of these. The scene itself is outputs/growth/<seed>.yaml.
 
 Exit code: 1 if something was wrong without a word, else 0.
 """
@@ -20,7 +20,7 @@ import json
 import shutil
 import sys
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +63,17 @@ def run_scene(seed: int, folder: Path, limit: float) -> Record:
     for name in LEFT:
         shutil.rmtree(out / name, ignore_errors=True)
     return record_of(seed, run)
+
+
+def run_scenes(seeds: Sequence[int], given: argparse.Namespace) -> Iterator[Record]:
+    """Records as scenes end, several run at a time; Ctrl-C leaves the others for the next time."""
+    with ThreadPoolExecutor(given.processes) as pool:
+        futures = [pool.submit(run_scene, seed, given.out, given.limit) for seed in seeds]
+        try:
+            for future in as_completed(futures):
+                yield future.result()
+        except KeyboardInterrupt:
+            pool.shutdown(cancel_futures=True)
 
 
 def judge_again(folder: Path, before: Sequence[Record]) -> Iterator[Record]:
@@ -116,26 +127,28 @@ def print_tables(records: Sequence[Record]) -> None:
             print(f"{record['seed']:5d} {record['kind']:10s} {record['outcome']}: {record['reason']}")
 
 
-def arguments() -> argparse.Namespace:
-    """Of the command line."""
+def options(name: str, text: str | None, scenes: int) -> argparse.ArgumentParser:
+    """What reports of random scenes are asked: which scenes, for how long, where to; or the tables alone."""
     parser = argparse.ArgumentParser(
-        prog="python -m tests.stability.growth_report",
-        description=__doc__,
+        prog=f"python -m tests.stability.{name}",
+        description=text,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--scenes", type=int, default=400, help="how many (default 400)")
+    out = Path("outputs") / name.removesuffix("_report")
+    parser.add_argument("--scenes", type=int, default=scenes, help=f"how many (default {scenes})")
     parser.add_argument("--seed", type=int, default=0, help="the first one's seed (default 0)")
-    parser.add_argument("--processes", type=int, default=1, help="runs at a time (default 1)")
     parser.add_argument("--limit", type=float, default=40.0, help="seconds of CPU that a run may take (default 40)")
-    parser.add_argument("--out", type=Path, default=Path("outputs/growing"), help="folder (default outputs/growing)")
-    parser.add_argument("--judge", action="store_true", help="judge the folders again, run nothing")
+    parser.add_argument("--out", type=Path, default=out, help=f"folder (default {out})")
     parser.add_argument("--table", action="store_true", help="print the tables of what is there, run nothing")
-    return parser.parse_args()
+    return parser
 
 
 def main() -> int:
     """Run what is missing, and tell."""
-    given = arguments()
+    parser = options("growth_report", __doc__, 400)
+    parser.add_argument("--processes", type=int, default=1, help="runs at a time (default 1)")
+    parser.add_argument("--judge", action="store_true", help="judge the folders again, run nothing")
+    given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     file = given.out / "scenes.jsonl"
     records = read_records(file)
@@ -145,8 +158,8 @@ def main() -> int:
     elif not given.table:
         done = {record["seed"] for record in records}
         missing = [seed for seed in range(given.seed, given.seed + given.scenes) if seed not in done]
-        with ThreadPoolExecutor(given.processes) as pool, file.open("a", encoding="utf-8") as results:
-            for record in pool.map(lambda seed: run_scene(seed, given.out, given.limit), missing):
+        with file.open("a", encoding="utf-8") as results:
+            for record in run_scenes(missing, given):
                 results.write(json.dumps(record) + "\n")
                 results.flush()
                 records.append(record)
