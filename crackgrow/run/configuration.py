@@ -198,8 +198,9 @@ def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
 def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
     """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not.
 
-    `body` is the one that it lies in. Vertices at which the crack does not turn are left out: a straight stretch is one
-    whatever it was put together from, for the cover as for the disc of the integrals of K.
+    `body` is the one that it lies in. Given vertices at which the crack does not turn are left out: a straight stretch
+    is one whatever it was put together from, for the cover as for the disc of the integrals of K. Where growth began
+    a vertex stays: faces remember up to there.
     """
     points = growing.crack.points.copy()
     inside = [True, True]
@@ -209,8 +210,11 @@ def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
         if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
             points[end] = shapely.shortest_line(boundary, place).coords[0]
             inside[index] = False
-    path = shapely.simplify(shapely.LineString(scene.lattice.to_lattice(points)), ON_LINE)
-    return CrackGeometry(growing.crack.name, shapely.get_coordinates(path), inside[0], inside[1])
+    points = scene.lattice.to_lattice(points)
+    first, last = np.flatnonzero(growing.steps == 0)[[0, -1]]
+    given = shapely.get_coordinates(shapely.simplify(shapely.LineString(points[first : last + 1]), ON_LINE))
+    points = np.concatenate([points[:first], given, points[last + 1 :]])
+    return CrackGeometry(growing.crack.name, points, inside[0], inside[1])
 
 
 def _faces(scene: Scene, cover: Cover) -> ContactFaces:
