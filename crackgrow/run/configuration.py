@@ -26,6 +26,7 @@ from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.scene import Scene
 from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
@@ -217,7 +218,9 @@ def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
 def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
     """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not.
 
-    `body` is the one that it lies in.
+    `body` is the one that it lies in. Given vertices at which the crack does not turn are left out: a straight stretch
+    is one whatever it was put together from, for the cover as for the disc of the integrals of K. Where growth began
+    a vertex stays: faces remember up to there.
     """
     points = growing.crack.points.copy()
     inside = [True, True]
@@ -227,7 +230,11 @@ def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
         if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
             points[end] = shapely.shortest_line(boundary, place).coords[0]
             inside[index] = False
-    return CrackGeometry(growing.crack.name, scene.lattice.to_lattice(points), inside[0], inside[1])
+    points = scene.lattice.to_lattice(points)
+    first, last = np.flatnonzero(growing.steps == 0)[[0, -1]]
+    given = shapely.get_coordinates(shapely.simplify(shapely.LineString(points[first : last + 1]), ON_LINE))
+    points = np.concatenate([points[:first], given, points[last + 1 :]])
+    return CrackGeometry(growing.crack.name, points, inside[0], inside[1])
 
 
 def _faces(scene: Scene, cover: Cover) -> ContactFaces:

@@ -31,6 +31,17 @@ MOST_GAUSS_SEGMENTS = 1
 """A segment has 50 contact points then, and an increment is followed from change to change of every one of them."""
 
 
+@dataclass(frozen=True, slots=True)
+class Manner:
+    """How cracks are drawn."""
+
+    n: int
+    longest: float  # spacings, of a segment
+    most_segments: int = 3
+    meetings: tuple[float, ...] = (0.4, 0.2, 0.2, 0.2)  # probabilities: meets nothing, the outline; touches, crosses
+    apart: float = 0.0  # spacings: one that meets nothing is as far from all others and the outline
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Outline:
     """A body's shape, in the units of the case, and what loads and supports can act on."""
@@ -50,17 +61,17 @@ def random_scene(seed: int) -> Scene:
     young = 10.0 ** rng.uniform(4.0, 12.0) / float(UNITS["stress"][stress])
     level = young * 10.0 ** rng.uniform(-6.0, -2.0)
     outline = random_outline(rng, size)
-    bodies = {"rock": {"shape": outline.shape, "material": _material(rng, young)}}
-    cracks = random_cracks(rng, outline.polygon, spacing)
+    bodies = {"rock": {"shape": outline.shape, "material": random_material(rng, young)}}
+    cracks = random_cracks(rng, outline.polygon, spacing, Manner(int(rng.integers(1, 4)), 4.0))
     scene: Scene = {
         "title": f"random scene {seed}",
         "units": {"length": str(length), "stress": str(stress)},
         "plane": str(rng.choice(["strain", "stress"])),
         "bodies": bodies,
-        "cracks": {name: _crack(rng, points, level) for name, points in cracks.items()},
+        "cracks": {name: random_crack(rng, points, level) for name, points in cracks.items()},
         "numerics": _numerics(rng, spacing, sum(len(points) - 1 for points in cracks.values())),
     }
-    _set_tips(rng, scene, outline.polygon, size)
+    set_tips(rng, scene, outline.polygon, size)
     held = outline
     if "rectangle" in outline.shape and "holes" not in outline.shape and rng.random() < 0.4:
         held = _base(rng, scene, outline, level)
@@ -108,18 +119,18 @@ def random_outline(rng: Rng, size: float) -> Outline:
         shape, polygon = {"polygon": corners.tolist()}, Polygon(corners)
         regions = [{"edge": str(k)} for k in range(n)]
     if kind != "disk" and rng.random() < 0.3:
-        polygon = _with_hole(rng, shape, polygon, size)
+        polygon = with_hole(rng, shape, polygon, size)
     places = shapely.get_coordinates(polygon.exterior)[:-1]
     return Outline(shape, polygon, regions, places)
 
 
-def _with_hole(rng: Rng, shape: Scene, polygon: Polygon, size: float) -> Polygon:
+def with_hole(rng: Rng, shape: Scene, polygon: Polygon, size: float) -> Polygon:
     """Cut a hole into a shape where there is room for one."""
     radius = size * rng.uniform(0.05, 0.15)
     room = polygon.buffer(-1.5 * radius)
     if room.is_empty:
         return polygon
-    x, y = _inside(rng, room)
+    x, y = point_inside(rng, room)
     kind = rng.choice(["disk", "rectangle", "polygon"])
     if kind == "disk":
         hole: Scene = {"disk": {"center": [x, y], "radius": float(radius)}}
@@ -135,7 +146,7 @@ def _with_hole(rng: Rng, shape: Scene, polygon: Polygon, size: float) -> Polygon
     return polygon.difference(ring)
 
 
-def _inside(rng: Rng, polygon: Polygon) -> tuple[float, float]:
+def point_inside(rng: Rng, polygon: Polygon) -> tuple[float, float]:
     """A point inside of a polygon."""
     low, high = np.array(polygon.bounds).reshape(2, 2)
     for _ in range(TRIES):
@@ -146,32 +157,38 @@ def _inside(rng: Rng, polygon: Polygon) -> tuple[float, float]:
     return float(point.x), float(point.y)
 
 
-def random_cracks(rng: Rng, polygon: Polygon, spacing: float) -> dict[str, np.ndarray]:
-    """One to three polylines of one to three segments that may cross, touch, branch and start on the outline."""
+def random_cracks(rng: Rng, polygon: Polygon, spacing: float, manner: Manner) -> dict[str, np.ndarray]:
+    """Polylines that may cross, touch, branch and start on the outline."""
     cracks: dict[str, np.ndarray] = {}
     room = polygon.buffer(-1e-3 * spacing)
-    for number in range(int(rng.integers(1, 4))):
-        meeting = str(rng.choice(["nothing", "outline", "touch", "cross"], p=[0.4, 0.2, 0.2, 0.2]))
+    for number in range(manner.n):
+        meeting = str(rng.choice(["nothing", "outline", "touch", "cross"], p=manner.meetings))
+        others = [LineString(points) for points in cracks.values()]
+        alone = meeting == "nothing" and manner.apart > 0.0
         for _ in range(TRIES):
-            points = _random_path(rng, polygon, list(cracks.values()), spacing, meeting)
+            points = _random_path(rng, polygon, list(cracks.values()), spacing, manner, meeting)
             line = LineString(points)
             inner = LineString(points[1:]) if len(points) > 2 else Point(points[1])
-            if line.is_simple and room.contains(inner) and polygon.buffer(1e-9 * spacing).contains(line):
+            near = alone and min(line.distance(o) for o in [polygon.boundary, *others]) < manner.apart * spacing
+            inside = room.contains(inner) and polygon.buffer(1e-9 * spacing).contains(line)
+            if line.is_simple and inside and not near:
                 cracks[f"c{number}"] = points
                 break
     return cracks
 
 
-def _random_path(rng: Rng, polygon: Polygon, others: list[np.ndarray], spacing: float, meeting: str) -> np.ndarray:
+def _random_path(
+    rng: Rng, polygon: Polygon, others: list[np.ndarray], spacing: float, manner: Manner, meeting: str
+) -> np.ndarray:
     """Vertices (n, 2) of a crack that starts on the `outline`, on another crack (`touch`) or crosses it, or none."""
-    n = int(rng.integers(1, 4))
-    start = np.array(_inside(rng, polygon))
+    n = int(rng.integers(1, manner.most_segments + 1))
+    start = np.array(point_inside(rng, polygon))
     if meeting == "outline":
         start = shapely.get_coordinates(polygon.exterior.interpolate(rng.random(), normalized=True))[0]
     elif meeting in ("touch", "cross") and others:
         other = LineString(others[int(rng.integers(len(others)))])
         start = shapely.get_coordinates(other.interpolate(rng.choice([0.0, rng.random(), 1.0]), normalized=True))[0]
-    lengths = spacing * rng.uniform(1.0, 4.0, n)
+    lengths = spacing * rng.uniform(1.0, manner.longest, n)
     angles = rng.uniform(0.0, 2.0 * np.pi) + np.concatenate([[0.0], np.cumsum(rng.uniform(-1.2, 1.2, n - 1))])
     steps = lengths[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     if meeting == "cross" and others:
@@ -179,12 +196,12 @@ def _random_path(rng: Rng, polygon: Polygon, others: list[np.ndarray], spacing: 
     return np.vstack([start, start + np.cumsum(steps, axis=0)])
 
 
-def _crack(rng: Rng, points: np.ndarray, level: float) -> Scene:
-    contact = "none" if rng.random() < 0.1 else _law(rng, level)
+def random_crack(rng: Rng, points: np.ndarray, level: float) -> Scene:
+    contact = "none" if rng.random() < 0.1 else random_law(rng, level)
     return {"path": {"points": points.tolist()}, "contact": contact}
 
 
-def _law(rng: Rng, level: float) -> Scene:
+def random_law(rng: Rng, level: float) -> Scene:
     """A law of contact that makes no energy."""
     friction = float(rng.choice([0.0, rng.uniform(0.0, 1.0), rng.uniform(0.0, 2.0)]))
     law: Scene = {"friction": friction, "cohesion": float(rng.choice([0.0, level * 10.0 ** rng.uniform(-2.0, 0.5)]))}
@@ -199,7 +216,7 @@ def _law(rng: Rng, level: float) -> Scene:
     return law
 
 
-def _material(rng: Rng, young: float) -> Scene:
+def random_material(rng: Rng, young: float) -> Scene:
     return {"young": young, "poisson": float(rng.choice([0.0, 0.25, 0.49, rng.uniform(0.0, 0.49)])), "density": 2500}
 
 
@@ -213,7 +230,7 @@ def _numerics(rng: Rng, spacing: float, n_segments: int) -> Scene:
     return {"spacing": spacing, "support": float(rng.choice([1.5, 2.0, 2.0, 2.5])), "contact": contact}
 
 
-def _set_tips(rng: Rng, scene: Scene, polygon: Polygon, size: float) -> None:
+def set_tips(rng: Rng, scene: Scene, polygon: Polygon, size: float) -> None:
     """Say which ends of the cracks are tips: those that lie in rock; now and then they must not grow."""
     lines = {name: LineString(crack["path"]["points"]) for name, crack in scene["cracks"].items()}
     for name, crack in scene["cracks"].items():
@@ -235,9 +252,9 @@ def _base(rng: Rng, scene: Scene, outline: Outline, level: float) -> Outline:
     centre = [(x0 + x1) / 2, y0 - height / 2]
     corners = np.array([[centre[0] - width / 2, y0 - height], [centre[0] + width / 2, y0 - height]])
     shape: Scene = {"rectangle": {"center": centre, "width": float(width), "height": float(height)}}
-    material = _material(rng, rock["young"] * 10.0 ** rng.uniform(-2.0, 2.0))
+    material = random_material(rng, rock["young"] * 10.0 ** rng.uniform(-2.0, 2.0))
     scene["bodies"]["base"] = {"shape": shape, "material": material}
-    law: str | Scene = "bonded" if rng.random() < 0.3 else _law(rng, level)
+    law: str | Scene = "bonded" if rng.random() < 0.3 else random_law(rng, level)
     scene["interfaces"] = [{"between": ["rock", "base"], "contact": law}]
     regions: list[Scene] = [{"edge": name} for name in ("bottom", "right", "left")]
     return Outline(shape, box, regions, corners)
@@ -264,7 +281,7 @@ def random_supports(rng: Rng, outline: Outline, body: str, level: float, displac
             {"on": second, "displacement": along},
         ]
     if kind == "foundation":
-        supports: list[Scene] = [{"on": first, "contact": _law(rng, level)}]
+        supports: list[Scene] = [{"on": first, "contact": random_law(rng, level)}]
         if rng.random() < 0.5:
             supports.append({"on": second, "displacement": {str(rng.choice(["x", "y"])): 0}})
         return supports

@@ -327,6 +327,24 @@ def test_indefinite_matrix_is_left_to_lu() -> None:
     np.testing.assert_allclose(system.solve(matrix @ x)[0], x, rtol=1e-8)
 
 
+@pytest.mark.parametrize("seed", [0, 1])
+def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
+    """As functions on a sliver of rock do: the matrix is semidefinite, and by round-off indefinite."""
+    matrix, places = lattice(12, 31)
+    n, rng = len(places), np.random.default_rng(seed)
+    twins = rng.choice(n, 60, replace=False)
+    spread = csc_array(np.hstack([np.eye(n), np.eye(n)[:, twins] * rng.uniform(0.5, 2.0, 60)]))
+    semidefinite = csc_array(spread.T @ matrix @ spread)
+    x = rng.normal(size=n + 60)
+    loads = semidefinite @ x
+    system = ConstrainedSystem(semidefinite, free(semidefinite), places_at(np.vstack([places, places[twins]])))
+    u, _ = system.solve(loads)
+    assert "wrong sign" in system.note
+    assert np.abs(u).max() < 2.0 * np.abs(x).max()
+    np.testing.assert_allclose(spread @ u, spread @ x, rtol=0.0, atol=1e-8 * np.abs(x).max())
+    assert u @ (semidefinite @ u) == pytest.approx(x @ loads, rel=1e-12)
+
+
 def test_refinement_takes_away_an_error_of_the_factorization(monkeypatch: pytest.MonkeyPatch) -> None:
     """Solutions that are wrong by 1e-5 end up as good as others, in all blocks of right-hand sides."""
     matrix, places = lattice(12, 29)

@@ -1,0 +1,113 @@
+"""Contact points against Coulomb's law: signs, bounds of friction, sense of slip; from contact.csv and case.yaml."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import shapely
+
+from tests.stability.judge.court import Court
+from tests.stability.judge.written import WrittenRun
+
+ROUND_OFF = 1e-6
+"""Of the largest traction of a step."""
+
+BETWEEN = 0.05
+"""Of the largest jump of a surface: opening and slip in contact.csv are those at the points, the law holds for their
+averages round the points."""
+
+AT_CORNERS = 0.2
+"""The same for overlap on interfaces and foundations: bodies at rest have as much at their corners on any lattice."""
+
+NO_JUMP = 0.1
+"""Of what the pressure would open a crack of this length by: a surface whose jump is smaller is held against that."""
+
+ON_PATH = 1e-6
+"""Spacings: a point so close to the crack as it was given lies on its given faces."""
+
+
+def judge_contact(court: Court) -> None:
+    """All steps and surfaces."""
+    run, before = court.run, pd.DataFrame()
+    for step, rows in run.tables["contact"].groupby("step", sort=True):
+        size = float(np.abs(rows[["normal_traction", "tangential_traction"]].to_numpy()).max())
+        for name, law in run.laws().items():
+            points = rows[rows["crack"] == name]
+            if len(points) and size > 0.0:
+                _bounds(court, points, law, size, name, int(step))
+                _jumps(court, points, law, name, int(step))
+                _sense(court, points, before, size, name, int(step))
+        before = rows
+
+
+def _bounds(court: Court, points: pd.DataFrame, law: dict, size: float, name: str, step: int) -> None:
+    """Pressure alone, and the shear that the law allows: all of it where a point slips, none where it is open."""
+    normal, shear = (points[f"{which}_traction"].to_numpy() for which in ("normal", "tangential"))
+    state, shear = points["state"].to_numpy(), np.abs(shear)
+    court.check("tension across faces", float(normal.max()) / size, ROUND_OFF, step, name)
+    given = _given(court.run, points, name)
+    mu, after = law["friction"], law["residual_friction"]
+    kept = law["cohesion"] if law["cohesion_after_slip"] == "kept" else 0.0
+    fresh = np.where(given, law["cohesion"] - mu * normal, -max(mu, after) * normal)
+    court.check("shear beyond friction", float((shear - fresh).max()) / size, ROUND_OFF, step, name)
+    pressed = (state == "slip") & (normal < -ROUND_OFF * size)
+    if pressed.any():
+        bounds = np.stack([np.where(given, c, 0.0) - after * normal for c in (kept, 0.0)])
+        off = np.abs(shear - bounds).min(axis=0)[pressed]
+        court.check("slip below friction", float(off.max()) / size, ROUND_OFF, step, name)
+    apart = state == "open"
+    if apart.any():
+        loaded = np.hypot(normal, shear)[apart]
+        court.check("traction on open faces", float(loaded.max()) / size, ROUND_OFF, step, name)
+
+
+def _given(run: WrittenRun, points: pd.DataFrame, name: str) -> np.ndarray:
+    """Which points lie on faces that the case gives; the others growth has made, which have no cohesion."""
+    if name not in run.case["cracks"]:
+        return np.ones(len(points), dtype=bool)
+    line = shapely.LineString(run.case["cracks"][name]["path"]["points"])
+    return shapely.dwithin(shapely.points(points[["x", "y"]].to_numpy()), line, ON_PATH * run.spacing)
+
+
+def _jumps(court: Court, points: pd.DataFrame, law: dict, name: str, step: int) -> None:
+    """No overlap, and no gap where faces press each other, but for what dilation opens."""
+    opening, slip = points["opening"].to_numpy(), points["slip"].to_numpy()
+    largest = _size(court.run, points)
+    if largest == 0.0 or court.run.case["numerics"]["contact"]["stiffness"] != "rigid":
+        return
+    limit = BETWEEN if name in court.run.case["cracks"] else AT_CORNERS
+    court.check("overlap", float((-opening).max()) / largest, limit, step, name)
+    closed = points["state"].to_numpy() != "open"
+    if closed.any():
+        risen = np.abs(slip) * np.tan(np.deg2rad(law["dilation_angle"]))
+        court.check("open under pressure", float((opening - risen)[closed].max()) / largest, BETWEEN, step, name)
+
+
+def _size(run: WrittenRun, points: pd.DataFrame) -> float:
+    """The jump (m) that others of a surface are held against."""
+    pressure, length = float(-points["normal_traction"].min()), float(np.ptp(points["s"])) + run.spacing
+    softest = min(body["material"]["young"] for body in run.case["bodies"].values())
+    return max(float(np.hypot(points["opening"], points["slip"]).max()), NO_JUMP * 2.0 * pressure * length / softest)
+
+
+def _sense(court: Court, points: pd.DataFrame, before: pd.DataFrame, size: float, name: str, step: int) -> None:
+    """Shear acts with the slip of the last increment, where the files tell it."""
+    run = court.run
+    change = points["slip"].to_numpy()
+    if run.growth is None and len(before):
+        change = change - before.loc[before["crack"] == name, "slip"].to_numpy()
+    elif not _from_rest(run):
+        return
+    shear, slips = points["tangential_traction"].to_numpy(), points["state"].to_numpy() == "slip"
+    largest = _size(run, points)
+    loaded = slips & (np.abs(shear) > ROUND_OFF * size)
+    if loaded.any() and largest > 0.0:
+        against = -np.sign(shear[loaded]) * change[loaded]
+        court.check("slip against friction", float(against.max()) / largest, BETWEEN, step, name)
+
+
+def _from_rest(run: WrittenRun) -> bool:
+    """Whether a step's slip is that of one rising load."""
+    loading = run.case["loading"]
+    once = loading == "critical" or len(loading["history"]) == 1
+    return once and not any(load["held"] for load in run.case["loads"]) and run.growth["unload_between_steps"]

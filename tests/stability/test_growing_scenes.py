@@ -1,0 +1,144 @@
+"""Random scenes that grow: judged from their files alone, and written otherwise."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.stability.changed_scenes import CHANGES, TOLERANCE, deviations
+from tests.stability.growing_scenes import KINDS, growing_scene
+from tests.stability.judge.verdict import judged, outcome
+from tests.stability.judge.written import WrittenRun, run_case
+from tests.stability.random_scenes import text_of
+
+JUDGED = (1, 3, 10, 31)
+"""Seeds: growth in tension, of edge cracks, with fluid pressure, of a block on a base."""
+
+CHANGED = 1
+MANY = range(400)
+LIMIT = 40.0
+
+
+def run_scene(folder: Path, name: str, document: dict[str, Any]) -> WrittenRun:
+    file = folder / f"{name}.yaml"
+    file.write_text(text_of(document), encoding="utf-8")
+    return run_case(file, folder / name, LIMIT)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[int, WrittenRun]:
+    folder = tmp_path_factory.mktemp("runs")
+    return {seed: run_scene(folder, str(seed), growing_scene(seed)) for seed in JUDGED}
+
+
+def silent(run: WrittenRun) -> list[str]:
+    return [f"{d.kind} {d.size:.2g} step {d.step} {d.place}" for d in judged(run).departures if not d.told]
+
+
+def test_nothing_is_wrong_without_a_word(runs: dict[int, WrittenRun]) -> None:
+    for seed, run in runs.items():
+        assert outcome(run) in ("completed", "arrested", "broke_through"), f"seed {seed}: {run.errors}"
+        assert not silent(run), f"seed {seed}"
+    assert sum(len(run.tables["steps"]) for run in runs.values()) > 12
+
+
+@pytest.mark.slow
+def test_nothing_is_wrong_without_a_word_in_many_scenes(tmp_path: Path) -> None:
+    for seed in MANY:
+        found = silent(run_scene(tmp_path, str(seed), growing_scene(seed)))
+        assert not found, f"seed {seed}: {found}"
+
+
+@pytest.mark.parametrize("seeds", [(CHANGED,), pytest.param(range(40), marks=pytest.mark.slow)])
+def test_the_same_scene_written_otherwise_has_the_same_results(tmp_path: Path, seeds: range) -> None:
+    for seed in seeds:
+        scene = growing_scene(seed)
+        first = run_scene(tmp_path, f"{seed}", scene)
+        for change in CHANGES:
+            other = run_scene(tmp_path, f"{seed} {change.name}", change.apply(scene))
+            found = deviations(first, other, change)
+            assert found.largest <= TOLERANCE, f"seed {seed}, {change.name}: {found}"
+
+
+def test_the_same_seed_gives_the_same_scene() -> None:
+    assert text_of(growing_scene(7)) == text_of(growing_scene(7))
+    assert text_of(growing_scene(7)) != text_of(growing_scene(7 + len(KINDS)))
+
+
+Tables = dict[str, pd.DataFrame]
+
+
+def _raise(table: str, column: str, by: float, of: str = "") -> Callable[[Tables], None]:
+    """Add to a column a part of its largest value, or of another one's."""
+
+    def spoil(tables: Tables) -> None:
+        frame = tables[table]
+        frame[column] = frame[column] + by * np.abs(frame[of or column]).max()
+
+    return spoil
+
+
+def _advance(tables: Tables) -> None:
+    tables["tips"]["advanced"] = True
+
+
+def _turn(tables: Tables) -> None:
+    paths = tables["paths"]
+    first = paths.index[paths["step"] == 1]
+    paths.loc[first, "x"] = paths.loc[first, "x"] + 0.02 * np.ptp(paths["x"])
+
+
+def _twist(tables: Tables) -> None:
+    """Add a couple of a thousandth of the loads."""
+    steps, reactions = tables["steps"], tables["reactions"]
+    loads = 2.0 * steps["work"].iloc[0] / steps["load_displacement"].iloc[0]
+    reactions["force_y"] = reactions["force_y"] + 1e-3 * loads * (-1.0) ** np.arange(len(reactions))
+
+
+SPOILT: dict[str, tuple[int, Callable[[Tables], None]]] = {
+    "tension across faces": (31, _raise("contact", "normal_traction", 2.0)),
+    "shear beyond friction": (31, _raise("contact", "tangential_traction", 1.0, "normal_traction")),
+    "overlap": (31, _raise("contact", "opening", -0.01, "x")),
+    "reactions": (31, _raise("reactions", "force_x", 1e-3, "force_y")),
+    "moment": (1, _twist),
+    "energy balance": (3, _raise("steps", "work", 1e-3)),
+    "strain energy below zero": (3, _raise("steps", "strain_energy", -2.0)),
+    "dissipation falls": (3, _raise("steps", "dissipation", -1e-3, "work")),
+    "released energy below zero": (3, _raise("steps", "released_energy", -1e-3, "work")),
+    "crack length": (3, _raise("steps", "crack_length", 1e-3)),
+    "outside the rock": (3, _raise("paths", "x", 9.0)),
+    "increment": (1, _turn),
+    "kink of the path": (1, _raise("tips", "kink_deg", 0.1)),
+    "advanced below its strength": (10, _advance),
+}
+"""What is changed in the files of a seed's run, and the check that has to find it."""
+
+
+@pytest.mark.parametrize("kind", SPOILT)
+def test_the_judge_sees(runs: dict[int, WrittenRun], kind: str) -> None:
+    seed, spoil = SPOILT[kind]
+    run = runs[seed]
+    tables = {name: table.copy() for name, table in run.tables.items()}
+    spoil(tables)
+    spoilt = dataclasses.replace(run, tables=tables, summary={**run.summary, "warnings": []})
+    assert kind in {departure.kind for departure in judged(spoilt).departures}
+
+
+@pytest.mark.parametrize(
+    ("kind", "errors", "code"),
+    [
+        ("traceback", "Traceback (most recent call last):\nValueError: x", 1),
+        ("warning of Python", "x.py:3: RuntimeWarning: divide by zero", 0),
+        ("status", "", 0),
+        ("no reason", "", 3),
+    ],
+)
+def test_the_judge_hears(kind: str, errors: str, code: int) -> None:
+    run = WrittenRun(code, errors, 0.0, {}, {}, {})
+    assert kind in {departure.kind for departure in judged(run).departures}
