@@ -19,8 +19,18 @@ from crackgrow.results.log import is_log
 from crackgrow.results.rendered import rendered_files
 
 REPORT, SUMMARY, LOG = "report.html", "summary.json", "run.log"
-OWN_KEYS = ("case", "status", "stop_reason", "steps_done", "n_solves", "version", "git_commit", "wall_seconds",
-            "peak_memory_mb", "worst_checks")  # of a summary, all of them in that of every version
+OWN_KEYS = (
+    "case",
+    "status",
+    "stop_reason",
+    "steps_done",
+    "n_solves",
+    "version",
+    "git_commit",
+    "wall_seconds",
+    "peak_memory_mb",
+    "worst_checks",
+)  # of a summary, all of them in that of every version
 FILES = ("case.yaml", SUMMARY, "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
          "events.csv", LOG, REPORT)  # fmt: skip
 FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",

@@ -141,7 +141,7 @@ class RunWriter:
     def _warn_of_lock(self) -> None:
         """Say where the folder could not be locked."""
         if self._lock.remark:
-            self._tally.warnings.append(self._lock.remark)
+            self._tally.remarks.append(self._lock.remark)
             self._log.write(f"warning: {self._lock.remark}")
 
     def add(self, result: StepResult) -> None:
