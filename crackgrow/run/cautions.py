@@ -23,8 +23,8 @@ NEAR_SHARP_KINK = 8.0
 at 3 spacings, by 2, 4 and 6 % at 5."""
 
 NEAR_CLOSED_KINK = 2.0
-"""Spacings: behind closed kinks of 18 to 150 degrees K is off by up to 50 % of the K of the crack without a kink at half
-a spacing, by 15 % at one, by 10 % from two on and by 2 % from five on."""
+"""Spacings: behind closed kinks of 18 to 150 degrees K is off by up to 50 % of the K of the crack without a kink at
+half a spacing, by 15 % at one, by 10 % from two on and by 2 % from five on."""
 
 SAW_TEETH = 2
 """Kinks in turn, to and fro, from which on a path is a saw."""
@@ -231,8 +231,8 @@ def _kinks(solution: StepSolution) -> Iterator[Caution]:
         sharp = np.flatnonzero((turns > Cause.SHARP_KINK.limit) & (distance < NEAR_SHARP_KINK))
         if len(sharp):
             words = (
-                f"crack '{crack.name}' turns by {turns[sharp[0]]:.0f} degrees less than {NEAR_SHARP_KINK:g} {where}: so "
-                "sharp a corner is not resolved, and K there can be off by half of the larger of K_I and K_II"
+                f"crack '{crack.name}' turns by {turns[sharp[0]]:.0f} degrees less than {NEAR_SHARP_KINK:g} {where}: "
+                "so sharp a corner is not resolved, and K there can be off by half of the larger of K_I and K_II"
             )
             yield Caution(Cause.SHARP_KINK, words, place, turns[sharp[0]])
 
