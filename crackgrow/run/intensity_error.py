@@ -20,7 +20,7 @@ The square is of cracks below three spacings. The last term is there where somet
 the tip.
 
 Fitted and checked in tests/verification/test_intensity_error.py: it holds for 95 % of tips; the median of bound over
-error is 4 there, and 10 on random scenes. It is no estimate for one tip.
+error is 3 there, and 12 on random scenes. It is no estimate for one tip.
 """
 
 from __future__ import annotations

@@ -3,18 +3,18 @@
 Measured on these scenes and others: tips, those of them whose true error is within the bound, and bound over true error
 in the median, by the larger component.
 
-    straight flaw, 2.5 to 13 spacings                                   24   100 %   15
-    young wings (`young30`), 3 to 0.375 mm                              14   100 %   12
-    grown wings (`grown30`), 3 to 0.375 mm                              14   100 %    4
-    closed kinks of 30 to 60 degrees, wings of 1 to 12 spacings         42   100 %    4
-    fifty flaws, 3, 2, 1.5 and 1 mm                                    400    95 %    3
-  not fitted to:
-    wings of a flaw in a wide plate, 0.1 to 1 of its half length       174   100 %    4
-    sixty random scenes of one to three bent cracks, 2 and 1 mm,
-    against 0.35 mm                                                    308    94 %   10
+    straight flaw, 2.5 to 13 spacings                                   24   100 %   16
+    young wings (`young30`), 3 and 1.5 mm                                4   100 %   11
+    grown wings (`grown30`), 3, 1.5, 0.75 mm                             6   100 %    4
+    closed kinks of 30 to 60 degrees, wings of 1, 2 and 5 spacings      18   100 %    3
+    fifty flaws, 3, 2 and 1.5 mm                                       300    95 %    3
+    wings of a flaw in a wide plate, 0.1 and 0.3 of its half length     16   100 %    3
+  no term was fitted to these, but two numbers were turned once after a look at such scenes:
+    random scenes of one to three bent cracks, 2 and 1 mm,
+    against 0.35 mm                                                     68    97 %   12
 
-The spread over discs is above the true error at 15 % of the last ones. A flaw that sticks, `stuck_flaw`, whose K is all
-error, is within the bound at 3 mm, and at one end 1.9 times beyond it at 1.5 mm.
+The spread over discs is above the true error at 15 to 30 % of the last ones. A flaw that sticks, `stuck_flaw`, whose K
+is all error, is within the bound at 3 mm, and at one end 1.9 times beyond it at 1.5 mm.
 """
 
 from __future__ import annotations
@@ -160,7 +160,7 @@ def test_nineteen_of_twenty_tips_of_fifty_flaws_are_within_the_bound(tmp_path: P
 
 
 @pytest.mark.parametrize("spacing", [0.6, 0.4])
-def test_wings_to_which_it_was_not_fitted_are_within_the_bound(tmp_path: Path, spacing: float) -> None:
+def test_wings_in_a_wide_plate_are_within_the_bound(tmp_path: Path, spacing: float) -> None:
     part, ratio = covered(list(wings_in_a_wide_plate(tmp_path, spacing)))
     assert part >= 0.95
     assert ratio < 20.0
