@@ -144,6 +144,9 @@ class OneOf:
         free = [key for key in known if key not in node.entries]
         given = node.entries.keys() & every.keys()
         matches = [form for form in self.forms if given and given <= form.fields.keys()]
+        if len(matches) > 1:  # a misspelt key may tell them apart, but never chooses a form alone
+            meant = given | ({nearest(key, free) for key in node.entries.keys() - given} - {None})
+            matches = [form for form in matches if meant <= form.fields.keys()]
         if len(matches) == 1:
             return matches[0].read(node, path, context)
         for key, entry in node.entries.items():
