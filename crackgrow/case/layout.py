@@ -138,18 +138,8 @@ def place_cracks(scene: Scene) -> None:
     scene.hosts.update(_hosts(scene.cracks, list(scene.bodies.values())))
     hosts = {name: scene.bodies[host] for name, host in scene.hosts.items()}
     cracks, moves = snapped_cracks(scene.cracks, hosts, scene.reach)
-    scene.cracks.update((name, _straightened(points, scene.tolerance)) for name, points in cracks.items())
+    scene.cracks.update(cracks)
     scene.moves.extend(moves)
-
-
-def _straightened(points: Floats, tolerance: float) -> Floats:
-    """The vertices (n, 2) of a crack without those that lie on the straight line between others: they say nothing.
-
-    The cover would take what begins at each vertex for a segment of its own, and K would change by some 1e-4.
-    """
-    if len(points) < 3:
-        return points
-    return frozen(shapely.get_coordinates(shapely.simplify(LineString(points), tolerance, preserve_topology=False)))
 
 
 def points_of(path: Resolved, smallest: float = 0.0) -> Floats:

@@ -10,7 +10,6 @@ import shapely
 
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
-from crackgrow.case.layout import SHORTEST, points_of
 from crackgrow.case.meetings import scene_size
 from crackgrow.case.model import Case, EdgeTraction, Gravity, PointSupport
 from crackgrow.case.snapping import SNAP
@@ -196,7 +195,7 @@ def _left_out(scene: Scene) -> Iterator[Caution]:
     given: Any = scene.case.resolved.get("cracks", {})  # nothing where the case was not read from a file
     for crack in scene.case.cracks:
         path = given.get(crack.name, {}).get("path", {})
-        n = len(path["points"]) - len(points_of(path, SHORTEST * scene.lattice.spacing)) if "points" in path else 0
+        n = len(path.get("points", crack.points)) - len(crack.points)
         if n:
             words = f"crack '{crack.name}': {n} of its vertices repeat the one before them, and are left out"
             yield Caution(Cause.LEFT_OUT, words, f"crack '{crack.name}'", n)

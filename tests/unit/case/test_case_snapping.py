@@ -167,20 +167,3 @@ def test_case_as_it_ran_is_moved_alike(tmp_path: Path):
     again = load_case(path)
     assert again.moved == case.moved != ()
     np.testing.assert_array_equal(again.cracks[0].points, case.cracks[0].points)
-
-
-@pytest.mark.parametrize("angle", [0.0, 30.0, 77.0])
-def test_vertices_on_a_straight_stretch_do_not_matter(angle: float, tmp_path: Path):
-    way = np.array([np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))])
-    scene = with_body(rectangle(-5, -5, 10, 10))
-    scene["supports"] = held("rock")
-    scene["loads"] = [{"on": {"body": "rock", "edge": "top"}, "traction": [2e5, -1e6]}]
-    found = []
-    for places in ([-2.0, 2.0], [-2.0, -1.1, 0.3, 1.97, 2.0]):
-        path = {"points": [(place * way).tolist() for place in places]}
-        scene["cracks"] = {"a": {"path": path, "contact": {"friction": 0.3, "cohesion": 0}}}
-        case = load(tmp_path, scene, "numerics.spacing=0.5")
-        found.append(case.cracks[0].points)
-    np.testing.assert_allclose(found[1], found[0], atol=1e-12)
-    kinked = load(tmp_path, scene, "cracks.a.path.points=[[-2, 0], [0, 1e-6], [2, 0]]", "numerics.spacing=0.5")
-    assert len(kinked.cracks[0].points) == 3
