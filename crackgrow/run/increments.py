@@ -15,7 +15,9 @@ the loads and the rock give then, and the rest is released.
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -43,12 +45,6 @@ MOST_HALVINGS = 12
 
 MOST_PARTS = 100
 """Parts of an increment, after which the rest of it is not divided."""
-
-GIVEN_UP = (
-    f"the load came in {MOST_PARTS} parts, and contact points slip or break within {{}} more, which are not divided: "
-    "where they do is only as good as these; apply the load in smaller steps (loading.history)"
-)
-"""What is said then."""
 
 BESIDE = 1e-10
 """So far before and behind the factor at which a point should slip, as a fraction of it, a part ends."""
@@ -205,9 +201,22 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         reached.append(_booked(state, at) if breaks.any() else state)
         at = from_state(reached[-1])
     *via, last = reached
-    notes = (GIVEN_UP.format(passed_over),) if passed_over else ()
+    notes = tuple(_doubts(passed_over, [start.energy, *(state.energy for state in reached)], size))
     passed = tuple(replace(state, outcome=replace(state.outcome, problem=None)) for state in via)  # these are large
     return replace(last, seconds=time.perf_counter() - began, via=passed, notes=notes)
+
+
+def _doubts(passed_over: int, energies: Sequence[Energy], size: float) -> Iterator[str]:
+    """What is given up of parts with these energies, whose largest is `size`, in words for the user."""
+    smaller = "apply the load in smaller steps (loading.history)"
+    if passed_over:
+        yield (
+            f"the load came in {len(energies) - 1} parts, in {passed_over} of which contact points change although "
+            f"they are not divided further: which of them break or slip, and where, is only as good as these; {smaller}"
+        )
+    fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))
+    if fallen > BALANCED * size:
+        yield f"what friction dissipates falls by {fallen:.2g} J/m in a part of the load; {smaller}"
 
 
 def held_loads(configuration: Configuration) -> Start:

@@ -68,7 +68,7 @@ class FreePiece:
     def about(self, motion: Floats) -> str:
         """The point that stays where it is in a motion (3,) that turns the piece."""
         a, b, w = motion
-        x, y = self.centre + self.reach * np.array([-b, a]) / w
+        x, y = self.reach * np.round((self.centre + self.reach * np.array([-b, a]) / w) / self.reach, 6) + 0.0
         return f"({x:.3g}, {y:.3g}) m"
 
 

@@ -309,3 +309,26 @@ def test_loads_move_by_their_work_over_their_force_even_if_a_tip_is_close_to_the
     result = next(grow(case))
     force = 2.0 * 100e6 * 31e-3  # N/m, on both edges
     assert 0.5 * force * result.load_displacement == pytest.approx(result.energy.strain, rel=1e-9)
+
+
+def test_a_load_that_is_not_divided_further_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bonds that break one after the other take more parts than are allowed here."""
+    settings = ("cracks.flaw.contact.cohesion=10", "growth.steps=0", "output.frames=none", "output.figures=false")
+    case = load_case(CASES / "compression30.yaml", [*FRICTION, *settings])
+    assert not any("parts, in" in warning for warning in next(grow(case)).warnings)
+    monkeypatch.setattr(increments, "MOST_PARTS", 1)
+    warnings = [
+        warning for warning in next(grow(case)).warnings if "parts, in 1 of which contact points change" in warning
+    ]
+    assert len(warnings) == 1
+
+
+@pytest.mark.parametrize(("share", "words"), [(1.5, "out of balance by"), (-1.0, "dissipates falls by")])
+def test_energies_that_do_not_add_up_are_a_warning(monkeypatch: pytest.MonkeyPatch, share: float, words: str) -> None:
+    case = load_case(
+        CASES / "compression30.yaml", [*FRICTION, "growth.steps=0", "output.frames=none", "output.figures=false"]
+    )
+    assert not any(words in warning for warning in next(grow(case)).warnings)
+    true = increments._dissipated
+    monkeypatch.setattr(increments, "_dissipated", lambda *state: share * true(*state))
+    assert any(words in warning for warning in next(grow(case)).warnings)

@@ -15,6 +15,7 @@ from crackgrow.case.model import Case
 from crackgrow.errors import FreePieceError
 from crackgrow.run import grow
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from tests.stability.contact_conditions import recorded, violations
 
 HELD_BY_FRICTION = [
     [(-2.47, 6.123), (-2.616, 9.325), (-2.863, 14.319), (-14.167, 23.901), (-14.378, 28.896), (-13.608, 30.0)],
@@ -176,7 +177,7 @@ def test_the_limit_of_a_slope_is_that_of_its_joint(tmp_path: Path) -> None:
         next(grow(slope(tmp_path, 1.0, 0.7000, 0.0)))
 
 
-def stack(tmp_path: Path, friction: float, tilt: float) -> Case:
+def stack(tmp_path: Path, friction: float, tilt: float, cohesion: float = 0.0) -> Case:
     """Three blocks of 1 m on a rough foundation, under gravity that is tilted by an angle of this tangent."""
 
     def square(low: float) -> dict[str, Any]:
@@ -185,7 +186,7 @@ def stack(tmp_path: Path, friction: float, tilt: float) -> Case:
 
     names = ["low", "middle", "top"]
     g = [float(9.81 * tilt / np.hypot(1.0, tilt)), float(-9.81 / np.hypot(1.0, tilt))]
-    rough = {"friction": friction, "cohesion": 0}
+    rough = {"friction": friction, "cohesion": cohesion}
     scene = {
         "title": "stack",
         "units": {"length": "m", "stress": "kPa"},
@@ -211,3 +212,14 @@ def test_a_stack_slides_at_the_angle_of_friction_and_turns_over_its_toe(tmp_path
     turns = all_of_it + r".*it turns about \(0\.[3-5]\d*, -?[0-9.e-]+\) m"
     with pytest.raises(FreePieceError, match=turns):
         next(grow(stack(tmp_path, 2.0, 0.34)))
+
+
+@pytest.mark.parametrize(("friction", "tilt", "cohesion"), [(0.5, 0.2, 3.0), (0.3, 0.25, 12.0), (0.8, 0.25, 8.0)])
+def test_a_stack_whose_bonds_break_obeys_the_law(tmp_path: Path, friction: float, tilt: float, cohesion: float) -> None:
+    """Every increment, judged from its displacements and tractions alone."""
+    with recorded() as increments:
+        (step,) = grow(stack(tmp_path, friction, tilt, cohesion))
+    assert step.residual < 1e-10
+    assert step.energy.error < 1e-4
+    for increment in increments:
+        assert max(violations(increment).values()) < 1e-7
