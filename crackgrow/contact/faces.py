@@ -28,6 +28,9 @@ SHORTEST_STRETCH = 0.1
 its traction could be anything: behind a kink of 30 degrees at 1e-3 spacings 4000 times the pressure, and K_I 100 times
 K_II. From here on its K_I is no worse than without."""
 
+BESIDE_END = 1e-6
+"""Spacings from the end of a stretch at which a place is on it for certain; edges begin there but for rounding."""
+
 POINTS_PER_EDGE = 8
 """Gauss points between two neighbouring mortar nodes, lattice crossings or kinks."""
 
@@ -167,6 +170,14 @@ def points_at(cover: Cover, surface: int, s: Floats) -> FacePoints:
     return _on_edges(cover, surface, owner, s)
 
 
+def _nodes_at(cover: Cover, surface: int, s: Floats, stretch: Ints, ends: Floats) -> FacePoints:
+    """Contact points at arc lengths s (n,) on their `stretch` (n,): at its end, too, with the normal that it has."""
+    inside = np.clip(s, ends[stretch] + BESIDE_END, ends[stretch + 1] - BESIDE_END)
+    edges = cover.surfaces[surface].edges
+    owner = np.clip(np.searchsorted(edges.s[:, 0], inside, side="right") - 1, 0, len(edges.s) - 1)
+    return _on_edges(cover, surface, owner, s)
+
+
 def _on_edges(cover: Cover, surface: int, owner: Ints, s: Floats) -> FacePoints:
     """Face points at arc lengths s (n,) that lie on edges `owner` (n,) of a surface."""
     edges = cover.surfaces[surface].edges
@@ -191,7 +202,7 @@ def joined_faces(cover: Cover, ends: dict[int, Floats], parts: list[Part]) -> Co
         points=joined(points),
         lengths=np.concatenate(lengths),
         functions=_block_diagonal(functions),
-        nodes=joined([points_at(cover, index, s) for index, s in zip(ends, nodes, strict=True)]),
+        nodes=joined([_nodes_at(cover, *node) for node in zip(ends, nodes, stretches, ends.values(), strict=True)]),
         stretch=np.concatenate(stretches),
         ends=ends,
     )

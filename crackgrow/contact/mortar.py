@@ -49,9 +49,9 @@ closed farther than the lattice can follow: K_II of a wing of half a spacing wou
 """
 
 FEW_NODES = 5
-"""So many nodes a stretch has if they are not too close for that, for the pressure may vary along it.
-
-Not so one that ends on a kink without a node, where the lattice does not follow the faces.
+"""So many nodes a stretch from a kink or, where it would have less than four, a tip has, if they are not too close for
+that: the pressure may vary along it. Not so one that ends on a junction or on a kink without a node, where the lattice
+does not follow the faces.
 """
 
 CLOSEST = 0.55
@@ -112,8 +112,9 @@ def _places(start: float, end: float, spacing: float, kinds: Ints) -> Floats:
         return int((end - start) / distance + TIE - free.sum()) + 1
 
     n = max(most(spacing), 1)
-    if BARE_KINK not in kinds:
-        n = max(n, min(FEW_NODES, most(CLOSEST * spacing)))
+    if on_kink or (n < FEW_NODES - 1 and TIP in kinds):
+        resolved = BARE_KINK not in kinds and JUNCTION not in kinds
+        n = max(n, min(FEW_NODES, most(CLOSEST * spacing)) if resolved else 0)
     if (on_kink and end - start >= THREE_NODES - TIE) or not free.any():
         n = max(n, 3)
     if n == 1:
