@@ -107,6 +107,11 @@ class ContactProblem:
         return int(self.free.size if self.friction is None else self.friction.size)
 
     @property
+    def least_traction(self) -> float:
+        """Pa: the least traction that could make up the free jump; what is nothing beside it is no traction."""
+        return float(np.abs(self.free).max(initial=0.0)) / max(float(self.reach.max(initial=0.0)), np.finfo(float).tiny)
+
+    @property
     def n_motions(self) -> int:
         """Number of rigid motions."""
         return 0 if self.motions is None else len(self.motions.pull)
@@ -158,7 +163,8 @@ def imbalance(problem: ContactProblem, x: Floats) -> float:
     if problem.motions is None:
         return 0.0
     motions, p = problem.motions, x[: problem.free.size]
-    size = float(np.max(np.abs(motions.force) @ np.abs(p) + np.abs(motions.pull), initial=0.0))
+    size = float(np.max(np.abs(motions.force) @ np.maximum(np.abs(p), problem.least_traction), initial=0.0))
+    size = max(size, float(np.abs(motions.pull).max(initial=0.0)))
     left = float(np.abs(motions.pull - motions.force @ p).max(initial=0.0))
     return left / size if size > 0.0 else 0.0
 
@@ -228,7 +234,7 @@ def complementarity_residual(problem: ContactProblem, x: Floats) -> float:
     du = jump(problem, x)
     largest_free = float(np.abs(du + A @ p).max()) if problem.n_motions else float(np.abs(problem.free).max())
     length = max(largest_free, float((A.diagonal() * np.abs(p)).max()))
-    traction = max(float(np.abs(p).max()), largest_free / float(problem.reach.max()))
+    traction = max(float(np.abs(p).max()), problem.least_traction)
     if length == 0.0:
         return imbalance(problem, x)
     gap, du = opening(problem, du) / length, du / length

@@ -37,6 +37,7 @@ FEW_POINTS: Final = 32  # up to so many points start from sweeps alone
 COARSE_ITERATIONS: Final = 20  # of a problem that is but a start
 MAX_SWEEPS: Final = 200  # most sweeps after one cycle
 SOFT: Final = 1.0  # compliance of the springs that hold pieces during sweeps, in parts of the rock's
+MOST_STEPS: Final = 60  # in which springs let go
 UNSEEN: Final = 1e-12  # motions that contact points see by less, relative to what they see best, are not seen
 
 
@@ -69,6 +70,9 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
             x[: problem.n_points] = np.minimum(x[: problem.n_points], 0.0)
             return ContactSolution(x[:m], "solved", iteration, active.states(), x[m:])
         if following.key() in seen:
+            found = _held_less_and_less(problem, x, as_far)
+            if found is not None:
+                return replace(found, iterations=found.iterations + iteration)
             x = sweep(problem, x, n_sweeps)
             n_sweeps = min(2 * n_sweeps, MAX_SWEEPS)
             following = active_set(problem, x[:m], jump(problem, x))
@@ -109,6 +113,28 @@ def sweep(problem: ContactProblem, x: Floats, n_sweeps: int) -> Floats:
                 b = max(0.0, cohesion[i] - friction[i] * p_n)
                 p[t] = min(b, max(-b, float(p[t]) + (free[t] - float(rows[t].dot(p))) / diagonal[t]))
     return p
+
+
+def _held_less_and_less(problem: ContactProblem, x: Floats, as_far: float) -> ContactSolution | None:
+    """The solution with springs that let go of the pieces step by step, each held where the one before has left it.
+
+    It leads on where pieces hang on a few points, or on none: tractions then are nothing, or undecided (proximal point
+    method, Rockafellar 1976). None where there are no such pieces, and where they are not held.
+    """
+    if problem.motions is None:
+        return None
+    m, iterations = problem.free.size, 0
+    for _ in range(MOST_STEPS):
+        held, springs = _held_by_springs(problem, x[m:])
+        solution = solve_by_newton(held, x[:m])
+        iterations += solution.iterations
+        if solution.status != "solved":
+            return None
+        p = solution.traction
+        x = np.concatenate([p, x[m:] + springs @ (problem.motions.pull - problem.motions.force @ p)])
+        if max(_change(problem, p, jump(problem, x)), imbalance(problem, x)) <= as_far:
+            return ContactSolution(p, "solved", iterations, solution.state, x[m:])
+    return None
 
 
 def _held_by_springs(problem: ContactProblem, at: Floats) -> tuple[ContactProblem, Floats]:
@@ -159,7 +185,9 @@ def _change(problem: ContactProblem, p: Floats, du: Floats) -> float:
     """Largest change of p by `project`, relative to the largest traction before or after."""
     projected = project(problem, p, du)
     scale = max(float(np.abs(p).max(initial=0.0)), float(np.abs(projected).max(initial=0.0)))
-    return float(np.abs(projected - p).max()) / scale if scale > 0.0 else 0.0
+    if problem.motions is not None:
+        scale = max(scale, problem.least_traction)
+    return float(np.abs(projected - p).max(initial=0.0)) / scale if scale > 0.0 else 0.0
 
 
 def _through_stick(problem: ContactProblem, active: ActiveSet, following: ActiveSet) -> ActiveSet:
