@@ -111,12 +111,14 @@ def _places(start: float, end: float, spacing: float, kinds: Ints) -> Floats:
     def most(distance: float) -> int:
         return int((end - start) / distance + TIE - free.sum()) + 1
 
-    n = max(most(spacing), 1)
+    if on_kink:
+        least = 3 if end - start >= THREE_NODES - TIE else 1
+    else:
+        least = 1 if JUNCTION in kinds else 3 - int(free.sum())  # on the rims, and in the middle
+    n = max(most(spacing), least)
     if on_kink or (n < FEW_NODES - 1 and TIP in kinds):
         resolved = BARE_KINK not in kinds and JUNCTION not in kinds
         n = max(n, min(FEW_NODES, most(CLOSEST * spacing)) if resolved else 0)
-    if (on_kink and end - start >= THREE_NODES - TIE) or not free.any():
-        n = max(n, 3)
     if n == 1:
-        return np.array([start + (end - start) * (0.5 if on_kink else free[0] / free.sum())])
+        return np.array([start + (end - start) * (free[0] / free.sum() if JUNCTION in kinds else 0.5)])
     return np.asarray(start + (end - start) * (free[0] + np.arange(n)) / (n - 1 + free.sum()))

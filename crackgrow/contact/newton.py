@@ -123,7 +123,7 @@ def _held_less_and_less(problem: ContactProblem, x: Floats, as_far: float) -> Co
     """
     if problem.motions is None:
         return None
-    m, iterations = problem.free.size, 0
+    m, iterations, residual = problem.free.size, 0, np.inf
     for _ in range(MOST_STEPS):
         held, springs = _held_by_springs(problem, x[m:])
         solution = solve_by_newton(held, x[:m])
@@ -132,9 +132,10 @@ def _held_less_and_less(problem: ContactProblem, x: Floats, as_far: float) -> Co
             return None
         p = solution.traction
         x = np.concatenate([p, x[m:] + springs @ (problem.motions.pull - problem.motions.force @ p)])
-        if max(_change(problem, p, jump(problem, x)), imbalance(problem, x)) <= as_far:
-            return ContactSolution(p, "solved", iterations, solution.state, x[m:])
-    return None
+        residual = max(_change(problem, p, jump(problem, x)), imbalance(problem, x))
+        if residual <= ROUND_OFF:
+            break
+    return ContactSolution(p, "solved", iterations, solution.state, x[m:]) if residual <= as_far else None
 
 
 def _held_by_springs(problem: ContactProblem, at: Floats) -> tuple[ContactProblem, Floats]:

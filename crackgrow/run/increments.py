@@ -40,6 +40,9 @@ Bools = NDArray[np.bool_]
 ON_OLD_FACES = 1e-6
 """Spacings: points closer than this to the crack as it was lie on it."""
 
+OF_A_PART = 0.2
+"""Share of it that a part of an increment may miss: several points change in one."""
+
 MOST_HALVINGS = 12
 """Times that an increment is halved."""
 
@@ -187,7 +190,7 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         size = max(size, abs(state.energy.work), state.energy.strain, abs(state.energy.dissipated))
         breaks = state.outcome.memory.broken & ~at.remembered.memory.broken & configuration.contact.law.breakable
         missing = abs(_missing(state.energy) - _missing(at.energy))
-        changes = missing + _at_stake(configuration, at.remembered, state.outcome, breaks) > BALANCED * size
+        changes = missing + _at_stake(configuration, at.remembered, state.outcome, breaks) > OF_A_PART * BALANCED * size
         if changes and halvings < MOST_HALVINGS and len(reached) < MOST_PARTS:
             limit = _foreseen(configuration, at, end, holding)
             if limit is None:

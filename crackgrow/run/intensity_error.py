@@ -8,9 +8,9 @@ part of the error. With the K of two displacements,
 
 the bound is
 
-    spread + q K_overlap + (0.003 + max(k h / l) + 0.02 (h / L)^2) max(K_slip, K) + 0.03 sqrt(h / d) K
+    spread + q K_overlap + (0.005 + max(k h / l) + 0.02 (h / L)^2) max(K_slip, K) + 0.03 sqrt(h / d) K
 
-q: 4, and 1 at a tip that is well open, K_I > 8 K_overlap, where what overlaps lies beside the kink behind it.
+q: 6, and 1 at a tip that is well open, K_I > 8 K_overlap, where what overlaps lies beside the kink behind it.
 o: largest overlap of the faces, that s > 5 spacings h from the tip times (5 h / s)^2: there contact, which holds on
 average, is not resolved (short closed stretches, kinks, faces that stick).
 l: at each kink of more than 20 degrees the longer of the two stretches that meet there; k: 0.25 where one of them is
@@ -37,9 +37,9 @@ from crackgrow.run.step import StepSolution
 
 Floats = NDArray[np.float64]
 
-AT_CLOSED_TIP, AT_OPEN_TIP, WELL_OPEN = 4.0, 1.0, 8.0
+AT_CLOSED_TIP, AT_OPEN_TIP, WELL_OPEN = 6.0, 1.0, 8.0
 CLOSED_KINK, OPEN_KINK = 0.25, 0.05
-LEAST, OF_LENGTH, OF_CROWDING = 0.003, 0.02, 0.03
+LEAST, OF_LENGTH, OF_CROWDING = 0.005, 0.02, 0.03
 NEAR = 5.0
 """Spacings from the tip along the crack from which on overlap is felt less."""
 

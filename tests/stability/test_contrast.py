@@ -58,13 +58,13 @@ def test_stiff_foundation_is_as_a_rigid_one(ratio: float, rigid: Solved) -> None
 
 @pytest.mark.parametrize("ratio", [1e-9, 1e-8, 1e-3, 1.0, 1e3, 1e7, 1e9])
 def test_interface_carries_the_loads_of_the_block(ratio: float) -> None:
-    """On soft rock a block moves 1/ratio times further than it strains: its round-off shows, and the run says so."""
+    """On soft rock a block moves 1/ratio times further than it strains: motion and strain are unknowns of their own."""
     found = foundation(ratio)
     (carried,) = (np.array(r.force) for r in found.result.reactions if r.where == "block/foundation")
     missing = np.abs(carried + LOADS).max() / np.abs(LOADS).max()
-    told = any("out of balance" in warning for warning in found.result.warnings)
-    assert told == (ratio <= 1e-8)
-    assert missing < max(BALANCE, ROUND_OFF / ratio)
+    assert missing < BALANCE
+    assert not any("out of balance" in warning for warning in found.result.warnings)
+    assert any("ill conditioned" in warning for warning in found.result.warnings) == (ratio <= 1e-8)
 
 
 @pytest.mark.parametrize("contact", ["{friction: 0.5, cohesion: 0}", "bonded"])
@@ -77,7 +77,7 @@ def test_pressure_goes_through_any_two_blocks(ratio: float, contact: str, tmp_pa
     found = solved(load_case(path))
     assert found.load_displacement == pytest.approx(200.0 / BLOCK * (1.0 + 1.0 / ratio), rel=accuracy)
     told = any("out of balance" in warning for warning in found.result.warnings)
-    assert told == (ratio == 1e-9)
+    assert told == (ratio == 1e-9 and contact == "bonded")
     reactions = {reaction.where: reaction.force for reaction in found.result.reactions}
     assert reactions["upper/lower"][1] == pytest.approx(400.0, rel=accuracy)
     assert reactions["supports.0"][1] == pytest.approx(400.0, rel=accuracy)

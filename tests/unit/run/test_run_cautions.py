@@ -157,12 +157,13 @@ def test_soft_contact_is_told_with_the_pressure_that_it_bears(stiffness: float, 
     assert soft.contact.normal_traction.mean() / rigid == pytest.approx(0.01 * float(share[1]), abs=0.07)
 
 
-@pytest.mark.parametrize(("spacing", "warned"), [("0.2", False), ("1", True)])
-def test_corners_of_bodies_overlap_by_little_beside_the_displacement(spacing: str, warned: bool) -> None:
+@pytest.mark.parametrize("spacing", ["0.2", "1"])
+def test_corners_of_bodies_overlap_by_little_beside_the_displacement(spacing: str) -> None:
     result = first_step("block_foundation", f"numerics.spacing={spacing}")
     (faces,) = result.faces
     assert result.overlap > Cause.OVERLAP.limit * np.hypot(faces.opening, faces.slip).max()
-    assert (result.overlap_share > 1.0) == any("overlap by" in text for text in result.warnings) == warned
+    assert 0.2 < result.overlap_share < 1.0
+    assert not any("overlap by" in text for text in result.warnings)
 
 
 def test_elastic_contact_explains_its_overlap() -> None:

@@ -323,7 +323,7 @@ def test_a_load_that_is_not_divided_further_is_told(monkeypatch: pytest.MonkeyPa
     assert len(warnings) == 1
 
 
-@pytest.mark.parametrize(("share", "words"), [(1.5, "out of balance by"), (-1.0, "dissipates falls by")])
+@pytest.mark.parametrize(("share", "words"), [(1.5, "miss each other by"), (-1.0, "dissipates falls by")])
 def test_energies_that_do_not_add_up_are_a_warning(monkeypatch: pytest.MonkeyPatch, share: float, words: str) -> None:
     case = load_case(
         CASES / "compression30.yaml", [*FRICTION, "growth.steps=0", "output.frames=none", "output.figures=false"]
