@@ -3,6 +3,7 @@
 The parts, from the ground up; each imports only from those above it:
 
 blas           one thread for linear algebra, while a case is solved
+vectors        cross products of vectors of the plane
 case           a YAML file becomes a checked, frozen Case in SI units
 geometry       polylines, the arrangement of lines that cuts the lattice, tolerances
 cover          lattice, manifold elements, physical patches, tips, numbering of functions

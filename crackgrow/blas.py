@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sys
 import threading
 from collections.abc import Iterator
 from typing import Final
@@ -14,21 +15,29 @@ from typing import Final
 THREAD_SETTINGS: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 WARM: Final = 256  # rows of a matrix that no shortcut for small ones takes
 
+_settled = any(name in os.environ for name in THREAD_SETTINGS)  # by the user, or by `one_thread` before numpy loaded
 _guard = threading.Lock()
 _users = 0  # blocks of `single_threaded` that go on, in all threads
 _limits = contextlib.ExitStack()  # what the first of them has set, and the last one takes back
 
 
 def one_thread() -> None:
-    """Let linear algebra use one thread, unless the user says otherwise: before numpy loads."""
-    for name in THREAD_SETTINGS:
-        os.environ.setdefault(name, "1")
+    """Let linear algebra use one thread, unless the user says otherwise: before numpy loads.
+
+    Later it can't: then `single_threaded` does it. Nor does that ask the environment again, which others write to for
+    processes that they start, such as Dask.
+    """
+    global _settled
+    if "numpy" not in sys.modules:
+        for name in THREAD_SETTINGS:
+            os.environ.setdefault(name, "1")
+        _settled = True
 
 
 @contextlib.contextmanager
 def single_threaded() -> Iterator[None]:
     """As `one_thread` where numpy is loaded, until the end of the block: then the user's threads are back."""
-    if any(name in os.environ for name in THREAD_SETTINGS):
+    if _settled:
         yield
         return
     _begin()

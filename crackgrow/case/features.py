@@ -15,7 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.case.model import EdgeRegion, Floats
-from crackgrow.geometry.vectors import cross
+from crackgrow.vectors import cross
 
 Ints = NDArray[np.int64]
 Kind = Literal["crack", "increment", "radius", "width", "feature", "bridge", "support", "load"]

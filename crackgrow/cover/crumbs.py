@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.arrangement import connected
-from crackgrow.geometry.vectors import cross
+from crackgrow.vectors import cross
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.geometry.vectors import cross
+from crackgrow.vectors import cross
 
 Floats = NDArray[np.float64]
 

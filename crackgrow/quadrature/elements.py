@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import TipsOf
 from crackgrow.geometry.arrangement import as_numbers, ring_vertices
-from crackgrow.geometry.vectors import cross
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
+from crackgrow.vectors import cross
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
-from crackgrow.geometry.vectors import cross
+from crackgrow.vectors import cross
 
 Floats = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ class Cause(Enum):
     ENERGY = (1e-4, "largest energy", "work, dissipation and released energy are off by as much")
     SECOND_SOLUTION = (0.0, "", "friction leaves more than one solution, and the run is one of them")
     SHARP_KINK = (75.0, "degrees", "open: K within 5 % of the larger K below, off by half of it (see `cautions`)")
-    CLOSED_KINK = (10.0, "degrees", "K off by 15 % to half of the K without the kink (see `cautions`)")
+    CLOSED_KINK = (10.0, "degrees", "K off by up to half of the K without the kink (see `cautions`)")
     UNRESOLVED = (
         0.9, "spacing that accuracy: draft would take",
         "with a spacing of a tunnel's radius and twice that stresses at its wall are 2 and 33 to 65 % off",

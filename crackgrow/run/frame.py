@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
 from crackgrow.geometry.arrangement import connected, vertex_ids
-from crackgrow.geometry.vectors import cross
 from crackgrow.quadrature.elements import triangulate
 from crackgrow.run.result import Frame
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.error_estimate import ErrorEstimate
 from crackgrow.solid.recovery import displacement_at, stress_at
+from crackgrow.vectors import cross
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

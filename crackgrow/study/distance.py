@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.geometry.vectors import cross
+from crackgrow.vectors import cross
 
 Floats = NDArray[np.float64]
 

@@ -108,20 +108,27 @@ def bent(turn: float, first: float, second: float) -> str:
     return f"cracks.flaw.path={{points: {[[float(x), float(y)] for x, y in points]}}}"
 
 
-@pytest.mark.parametrize(
-    ("spacing", "turn", "words"),
-    [
-        (1.5, 150.0, "turns by 150 degrees less than 8 spacings from its start"),
-        (0.75, 90.0, "turns by 90 degrees less than 8 spacings from its end"),
-    ],
-)
-def test_a_sharp_kink_is_warned_of(spacing: float, turn: float, words: str) -> None:
-    """Against a spacing of 0.2 mm: as much as the warning says, and at 0.75 mm within a tenth."""
+@pytest.mark.parametrize("turn", [150.0, 90.0])
+@pytest.mark.parametrize(("spacing", "error"), [(3.0, 0.5), (1.5, 0.1), (0.75, 0.05)])
+def test_a_sharp_closed_kink_is_warned_of_below_two_spacings(spacing: float, error: float, turn: float) -> None:
+    """Arms of 1.7, 3.3 and 6.7 spacings, against a spacing of 0.2 mm: as much as the warning says, else a tenth."""
     scene = case(f"numerics.spacing={spacing}", bent(turn, 5.0, 5.0))
     fine = {150.0: [(0.0, -4.402e6), (0.0, 0.907e6)], 90.0: [(0.0, -4.314e6), (0.0, 3.869e6)]}[turn]
-    error = np.abs(K(solve(scene)) - fine) / 4.4e6
-    assert error.max() < (0.7 if spacing > 1.0 else 0.1)
-    assert words in warnings(scene)
+    assert (np.abs(K(solve(scene)) - fine) / 4.4e6).max() < error
+    words = f"is closed and turns by {turn:.0f} degrees less than 2 spacings from its start"
+    assert (words in warnings(scene)) == (spacing > 2.5)
+
+
+@pytest.mark.parametrize("turn", [150.0, 90.0])
+@pytest.mark.parametrize(("spacing", "error"), [(1.5, 0.1), (0.75, 0.05), (0.6, 0.05)])
+def test_a_sharp_open_kink_is_warned_of_below_eight_spacings(spacing: float, error: float, turn: float) -> None:
+    """Arms of 3.3, 6.7 and 8.3 spacings under tension, against a spacing of 0.3 mm."""
+    scene = case(f"numerics.spacing={spacing}", bent(turn, 5.0, 5.0), loads((10.0, 10.0, 0.0)))
+    fine = {150.0: [(0.685e6, -0.232e6), (0.680e6, 0.231e6)], 90.0: [(0.960e6, -0.328e6), (0.964e6, 0.323e6)]}[turn]
+    assert (np.abs(K(solve(scene)) - fine) / 1.25e6).max() < error
+    for end in ("start", "end"):
+        words = f"crack 'flaw' turns by {turn:.0f} degrees less than 8 spacings from its {end}"
+        assert (words in warnings(scene)) == (spacing > 0.625)
 
 
 def test_gentle_kinks_away_from_tips_are_not_warned_of() -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -9,7 +12,9 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import crackgrow
-from crackgrow.blas import THREAD_SETTINGS, single_threaded
+from crackgrow import blas
+from crackgrow.blas import THREAD_SETTINGS, one_thread, single_threaded
+from crackgrow.plan import cost
 from crackgrow.run import loop
 
 CASE = Path(__file__).resolve().parents[2] / "cases" / "compression30.yaml"
@@ -21,8 +26,7 @@ def threads() -> set[int]:
 
 @pytest.fixture(autouse=True)
 def unset(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in THREAD_SETTINGS:
-        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(blas, "_settled", False)
 
 
 def test_a_case_is_solved_with_one_thread_and_the_user_s_are_back_between_its_steps(
@@ -60,10 +64,48 @@ def test_an_error_gives_the_threads_back(monkeypatch: pytest.MonkeyPatch) -> Non
         assert threads() == {2}
 
 
-def test_what_the_user_has_set_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("OMP_NUM_THREADS", "2")
-    with threadpool_limits(2, "blas"), single_threaded():
+def test_what_the_user_has_set_stays() -> None:
+    code = (
+        "import numpy; from threadpoolctl import threadpool_info; from crackgrow import blas; blas.one_thread()\n"
+        "with blas.single_threaded(): print({pool['num_threads'] for pool in threadpool_info()})"
+    )
+    environment = {name: value for name, value in os.environ.items() if name not in THREAD_SETTINGS}
+    for settings, expected in (({"OPENBLAS_NUM_THREADS": "2"}, "{2}\n"), ({}, "{1}\n")):
+        command = [sys.executable, "-c", code]
+        done = subprocess.run(command, env=environment | settings, capture_output=True, text=True, check=True)
+        assert done.stdout == expected
+
+
+def test_settings_that_come_too_late_are_not_taken_for_the_user_s(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of the command line in a program that has loaded numpy, and of Dask for the workers that it starts.
+
+    Runs after them had several threads, and other bits than those of the command line.
+    """
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    with threadpool_limits(2, "blas"):
+        one_thread()
+        assert "OPENBLAS_NUM_THREADS" not in os.environ
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
+        with single_threaded():
+            assert threads() == {1}
         assert threads() == {2}
+
+
+def test_the_machine_is_probed_as_it_solves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Threads that wait for each other made the machine look 200 times slower, where it was busy."""
+    inside: list[set[int]] = []
+    cholesky = cost.np.linalg.cholesky
+
+    def looking(matrix: object) -> object:
+        inside.append(threads())
+        return cholesky(matrix)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(cost.np.linalg, "cholesky", looking)
+    with threadpool_limits(2, "blas"):
+        cost.probe()
+        assert threads() == {2}
+    assert inside
+    assert all(found == {1} for found in inside)
 
 
 def test_the_last_of_several_gives_the_threads_back() -> None:

@@ -12,8 +12,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
-    "errors", "blas", "case", "geometry", "cover", "approximation", "quadrature", "solid", "contact", "fracture", "run",
-    "results", "plan", "study", "api", "cli",
+    "errors", "blas", "vectors", "case", "geometry", "cover", "approximation", "quadrature", "solid", "contact",
+    "fracture", "run", "results", "plan", "study", "api", "cli",
 )  # fmt: skip
 RESULTS_MAY_READ = (
     "crackgrow", "crackgrow.errors", "crackgrow.case", "crackgrow.run.caution", "crackgrow.run.result",

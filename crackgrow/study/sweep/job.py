@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from crackgrow.blas import one_thread, warm_up
+from crackgrow.blas import one_thread, single_threaded, warm_up
 
 Values = dict[str, str | float | int | None]
 """Cells of the table by column, SI; None where there is no value."""
@@ -43,7 +43,7 @@ def run_job(job: Job) -> Values:
     one_thread()
     from crackgrow.study.sweep.solving import solve  # only now: numpy reads the threads when it loads
 
-    with _ALONE:
+    with _ALONE, single_threaded():
         warm_up()
         with bounded_memory(job.memory):
             forget_peak_memory()

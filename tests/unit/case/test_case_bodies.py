@@ -293,7 +293,12 @@ HOLED = {**rectangle(0, 0, 6, 4), "holes": [rectangle(2, 1, 2, 2)]}
         ([[3, 2], [3, 2.5]], "none", "start (3 m, 2 m) lies in hole0 of body 'rock'"),
         ([[1, 2], [2, 2]], "both", "the tip at the end (2 m, 2 m) lies on hole0 of body 'rock'"),
         ([[1, 2], [2, 2], [1, 3]], "none", "vertex 1 (2 m, 2 m) lies on hole0"),
-        ([[1, 3], [2, 3], [3, 3]], "none", "runs along hole0 of body 'rock' from (2 m, 3 m) to (3 m, 3 m)"),
+        (
+            [[1, 3], [2, 3], [3, 3]],
+            "none",
+            "vertex 1 (2 m, 3 m) lies on hole0 of body 'rock'; only an end may: give it as two cracks",
+        ),
+        ([[1, 3], [3, 3]], "none", "runs along hole0 of body 'rock' from (2 m, 3 m) to (3 m, 3 m)"),
         ([[2, 1], [2, 3]], "none", "runs along hole0 of body 'rock' from (2 m, 1 m) to (2 m, 3 m); only an end"),
     ],
 )

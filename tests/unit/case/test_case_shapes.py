@@ -133,7 +133,6 @@ REFUSED = [
     ({"polygon": SQUARE, "disk": {"center": [1, 1], "radius": 1}}, "", "give either {rectangle} or {polygon} or"),
     ({}, "", "give either {rectangle} or {polygon} or {disk} or {file}"),
     ({"holes": []}, "", "give either {rectangle}"),
-    ({"plygon": SQUARE}, ".plygon", "did you mean 'polygon'?"),
 ]
 
 
@@ -142,6 +141,15 @@ def test_shape_refused(shape: dict[str, Any], key: str, words: str, tmp_path: Pa
     where, message = fault(tmp_path, with_body(shape))
     assert where == f"bodies.rock.shape{key}"
     assert words in message
+
+
+def test_a_misspelt_shape_is_told_beside_the_shapes_that_there_are(tmp_path: Path):
+    """It alone chooses no form: what is missing is told, too."""
+    missing, unknown = faults(tmp_path, with_body({"plygon": SQUARE}))
+    assert (missing.key, unknown.key) == ("bodies.rock.shape", "bodies.rock.shape.plygon")
+    assert missing.message == "give either {rectangle} or {polygon} or {disk} or {file}"
+    assert unknown.message.startswith("unknown key")
+    assert unknown.message.endswith("did you mean 'polygon'?")
 
 
 def test_a_hole_has_no_holes(tmp_path: Path):

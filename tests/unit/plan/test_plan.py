@@ -51,7 +51,7 @@ def test_counts_are_those_of_the_run(name: str) -> None:
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_unknowns_of_contact_are_those_of_the_run(friction: float) -> None:
     case = coarse("compression30", "numerics.spacing=1.5", f"cracks.flaw.contact.friction={friction}")
-    assert sizes_of(case).n_tractions == next(grow(case)).n_contact == (6 if friction else 3)
+    assert sizes_of(case).n_tractions == next(grow(case)).n_contact == (8 if friction else 4)
 
 
 def test_text_says_what_is_modelled_and_why() -> None:

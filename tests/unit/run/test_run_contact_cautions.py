@@ -13,6 +13,7 @@ from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.contact.second_solution import SecondSolution
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.caution import Cause
 from crackgrow.run.contact_cautions import contact_cautions
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step import StepSolution, solve_step
@@ -34,7 +35,9 @@ def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatc
     last = solution.faces.n - 1
     found = SecondSolution(0.25, np.array([last, 0]), np.array([3e-5, 1e-6]), np.array([STICK, STICK]))
     monkeypatch.setattr(module, "second_solution", lambda contact, outcome: found)
-    (text,) = contact_cautions(solution)
+    (told,) = contact_cautions(solution)
+    text = told.words
+    assert told.cause is Cause.SECOND_SOLUTION
     x, y = solution.cover.lattice.to_metres(solution.faces.nodes.points[[last]])[0]
     assert f"the point ({x:.4g}, {y:.4g}) m of 'flaw', which slips, sticks" in text
     assert "below 0.25" in text

@@ -16,7 +16,7 @@ from crackgrow.solid import fronts as codes
 from crackgrow.solid import multifrontal as module
 from crackgrow.solid.dissection import Places, dissect, places_of_unknowns
 from crackgrow.solid.fronts import LEAF, Fronts, fronts_of
-from crackgrow.solid.linear_solver import FEW_CONSTRAINTS, ConstrainedSystem, Factorization
+from crackgrow.solid.linear_solver import FEW_CONSTRAINTS, MANY, ConstrainedSystem, Factorization
 from crackgrow.solid.matrix import SymmetricMatrix, symmetric
 from crackgrow.solid.multifrontal import Multifrontal, NotQuasiDefiniteError
 from crackgrow.solid.stiffness import stiffness_after
@@ -254,10 +254,12 @@ def test_compliance_is_left_to_solutions_where_it_is_not_cheap() -> None:
     rows = csr_array(np.eye(3, matrix.shape[0]))
     assert system.compliance(rows) is not None
     assert ConstrainedSystem(matrix, constraints).compliance(rows) is None
-    many = csr_array(np.eye(FEW_CONSTRAINTS + 1, matrix.shape[0]))
+    most = MANY * rows.shape[0]
+    assert most > FEW_CONSTRAINTS
+    many = csr_array(np.eye(most + 1, matrix.shape[0]))
     places = places_at(lattice(12, 42)[1])
     assert ConstrainedSystem(matrix, many, places).compliance(rows) is None
-    assert ConstrainedSystem(matrix, many[:FEW_CONSTRAINTS], places).compliance(rows) is not None
+    assert ConstrainedSystem(matrix, many[:most], places).compliance(rows) is not None
 
 
 def test_prescribed_displacements() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.geometry.vectors import cross
+from crackgrow.vectors import cross
 
 
 def test_the_cross_product_is_the_sine_of_the_turn_from_one_vector_to_the_other() -> None:
