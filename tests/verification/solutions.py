@@ -56,12 +56,13 @@ class Solved:
         return jump_of(self.solution.configuration, self.solution.outcome.u, s, surface)
 
     def tractions(self, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:
-        """Normal and shear traction (n,) Pa at arc lengths s (n,) m, linear between the contact points."""
-        name = self.solution.cover.surfaces[surface].name
-        contact = self.result.contact
-        mine = np.array([crack == name for crack in contact.crack])
-        normal, shear = contact.normal_traction[mine], contact.tangential_traction[mine]
-        return np.interp(s, contact.s[mine], normal), np.interp(s, contact.s[mine], shear)
+        """Normal and shear traction (n,) Pa at arc lengths s (n,) m: sum of N_k p_k, linear between Gauss points."""
+        faces, outcome = self.solution.faces, self.solution.outcome
+        mine = faces.points.surface == surface
+        places = faces.points.s[mine] * self.scene.lattice.spacing
+        tractions = (outcome.normal_traction, outcome.tangential_traction)
+        normal, shear = (np.interp(s, places, (faces.functions.T @ p)[mine]) for p in tractions)
+        return normal, shear
 
 
 @cache

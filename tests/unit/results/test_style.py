@@ -53,9 +53,7 @@ def test_settings_are_the_user_s_again_after_an_error() -> None:
         assert {key: mpl.rcParams[key] for key in ODD} == ODD
 
 
-def test_a_run_and_its_pictures_are_made_in_any_environment(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_and_its_pictures_are_made_in_any_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "matplotlibrc").write_text("lines.linewidth: thick\nno such key: 1\n")
     monkeypatch.setitem(ENVIRONMENT, "MPLBACKEND", "of_another_program")
     monkeypatch.setitem(ENVIRONMENT, "MATPLOTLIBRC", str(tmp_path / "matplotlibrc"))

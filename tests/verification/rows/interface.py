@@ -52,9 +52,23 @@ def curve_rate(friction: str, what: str) -> float:
     return rate(SPACINGS, [curve_error(friction, what, spacing) for spacing in SPACINGS])
 
 
-def _row(friction: str, quantity: str, reference: float, tolerance: float, value: object, error: str = "relative"):
+AT_RIMS = (
+    "next to a rim the functions of the nodes keep the moment of the pressure (blocks topple where they should), not "
+    "its shape: with hats there, as before, shear is 0.009 off, with sticking a node farther, and the rate is 1.69"
+)
+
+
+def _row(
+    friction: str,
+    quantity: str,
+    reference: float,
+    tolerance: float,
+    value: object,
+    error: str = "relative",
+    known: str = "",
+):
     case = f"interface_friction{friction.replace('.', '')}"
-    return Row(case, quantity, reference, "independent code", CODE.format(friction), tolerance, value, error)
+    return Row(case, quantity, reference, "independent code", CODE.format(friction), tolerance, value, error, known)
 
 
 ROWS = [
@@ -73,7 +87,13 @@ ROWS = [
     ),
     *(
         _row(
-            mu, f"{what} along the interface, L2 difference", 0.0, tolerance, partial(curve_error, mu, what), "at most"
+            mu,
+            f"{what} along the interface, L2 difference",
+            0.0,
+            tolerance,
+            partial(curve_error, mu, what),
+            "at most",
+            AT_RIMS if (mu, what) == ("0.4", "shear") else "",
         )
         for mu in ("0.1", "0.4")
         for what, tolerance in (("pressure", 1e-2), ("shear", 2e-2), ("slip", 1e-2))
@@ -85,6 +105,7 @@ ROWS = [
         0.0,
         partial(curve_rate, "0.1", "pressure"),
         "at least",
+        AT_RIMS,
     ),
     _row(
         "0.4",
