@@ -168,7 +168,7 @@ def test_faces_of_the_open_crack_move_apart() -> None:
         assert frame.displacement[pair[1], 1] > frame.displacement[pair[0], 1]
 
 
-@pytest.mark.parametrize("spacing", [1.0, 1.5])
+@pytest.mark.parametrize("spacing", [1.0, 0.9])
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_slip_at_the_middle_is_the_same_on_the_mesh_and_at_the_contact_points(friction: float, spacing: float) -> None:
     result = first_step(f"cracks.flaw.contact.friction={friction}", f"numerics.spacing={spacing}")
@@ -181,10 +181,10 @@ def test_slip_at_the_middle_is_the_same_on_the_mesh_and_at_the_contact_points(fr
     mine = mine[np.argsort(s[mine], kind="stable")].reshape(-1, 2)  # pairs at one place
     assert np.ptp(s[mine], axis=1).max() < NEAR
     slip = np.abs((frame.displacement[mine[:, 1]] - frame.displacement[mine[:, 0]]) @ tangent)
-    nearest = np.argmin(np.abs(contact.s - 5e-3))  # to the middle, where slip is flat
-    on_mesh = np.interp(contact.s[nearest], s[mine[:, 0]], slip)
-    assert on_mesh == pytest.approx(np.abs(contact.slip[nearest]), rel=0.01)
-    assert on_mesh > 1e-5  # m
+    at_middle = np.interp(5e-3, s[mine[:, 0]], slip)
+    expected = np.interp(5e-3, contact.s, np.abs(contact.slip))
+    assert at_middle == pytest.approx(expected, rel=0.01)  # one contact point lies in the middle, where slip is flat
+    assert at_middle > 1e-5  # m
 
 
 def test_faces_of_the_result_are_those_of_the_mesh() -> None:
