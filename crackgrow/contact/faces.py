@@ -165,17 +165,19 @@ def integration_points(cover: Cover, index: int, breaks: Floats) -> tuple[FacePo
 
 def points_at(cover: Cover, surface: int, s: Floats) -> FacePoints:
     """Face points at arc lengths s (n,) of a surface; cracks are the first surfaces, in their order."""
+    return _on_edges(cover, surface, _edges_at(cover, surface, s), s)
+
+
+def _edges_at(cover: Cover, surface: int, s: Floats) -> Ints:
+    """Numbers (n,) of the edges of a surface that arc lengths s (n,) lie on; of two that meet there the second."""
     edges = cover.surfaces[surface].edges
-    owner = np.clip(np.searchsorted(edges.s[:, 0], s, side="right") - 1, 0, len(edges.s) - 1)
-    return _on_edges(cover, surface, owner, s)
+    return np.clip(np.searchsorted(edges.s[:, 0], s, side="right") - 1, 0, len(edges.s) - 1)
 
 
 def _nodes_at(cover: Cover, surface: int, s: Floats, stretch: Ints, ends: Floats) -> FacePoints:
     """Contact points at arc lengths s (n,) on their `stretch` (n,): at its end, too, with the normal that it has."""
     inside = np.clip(s, ends[stretch] + BESIDE_END, ends[stretch + 1] - BESIDE_END)
-    edges = cover.surfaces[surface].edges
-    owner = np.clip(np.searchsorted(edges.s[:, 0], inside, side="right") - 1, 0, len(edges.s) - 1)
-    return _on_edges(cover, surface, owner, s)
+    return _on_edges(cover, surface, _edges_at(cover, surface, inside), s)
 
 
 def _on_edges(cover: Cover, surface: int, owner: Ints, s: Floats) -> FacePoints:

@@ -8,29 +8,11 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import STICK
 from tests.verification.rows.closed_kink import K_FLAW, K_of, error
-from tests.verification.solutions import solve_case
+from tests.verification.solutions import REFERENCES, solve_case
 from tests.whole_run import whole_run
 
-STUCK = """
-title: flaw that sticks everywhere under a pressure that varies along it, K_I = K_II = 0
-units: {length: mm, stress: MPa}
-plane: strain
-bodies:
-  rock:
-    shape: {rectangle: {center: [0, 0], width: 60, height: 60}}
-    material: {young: 10000, poisson: 0.25}
-    strength: {tension: 2, cohesion: 60, friction_angle: 40}
-cracks:
-  flaw:
-    path: {center: [0.3, 0.4], length: 15, angle: 20}
-    contact: {friction: 1, cohesion: 0}
-supports:
-  - {on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}
-  - {on: {body: rock, edge: top}, displacement: {y: "-0.6+0.018*x"}}
-growth: {steps: 4, increment: 3, advance: all, criterion: max_hoop_stress, tip_stress: {radius: 1.6}}
-numerics: {spacing: 3}
-output: {frames: none, figures: false, report: false}
-"""
+STUCK = REFERENCES / "stuck_flaw.yaml"
+"""A flaw that sticks everywhere under a pressure that varies along it: K_I = K_II = 0."""
 
 
 @pytest.mark.parametrize(("spacings", "most"), [(2.0, 0.1), (2.6, 0.1), (3.4, 0.05), (5.0, 0.02), (6.0, 0.02)])
@@ -48,21 +30,17 @@ def test_K_behind_other_closed_kinks_does_not_depend_on_the_spacing(turn: float)
 
 
 @pytest.mark.parametrize("spacing", [3.0, 2.0])
-def test_a_flaw_that_sticks_everywhere_does_not_grow(tmp_path, spacing: float) -> None:
-    path = tmp_path / "stuck.yaml"
-    path.write_text(STUCK, encoding="utf-8")
-    results, end = whole_run(load_case(path, [f"numerics.spacing={spacing}"]))
+def test_a_flaw_that_sticks_everywhere_does_not_grow(spacing: float) -> None:
+    results, end = whole_run(load_case(STUCK, [f"numerics.spacing={spacing}"]))
     assert end.status == "arrested"
     assert len(results) == 1
     assert (results[0].contact.state == STICK).all()
 
 
-def test_K_of_a_flaw_that_sticks_everywhere_falls_with_the_spacing(tmp_path) -> None:
+def test_K_of_a_flaw_that_sticks_everywhere_falls_with_the_spacing() -> None:
     """Contact holds on average along the faces: what is left of K is zero in the limit."""
-    path = tmp_path / "stuck.yaml"
-    path.write_text(STUCK, encoding="utf-8")
     K = [
-        max(np.hypot(tip.K_I, tip.K_II) for tip in solve_case(load_case(path, [f"numerics.spacing={h}"])).result.tips)
+        max(np.hypot(tip.K_I, tip.K_II) for tip in solve_case(load_case(STUCK, [f"numerics.spacing={h}"])).result.tips)
         for h in (3.0, 1.5, 1.0)
     ]
     assert K[1] < 0.7 * K[0]
