@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
@@ -28,8 +29,6 @@ from crackgrow.run.result import Frame, RunEnd, StepResult
 from crackgrow.run.step import StepSolution
 from crackgrow.solid import recovery
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Steps = Generator[tuple[StepResult, StepSolution], None, RunEnd]
 
 

@@ -10,12 +10,9 @@ Arrays inside run over the points last, so that every operation is one long loop
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crackgrow.approximation.weight import cubic_spline
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from crackgrow.arrays import Floats
 
 
 def mls(local: Floats, support: float, reach: int) -> tuple[Floats, Floats]:

@@ -6,11 +6,9 @@ Where the crack is no longer one line as seen from the tip they fade out with ch
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.cover.tips import Tip
-
-Floats = NDArray[np.float64]
 
 
 def tip_functions(tip: Tip, r: Floats, t: Floats) -> tuple[Floats, Floats]:

@@ -5,6 +5,7 @@ schema, scalars, along, formula and outline_file), layout (the geometry, made of
 and build. `dump_case` writes a case that reads back to the same bits.
 """
 
+from crackgrow.arrays import Floats
 from crackgrow.case.dump import dump_case
 from crackgrow.case.load import load_case
 from crackgrow.case.model import (
@@ -20,7 +21,6 @@ from crackgrow.case.model import (
     EdgeRegion,
     EdgeSupport,
     EdgeTraction,
-    Floats,
     Formula,
     Gravity,
     Growth,

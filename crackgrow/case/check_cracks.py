@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from shapely import LineString, Point, Polygon
 
+from crackgrow.arrays import Floats
 from crackgrow.case.check_meetings import check_meetings, meets_itself
 from crackgrow.case.layout import SHORTEST, Scene
-from crackgrow.case.model import Floats
 from crackgrow.case.segments import common_parts
 from crackgrow.case.shapes import BodyShape
 

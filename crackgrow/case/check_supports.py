@@ -8,10 +8,10 @@ from itertools import pairwise
 import numpy as np
 from shapely import LineString, Point
 
+from crackgrow.arrays import Floats
 from crackgrow.case.check_regions import knows_body
 from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.layout import Scene
-from crackgrow.case.model import Floats
 from crackgrow.case.regions import ends_of
 from crackgrow.case.report import Path
 from crackgrow.case.shapes import BodyShape, Resolved

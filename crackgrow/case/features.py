@@ -14,10 +14,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.case.model import EdgeRegion, Floats
+from crackgrow.arrays import Floats
+from crackgrow.case.model import EdgeRegion
 from crackgrow.vectors import cross
 
-Ints = NDArray[np.int64]
 Kind = Literal["crack", "increment", "radius", "width", "feature", "bridge", "support", "load"]
 
 ROUGHNESS: Final = 0.01  # shallower or shorter details, over the width of the ring that they are part of, are none

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from crackgrow.case.model import Floats
+from crackgrow.arrays import Floats
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, did_you_mean, quoted
 from crackgrow.case.scalars import INVALID, Context, Quantity, given

@@ -10,9 +10,10 @@ import numpy as np
 import shapely
 from shapely import LineString
 
+from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, PRESETS, automatic_spacing
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
-from crackgrow.case.model import EdgeRegion, Floats, Move
+from crackgrow.case.model import EdgeRegion, Move
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines
 from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import segments_of

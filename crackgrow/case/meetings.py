@@ -7,8 +7,9 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from crackgrow.arrays import Floats
 from crackgrow.case.layout import ON_OUTLINE
-from crackgrow.case.model import Case, Floats
+from crackgrow.case.model import Case
 from crackgrow.case.segments import close_segments, places_between, segments_of
 from crackgrow.case.snapping import size_of
 

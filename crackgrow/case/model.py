@@ -8,9 +8,8 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case.read_only import read_only
-
-Floats = NDArray[np.float64]
 
 
 class Formula(Protocol):

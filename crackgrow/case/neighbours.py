@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from crackgrow.case.model import Floats
+from crackgrow.arrays import Floats
 from crackgrow.case.shapes import BodyShape, frozen
 
 

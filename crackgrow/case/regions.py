@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crackgrow.case.model import EdgeRegion, Floats
+from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import EdgeRegion
 from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
-
-Ints = NDArray[np.int64]
 
 FULL_CIRCLE = 360.0  # degrees
 SAME_PLACE = 1e-9  # parts of a side shorter than this part of it are none

@@ -9,20 +9,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.case.model import Floats
-
-Ids = NDArray[np.int64]
+from crackgrow.arrays import Floats, Ints
 
 MOST_PAIRS = 200_000  # of segments that come close; cracks of a scene make a few per crack
 CHUNK = 64  # segments that are looked at together
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Segments:
     """The segments of several polylines, one after another."""
 
     ends: Floats  # (n, 2, 2) m
-    lines: Ids  # (n,) number of the polyline that each belongs to
+    lines: Ints  # (n,) number of the polyline that each belongs to
     shapes: NDArray[np.object_]  # (n,) the same as shapes
     tree: shapely.STRtree
 
@@ -35,7 +31,7 @@ def segments_of(lines: Sequence[Floats]) -> Segments:
     return Segments(ends, numbers, shapes, shapely.STRtree(shapes))
 
 
-def close_segments(segments: Segments, tolerance: float) -> Ids:
+def close_segments(segments: Segments, tolerance: float) -> Ints:
     """Return the pairs `(m, 2) int`, i < j in order, of segments that come within the tolerance.
 
     Of more than MOST_PAIRS the first ones are returned, a few more than that.
@@ -70,7 +66,7 @@ def common_parts(first: Floats, second: Floats, tolerance: float) -> Floats:
     return np.asarray(parts, dtype=float)
 
 
-def places_between(segments: Segments, pairs: Ids) -> Floats:
+def places_between(segments: Segments, pairs: Ints) -> Floats:
     """Return for pairs `(m, 2) int` of segments the place `(m, 2) float` where they meet or are nearest."""
     first, second = segments.shapes[pairs[:, 0]], segments.shapes[pairs[:, 1]]
     links = shapely.get_coordinates(shapely.shortest_line(first, second)).reshape(-1, 2, 2)

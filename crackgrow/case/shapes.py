@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
-from crackgrow.case.model import Floats
+from crackgrow.arrays import Floats
 from crackgrow.case.report import Path, Report, did_you_mean, quoted
 from crackgrow.case.units import Units
 

@@ -14,7 +14,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.case.model import Floats, Move
+from crackgrow.arrays import Floats
+from crackgrow.case.model import Move
 from crackgrow.case.shapes import BodyShape, DrawnRing, body_shape, frozen
 
 SNAP: Final = 1e-5  # parts of the scene's size: what comes nearer touches

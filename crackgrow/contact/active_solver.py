@@ -18,7 +18,8 @@ from typing import Final
 import numpy as np
 from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
-from crackgrow.contact.coulomb import ActiveSet, ContactProblem, Floats, Ints
+from crackgrow.arrays import Floats, Ints
+from crackgrow.contact.coulomb import ActiveSet, ContactProblem
 
 SINGULAR: Final = 1e-14
 """Reciprocal condition from which equations with motions have no digits: nothing that is closed sees some of them."""

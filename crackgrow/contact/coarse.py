@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.contact.coulomb import ContactProblem, Floats
+from crackgrow.arrays import Floats
+from crackgrow.contact.coulomb import ContactProblem
 
 
 def halved(problem: ContactProblem) -> ContactProblem | None:

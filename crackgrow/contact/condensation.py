@@ -6,13 +6,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.solid.linear_solver import ConstrainedSystem
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FEW_POINTS = 64
 """Up to so many points their jumps are all computed at once."""

@@ -6,17 +6,14 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import ContactProblem, ContactSolution, complementarity_residual
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.uniqueness import friction_limit
 from crackgrow.errors import NotSolvedError
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 UNSYMMETRIC = 1e-2
 """A compliance of contact that is unsymmetric by more than this fraction of its largest entry is refused."""

@@ -12,12 +12,12 @@ from typing import Final
 
 import numpy as np
 
+from crackgrow.arrays import Floats
 from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.coulomb import (
     SOLVED_RESIDUAL,
     ContactProblem,
     ContactSolution,
-    Floats,
     active_set,
     complementarity_residual,
 )

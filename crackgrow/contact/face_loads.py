@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import CrackPressure, InSituStress, Load
 from crackgrow.contact.faces import integration_points
 from crackgrow.contact.jump import jump_matrix
 from crackgrow.cover.cover import Cover
-
-Floats = NDArray[np.float64]
 
 
 def face_load_vector(cover: Cover, crack_bodies: Sequence[str], loads: Sequence[Load]) -> Floats:

@@ -9,16 +9,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
 from crackgrow.quadrature.lines import on_edges_with_tips
 from crackgrow.quadrature.rules import gauss
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 STRETCH_KINK = np.deg2rad(10.0)
 """A kink sharper than this ends a stretch: hat functions do not reach round it, since the normal turns there."""

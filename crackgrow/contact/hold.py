@@ -8,15 +8,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.contact.law import ContactMemory
 from crackgrow.contact.limit import least_unbalanced
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import FreePieceError
 from crackgrow.solid.rigid_modes import FreePiece
-
-Floats = NDArray[np.float64]
 
 UNBALANCED = 1e-6
 """Loads out of balance by less than this fraction of them are balanced: what linear programming is good for."""

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from crackgrow.approximation.basis import values_at
 from crackgrow.approximation.field import field_values
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import ContactFaces, FacePoints
 from crackgrow.cover.cover import Cover
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def jump_matrix(cover: Cover, points: FacePoints) -> csr_array:

@@ -10,13 +10,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
 from crackgrow.contact.tableau import Tableau
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FALSE_RAY: Final = 1e-9  # a ray that ends with z0 below this part of max |q| has reached a solution
 SCALINGS: Final = 20  # of rows and columns in turn; each halves the logarithms of what is left

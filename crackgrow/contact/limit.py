@@ -11,11 +11,9 @@ faces that slide without dilating may still let the pieces go (Drucker 1954): on
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.errors import NotSolvedError
-
-Floats = NDArray[np.float64]
 
 AMPLE = 1e6
 """Times the mean traction of the loads: more cohesion than that is as good as that."""

@@ -14,9 +14,9 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import (
     ContactFaces,
     Part,
@@ -27,9 +27,6 @@ from crackgrow.contact.faces import (
 )
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 TIE = 1e-6
 """What a length may lack, in spacings or pieces, and counts all the same: rounding never decides."""

@@ -16,13 +16,13 @@ from typing import Final
 
 import numpy as np
 
+from crackgrow.arrays import Floats
 from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.coarse import doubled, halved
 from crackgrow.contact.coulomb import (
     ActiveSet,
     ContactProblem,
     ContactSolution,
-    Floats,
     active_set,
     imbalance,
     jump,

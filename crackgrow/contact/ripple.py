@@ -11,12 +11,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import ContactFaces
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SHORTEST_WAVE: Final = 2.0
 """Spacings: length of the shortest wave that a lattice can carry."""

@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.condensation import Rock
 from crackgrow.contact.coulomb import STICK, active_set, jump
 from crackgrow.contact.solve import OVERLAP, ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.uniqueness import below_friction_limit, friction_limit, other_solutions
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,8 +24,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.condensation import Condensation, Rock
 from crackgrow.contact.condensed import condensed, solved, spoilt
 from crackgrow.contact.coulomb import (
@@ -40,10 +40,6 @@ from crackgrow.contact.coulomb import (
 from crackgrow.contact.law import ContactMemory
 from crackgrow.contact.system import ContactSystem
 from crackgrow.solid.linear_solver import displacement_size
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 OVERLAP = 1e-10
 """A gap above minus this fraction of the displacement's size is no overlap but round-off."""

@@ -7,17 +7,13 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.condensation import ByCompliance, BySolutions, Condensation
 from crackgrow.contact.law import ContactLaw
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.rigid_modes import RigidMotions
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
 
 FEW_NUMBERS = 1_000_000
 """Up to so many numbers the displacements per unit traction at all contact points are solved for, as they are needed.

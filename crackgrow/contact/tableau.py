@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from crackgrow.arrays import Floats, Ints
 
 PIVOT: Final = 1e-11  # entries below this part of the largest of their column are round-off, not pivots
 TIE: Final = 1e-12  # ratios closer than this part of the largest basic value are ties

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.faces import ContactFaces, neighbours, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.law import ContactLaw
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.cover.cover import Cover
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def between_contact_points(faces: ContactFaces, surface: int, s: Floats, *values: Floats) -> list[Floats]:

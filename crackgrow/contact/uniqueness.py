@@ -25,17 +25,15 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.linalg.lapack import dpotrf, dpotrs
 
+from crackgrow.arrays import Floats
 from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import ActiveSet, ContactProblem, ContactSolution
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.errors import NotSolvedError
-
-Floats = NDArray[np.float64]
 
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions
 INVERSE_ITERATIONS: Final = 10  # for an estimate of an eigenvalue

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.crumbs import Crumbs, find_crumbs, with_crumbs
 from crackgrow.cover.elements import Elements, cut_elements
 from crackgrow.cover.enrichment import Enrichment, enrichment_of
@@ -21,10 +21,6 @@ from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tiles import tile_lines, tiles_at
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, carrying_nodes, make_tip, reach_of_tips
 from crackgrow.geometry.arrangement import on_grid
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

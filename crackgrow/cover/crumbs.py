@@ -10,16 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.arrangement import connected
 from crackgrow.vectors import cross
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 LARGEST_CRUMB = 1.0
 """Spacings: side of the box round a crumb."""

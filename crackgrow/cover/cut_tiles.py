@@ -13,13 +13,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.enrichment import entries
 from crackgrow.geometry.arrangement import as_numbers, faces_of
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
-
 
 _ROUND_TILE = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
 """Corners of a tile, counter-clockwise, back to the first."""

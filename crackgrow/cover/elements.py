@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cut_tiles import NOTHING, CutTiles, bodies_at, content_of, cut_tiles
 from crackgrow.cover.extensions import extensions_of
 from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_on_lines, edges_on_outlines
@@ -24,10 +25,6 @@ from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tiles import tile_lines, tiles_at, touched_tiles
 from crackgrow.geometry.arrangement import Edges, ring_vertices
 from crackgrow.geometry.tolerance import ON_LINE
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

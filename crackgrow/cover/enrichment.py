@@ -10,10 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from crackgrow.arrays import Bools, Ints
 
 
 def entries(start: Ints, rows: Ints) -> tuple[Ints, Ints]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.tiles import tile_lines
@@ -14,8 +14,6 @@ from crackgrow.cover.tips import n_outward, reach_of_tips
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.polyline import tip_direction
 from crackgrow.geometry.tolerance import ON_LINE, TOUCH
-
-Floats = NDArray[np.float64]
 
 DIAGONAL = 2.0**0.5
 """No two points of an element are further apart, spacings."""

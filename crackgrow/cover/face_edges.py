@@ -10,19 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.arrangement import Edges
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.geometry.tolerance import ON_LINE
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,16 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.arrangement import connected, on_grid
 from crackgrow.geometry.tolerance import ON_LINE, TOUCH
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
-
 
 REACH = 3.0 * TOUCH
 """A junction stands for points up to this far from it."""

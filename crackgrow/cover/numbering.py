@@ -11,11 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.geometry.arrangement import Edges, as_numbers, edges_between
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 _ROUND_TILE = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
 """Corners of a tile, counter-clockwise."""

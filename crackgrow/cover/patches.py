@@ -9,15 +9,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.arrangement import connected
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 SPECK = 1e-15
 """A patch whose weight is nowhere larger than this contributes less than round-off."""

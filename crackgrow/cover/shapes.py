@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from crackgrow.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)

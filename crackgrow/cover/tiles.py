@@ -5,15 +5,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.geometry.tolerance import TOUCH
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 _TOUCHING = TOUCH * np.array([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)])
 

@@ -11,12 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats
 from crackgrow.geometry.tolerance import TOUCH
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 N_TIP_FUNCTIONS = 4
 """Tip functions on a singular patch, paper eq. (1)."""

@@ -8,15 +8,12 @@ from typing import Literal
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Crack
 from crackgrow.fracture.criteria import AT_STRENGTH
 from crackgrow.fracture.meeting import Meeting, first_met, other_crack, own_path, rims
 from crackgrow.geometry.polyline import tip_direction
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 TIE = 5e-3
 """Tips whose criticality differs by less than this fraction are equally critical: that is what a lattice resolves. The

@@ -15,13 +15,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import Strength
 from crackgrow.fracture.tip_stress import TipField
 from crackgrow.solid.recovery import principal
-
-Floats = NDArray[np.float64]
 
 LARGEST_KINK = np.deg2rad(110.0)
 """Rays further back than this run along the crack's own faces, whose stress says nothing of growth."""

@@ -16,13 +16,11 @@ Arrays inside run over the points last, so that every operation is one long loop
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.fracture.tip_rule import TipRule, running_average, weighted_by_cone
 from crackgrow.fracture.williams import williams_gradient
 from crackgrow.solid.elasticity import PlaneElasticity
-
-Floats = NDArray[np.float64]
 
 
 def interaction(

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
@@ -17,8 +17,6 @@ from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import gradient_at
-
-Floats = NDArray[np.float64]
 
 FaceTraction = Callable[[Floats], tuple[Floats, Floats]]
 """Normal and tangential traction (n,) Pa at arc lengths (n,), spacings, from the crack's start."""

@@ -13,12 +13,11 @@ from typing import Literal
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.ops import substring
 
+from crackgrow.arrays import Floats
 from crackgrow.geometry.polyline import first_hit
 
-Floats = NDArray[np.float64]
 Kind = Literal["crack", "own_path", "outline", "hole"]
 
 HALVED = 0.5

@@ -16,15 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Complex, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import Tip, crack_angle, reach_of_tips, tip_angle
-
-Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 REACH = 6.0
 """Spacings from a tip to the nodes of the patches in which its field is told apart from the rest. With 4, the two ends

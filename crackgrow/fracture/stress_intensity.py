@@ -10,13 +10,11 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.contact.faces import FacePoints, joined, points_at, stretch_ends
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.cover import Cover
-
-Floats = NDArray[np.float64]
 
 FIT_SPACINGS = 3.0
 """The fit reaches this many spacings back from the tip, to the end of the last stretch, or to half of the crack."""

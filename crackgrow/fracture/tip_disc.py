@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
-
-Floats = NDArray[np.float64]
 
 RADIUS = 2.5
 """Radius of the disc in spacings: from 1.5 on K is within 0.2 % on straight cracks, and kinks of the last increments,

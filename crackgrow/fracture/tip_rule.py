@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.cover.tips import Tip, crack_angle
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.quadrature.rules import gauss
-
-Floats = NDArray[np.float64]
 
 N_RADIAL = 6
 """Points per panel along a ray; panels end at the discs' radii, at kinks and after every spacing."""

@@ -13,16 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.quadrature.rules import gauss
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import stress_at
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 N_RAYS = 72
 """Rays of the polar rule, 5 degrees apart."""

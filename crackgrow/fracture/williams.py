@@ -8,11 +8,9 @@ the last straight segment only.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.solid.elasticity import PlaneElasticity
-
-Floats = NDArray[np.float64]
 
 RATES = np.array([0.5, 1.5, 0.5, 1.5])
 """Of the angles t/2 and 3t/2."""

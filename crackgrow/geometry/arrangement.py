@@ -12,10 +12,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.geometry.tolerance import GRID
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

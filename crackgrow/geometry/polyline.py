@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.vectors import cross
-
-Floats = NDArray[np.float64]
 
 BEGIN = 1e-9
 """Lengths of a segment: closer than this to its start is at its start."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from crackgrow.arrays import Floats
 
 SUPPORT = "0.25"
 LOAD = "#b2182b"

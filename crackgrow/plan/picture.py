@@ -11,8 +11,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as LinePath
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.model import (
     Body,
@@ -32,8 +32,6 @@ from crackgrow.plan.glyphs import GIVEN, LOAD, arrow, beside, dimension, hatch, 
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.overview import length_unit, stress_text
 from crackgrow.results.style import own_style, wrapped
-
-Floats = NDArray[np.float64]
 
 FORMATS: Final = (".png", ".svg")
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written

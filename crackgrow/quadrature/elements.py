@@ -13,15 +13,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import TipsOf
 from crackgrow.geometry.arrangement import as_numbers, ring_vertices
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
 from crackgrow.vectors import cross
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 LARGEST = 2.0
 """Triangles with tip functions are no larger than this many times their distance from the tip."""

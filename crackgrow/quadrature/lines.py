@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.quadrature.rules import gauss
-
-Floats = NDArray[np.float64]
 
 
 def on_edges(n_edges: int, n: int) -> tuple[Floats, Floats]:

@@ -10,17 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import TipsOf, list_starts
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.quadrature.elements import plain_elements
 from crackgrow.quadrature.lines import on_edges, on_edges_with_tips
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 POINTS_PER_EDGE = 4
 """Gauss points on an edge of the arrangement, exact to degree 7: that of the functions at support 2 is lower."""

@@ -5,12 +5,10 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
+from crackgrow.arrays import Floats
 from crackgrow.vectors import cross
-
-Floats = NDArray[np.float64]
 
 
 @cache

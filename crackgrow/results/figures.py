@@ -18,14 +18,13 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as LinePath
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.load_point import LoadPoint
 from crackgrow.results.stress import principal_stresses
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, Frame, StepResult
-
-Floats = NDArray[np.float64]
 
 DISPLACED_SHARE = 0.04  # of the specimen's size: how far the most displaced point is drawn from its place
 LARGEST_STRAIN = 0.15  # that is drawn: beyond it holes lose their shape

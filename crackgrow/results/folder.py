@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError
 from crackgrow.results import tables
-
-Floats = NDArray[np.float64]
 
 COLUMNS = {
     "steps.csv": tables.STEPS,

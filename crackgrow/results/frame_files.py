@@ -9,14 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pyvista
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.results.folder import FolderError
 from crackgrow.results.leftovers import SERIES
 from crackgrow.results.units import LENGTHS, STRESSES, Unit, unit_of
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")  # as they come in a frame's stress
 

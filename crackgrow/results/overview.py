@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import STANDARD
 from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import (
@@ -18,7 +19,6 @@ from crackgrow.case.model import (
     CriticalLoad,
     EdgeSupport,
     EdgeTraction,
-    Floats,
     Gravity,
     InSituStress,
     Interface,

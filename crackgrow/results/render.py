@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.figures import bar_place, boundary_edges, colours_of, displayed_magnification
 from crackgrow.results.folder import RunFolder, read_run
@@ -24,8 +25,6 @@ from crackgrow.results.frame_files import DrawnFrame, chosen_files, field_unit, 
 from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.results.units import LENGTHS, unit_of
-
-Floats = NDArray[np.float64]
 
 LONG_SIDE = 1000  # pixels, where no size is given
 INCHES = 6.5  # of the longer side of a picture whose size fits the specimen: text is in proportion to that

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces
@@ -36,9 +36,6 @@ from crackgrow.solid.matrix import SymmetricMatrix
 from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints, constraints, tied
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 ON_OUTLINE = 1e-9
 """A crack end closer to an outline than this fraction of its length lies on it."""

@@ -13,16 +13,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import GO_BY_K, TipLoading
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment
 from crackgrow.run.step import StepSolution, judged, stress_fields, tip_states, verdict
-
-Bools = NDArray[np.bool_]
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""

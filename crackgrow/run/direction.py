@@ -13,8 +13,8 @@ from typing import Literal
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack, advanced, closed
 from crackgrow.fracture.criteria import hoop_stress_kink
@@ -23,8 +23,6 @@ from crackgrow.run.result import Event
 from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Solve = Callable[[tuple[GrowingCrack, ...]], StepSolution]
 
 MOST_SOLVES = 6

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
 from crackgrow.geometry.arrangement import connected, vertex_ids
@@ -16,9 +16,6 @@ from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.error_estimate import ErrorEstimate
 from crackgrow.solid.recovery import displacement_at, stress_at
 from crackgrow.vectors import cross
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def make_frame(

@@ -21,8 +21,8 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
@@ -32,10 +32,6 @@ from crackgrow.contact.tractions import between_contact_points, nearest_contact_
 from crackgrow.cover.cover import Surface
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.result import BALANCED, Energy
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 ON_OLD_FACES = 1e-6
 """Spacings: points closer than this to the crack as it was lie on it."""

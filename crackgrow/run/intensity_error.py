@@ -26,16 +26,14 @@ error is 3 there, and 12 on random scenes. It is no estimate for one tip.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.fracture.tip_disc import KEPT_CLEAR
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution
-
-Floats = NDArray[np.float64]
 
 AT_CLOSED_TIP, AT_OPEN_TIP, WELL_OPEN = 6.0, 1.0, 8.0
 CLOSED_KINK, OPEN_KINK = 0.25, 0.05

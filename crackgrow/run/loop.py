@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, LoadHistory
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
@@ -25,9 +25,6 @@ from crackgrow.run.result import Checkpoint, CrackPath, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.step import StepSolution
 from crackgrow.solid.rigid_modes import all_pieces
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResult, None, RunEnd]:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
 from crackgrow.run.result import Reaction
 from crackgrow.run.step import StepSolution
-
-Floats = NDArray[np.float64]
 
 
 def reactions(solution: StepSolution) -> tuple[Reaction, ...]:

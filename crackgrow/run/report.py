@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import FacePoints, joined, points_at
 from crackgrow.contact.jump import gap_and_slip
@@ -35,9 +35,6 @@ from crackgrow.run.scene import Scene
 from crackgrow.run.step import StepSolution
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.error_estimate import ErrorEstimate
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SAME_PLACE = 1e-6
 """Spacings: samples of a crack closer than this are one place."""

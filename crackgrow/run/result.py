@@ -9,11 +9,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
 from crackgrow.run.caution import Cause, Caution
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 OPEN, STICK, SLIP = 0, 1, 2
 STATE_NAMES = ("open", "stick", "slip")

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
@@ -24,8 +24,6 @@ from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.linear_solver import displacement_size
 from crackgrow.solid.supports import Constraints
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from crackgrow.arrays import Floats, Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,16 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.approximation.basis import functions_on
+from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import entries, list_starts
 from crackgrow.cover.tips import Tip, reach_of_tips
 from crackgrow.quadrature.elements import element_points, plain_elements
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.solid.elasticity import PlaneElasticity
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 BLOCK = 4
 """Cells: elements without tip functions make one cluster in each square of this side."""

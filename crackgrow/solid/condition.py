@@ -16,13 +16,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
+from crackgrow.arrays import Floats
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
-
-Floats = NDArray[np.float64]
 
 ACCURACY = 1e-2
 """Relative accuracy of the extreme eigenvalues: the order of magnitude is what is asked for."""

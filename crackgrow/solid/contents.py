@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.solid.fronts import MULTIPLIER, Fronts
 from crackgrow.solid.matrix import EqualElements, SymmetricMatrix
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Int32s = NDArray[np.int32]
 
 

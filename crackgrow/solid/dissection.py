@@ -11,13 +11,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 PERIOD = 12
 """Nodes from one band to the next. A multiple of `clusters.BLOCK`: clusters then lie alike in all boxes."""

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.solid.elasticity import PlaneElasticity
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def energy_components(materials: Sequence[PlaneElasticity], stress: Floats, body: Ints) -> Floats:

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crackgrow.approximation.mls import mls, mls_values
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import list_starts
 from crackgrow.quadrature.elements import ElementPoints
@@ -29,10 +29,6 @@ from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.energy_norm import energy_components
 from crackgrow.solid.patch_fits import FreeSamples, RegularSamples, fit, misfits
 from crackgrow.solid.recovery import stress_at, stress_of
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 N_POINTS = 2
 """Gauss points per direction at which stress is sampled: with 4 the estimate differs by 3 %, at thrice the cost."""

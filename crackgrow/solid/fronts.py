@@ -9,15 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from crackgrow.arrays import Bools, Ints
 from crackgrow.errors import SolveError
 from crackgrow.solid.dissection import Places, dissect
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 LEAF = 200
 """Boxes with at most so many unknowns are not cut."""

@@ -14,17 +14,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import block_diag, csc_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
+from crackgrow.arrays import Floats
 from crackgrow.errors import SolveError
 from crackgrow.solid.dissection import Places
 from crackgrow.solid.fronts import Fronts, fronts_of
 from crackgrow.solid.matrix import SymmetricMatrix, bordered, symmetric
 from crackgrow.solid.multifrontal import Factor, Multifrontal, NotQuasiDefiniteError
-
-Floats = NDArray[np.float64]
 
 YIELDING = 1e-7
 """d times rho: constraints give way by this fraction, which each refinement takes away again."""

@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crackgrow.approximation.basis import Values, values_at
 from crackgrow.approximation.mls import mls_values
+from crackgrow.arrays import Floats
 from crackgrow.case.model import Body, EdgeTraction, Gravity, InSituStress, Load
 from crackgrow.cover.cover import Cover
 from crackgrow.quadrature.elements import element_points, plain_kinds
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.supports import body_index, edge_points
-
-Floats = NDArray[np.float64]
 
 
 def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: int) -> Floats:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.errors import SolveError
-
-Floats = NDArray[np.float64]
 
 LARGEST = 1e100
 """Forces and stiffnesses, in SI, beyond which energies may overflow."""

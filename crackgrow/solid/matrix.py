@@ -10,13 +10,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.solid.assembly import HalfMatrix, half, sum_of
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 AT_ONCE = 4_000_000
 """Numbers that a product or a sum holds at once."""

@@ -15,18 +15,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 from scipy.sparse import csr_array
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.errors import SolveError
 from crackgrow.solid.contents import Contents
 from crackgrow.solid.fronts import Fronts
 from crackgrow.solid.matrix import SymmetricMatrix
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class NotQuasiDefiniteError(SolveError):

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from crackgrow.arrays import Floats, Ints
 
 N_MONOMIALS = 6
 """1, x, y, x^2, x y, y^2."""

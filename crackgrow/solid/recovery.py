@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crackgrow.approximation.field import field_gradients, field_values
+from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.solid.elasticity import PlaneElasticity
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:

@@ -9,17 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import qr
 from scipy.sparse import coo_array, csc_array, csr_array, hstack
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import FreePieceError
 from crackgrow.geometry.arrangement import connected
 from crackgrow.solid.matrix import SymmetricMatrix
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 HOLDS_NOTHING = 1e-8
 """Singular values below this, of constraints on the three rigid motions scaled by the piece's size, hold nothing."""

@@ -15,11 +15,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.approximation.mls import mls, mls_values
+from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
 from crackgrow.quadrature.elements import PlainKind, plain_kinds
@@ -29,9 +29,6 @@ from crackgrow.solid.assembly import HalfMatrix, half, sum_of
 from crackgrow.solid.clusters import Clusters, clusters_of, keys
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.matrix import EqualElements, SymmetricMatrix
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 BATCH = 500000
 """Values of functions at points that are held at once."""

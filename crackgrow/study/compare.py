@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import QuantityError, Units, parse_quantity
 from crackgrow.errors import CaseError, Fault
@@ -16,9 +16,6 @@ from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.study.comparison import Common, Comparison, Deviation, Pair, Place, Tip
 from crackgrow.study.distance import between, farthest, frechet, nearest, overhang, point_at
 from crackgrow.study.path_files import PathLine, PathSet, read_paths
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SLACK = 1e-9  # of a length: a point so close behind a vertex is at it
 

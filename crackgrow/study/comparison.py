@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from crackgrow.arrays import Floats
 from crackgrow.study.path_files import PathSet
 
-Floats = NDArray[np.float64]
 Tip = Literal["start", "end"]
 Part = Literal["given", "start", "end", "path"]  # "path": of a file that doesn't tell what has grown
 

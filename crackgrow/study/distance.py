@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.vectors import cross
-
-Floats = NDArray[np.float64]
 
 RESOLUTION = 1e-7  # of the extent: how exactly a distance and its place are found
 EMPTY = np.array([2.0, -1.0])  # an interval of no point: low, high

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.everywhere import all_points
 from crackgrow.run.step import StepSolution
 from crackgrow.solid.energy_norm import energy_density
 from crackgrow.solid.recovery import stress_at
-
-Floats = NDArray[np.float64]
 
 AT_ONCE = 20000
 """Points whose stress is evaluated together, which bounds the memory."""

@@ -12,15 +12,12 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.report import clean, did_you_mean, quoted
 from crackgrow.case.settings import read_settings
 from crackgrow.case.units import UNITS, QuantityError, Units, parse_number, parse_quantity
 from crackgrow.errors import CaseError, Fault
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_VERTICES = 2000  # of one crack: comparing takes time and memory in the product of two of them
 MOST_FAULTS = 10  # of the rows of one file that are told

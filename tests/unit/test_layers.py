@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
-    "errors", "blas", "vectors", "case", "geometry", "cover", "approximation", "quadrature", "solid", "contact",
+    "errors", "arrays", "blas", "vectors", "case", "geometry", "cover", "approximation", "quadrature", "solid", "contact",
     "fracture", "run", "results", "plan", "study", "api", "cli",
 )  # fmt: skip
 RESULTS_MAY_READ = (

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.units import (
     ENERGIES,
@@ -19,7 +19,6 @@ from crackgrow.results.units import (
     unit_of,
 )
 
-Floats = NDArray[np.float64]
 Chart = dict[str, Any]
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9")

@@ -7,14 +7,12 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.report.markup import Markup, tag
 from crackgrow.results.units import shown
 from crackgrow.run.result import CHECK_LIMITS
-
-Floats = NDArray[np.float64]
 
 WHAT = {
     "residual": "equilibrium residual",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import (
     Body,
     Case,
@@ -24,8 +24,6 @@ from crackgrow.results.folder import RunFolder
 from crackgrow.results.report import symbols
 from crackgrow.results.report.markup import Markup, tag
 from crackgrow.results.report.view import View, line_data, view_of
-
-Floats = NDArray[np.float64]
 
 STEP_COLOURS = ((59, 15, 158), (156, 23, 158), (214, 80, 98), (240, 143, 54))  # from the first step to the last
 

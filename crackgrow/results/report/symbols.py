@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.results.report.markup import Markup, join, tag
 from crackgrow.results.report.view import line_data
-
-Floats = NDArray[np.float64]
 
 ARROW = 30.0  # length of an arrow
 HEAD = (7.0, 3.0)  # length and half width of its head

@@ -6,11 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
-
-Floats = NDArray[np.float64]
 
 WIDEST, HIGHEST = 320.0, 440.0  # pixels, of the specimen
 MARGIN = 56.0  # pixels round it, for supports and loads

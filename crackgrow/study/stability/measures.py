@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.run.reactions import imbalance
 from crackgrow.study.stability.solved import Solved
 
-Floats = NDArray[np.float64]
 Measure = Callable[[Solved], float]
 Difference = Callable[[Solved, Solved], float]
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import (
     Body,
     Case,
@@ -27,7 +27,6 @@ from crackgrow.case.model import (
     Support,
 )
 
-Floats = NDArray[np.float64]
 Pair = tuple[Component | None, Component | None]
 
 STRAIGHT = 1e-12

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.loading import load
@@ -15,8 +15,6 @@ from crackgrow.run.result import CrackPath, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step import StepSolution
 from crackgrow.study.stability.placed import Placement, placed, scaled
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,15 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from crackgrow.arrays import Floats
 from crackgrow.errors import CaseError, Fault
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.study.compare import compare_paths
 from crackgrow.study.path_files import read_paths
 
-Floats = NDArray[np.float64]
 Records = list[dict[str, str]]
 
 NAN = float("nan")

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from crackgrow.arrays import Floats, Ints
 
 
 def pareto_front(cost: Floats, error: Floats) -> Ints:

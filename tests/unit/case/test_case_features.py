@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import crackgrow
+from crackgrow.arrays import Floats
 from crackgrow.case.features import Kind, Length, feature_lengths
-from crackgrow.case.model import Floats
 from tests.unit.case.scenes import MATERIAL, load
 
 BOX = [[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]]
