@@ -10,9 +10,11 @@ geometry       polylines, the arrangement of lines that cuts the lattice, tolera
 cover          lattice, manifold elements, physical patches, tips, numbering of functions
 approximation  weights, moving least squares, tip functions: value and gradient of every dof at points
 quadrature     integration rules, and the points of elements and edges
-solid          elasticity: stiffness, loads, supports, linear solver, stress
+direct         the direct solver: sparse symmetric matrices, nested dissection, the multifrontal method
+solid          elasticity: stiffness, loads, supports, the linear solve, stress
 contact        crack faces: contact points, jump, Coulomb law, the contact solvers
 fracture       tip stress, stress intensity, growth criteria, advance of a tip
+estimate       the error in the energy norm
 run            one step, and the loop over the steps
 results        tables, frames, figures and a report on disk, made from the results alone
 plan           what a case will model and cost, and a picture of it, before anything is solved

@@ -24,9 +24,9 @@ from crackgrow.results.gathered import Gathered
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.error import estimated_error
 from crackgrow.run.frame import make_frame
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import Frame, RunEnd, StepResult
-from crackgrow.run.step import StepSolution
 from crackgrow.solid import recovery
 
 Steps = Generator[tuple[StepResult, StepSolution], None, RunEnd]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from crackgrow.arrays import Ints
 from crackgrow.case.layout import Scene
-from crackgrow.case.segments import MOST_PAIRS, Ids, Segments, close_segments, common_parts, places_between, segments_of
+from crackgrow.case.segments import MOST_PAIRS, Segments, close_segments, common_parts, places_between, segments_of
 
 
 def check_meetings(scene: Scene, names: list[str], refused_tips: set[tuple[str, str]]) -> None:
@@ -46,7 +47,7 @@ def meets_itself(scene: Scene, name: str) -> bool:
     return len(found) > 0
 
 
-def _refuse_itself(scene: Scene, segments: Segments, name: str, pair: Ids) -> None:
+def _refuse_itself(scene: Scene, segments: Segments, name: str, pair: Ints) -> None:
     """Report that two segments of a crack cross, touch or lie on each other."""
     first, second = pair.tolist()
     if second - first == 1:

@@ -13,6 +13,8 @@ from crackgrow.arrays import Floats, Ints
 
 MOST_PAIRS = 200_000  # of segments that come close; cracks of a scene make a few per crack
 CHUNK = 64  # segments that are looked at together
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Segments:
     """The segments of several polylines, one after another."""

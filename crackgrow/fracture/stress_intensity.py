@@ -1,63 +1,145 @@
-"""Stress intensity factors from the displacement of the crack faces.
-
-Near a tip the opening is 8 K_I / E' sqrt(r / 2 pi) (1 + c r / L + ...), the slip likewise with K_II; K is the limit of
-a least-squares fit over the last straight stretch.
-"""
+"""K_I and K_II of the tips of a cover by the interaction integral: what `interaction` needs, from the displacement."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.faces import FacePoints, joined, points_at, stretch_ends
-from crackgrow.contact.jump import gap_and_slip
+from crackgrow.contact.faces import points_at
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.elements import locate
+from crackgrow.fracture.interaction import interaction
+from crackgrow.fracture.tip_disc import Disc, disc_round
+from crackgrow.fracture.tip_rule import TipRule, tip_rule
+from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.recovery import gradient_at
 
-FIT_SPACINGS = 3.0
-"""The fit reaches this many spacings back from the tip, to the end of the last stretch, or to half of the crack."""
+FaceTraction = Callable[[Floats], tuple[Floats, Floats]]
+"""Normal and tangential traction (n,) Pa at arc lengths (n,), spacings, from the crack's start."""
 
-FIT_TERMS = 3
-"""Terms of the fit in powers of r: K and two corrections."""
-
-FIT_POINTS = 24
-"""Sample points of the fit."""
+TIPS_AT_ONCE = 4
+"""Tips whose points are evaluated together: a call costs as much as some hundred points."""
 
 
-def from_face_displacements(
-    cover: Cover, young_prime: Sequence[float], u: Floats, tips: Sequence[int]
-) -> list[tuple[float, float]]:
-    """K_I and K_II (Pa sqrt(m)) of `tips` of the cover; `young_prime` are their E' (Pa), `u` (n_dofs,) m.
+@dataclass(frozen=True, slots=True, eq=False)
+class StressIntensity:
+    """K of one tip. K_II is positive where the face on the left of the outward direction moves outward."""
 
-    K_II is positive where the face on the left of the tip's outward direction moves outward: a positive slip at both
-    ends of a crack. A negative K_II turns the crack counter-clockwise.
+    K_I: float  # Pa sqrt(m)
+    K_II: float  # Pa sqrt(m)
+    K_I_spread: float  # Pa sqrt(m): over three radii
+    K_II_spread: float  # Pa sqrt(m)
+    radius: float  # m, of the largest disc; nan where none fits
+    shrunk: bool  # whether the disc is smaller than the default
+    note: str  # why, in words; empty where it is not
+
+
+def interaction_integrals(
+    cover: Cover,
+    materials: Sequence[PlaneElasticity],
+    u: Floats,
+    tips: Sequence[int],
+    tractions: Sequence[FaceTraction],
+    body_forces: Sequence[Floats] | None = None,
+    radius: float | None = None,
+) -> list[StressIntensity]:
+    """K_I and K_II of the `tips` of a cover; `u` (n_dofs,) m, `body_forces` (2,) N/m^3 each, `radius` m.
+
+    `tractions` are, tip by tip, all that acts between the faces: contact tractions less fluid pressure.
     """
-    if not tips:
-        return []
-    x, weights = _fit()
-    lengths, samples = zip(*(_samples(cover, tip, x) for tip in tips), strict=True)
-    jumps = np.split(np.stack(gap_and_slip(cover, joined(samples), u), axis=1), len(tips))
-    found = []
-    for modulus, length, jump in zip(young_prime, lengths, jumps, strict=True):
-        fit = weights @ jump * modulus / 8.0 * np.sqrt(2.0 * np.pi / (length * cover.lattice.spacing))
-        found.append((float(fit[0]), float(fit[1])))
-    return found
+    forces = [np.zeros(2)] * len(tips) if body_forces is None else body_forces
+    discs = [disc_round(cover, tip, None if radius is None else radius / cover.lattice.spacing) for tip in tips]
+    gradients = _gradients(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
+    return [
+        _no_room(disc) if np.isnan(disc.radius) else _in_disc(cover, materials, disc, *next(gradients), traction, force)
+        for disc, traction, force in zip(discs, tractions, forces, strict=True)
+    ]
 
 
-@cache
-def _fit() -> tuple[Floats, Floats]:
-    """Places x (n,) on a unit length, and weights (n,) of values there for the factor of sqrt(x) in their best fit."""
-    x = (np.arange(FIT_POINTS) + 0.5) / FIT_POINTS
-    return x, np.linalg.pinv((x[:, None] ** np.arange(FIT_TERMS)) * np.sqrt(x)[:, None])[0]
+def _no_room(disc: Disc) -> StressIntensity:
+    nan = float("nan")
+    note = f"{disc.obstacle} leaves no room for an integral round the tip"
+    return StressIntensity(nan, nan, nan, nan, nan, True, note)
 
 
-def _samples(cover: Cover, tip: int, x: Floats) -> tuple[float, FacePoints]:
-    """Length (spacings) of the fit of a tip, and points on the faces at fractions x (n,) of it from the tip."""
-    crack, at_end = cover.tip_ends[tip]
-    ends = stretch_ends(cover.surfaces[crack])
-    total = ends[-1]
-    length = float(min(ends[-1] - ends[-2] if at_end else ends[1] - ends[0], FIT_SPACINGS, 0.5 * total))
-    r = length * x
-    return length, points_at(cover, crack, total - r if at_end else r)
+def _in_disc(
+    cover: Cover,
+    materials: Sequence[PlaneElasticity],
+    disc: Disc,
+    rule: TipRule,
+    gradients: Floats,
+    face_gradients: Floats,
+    traction: FaceTraction,
+    body_force: Floats,
+) -> StressIntensity:
+    """K of a tip from its rule, and the elastic displacement gradients at the rule's points."""
+    geometry, material, spacing = cover.tips[disc.tip], _material(cover, materials, disc.tip), cover.lattice.spacing
+    normal, tangential = traction(_from_start(cover, disc.tip, rule.faces.arc))
+    along_x, along_y = rule.faces.toward_tip.T
+    vectors = 2.0 * np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
+    force = spacing * geometry.rotation @ body_force
+    M = interaction(material, rule, gradients, vectors, face_gradients, force)
+    K = 0.5 * material.young_prime * np.sqrt(spacing) * M
+    (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
+    note = f"{disc.obstacle} makes the disc of the integral small" if disc.shrunk else ""
+    return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.shrunk, note)
+
+
+def _material(cover: Cover, materials: Sequence[PlaneElasticity], tip: int) -> PlaneElasticity:
+    """The material at a tip."""
+    index, at_end = cover.tip_ends[tip]
+    element = cover.elements.lines[index].plus[-1 if at_end else 0]
+    return materials[int(cover.elements.body[element])]
+
+
+def _from_start(cover: Cover, tip: int, arc: Floats) -> Floats:
+    """Arc lengths (n,) from the start of a tip's crack, from those from the tip."""
+    index, at_end = cover.tip_ends[tip]
+    return arc_lengths(cover.cracks[index].points)[-1] - arc if at_end else arc
+
+
+def _gradients(
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, discs: Sequence[Disc]
+) -> Iterator[tuple[TipRule, Floats, Floats]]:
+    """Disc by disc its rule, and elastic displacement gradients (2, 2, n) at the rule's points, in the tip's axes.
+
+    Those on the faces are the sums of both, and zero on the last segment, where they don't matter.
+    """
+    for first in range(0, len(discs), TIPS_AT_ONCE):
+        some = discs[first : first + TIPS_AT_ONCE]
+        rules = [tip_rule(cover.tips[disc.tip], disc.radii) for disc in some]
+        points = [rule.circles.points(cover.tips[disc.tip]) for disc, rule in zip(some, rules, strict=True)]
+        elements = [locate(cover.lattice, cover.elements, np.concatenate(points))]
+        kinked = []
+        for disc, rule in zip(some, rules, strict=True):
+            beyond = np.flatnonzero(rule.faces.arc > cover.tips[disc.tip].radii[1])
+            s = _from_start(cover, disc.tip, rule.faces.arc[beyond])
+            there = points_at(cover, cover.tip_ends[disc.tip][0], s)
+            kinked.append(beyond)
+            points += [there.points, there.points]
+            elements += [there.plus, there.minus]
+        found = gradient_at(cover, u, np.concatenate(points), np.concatenate(elements)).transpose(1, 2, 0)
+        parts = np.split(found, np.cumsum([len(part) for part in points])[:-1], axis=2)
+        for number, (disc, rule, beyond) in enumerate(zip(some, rules, kinked, strict=True)):
+            turn, initial = cover.tips[disc.tip].rotation, _initial_gradient(_material(cover, materials, disc.tip))
+            plus, minus = parts[len(some) + 2 * number : len(some) + 2 * number + 2]
+            both = np.zeros((2, 2, len(rule.faces.arc)))
+            both[:, :, beyond] = _turned(turn, plus + minus + 2.0 * initial)
+            yield rule, _turned(turn, parts[number] + initial), both
+
+
+def _turned(rotation: Floats, gradients: Floats) -> Floats:
+    """Gradients (2, 2, n) in other axes."""
+    return np.asarray((np.kron(rotation, rotation) @ gradients.reshape(4, -1)).reshape(2, 2, -1))
+
+
+def _initial_gradient(material: PlaneElasticity) -> Floats:
+    """The symmetric gradient (2, 2, 1) whose stress is the in-situ stress."""
+    if not any(material.initial):
+        return np.zeros((2, 2, 1))
+    xx, yy, xy2 = np.linalg.solve(material.matrix, np.array(material.initial))
+    return np.array([[[xx], [0.5 * xy2]], [[0.5 * xy2], [yy]]])

@@ -12,11 +12,11 @@ from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.contact_cautions import contact_cautions
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import imbalance, reactions
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
 from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced, unbalanced_loads
-from crackgrow.run.step import StepSolution
 
 NEAR_SHARP_KINK = 8.0
 """Spacings: behind open kinks of 90, 120 and 150 degrees K is off by 5, 8 and 26 % of the K of the crack without a kink

@@ -23,16 +23,16 @@ from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.direct.matrix import SymmetricMatrix
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.scene import Scene
-from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.magnitude import LARGEST, LARGEST_STRAIN, check_magnitude
-from crackgrow.solid.matrix import SymmetricMatrix
+from crackgrow.solid.places import places_of_unknowns
 from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints, constraints, tied

@@ -9,7 +9,7 @@ from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.contact.second_solution import second_solution
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.run.step import StepSolution
+from crackgrow.run.judging import StepSolution
 
 WORDS: Final = {OPEN: "is open", STICK: "sticks", SLIP: "slips"}
 

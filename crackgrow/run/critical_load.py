@@ -20,7 +20,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import GO_BY_K, TipLoading
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment
-from crackgrow.run.step import StepSolution, judged, stress_fields, tip_states, verdict
+from crackgrow.run.judging import StepSolution, judged, stress_fields, tip_states, verdict
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""

@@ -19,9 +19,9 @@ from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack, advanced, closed
 from crackgrow.fracture.criteria import hoop_stress_kink
 from crackgrow.fracture.meeting import Meeting
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Event
 from crackgrow.run.scene import Scene
-from crackgrow.run.step import StepSolution
 
 Solve = Callable[[tuple[GrowingCrack, ...]], StepSolution]
 

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.cover.cover import Cover
+from crackgrow.estimate.error_estimate import ErrorEstimate, error_estimate
 from crackgrow.fracture.singular_stress import SingularStress
-from crackgrow.run.step import StepSolution
+from crackgrow.run.judging import StepSolution
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.error_estimate import ErrorEstimate, error_estimate
 
 
 def estimated_error(solution: StepSolution) -> ErrorEstimate:

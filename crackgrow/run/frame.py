@@ -9,11 +9,11 @@ import numpy as np
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
+from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.geometry.arrangement import connected, vertex_ids
 from crackgrow.quadrature.elements import triangulate
 from crackgrow.run.result import Frame
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.error_estimate import ErrorEstimate
 from crackgrow.solid.recovery import displacement_at, stress_at
 from crackgrow.vectors import cross
 

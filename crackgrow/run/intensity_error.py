@@ -31,9 +31,9 @@ from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.fracture.tip_disc import KEPT_CLEAR
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene
-from crackgrow.run.step import StepSolution
 
 AT_CLOSED_TIP, AT_OPEN_TIP, WELL_OPEN = 6.0, 1.0, 8.0
 CLOSED_KINK, OPEN_KINK = 0.25, 0.05

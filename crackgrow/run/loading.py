@@ -10,8 +10,8 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.increments import FROM_REST, Origin, carried, from_state, held_loads, increment
+from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import Scene
-from crackgrow.run.step import StepSolution, judged
 
 
 def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | None = None) -> StepSolution:

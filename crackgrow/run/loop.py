@@ -19,11 +19,11 @@ from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import advance_tips
 from crackgrow.run.error import estimated_error
 from crackgrow.run.increments import Origin
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load, load_again, load_history
 from crackgrow.run.report import step_result
 from crackgrow.run.result import Checkpoint, CrackPath, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.step import StepSolution
 from crackgrow.solid.rigid_modes import all_pieces
 
 

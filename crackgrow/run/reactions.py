@@ -6,8 +6,8 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Reaction
-from crackgrow.run.step import StepSolution
 
 
 def reactions(solution: StepSolution) -> tuple[Reaction, ...]:

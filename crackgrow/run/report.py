@@ -14,12 +14,14 @@ from crackgrow.contact.faces import FacePoints, joined, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover
+from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.fracture.criteria import effective_toughness
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.intensity_error import intensity_errors
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import (
     ContactPoints,
@@ -32,9 +34,7 @@ from crackgrow.run.result import (
     TipResult,
 )
 from crackgrow.run.scene import Scene
-from crackgrow.run.step import StepSolution
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.error_estimate import ErrorEstimate
 
 SAME_PLACE = 1e-6
 """Spacings: samples of a crack closer than this are one place."""

@@ -18,11 +18,11 @@ from scipy.sparse import block_diag, csc_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
 from crackgrow.arrays import Floats
+from crackgrow.direct.dissection import Places
+from crackgrow.direct.fronts import Fronts, fronts_of
+from crackgrow.direct.matrix import SymmetricMatrix, bordered, symmetric
+from crackgrow.direct.multifrontal import Factor, Multifrontal, NotQuasiDefiniteError
 from crackgrow.errors import SolveError
-from crackgrow.solid.dissection import Places
-from crackgrow.solid.fronts import Fronts, fronts_of
-from crackgrow.solid.matrix import SymmetricMatrix, bordered, symmetric
-from crackgrow.solid.multifrontal import Factor, Multifrontal, NotQuasiDefiniteError
 
 YIELDING = 1e-7
 """d times rho: constraints give way by this fraction, which each refinement takes away again."""

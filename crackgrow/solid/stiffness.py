@@ -22,13 +22,13 @@ from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
+from crackgrow.direct.assembly import HalfMatrix, half, sum_of
+from crackgrow.direct.matrix import EqualElements, SymmetricMatrix
 from crackgrow.quadrature.elements import PlainKind, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square
-from crackgrow.solid.assembly import HalfMatrix, half, sum_of
 from crackgrow.solid.clusters import Clusters, clusters_of, keys
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.matrix import EqualElements, SymmetricMatrix
 
 BATCH = 500000
 """Values of functions at points that are held at once."""

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Floats
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
+from crackgrow.estimate.energy_norm import energy_density
 from crackgrow.quadrature.everywhere import all_points
-from crackgrow.run.step import StepSolution
-from crackgrow.solid.energy_norm import energy_density
+from crackgrow.run.judging import StepSolution
 from crackgrow.solid.recovery import stress_at
 
 AT_ONCE = 20000

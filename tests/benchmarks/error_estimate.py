@@ -16,9 +16,9 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.error import estimated_error
+from crackgrow.run.judging import StepSolution, solve_step
 from crackgrow.run.loop import grow
 from crackgrow.run.scene import make_scene
-from crackgrow.run.step import StepSolution, solve_step
 from crackgrow.study.energy_distance import energy_distance
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.direct.fronts import fronts_of
+from crackgrow.direct.multifrontal import Factor
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.scene import make_scene
-from crackgrow.solid.dissection import places_of_unknowns
-from crackgrow.solid.fronts import fronts_of
 from crackgrow.solid.linear_solver import ConstrainedSystem
-from crackgrow.solid.multifrontal import Factor
+from crackgrow.solid.places import places_of_unknowns
 
 Floats = NDArray[np.float64]
 

@@ -16,12 +16,12 @@ from scipy.sparse import csc_array, diags_array, eye_array, kron
 from scipy.sparse.linalg import splu
 
 from crackgrow.case.model import Case
+from crackgrow.direct import fronts
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.scene import make_scene
-from crackgrow.solid import fronts
-from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.solid.places import places_of_unknowns
 
 Floats = NDArray[np.float64]
 

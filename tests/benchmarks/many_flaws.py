@@ -19,8 +19,8 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.fracture.advance import GrowingCrack, advanced
-from crackgrow.fracture.interaction_integral import interaction_integrals
-from crackgrow.fracture.stress_intensity import from_face_displacements
+from crackgrow.fracture.face_displacements import from_face_displacements
+from crackgrow.fracture.stress_intensity import interaction_integrals
 from crackgrow.fracture.tip_stress import tip_fields
 from crackgrow.run.configuration import _geometry
 from crackgrow.run.scene import Scene, make_scene

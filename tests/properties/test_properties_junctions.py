@@ -28,8 +28,8 @@ from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.judging import StepSolution, solve_step
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.step import StepSolution, solve_step
 from crackgrow.solid.recovery import displacement_at
 
 SIZE = np.array([31.0, 55.0])  # mm, round the origin

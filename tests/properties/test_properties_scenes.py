@@ -10,12 +10,12 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.cover.elements import locate
+from crackgrow.direct.multifrontal import NotQuasiDefiniteError
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.judging import StepSolution, solve_step
 from crackgrow.run.reactions import reactions, total_load
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.step import StepSolution, solve_step
-from crackgrow.solid.multifrontal import NotQuasiDefiniteError
 from crackgrow.solid.recovery import displacement_at, stress_at
 
 PATCH_TEST = {1.5: 1e-7, 2.0: 1e-9}

@@ -19,8 +19,8 @@ import crackgrow
 from crackgrow import api
 from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import RunEnd, StepResult
-from crackgrow.run.step import StepSolution
 
 ROOT = Path(__file__).resolve().parents[2]
 COARSE = ("numerics.spacing=3", "output.figures=false")

@@ -12,12 +12,12 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
-    "errors", "arrays", "blas", "vectors", "case", "geometry", "cover", "approximation", "quadrature", "solid", "contact",
-    "fracture", "run", "results", "plan", "study", "api", "cli",
+    "errors", "arrays", "blas", "vectors", "case", "geometry", "cover", "approximation", "quadrature", "direct",
+    "solid", "contact", "fracture", "estimate", "run", "results", "plan", "study", "api", "cli",
 )  # fmt: skip
 RESULTS_MAY_READ = (
-    "crackgrow", "crackgrow.errors", "crackgrow.case", "crackgrow.run.caution", "crackgrow.run.result",
-    "crackgrow.results",
+    "crackgrow", "crackgrow.errors", "crackgrow.arrays", "crackgrow.case", "crackgrow.run.caution",
+    "crackgrow.run.result", "crackgrow.results",
 )  # fmt: skip
 ENTRIES = ("__init__.py", "__main__.py")  # the concept map with its lazy names, and python -m
 

@@ -14,8 +14,8 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.judging import StepSolution, solve_step
 from crackgrow.run.scene import make_scene
-from crackgrow.run.step import StepSolution, solve_step
 from crackgrow.solid.recovery import displacement_at
 
 ROOT = Path(__file__).parents[2]

@@ -17,8 +17,8 @@ from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
+from crackgrow.run.judging import StepSolution, solve_step
 from crackgrow.run.scene import make_scene
-from crackgrow.run.step import StepSolution, solve_step
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness

@@ -10,8 +10,8 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.judging import StepSolution, TipState, solve_step
 from crackgrow.run.scene import make_scene
-from crackgrow.run.step import StepSolution, TipState, solve_step
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = Path(__file__).parent / "references"

@@ -9,11 +9,11 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.report import step_result
 from crackgrow.run.result import CrackPath, StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.run.step import StepSolution
 from crackgrow.study.stability.placed import Placement, placed, scaled
 
 

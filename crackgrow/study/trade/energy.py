@@ -6,9 +6,9 @@ import numpy as np
 
 from crackgrow.case import Case
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.scene import make_scene
-from crackgrow.run.step import StepSolution
 from crackgrow.study.energy_distance import energy_distance
 
 

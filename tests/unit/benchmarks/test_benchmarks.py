@@ -12,8 +12,8 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.cover.lattice import place_lattice
+from crackgrow.direct.fronts import dissect
 from crackgrow.run.configuration import Configuration
-from crackgrow.solid.fronts import dissect
 from tests.benchmarks import scenes
 from tests.benchmarks.compare import changes, comparison_text, load_baseline, store_baseline
 from tests.benchmarks.fits import exponent, exponents, same_program

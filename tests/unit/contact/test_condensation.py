@@ -14,8 +14,8 @@ from crackgrow.contact.law import ContactLaw
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.solid.dissection import places_of_unknowns
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.solid.places import places_of_unknowns
 from tests.unit.contact.test_contact_solve import Block, compression, tilting, uniform
 
 

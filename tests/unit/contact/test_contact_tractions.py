@@ -8,7 +8,7 @@ import pytest
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.tractions import elastic_tractions
 from crackgrow.run.increments import from_state, increment, unloaded
-from crackgrow.run.step import StepSolution, judged
+from crackgrow.run.judging import StepSolution, judged
 from tests.unit.run.test_run_bonded import inside, on_plane, plate
 
 KEPT = {"cohesion": 10, "cohesion_after_slip": "kept"}

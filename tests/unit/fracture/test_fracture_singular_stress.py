@@ -8,10 +8,10 @@ import pytest
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import tip_angle
+from crackgrow.estimate.error_estimate import error_estimate
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.williams import williams_gradient
 from crackgrow.solid.elasticity import plane_elasticity
-from crackgrow.solid.error_estimate import error_estimate
 from crackgrow.solid.recovery import stress_of
 from tests.conftest import Build, Sample
 from tests.unit.exact_fields import solved_under, true_error

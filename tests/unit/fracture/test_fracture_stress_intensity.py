@@ -1,64 +1,218 @@
-"""Stress intensity of solved plates against independent reference values."""
+"""The interaction integral on exact fields: what it is told of the body is Williams' and polynomial fields."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 
-from crackgrow.case import load_case
-from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.stress_intensity import from_face_displacements
-from crackgrow.run.scene import make_scene
-from crackgrow.run.step import StepSolution, solve_step
+from crackgrow.contact.faces import points_at
+from crackgrow.cover.tips import Tip, crack_angle, make_tip
+from crackgrow.fracture.interaction import interaction
+from crackgrow.fracture.stress_intensity import interaction_integrals
+from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, RADIUS, SMALLEST_RADIUS, STRAIGHT_RADIUS, clearance
+from crackgrow.fracture.tip_rule import tip_rule
+from crackgrow.fracture.williams import williams_displacement, williams_gradient
+from crackgrow.geometry.polyline import arc_lengths, segment_directions
+from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 
-ROOT = Path(__file__).parents[3]
-REFERENCE = ROOT / "tests" / "verification" / "references" / "open_crack_K.csv"
+YOUNG = 1e10
+MATERIAL = plane_elasticity(YOUNG, 0.25, "strain")
+K = np.array([2.0, -1.0])
 
-
-def reference_K_I(scene: str) -> float:
-    table = np.genfromtxt(REFERENCE, delimiter=",", names=True, dtype=None, encoding="utf-8")
-    row = table[(table["scene"] == scene) & (table["tip"] == "end")]
-    return float(row["K_I_MPa_sqrtmm"][0]) * 1e6 * np.sqrt(1e-3)
-
-
-def solved(*settings: str) -> tuple[StepSolution, float]:
-    case = load_case(ROOT / "cases" / "tension0.yaml", ["growth.steps=1", *settings])
-    scene = make_scene(case)
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
-    return solve_step(scene, cracks, 1.0), scene.materials[0].young_prime
-
-
-# a support of 1.5 leaves too small a region with tip functions: 6 % off at the tip
-@pytest.mark.parametrize(("spacing", "support"), [(1.0, 2.0), (1.5, 2.0), (2.0, 2.5)])
-def test_centre_crack_in_a_finite_plate_in_tension(spacing: float, support: float) -> None:
-    solution, _ = solved(f"numerics.spacing={spacing}", f"numerics.support={support}")
-    expected = reference_K_I("centre_theta0_31x55_a5")
-    assert [tip.K_faces[0] for tip in solution.tips] == pytest.approx([expected, expected], rel=1e-2)
-    assert max(abs(tip.K_faces[1]) for tip in solution.tips) < 1e-3 * expected
+PATHS = {
+    "straight": [[0, 0], [-9, 0]],
+    "tilted": [[0, 0], [7, -6]],
+    "kinked": [[0, 0], [-1, 0], [-9, -4]],
+    "wing": [[0, 0], [-0.6, 1.0], [-1.3, 2.0], [-9, -1]],
+    "fine": [[0, 0], [-0.3, 0], [-0.5, -0.2], [-0.6, -0.5], [-0.6, -9]],
+}
 
 
-def test_plane_stress_and_plane_strain_have_the_same_K() -> None:
-    """K under given tractions does not depend on the elastic constants (Michell)."""
-    K_I = [solved("numerics.spacing=1.5", f"plane={plane}")[0].tips[0].K_faces[0] for plane in ("strain", "stress")]
-    # the functions take both up alike, up to their error of half a per cent
-    assert K_I[1] == pytest.approx(K_I[0], rel=2e-3)
+def tip_of(path: list[list[float]]) -> Tip:
+    return make_tip(np.array(path, dtype=float), 20.0, False)
 
 
-def test_K_is_linear_in_the_displacement() -> None:
-    solution, young_prime = solved("numerics.spacing=1.5")
-    one = np.array(from_face_displacements(solution.cover, [young_prime], solution.outcome.u, [0])[0])
-    three = np.array(from_face_displacements(solution.cover, [young_prime], -3.0 * solution.outcome.u, [0])[0])
-    np.testing.assert_allclose(three, -3.0 * one, rtol=1e-9, atol=1e-9 * abs(one[0]))
+def hooke(material: PlaneElasticity, gradient: np.ndarray) -> np.ndarray:
+    strain = np.stack([gradient[:, 0, 0], gradient[:, 1, 1], gradient[:, 0, 1] + gradient[:, 1, 0]], axis=1)
+    xx, yy, xy = (strain @ material.matrix).T
+    return np.stack([np.stack([xx, xy], axis=1), np.stack([xy, yy], axis=1)], axis=1)
 
 
-def test_a_tilted_crack_is_sheared_as_its_resolved_stress_says() -> None:
-    """45 degrees in a wide plate: K_I = K_II in size; the right face (below) of the right tip moves outward."""
-    tilt = ["cracks.flaw.path.angle=45", "cracks.flaw.path.length=3", "numerics.spacing=1.0"]
-    solution, _ = solved(*tilt, "loads.0.traction=[0, 1]")
-    expected = 0.5e6 * np.sqrt(np.pi * 1.5e-3)  # infinite plate: sigma / 2 sqrt(pi a) for both modes
-    for tip in solution.tips:
-        assert pytest.approx(expected, rel=0.03) == tip.K_faces[0]  # the plate is ten crack lengths wide: 1 %
-        assert abs(tip.K_faces[1]) == pytest.approx(expected, rel=0.03)
-    assert np.sign(solution.tips[0].K_faces[1]) == np.sign(solution.tips[1].K_faces[1])
+class ExactField:
+    """Williams' field of K plus one of constant stress (xx, yy, xy) Pa and one of a constant body force, in tip axes.
+
+    The field of the body force (b, 0) is u_x = -b x^2 / (2 c11): it has no stress intensity.
+    """
+
+    def __init__(self, tip: Tip, stress: tuple[float, float, float] = (0.0, 0.0, 0.0), force: float = 0.0) -> None:
+        self.tip = tip
+        xx, yy, xy2 = np.linalg.solve(MATERIAL.matrix, stress)
+        self.uniform = np.array([[xx, 0.5 * xy2], [0.5 * xy2, yy]])
+        self.force = np.array([force, 0.0])
+
+    def gradient(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
+        gradient = np.einsum("m,nmij->nij", K, williams_gradient(MATERIAL, r, t)) + self.uniform
+        gradient[:, 0, 0] -= self.force[0] * r * np.cos(t) / MATERIAL.c11
+        return gradient
+
+    def faces(self, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        arcs = arc_lengths(self.tip.path)
+        segment = np.searchsorted(arcs, arc, side="right") - 1
+        along = segment_directions(self.tip.path)[segment]
+        place = self.tip.path[segment] + (arc - arcs[segment])[:, None] * along
+        normal = np.stack([along[:, 1], -along[:, 0]], axis=1)  # on the left of the way to the tip
+        r = np.hypot(place[:, 0], place[:, 1])
+        alpha = crack_angle(self.tip, r)
+        both = [self.gradient(r, t) for t in (alpha, alpha - 2.0 * np.pi)]
+        vectors = sum(np.einsum("nij,nj->ni", hooke(MATERIAL, gradient), normal) for gradient in both)
+        return vectors, sum(both)
+
+    def K_found(self, radius: float = RADIUS) -> np.ndarray:
+        rule = tip_rule(self.tip, radius * PARTS)
+        vectors, face_gradients = self.faces(rule.faces.arc)
+        gradients = self.gradient(*rule.circles.polar).transpose(1, 2, 0)
+        M = interaction(MATERIAL, rule, gradients, vectors.T, face_gradients.transpose(1, 2, 0), self.force)
+        return 0.5 * MATERIAL.young_prime * M
+
+
+@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
+@pytest.mark.parametrize("radius", [0.5, 2.5, 4.0])
+def test_williams_fields_give_their_K_back_on_every_disc(path: list[list[float]], radius: float) -> None:
+    found = ExactField(tip_of(path)).K_found(radius)
+    np.testing.assert_allclose(found, np.tile(K, (3, 1)), rtol=1e-6)
+
+
+@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
+@pytest.mark.parametrize(
+    "stress", [(-5.0, -5.0, 0.0), (3.0, 0.0, 0.0), (0.0, -4.0, 2.0)], ids=["pressure", "along", "pressed and sheared"]
+)
+def test_tractions_on_the_faces_are_accounted_for(path: list[list[float]], stress: tuple[float, float, float]) -> None:
+    """A uniform stress has no K, but tractions on the faces: pressure that of a fluid."""
+    np.testing.assert_allclose(ExactField(tip_of(path), stress).K_found(), np.tile(K, (3, 1)), rtol=2e-6)
+
+
+@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
+def test_a_body_force_is_accounted_for(path: list[list[float]]) -> None:
+    np.testing.assert_allclose(ExactField(tip_of(path), force=3.0).K_found(), np.tile(K, (3, 1)), rtol=2e-6)
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+def test_williams_gradient_is_that_of_the_displacement_and_in_equilibrium(plane: str) -> None:
+    material = plane_elasticity(YOUNG, 0.25, plane)
+    rng = np.random.default_rng(3)
+    r, t = rng.uniform(0.2, 3.0, 40), rng.uniform(-3.1, 3.1, 40)
+    x, step = np.stack([r * np.cos(t), r * np.sin(t)], axis=1), 1e-5
+
+    def displacement(x: np.ndarray) -> np.ndarray:
+        return williams_displacement(material, np.hypot(*x.T), np.arctan2(x[:, 1], x[:, 0]))
+
+    def gradient(x: np.ndarray) -> np.ndarray:
+        return williams_gradient(material, np.hypot(*x.T), np.arctan2(x[:, 1], x[:, 0]))
+
+    for axis in range(2):
+        e = step * np.eye(2)[axis]
+        by_difference = (displacement(x + e) - displacement(x - e)) / (2.0 * step)
+        np.testing.assert_allclose(gradient(x)[..., axis], by_difference, rtol=1e-6, atol=1e-8 / YOUNG)
+    force = sum(
+        (hooke(material, gradient(x + e)[:, mode]) - hooke(material, gradient(x - e)[:, mode]))[..., axis]
+        for axis, e in enumerate(step * np.eye(2))
+        for mode in range(2)
+    ) / (2.0 * step)
+    assert np.abs(force).max() < 1e-7
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_signs_of_K(sign: float) -> None:
+    """K_I opens; K_II moves the face on the left outward; both faces are free of traction."""
+    left, right = (williams_displacement(MATERIAL, np.ones(1), np.array([t]))[0] for t in (np.pi, -np.pi))
+    assert left[0, 1] > 0.0 > right[0, 1]
+    assert left[1, 0] > 0.0 > right[1, 0]
+    stress = [hooke(MATERIAL, williams_gradient(MATERIAL, np.ones(1), np.array([sign * np.pi]))[:, m]) for m in (0, 1)]
+    np.testing.assert_allclose(np.array(stress)[:, 0, :, 1], 0.0, atol=1e-15)
+
+
+def no_traction(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return np.zeros_like(s), np.zeros_like(s)
+
+
+@pytest.mark.parametrize(
+    ("cracks", "room", "obstacle"),
+    [
+        ([[(5, 10), (15, 10)]], 5.5, "the outline"),
+        ([[(9, 10), (12, 10)]], 3.0, "the crack's other end"),
+        ([[(6, 10), (13, 10)], [(13, 12), (16, 12)]], 2.0, "crack 'crack1'"),
+        ([[(8, 14), (12, 14), (12, 10), (11, 10), (11, 13)]], 1.0, "the crack's own bend"),
+    ],
+)
+def test_the_disc_holds_nothing_but_its_own_crack(build, cracks: list, room: float, obstacle: str) -> None:
+    inside = [build.crack(points, name=f"crack{k}") for k, points in enumerate(cracks)]
+    cover = build.block((20, 20), inside, support=2.0).cover
+    assert clearance(cover, 1) == (pytest.approx(room), obstacle)
+
+
+def test_a_small_disc_is_told_and_too_small_a_one_has_no_K(build) -> None:
+    for end, note in ((18.5, "the outline makes the disc of the integral small"), (20.5 - 1e-5, "leaves no room")):
+        sample = build.block((20, 20), [build.crack([(10, 10.3), (end, 10.3)])], support=2.0)
+        u = np.zeros(sample.cover.n_dofs)
+        free, near = (
+            interaction_integrals(sample.cover, [sample.material], u, [tip], [no_traction])[0] for tip in (0, 1)
+        )
+        assert (free.shrunk, free.note, free.radius) == (False, "", STRAIGHT_RADIUS)
+        assert near.shrunk
+        assert note in near.note
+        room = KEPT_CLEAR * (20.5 - end)
+        assert near.radius == pytest.approx(room if room > SMALLEST_RADIUS else np.nan, nan_ok=True)
+        assert np.isnan(near.K_I) == (room < SMALLEST_RADIUS)
+
+
+@pytest.mark.parametrize(
+    "points", [[(7, 8), (14, 11)], [(7, 8), (9, 9), (12, 9.5), (13, 12)]], ids=["straight", "bent"]
+)
+def test_in_situ_stress_that_the_tractions_balance_has_no_K(build, points: list[tuple[float, float]]) -> None:
+    """No displacement, a uniform stress, and on the faces its tractions by the crack's own normals."""
+    sample = build.block((20, 20), [build.crack(points)], support=2.0)
+    material = replace(sample.material, initial=(-2.0, -5.0, 1.5))
+    u = np.zeros(sample.cover.n_dofs)
+
+    def traction(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        places = points_at(sample.cover, 0, s)
+        xx, yy, xy = material.initial
+        n = places.normal
+        vector = n @ np.array([[xx, xy], [xy, yy]])
+        return np.sum(vector * n, axis=1), vector[:, 0] * n[:, 1] - vector[:, 1] * n[:, 0]
+
+    for tip in (0, 1):
+        balanced = interaction_integrals(sample.cover, [material], u, [tip], [traction])[0]
+        free = interaction_integrals(sample.cover, [material], u, [tip], [no_traction])[0]
+        assert np.hypot(free.K_I, free.K_II) > 1.0
+        assert pytest.approx((0.0, 0.0), abs=1e-5) == (balanced.K_I, balanced.K_II)
+
+
+def test_tractions_count_at_their_own_tip(build) -> None:
+    sample = build.block((20, 20), [build.crack([(6, 10), (14, 11)])], support=2.0)
+    u = np.zeros(sample.cover.n_dofs)
+
+    def near_the_end(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.where(s > 5.0, -1.0, 0.0), np.zeros_like(s)
+
+    start, end = (interaction_integrals(sample.cover, [sample.material], u, [tip], [near_the_end])[0] for tip in (0, 1))
+    assert pytest.approx((0.0, 0.0), abs=1e-12) == (start.K_I, start.K_II)
+    assert end.K_I > 1.0
+
+
+def test_clearance_among_many_cracks_is_the_distance_from_the_nearest(build) -> None:
+    sample = build.field_of_cracks(4)
+    cover = sample.cover
+    lines = [shapely.LineString(crack.points) for crack in cover.cracks]
+    for tip, (index, at_end) in enumerate(cover.tip_ends):
+        place = shapely.Point(cover.tips[tip].point)
+        distances = {f"crack '{crack.name}'": lines[k].distance(place) for k, crack in enumerate(cover.cracks)}
+        distances[f"crack '{cover.cracks[index].name}'"] = np.inf
+        distances["the outline"] = sample.region.exterior.distance(place)
+        distances["the crack's other end"] = place.distance(shapely.Point(cover.cracks[index].tip_point(not at_end)))
+        room, obstacle = clearance(cover, tip)
+        assert room == pytest.approx(min(distances.values()), abs=1e-8)  # outlines lie on the arrangement's grid
+        assert distances[obstacle] == min(distances.values())

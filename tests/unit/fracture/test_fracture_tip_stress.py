@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from crackgrow.case.model import PointSupport
-from crackgrow.fracture.stress_intensity import from_face_displacements
+from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.tip_stress import N_RADIAL, N_RAYS, TipField, tip_fields
 from crackgrow.quadrature.rules import gauss
 from crackgrow.solid.elasticity import plane_elasticity

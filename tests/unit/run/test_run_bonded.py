@@ -12,8 +12,8 @@ from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import increment, unloaded
+from crackgrow.run.judging import judged
 from crackgrow.run.scene import make_scene
-from crackgrow.run.step import judged
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 LENGTH = 10.0  # mm

@@ -15,11 +15,11 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Crack
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.interaction_integral import StressIntensity
+from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.direction import MOST_SOLVES, Advance, advance_tips
+from crackgrow.run.judging import StepSolution, solve_step
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.step import StepSolution, solve_step
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 Cracks = tuple[GrowingCrack, ...]

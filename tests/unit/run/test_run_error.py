@@ -10,9 +10,9 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.error import estimated_error
+from crackgrow.run.judging import StepSolution, solve_step
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.run.step import StepSolution, solve_step
 from crackgrow.study.energy_distance import energy_distance
 from tests.whole_run import whole_run
 

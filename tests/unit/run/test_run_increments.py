@@ -16,8 +16,8 @@ from crackgrow.fracture.advance import GrowingCrack, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import LoadState, carried, from_state, increment, unloaded
+from crackgrow.run.judging import judged
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.step import judged
 from tests.verification.reversed_shear import ShearedCrack
 
 CASES = Path(__file__).parents[3] / "cases"

@@ -7,9 +7,9 @@ import pytest
 from scipy.sparse import csc_array, csr_array, diags_array
 
 from crackgrow.case.model import PointSupport
+from crackgrow.direct.matrix import bordered, symmetric
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem, Factorization
-from crackgrow.solid.matrix import bordered, symmetric
 
 N = 30
 

@@ -15,8 +15,8 @@ from crackgrow.contact.tractions import between_contact_points, elastic_traction
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA, TipLoading, Verdict
-from crackgrow.fracture.interaction_integral import FaceTraction, StressIntensity, interaction_integrals
-from crackgrow.fracture.stress_intensity import from_face_displacements
+from crackgrow.fracture.face_displacements import from_face_displacements
+from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity, interaction_integrals
 from crackgrow.fracture.tip_stress import TipField, tip_fields
 from crackgrow.run.configuration import Configuration, assemble, timed
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, increment, unloaded

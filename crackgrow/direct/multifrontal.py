@@ -20,10 +20,10 @@ from scipy.linalg.lapack import dpotrf
 from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.direct.contents import Contents
+from crackgrow.direct.fronts import Fronts
+from crackgrow.direct.matrix import SymmetricMatrix
 from crackgrow.errors import SolveError
-from crackgrow.solid.contents import Contents
-from crackgrow.solid.fronts import Fronts
-from crackgrow.solid.matrix import SymmetricMatrix
 
 
 class NotQuasiDefiniteError(SolveError):

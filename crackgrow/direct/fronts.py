@@ -12,8 +12,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from crackgrow.arrays import Bools, Ints
+from crackgrow.direct.dissection import Places, dissect
 from crackgrow.errors import SolveError
-from crackgrow.solid.dissection import Places, dissect
 
 LEAF = 200
 """Boxes with at most so many unknowns are not cut."""

@@ -22,12 +22,12 @@ from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import list_starts
+from crackgrow.estimate.energy_norm import energy_components
+from crackgrow.estimate.patch_fits import FreeSamples, RegularSamples, fit, misfits
 from crackgrow.quadrature.elements import ElementPoints
 from crackgrow.quadrature.everywhere import all_points
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.energy_norm import energy_components
-from crackgrow.solid.patch_fits import FreeSamples, RegularSamples, fit, misfits
 from crackgrow.solid.recovery import stress_at, stress_of
 
 N_POINTS = 2

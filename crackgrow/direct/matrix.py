@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.solid.assembly import HalfMatrix, half, sum_of
+from crackgrow.direct.assembly import HalfMatrix, half, sum_of
 
 AT_ONCE = 4_000_000
 """Numbers that a product or a sum holds at once."""

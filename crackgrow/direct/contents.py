@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.solid.fronts import MULTIPLIER, Fronts
-from crackgrow.solid.matrix import EqualElements, SymmetricMatrix
+from crackgrow.direct.fronts import MULTIPLIER, Fronts
+from crackgrow.direct.matrix import EqualElements, SymmetricMatrix
 
 Int32s = NDArray[np.int32]
 

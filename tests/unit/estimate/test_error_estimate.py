@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from crackgrow.estimate.energy_norm import energy_components, energy_density
+from crackgrow.estimate.error_estimate import error_estimate
+from crackgrow.estimate.patch_fits import FreeSamples, fit, misfits
 from crackgrow.solid.elasticity import plane_elasticity
-from crackgrow.solid.energy_norm import energy_components, energy_density
-from crackgrow.solid.error_estimate import error_estimate
-from crackgrow.solid.patch_fits import FreeSamples, fit, misfits
 from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error
 

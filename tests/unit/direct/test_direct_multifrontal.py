@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 from scipy.sparse import block_diag, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import spsolve
 
+from crackgrow.direct import fronts as codes
+from crackgrow.direct import multifrontal as module
+from crackgrow.direct.dissection import Places, dissect
+from crackgrow.direct.fronts import LEAF, Fronts, fronts_of
+from crackgrow.direct.matrix import SymmetricMatrix, symmetric
+from crackgrow.direct.multifrontal import Multifrontal, NotQuasiDefiniteError
 from crackgrow.errors import SolveError
-from crackgrow.solid import fronts as codes
-from crackgrow.solid import multifrontal as module
-from crackgrow.solid.dissection import Places, dissect, places_of_unknowns
-from crackgrow.solid.fronts import LEAF, Fronts, fronts_of
 from crackgrow.solid.linear_solver import FEW_CONSTRAINTS, MANY, ConstrainedSystem, Factorization
-from crackgrow.solid.matrix import SymmetricMatrix, symmetric
-from crackgrow.solid.multifrontal import Multifrontal, NotQuasiDefiniteError
+from crackgrow.solid.places import places_of_unknowns
 from crackgrow.solid.stiffness import stiffness_after
 from tests.conftest import Build
 

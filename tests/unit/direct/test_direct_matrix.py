@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from crackgrow.solid import matrix as module
-from crackgrow.solid.matrix import EqualElements, SymmetricMatrix
+from crackgrow.direct import matrix as module
+from crackgrow.direct.matrix import EqualElements, SymmetricMatrix
 
 FUNCTIONS = 7
 

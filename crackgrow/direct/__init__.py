@@ -1,0 +1,1 @@
+"""The direct solver: sparse symmetric matrices, nested dissection, the multifrontal method; no mechanics."""

@@ -1,0 +1,63 @@
+"""Stress intensity factors from the displacement of the crack faces.
+
+Near a tip the opening is 8 K_I / E' sqrt(r / 2 pi) (1 + c r / L + ...), the slip likewise with K_II; K is the limit of
+a least-squares fit over the last straight stretch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+
+from crackgrow.arrays import Floats
+from crackgrow.contact.faces import FacePoints, joined, points_at, stretch_ends
+from crackgrow.contact.jump import gap_and_slip
+from crackgrow.cover.cover import Cover
+
+FIT_SPACINGS = 3.0
+"""The fit reaches this many spacings back from the tip, to the end of the last stretch, or to half of the crack."""
+
+FIT_TERMS = 3
+"""Terms of the fit in powers of r: K and two corrections."""
+
+FIT_POINTS = 24
+"""Sample points of the fit."""
+
+
+def from_face_displacements(
+    cover: Cover, young_prime: Sequence[float], u: Floats, tips: Sequence[int]
+) -> list[tuple[float, float]]:
+    """K_I and K_II (Pa sqrt(m)) of `tips` of the cover; `young_prime` are their E' (Pa), `u` (n_dofs,) m.
+
+    K_II is positive where the face on the left of the tip's outward direction moves outward: a positive slip at both
+    ends of a crack. A negative K_II turns the crack counter-clockwise.
+    """
+    if not tips:
+        return []
+    x, weights = _fit()
+    lengths, samples = zip(*(_samples(cover, tip, x) for tip in tips), strict=True)
+    jumps = np.split(np.stack(gap_and_slip(cover, joined(samples), u), axis=1), len(tips))
+    found = []
+    for modulus, length, jump in zip(young_prime, lengths, jumps, strict=True):
+        fit = weights @ jump * modulus / 8.0 * np.sqrt(2.0 * np.pi / (length * cover.lattice.spacing))
+        found.append((float(fit[0]), float(fit[1])))
+    return found
+
+
+@cache
+def _fit() -> tuple[Floats, Floats]:
+    """Places x (n,) on a unit length, and weights (n,) of values there for the factor of sqrt(x) in their best fit."""
+    x = (np.arange(FIT_POINTS) + 0.5) / FIT_POINTS
+    return x, np.linalg.pinv((x[:, None] ** np.arange(FIT_TERMS)) * np.sqrt(x)[:, None])[0]
+
+
+def _samples(cover: Cover, tip: int, x: Floats) -> tuple[float, FacePoints]:
+    """Length (spacings) of the fit of a tip, and points on the faces at fractions x (n,) of it from the tip."""
+    crack, at_end = cover.tip_ends[tip]
+    ends = stretch_ends(cover.surfaces[crack])
+    total = ends[-1]
+    length = float(min(ends[-1] - ends[-2] if at_end else ends[1] - ends[0], FIT_SPACINGS, 0.5 * total))
+    r = length * x
+    return length, points_at(cover, crack, total - r if at_end else r)
