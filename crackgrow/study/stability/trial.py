@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.solid.condition import condition_estimate
+from crackgrow.study.stability.condition import condition_estimate
 from crackgrow.study.stability.solved import Solved
 
 NAN = float("nan")

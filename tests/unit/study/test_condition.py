@@ -9,9 +9,9 @@ from scipy.sparse import csc_array, csr_array, diags_array
 
 from crackgrow.case.model import EdgeSupport
 from crackgrow.errors import SolveError
-from crackgrow.solid.condition import condition_estimate
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.supports import constraints
+from crackgrow.study.stability.condition import condition_estimate
 from tests.conftest import Build, Sample
 
 
