@@ -26,6 +26,7 @@ from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
+from crackgrow.solid.places import places_of_unknowns
 from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
@@ -61,7 +62,7 @@ class Sample:
     def system(self, supports: Sequence[Support], quadrature: int = 4) -> tuple[ConstrainedSystem, Floats]:
         held = constraints(self.cover, (self.body,), tuple(supports))
         check_held(free_motions(self.cover, held.matrix).pieces, np.empty(0, dtype=np.int64))
-        return ConstrainedSystem(self.stiffness(quadrature), held.matrix), held.given
+        return ConstrainedSystem(self.stiffness(quadrature), held.matrix, places_of_unknowns(self.cover)), held.given
 
     def solve(
         self, supports: Sequence[Support], tractions: dict[str, tuple[float, float]], quadrature: int = 4

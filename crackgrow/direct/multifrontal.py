@@ -4,13 +4,16 @@ The matrix is [[A, B'], [B, -M]] with M positive semidefinite, and A positive de
 that are eliminated early. D is 1 for the unknowns of A and -1 for those of M, so that each front takes a Cholesky
 factorization for each of its groups of unknowns. Fronts that equal one factorized before share its factors.
 
+No rows are exchanged: a pivot that is but round-off of its entry on the diagonal is replaced (static pivoting: Li,
+Demmel 1998), and whoever solves takes the effect away by refinement.
+
 All dense blocks are stored by rows. LAPACK, which stores by columns, is handed their transposes.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -23,11 +26,18 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.direct.contents import Contents
 from crackgrow.direct.fronts import Fronts
 from crackgrow.direct.matrix import SymmetricMatrix
-from crackgrow.errors import SolveError
+
+ROUND_OFF = 1e-15
+"""Of its entry on the diagonal: a pivot below is what round-off has left of zero. So it is with slivers of rock between
+a crack and an outline, or with many functions on little rock, which then depend on each other."""
+
+REPLACED = 1e-12
+"""Of its entry on the diagonal: the pivot in its place. Along what moves no rock the solution stays small instead of
+arbitrary. On such a wedge results are the same from 1e-13 to 1e-10."""
 
 
-class NotQuasiDefiniteError(SolveError):
-    """The matrix is not quasi-definite, as far as round-off can tell."""
+class _NoPivotError(Exception):
+    """A front has a pivot that must be replaced."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +47,7 @@ class Factor:
     diagonal: Floats  # (p, p) lower triangle
     below: Floats  # (b, p)
     update: Floats  # (b, b) lower triangle
+    sizes: Floats  # (b,) what the front and those below it have put on the diagonal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,10 +75,7 @@ class Multifrontal:
     """A factorized matrix."""
 
     def __init__(self, matrix: SymmetricMatrix, fronts: Fronts, known: Mapping[bytes, Factor] | None = None) -> None:
-        """Factorize `matrix` (n, n) by `fronts`; `known` are factors of another matrix, by their keys.
-
-        Raises NotQuasiDefiniteError where the matrix is not quasi-definite.
-        """
+        """Factorize `matrix` (n, n) by `fronts`; `known` are factors of another matrix, by their keys."""
         contents = Contents(matrix, fronts)
         keys = contents.keys()
         known = {} if known is None else known
@@ -81,18 +89,18 @@ class Multifrontal:
             start, end = fronts.starts[k : k + 2].tolist()
             if start == end:
                 continue
-            key = keys[k]
-            factor = self.factors.get(key) or known.get(key)
+            factor = self.factors.get(keys[k]) or known.get(keys[k])
             if factor is None:
-                own, rest = contents.assembled(k)
-                for child in contents.children(k):
-                    at = contents.local(k, fronts.boundary[child])
-                    _extend_add(own, rest, at, self.factors[keys[child]].update)
                 late = n_early + n_placed
                 groups = [(0, n_early, -1.0), (n_early, late, 1.0), (late, end - start, -1.0)]
-                factor = _eliminated(own, rest, groups)
+                below = contents.children(k)
+                children = [(contents.local(k, fronts.boundary[c]), self.factors[keys[c]]) for c in below]
+                try:
+                    factor = _eliminated(*_assembled(contents, k, children), groups, _cholesky)
+                except _NoPivotError:
+                    factor = _eliminated(*_assembled(contents, k, children), groups, _cholesky_replacing)
                 self.n_factorized += 1
-            self.factors[key] = factor
+            self.factors[keys[k]] = factor
             signs = [(a, b) for a, b in ((0, n_early), (n_early + n_placed, end - start)) if b > a]
             self._placed.append(_Placed(factor, start, end, signs, fronts.boundary[k], _runs(fronts.boundary[k], -1)))
 
@@ -190,20 +198,39 @@ def _runs(at: Ints, cut: int) -> list[tuple[int, int, int]]:
     return [(int(at[a]), a, b) for a, b in pairwise(ends)] if len(at) else []
 
 
-def _eliminated(own: Floats, rest: Floats, groups: list[tuple[int, int, float]]) -> Factor:
+def _assembled(contents: Contents, front: int, children: list[tuple[Ints, Factor]]) -> tuple[Floats, Floats, Floats]:
+    """Columns (p + b, p) of a front, the rest (b, b), and what has been put on the diagonal (p + b,).
+
+    The children come with the places of their boundaries in the front.
+    """
+    own, rest = contents.assembled(front)
+    sizes = np.abs(np.concatenate([own.diagonal(), rest.diagonal()]))
+    for at, child in children:
+        _extend_add(own, rest, at, child.update)
+        sizes[at] += child.sizes
+    return own, rest, sizes
+
+
+def _eliminated(
+    own: Floats,
+    rest: Floats,
+    sizes: Floats,
+    groups: list[tuple[int, int, float]],
+    cholesky: Callable[[Floats, Floats], None],
+) -> Factor:
     """Factor of a front from its columns (p + b, p) and the rest (b, b), both replaced.
 
-    `groups` are ranges of its unknowns and the sign of D there.
+    `sizes` (p + b,) are of the entries on the diagonal, `groups` ranges of its unknowns and the sign of D there.
     """
     p = own.shape[1]
     diagonal, below = own[:p], own[p:]
     groups = [group for group in groups if group[1] > group[0]]
     if len(groups) == 1 and groups[0][2] > 0.0:
-        _cholesky(diagonal)
+        cholesky(diagonal, sizes[:p])
     else:
         for begin, end, sign in groups:
             block, left = sign * diagonal[begin:end, begin:end], sign * diagonal[end:, begin:end]
-            _cholesky(block)
+            cholesky(block, sizes[begin:end])
             if len(left):
                 dtrsm(1.0, block.T, left.T, lower=0, trans_a=1, overwrite_b=1)
                 diagonal[end:, end:] -= sign * (left @ left.T)
@@ -215,11 +242,20 @@ def _eliminated(own: Floats, rest: Floats, groups: list[tuple[int, int, float]])
             dsyrk(-sign, part.T, 1.0, rest.T, trans=1, lower=0, overwrite_c=1)
             if sign < 0.0:
                 below[:, begin:end] *= -1.0
-    return Factor(diagonal, below, rest)
+    return Factor(diagonal, below, rest, sizes[p:])
 
 
-def _cholesky(matrix: Floats) -> None:
-    """Replace the lower triangle of `matrix` (p, p) by its Cholesky factor."""
+def _cholesky(matrix: Floats, sizes: Floats) -> None:
+    """Replace the lower triangle of `matrix` (p, p) by its Cholesky factor; `sizes` (p,) are of its diagonal."""
     _, info = dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
-    if info:
-        raise NotQuasiDefiniteError(f"pivot {info} of {len(matrix)} in a front has the wrong sign")
+    if info or (np.square(matrix.diagonal()) < ROUND_OFF * sizes).any():
+        raise _NoPivotError
+
+
+def _cholesky_replacing(matrix: Floats, sizes: Floats) -> None:
+    """As `_cholesky`, column by column; pivots that are round-off are replaced."""
+    for k, size in enumerate(sizes.tolist()):
+        column = matrix[k:, k] - matrix[k:, :k] @ matrix[k, :k]
+        if column[0] < ROUND_OFF * size:
+            column[0] = REPLACED * size
+        matrix[k:, k] = column / np.sqrt(column[0])

@@ -65,8 +65,7 @@ def cautions(
 def _all_cautions(
     scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], shares: list[float], step: int
 ) -> Iterator[Caution]:
-    slower = solution.contact.system.note
-    for note in (*solution.outcome.notes, *solution.state.notes, *solution.notes, *([slower] if slower else [])):
+    for note in (*solution.outcome.notes, *solution.state.notes, *solution.notes):
         yield Caution(Cause.NOTE, note)
     if step == 0:
         yield from settings_cautions(scene, solution.cover, solution.faces.n)

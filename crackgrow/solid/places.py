@@ -6,7 +6,7 @@ import numpy as np
 
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
-from crackgrow.direct.dissection import Places
+from crackgrow.direct import Places
 
 
 def places_of_unknowns(cover: Cover) -> Places:

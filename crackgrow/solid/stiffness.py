@@ -22,8 +22,7 @@ from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
-from crackgrow.direct.assembly import HalfMatrix, half, sum_of
-from crackgrow.direct.matrix import EqualElements, SymmetricMatrix
+from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, half, sum_of
 from crackgrow.quadrature.elements import PlainKind, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square

@@ -10,7 +10,6 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.cover.elements import locate
-from crackgrow.direct.multifrontal import NotQuasiDefiniteError
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution, solve_step
@@ -369,23 +368,6 @@ def pressed_evenly(folder: Path, text: str, support: float) -> StepSolution:
     found = displacement_at(solution.cover, solution.outcome.u, points, elements)
     assert np.abs(found - (metres + 2.0) * strain).max() < PATCH_TEST[support] * 4.0 * abs(strain)
     return solution
-
-
-@pytest.mark.parametrize("support", [1.5, 2.0])
-@pytest.mark.parametrize("corners", [4, 5, 6])
-def test_bonded_inclusion_without_fronts(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, corners: int, support: float
-) -> None:
-    """A core that only bonds hold is found where it is, also where fronts fail and SuperLU steps in."""
-
-    def fails(*_: object) -> None:
-        raise NotQuasiDefiniteError("made to fail")
-
-    angles = 2.0 * np.pi * np.arange(corners) / corners + 0.3
-    points = (0.9 * np.stack([np.cos(angles), np.sin(angles)], axis=1)).round(6).tolist()
-    text = INCLUSION.format(shape=f"{{polygon: {points}}}", contact="bonded", support=support)
-    monkeypatch.setattr("crackgrow.solid.linear_solver.Multifrontal", fails)
-    assert "made to fail" in pressed_evenly(tmp_path, text, support).contact.system.note
 
 
 HOLED = """

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+import crackgrow.direct
+
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
     "errors", "arrays", "blas", "vectors", "case", "geometry", "cover", "approximation", "quadrature", "direct",
@@ -60,6 +62,25 @@ def test_module_imports_from_its_layer_and_below(path: Path) -> None:
     package = ".".join(["crackgrow", *parts[:-1]])
     assert parts[0] in LAYERS, f"{parts[0]} is no known layer"
     assert faults(parts[0], path.read_text(encoding="utf-8"), package) == []
+
+
+def behind_the_door(source: str, package: str) -> list[str]:
+    """What a module of another package imports of the direct solver besides its door."""
+    own = [name for name in imported(source, package) if name.startswith("crackgrow.direct")]
+    return [name for name in own if name.removeprefix("crackgrow.direct.") not in crackgrow.direct.__all__]
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda path: str(path.relative_to(ROOT)))
+def test_the_direct_solver_has_one_door(path: Path) -> None:
+    package = ".".join(["crackgrow", *path.relative_to(ROOT).parts[:-1]])
+    if package != "crackgrow.direct":
+        assert behind_the_door(path.read_text(encoding="utf-8"), package) == []
+
+
+def test_what_is_behind_the_door_is_found() -> None:
+    assert behind_the_door("from crackgrow.direct.fronts import fronts_of", "crackgrow.solid")
+    assert behind_the_door("import crackgrow.direct.matrix", "crackgrow.solid")
+    assert not behind_the_door("from crackgrow.direct import factorize, Places", "crackgrow.solid")
 
 
 @pytest.mark.parametrize(

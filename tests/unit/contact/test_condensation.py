@@ -167,10 +167,3 @@ def test_jumps_that_corrections_cannot_mend_are_told(build, monkeypatch: pytest.
     size = max(np.abs(found.gap).max(), np.abs(found.slip).max())
     assert off / size > 1e-8
     assert found.complementarity == pytest.approx(off / size, rel=0.5)
-
-
-def test_systems_without_fronts_are_not_eliminated(build, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "FEW_NUMBERS", 0)
-    block, points = uniform(build, compression(2.0), 25.0), np.arange(3)
-    assert type(contact_of(block).onto(points, points)) is BySolutions  # by SuperLU
-    assert type(contact_of(by_fronts(block)).onto(points, points)) is ByCompliance

@@ -8,17 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.sparse import block_diag, csc_array, csr_array, diags_array
-from scipy.sparse.linalg import spsolve
+from scipy.sparse import block_array, block_diag, csc_array, csr_array, diags_array
+from scipy.sparse.linalg import splu, spsolve
 
 from crackgrow.direct import fronts as codes
 from crackgrow.direct import multifrontal as module
 from crackgrow.direct.dissection import Places, dissect
+from crackgrow.direct.factorization import FEW_CONSTRAINTS, MANY
 from crackgrow.direct.fronts import LEAF, Fronts, fronts_of
 from crackgrow.direct.matrix import SymmetricMatrix, symmetric
-from crackgrow.direct.multifrontal import Multifrontal, NotQuasiDefiniteError
+from crackgrow.direct.multifrontal import Multifrontal
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import FEW_CONSTRAINTS, MANY, ConstrainedSystem, Factorization
+from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.places import places_of_unknowns
 from crackgrow.solid.stiffness import stiffness_after
 from tests.conftest import Build
@@ -39,8 +40,8 @@ def free(matrix: csc_array) -> csr_array:
     return csr_array((0, matrix.shape[0]))
 
 
-def factorized(matrix: csc_array, nodes: Floats) -> Factorization:
-    return Factorization(symmetric(matrix), fronts_of(places_at(nodes), free(matrix))[0])
+def factorized(matrix: csc_array, nodes: Floats) -> Multifrontal:
+    return Multifrontal(symmetric(matrix), fronts_of(places_at(nodes), free(matrix))[0])
 
 
 def lattice(n: int, seed: int, reach: int = REACH) -> tuple[csc_array, Floats]:
@@ -185,13 +186,14 @@ def constrained(n: int, seed: int) -> tuple[ConstrainedSystem, csc_array, csr_ar
 
 @pytest.mark.parametrize("k", [1, 3, 30])
 def test_constraints_hold_also_where_they_repeat_each_other(k: int) -> None:
-    """As many loads as need a solve each for the constraints, and more; agrees with SuperLU."""
+    """As many loads as need a solve each for the constraints, and more; agrees with SciPy's SuperLU."""
     system, matrix, constraints = constrained(20, 18)
-    assert system.note == ""
     scale = np.sqrt(matrix.diagonal())
     loads = scale[:, None] * np.random.default_rng(20).normal(size=(len(scale), k))
     u, m = system.solve(loads)
-    by_lu, _ = ConstrainedSystem(matrix, constraints).solve(loads)
+    some = constraints[:9] + 0.0  # the others repeat these
+    bordered = csc_array(block_array([[matrix, some.T], [some, None]]))
+    by_lu = splu(bordered).solve(np.concatenate([loads, np.zeros((9, k))]))[: len(loads)]
     size = np.abs(u).max()
     np.testing.assert_allclose(u, by_lu, atol=1e-10 * size)
     np.testing.assert_allclose(constraints @ u, 0.0, atol=1e-13 * size)
@@ -250,11 +252,10 @@ def test_compliance_is_that_of_held_constraints(n: int) -> None:
 
 
 def test_compliance_is_left_to_solutions_where_it_is_not_cheap() -> None:
-    """By SuperLU, and with many constraints for few rows."""
-    system, matrix, constraints = constrained(12, 42)
+    """With many constraints for few rows."""
+    system, matrix, _ = constrained(12, 42)
     rows = csr_array(np.eye(3, matrix.shape[0]))
     assert system.compliance(rows) is not None
-    assert ConstrainedSystem(matrix, constraints).compliance(rows) is None
     most = MANY * rows.shape[0]
     assert most > FEW_CONSTRAINTS
     many = csr_array(np.eye(most + 1, matrix.shape[0]))
@@ -283,7 +284,6 @@ def test_singular_stiffness_is_held_by_constraints() -> None:
     loads = np.random.default_rng(24).normal(size=len(places))
     system = ConstrainedSystem(net, held, places_at(places))
     u, m = system.solve(loads, np.array([3.0]))
-    assert system.note == ""
     assert u[0] == pytest.approx(3.0, rel=1e-13)
     assert m[0] == pytest.approx(loads.sum(), abs=1e-8 * np.abs(net.data * u[net.indices]).max())
 
@@ -299,7 +299,6 @@ def test_singular_stiffness_is_held_by_averages_that_reach_across_many_fronts(n:
     loads = np.sqrt(net.diagonal()) * np.random.default_rng(34).normal(size=len(places))
     system = ConstrainedSystem(net, held, places_at(places))
     u, m = system.solve(loads, np.array([3.0, 3.5]))
-    assert system.note == ""
     np.testing.assert_allclose(held @ u, [3.0, 3.5], rtol=1e-12)
     terms = abs(net) @ np.abs(u) + abs(held).T @ np.abs(m) + np.abs(loads)
     assert np.abs(net @ u + held.T @ m - loads).max() <= 1e-12 * terms.max()
@@ -319,17 +318,6 @@ def test_nearly_singular_matrix_leaves_a_small_residual(small: float) -> None:
     np.testing.assert_allclose(net @ u, loads, atol=1e-12 * (abs(net) @ np.abs(u)).max())
 
 
-def test_indefinite_matrix_is_left_to_lu() -> None:
-    matrix, places = lattice(12, 27)
-    matrix = csc_array(matrix - diags_array(np.where(np.arange(len(places)) == 77, 1.5 * matrix.diagonal(), 0.0)))
-    with pytest.raises(NotQuasiDefiniteError):
-        Multifrontal(symmetric(matrix), fronts_of(places_at(places), free(matrix))[0])
-    x = np.random.default_rng(28).normal(size=len(places))
-    system = ConstrainedSystem(matrix, free(matrix), places_at(places))
-    assert "wrong sign" in system.note
-    np.testing.assert_allclose(system.solve(matrix @ x)[0], x, rtol=1e-8)
-
-
 @pytest.mark.parametrize("seed", [0, 1])
 def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
     """As functions on a sliver of rock do: the matrix is semidefinite, and by round-off indefinite."""
@@ -342,10 +330,23 @@ def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
     loads = semidefinite @ x
     system = ConstrainedSystem(semidefinite, free(semidefinite), places_at(np.vstack([places, places[twins]])))
     u, _ = system.solve(loads)
-    assert "wrong sign" in system.note
     assert np.abs(u).max() < 2.0 * np.abs(x).max()
     np.testing.assert_allclose(spread @ u, spread @ x, rtol=0.0, atol=1e-8 * np.abs(x).max())
     assert u @ (semidefinite @ u) == pytest.approx(x @ loads, rel=1e-12)
+
+
+@pytest.mark.parametrize("nodes", [3, 12])
+def test_a_pivot_that_is_round_off_is_replaced(nodes: int) -> None:
+    """A spring that is 1e-17 of its neighbours, in one front and across many: it gives way no further than they do."""
+    matrix, places = lattice(nodes, 50)
+    n = len(places)
+    twin = csc_array(np.hstack([np.eye(n), np.eye(n)[:, n // 2 :][:, :1]]))
+    weak = csc_array(twin.T @ matrix @ twin) + diags_array(np.append(np.zeros(n), 1e-17 * matrix.diagonal()[n // 2]))
+    fronts = fronts_of(places_at(np.vstack([places, places[n // 2]])), csr_array((0, n + 1)))[0]
+    right = twin.T @ np.ones(n)
+    u = Multifrontal(symmetric(csc_array(weak)), fronts).solve(right)
+    np.testing.assert_allclose(weak @ u, right, atol=1e-9 * (abs(weak) @ np.abs(u)).max())
+    assert np.abs(u).max() < 10.0 * np.abs(spsolve(matrix, np.ones(n))).max()
 
 
 def test_refinement_takes_away_an_error_of_the_factorization(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -365,7 +366,6 @@ def test_body_with_tips_is_solved_by_fronts(build) -> None:
     matrix = sample.stiffness()
     held = csr_array((np.ones(6), (np.arange(6), [0, 1, 20, 21, 40, 41])), shape=(6, len(places.nodes)))
     system = ConstrainedSystem(matrix, held, places)
-    assert system.note == ""
     loads = matrix @ np.random.default_rng(31).normal(size=len(places.nodes))
     u, m = system.solve(loads)
     np.testing.assert_allclose(matrix @ u + held.T @ m - loads, 0.0, atol=1e-12 * (abs(matrix) @ np.abs(u)).max())

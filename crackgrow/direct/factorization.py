@@ -1,0 +1,117 @@
+"""The door of the direct solver: factorize K, held by constraints C u = g, once for many loads.
+
+With constraints K alone may be singular, so K0 = K + C' rho C takes its place (the constraints add the same amount to
+both sides, the answer does not depend on rho). The matrix [[K0, C'], [C, -d]] with a small d is quasi-definite: it has
+a symmetric factorization without pivoting in any order (Vanderbei 1995), also where constraints repeat each other. What
+C u then misses of g, as a right-hand side of its own, takes the effect of d away.
+
+Constraints that act further than the couplings of K reach have no rho: it would couple all that they act on. Their
+multipliers are eliminated after a part of that and before the rest of it, and so stiffen the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.sparse import block_diag, csr_array, eye_array
+
+from crackgrow.arrays import Floats
+from crackgrow.direct.dissection import Places
+from crackgrow.direct.fronts import fronts_of
+from crackgrow.direct.matrix import SymmetricMatrix, bordered
+from crackgrow.direct.multifrontal import Factor, Multifrontal
+from crackgrow.errors import SolveError
+
+YIELDING = 1e-7
+"""d times the stiffness that a constraint meets: constraints give way by this fraction."""
+
+HARDENINGS = 2
+"""Most corrections, each of which reduces what constraints have given way by `YIELDING`."""
+
+SMALLEST = float(np.finfo(float).eps)
+"""What constraints give way by less than this fraction is round-off."""
+
+FEW_CONSTRAINTS = 16
+"""Up to so many constraints the responses to all of them cost less than the solves that they save."""
+
+MANY = 8
+"""Constraints per row from which elimination of all costs more than solves for the rows."""
+
+
+class Factorization:
+    """A factorized matrix K (n, n) with constraints C (m, n)."""
+
+    def __init__(self, fronts: Multifrontal, constraints: csr_array, rho: Floats, yielding: Floats) -> None:
+        """`fronts` of the quasi-definite matrix (n + m, n + m), `rho` (m,) and `yielding` d (m,)."""
+        self._fronts, self._constraints = fronts, constraints
+        self._rho, self._yielding = rho, yielding
+        self._share = abs(constraints)
+        self._responses: Floats | None = None  # (n + m, m) to unit pulls at the constraints, found when they pay
+
+    @property
+    def factors(self) -> Mapping[bytes, Factor]:
+        """What another factorization may have in common with this one."""
+        return self._fronts.factors
+
+    def solve(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
+        """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k), unrefined."""
+        n, m = len(loads), len(wanted)
+        if m == 0:
+            return self._fronts.solve(loads), wanted
+        push = loads + self._constraints.T @ (self._rho[:, None] * wanted)
+        solution = self._fronts.solve(np.concatenate([push, wanted]))
+        if self._responses is None and m <= max(FEW_CONSTRAINTS, loads.shape[1]):  # else one solve each is cheaper
+            self._responses = self._pulled(np.eye(m))
+        for _ in range(HARDENINGS):
+            missing = wanted - self._constraints @ solution[:n]
+            if np.all(np.abs(missing) <= SMALLEST * (self._share @ np.abs(solution[:n]) + np.abs(wanted))):
+                break
+            solution += self._pulled(missing) if self._responses is None else self._responses @ missing
+        return solution[:n], solution[n:]
+
+    def compliance(self, rows: csr_array) -> Floats | None:
+        """G u (k, k) of `rows` G (k, n), the displacements u by the loads G', unrefined; None where it is not cheap.
+
+        Symmetric to the last bit. With R = [[G', 0], [0, 1]] the products R' A^-1 R are [[G u, M'], [M, P]], where M
+        are multipliers, and P those of unit pulls: of C u they miss d M and add 1 + d P to it.
+        """
+        k, m = rows.shape[0], self._constraints.shape[0]
+        if m > max(FEW_CONSTRAINTS, MANY * k):
+            return None
+        products = self._fronts.products(csr_array(block_diag([rows.T, eye_array(m)], format="csr")))
+        compliance, multipliers, of_pulls = products[:k, :k], products[k:, :k], products[k:, k:]
+        pulls = np.zeros((m, k))
+        for _ in range(HARDENINGS):
+            pulls -= self._yielding[:, None] * (multipliers + of_pulls @ pulls) + pulls
+        taken_away = multipliers.T @ pulls
+        return np.asarray(compliance + 0.5 * (taken_away + taken_away.T))
+
+    def _pulled(self, missing: Floats) -> Floats:
+        """Displacements and multipliers (n + m, k) that add `missing` (m, k) to C u but for the yielding."""
+        return self._fronts.solve(np.concatenate([np.zeros((self._constraints.shape[1], missing.shape[1])), missing]))
+
+
+def factorize(
+    matrix: SymmetricMatrix,
+    constraints: csr_array,
+    places: Places | None = None,
+    known: Mapping[bytes, Factor] | None = None,
+) -> Factorization:
+    """Factorize `matrix` (n, n), positive semidefinite, with `constraints` (m, n); `places` of the n unknowns.
+
+    `known` are the `factors` of another one, that may be in common with this. Without places all unknowns are in one
+    dense front. Raises SolveError where entries are not finite, or unknowns have no stiffness.
+    """
+    places = places or Places(np.zeros((matrix.shape[0], 2), dtype=np.int64), (1, 1), 1)
+    share = abs(constraints)
+    met = share @ matrix.diagonal() / np.maximum(share.sum(axis=1), np.finfo(float).tiny)  # mean stiffness, row by row
+    fronts, coupling = fronts_of(places, constraints)
+    rho, yielding = np.where(coupling, met, 0.0), YIELDING / met
+    held = bordered(matrix, constraints, rho, yielding) if len(met) else matrix
+    diagonal = held.diagonal()
+    if not np.isfinite(held.largest()):
+        raise SolveError("the stiffness matrix has entries that are not finite")
+    if not np.all(diagonal != 0.0):
+        raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
+    return Factorization(Multifrontal(held, fronts, known), constraints, rho, yielding)
