@@ -13,13 +13,12 @@ from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
 from crackgrow.cover.cover import Cover
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA, TipLoading, Verdict
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity, interaction_integrals
 from crackgrow.fracture.tip_stress import TipField, tip_fields
-from crackgrow.run.configuration import Configuration, assemble, timed
-from crackgrow.run.increments import FROM_REST, LoadState, Origin, increment, unloaded
+from crackgrow.run.configuration import Configuration, timed
+from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.linear_solver import displacement_size
@@ -94,15 +93,6 @@ class StepSolution:
     def displacement_size(self) -> float:
         """Size of the displacement field, m."""
         return displacement_size(self.loads, self.outcome.u, self.state.factor * self.held.given)
-
-
-def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: float) -> StepSolution:
-    """Solve one configuration, loaded in one increment.
-
-    Raises GeometryError or SolveError where that can't be done to a small residual.
-    """
-    configuration = assemble(scene, growing)
-    return judged(increment(configuration, unloaded(configuration), load_factor))
 
 
 def judged(state: LoadState, fields: Sequence[TipField | None] | None = None) -> StepSolution:

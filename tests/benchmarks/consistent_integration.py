@@ -29,11 +29,12 @@ from crackgrow.cover.elements import locate  # noqa: E402
 from crackgrow.fracture.advance import GrowingCrack  # noqa: E402
 from crackgrow.quadrature.elements import plain_elements  # noqa: E402
 from crackgrow.quadrature.rims import RimPoints  # noqa: E402
-from crackgrow.run.judging import StepSolution, solve_step  # noqa: E402
+from crackgrow.run.judging import StepSolution  # noqa: E402
 from crackgrow.run.scene import make_scene  # noqa: E402
 from crackgrow.solid import clusters  # noqa: E402
 from crackgrow.solid import stiffness as module  # noqa: E402
 from crackgrow.solid.recovery import displacement_at  # noqa: E402
+from tests.solving import solve_step  # noqa: E402
 
 BUILD = conftest.Build
 REPETITIONS = 5

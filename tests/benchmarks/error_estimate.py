@@ -16,10 +16,11 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.error import estimated_error
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import grow
 from crackgrow.run.scene import make_scene
 from crackgrow.study.energy_distance import energy_distance
+from tests.solving import solve_step
 
 CASES = Path(__file__).parents[2] / "cases"
 SUPPORT_15, SUPPORT_2 = "numerics.support=1.5", "numerics.support=2"

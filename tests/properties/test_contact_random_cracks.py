@@ -14,9 +14,10 @@ from crackgrow.case.model import CoulombContact
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.frame import make_frame
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Frame
 from crackgrow.run.scene import make_scene
+from tests.solving import solve_step
 
 CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
 SIZE = np.array([31e-3, 55e-3])  # m

@@ -28,9 +28,10 @@ from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
+from tests.solving import solve_step
 
 SIZE = np.array([31.0, 55.0])  # mm, round the origin
 YOUNG, POISSON, LOAD = 1e10, 0.25, 1e8  # Pa

@@ -12,10 +12,11 @@ from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.cover.elements import locate
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions, total_load
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at, stress_at
+from tests.solving import solve_step
 
 PATCH_TEST = {1.5: 1e-7, 2.0: 1e-9}
 """Relative displacement error under uniform stress, by support: vertices are rounded to 1e-9 spacings, and contact acts

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
+from tests.solving import solve_step
 from tests.verification.slit_body import closed_plate
 
 ROOT = Path(__file__).parents[2]

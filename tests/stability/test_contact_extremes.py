@@ -22,9 +22,10 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.frame import make_frame
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
+from tests.solving import solve_step
 
 CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
 SETTINGS = ("output.frames=none", "output.figures=false", "growth.steps=0", "numerics.spacing=1.5")

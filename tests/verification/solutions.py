@@ -18,11 +18,12 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.report import step_result
 from crackgrow.run.result import CrackPath, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
+from tests.solving import solve_step
 
 ROOT = Path(__file__).parents[2]
 CASES = ROOT / "cases"

@@ -14,9 +14,10 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import displacement_at
+from tests.solving import solve_step
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = Path(__file__).parent / "references"

@@ -17,13 +17,14 @@ from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 from tests.contact_problems import crack_problem, random_problem, rock_problem, with_law
+from tests.solving import solve_step
 
 CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
 

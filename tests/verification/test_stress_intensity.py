@@ -10,8 +10,9 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.judging import StepSolution, TipState, solve_step
+from crackgrow.run.judging import StepSolution, TipState
 from crackgrow.run.scene import make_scene
+from tests.solving import solve_step
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = Path(__file__).parent / "references"

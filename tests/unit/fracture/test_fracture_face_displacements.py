@@ -10,8 +10,9 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.face_displacements import from_face_displacements
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
+from tests.solving import solve_step
 
 ROOT = Path(__file__).parents[3]
 REFERENCE = ROOT / "tests" / "verification" / "references" / "open_crack_K.csv"

@@ -16,9 +16,10 @@ from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow, report
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.cautions import _overlapping, cautions, overlap_shares
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
+from tests.solving import solve_step
 
 CASES = Path(__file__).parents[3] / "cases"
 

@@ -15,8 +15,9 @@ from crackgrow.contact.second_solution import SecondSolution
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.caution import Cause
 from crackgrow.run.contact_cautions import contact_cautions
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
+from tests.solving import solve_step
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 

@@ -15,8 +15,9 @@ from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import from_state, held_loads, increment
-from crackgrow.run.judging import StepSolution, judged, solve_step
+from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import make_scene
+from tests.solving import solve_step
 from tests.whole_run import whole_run
 
 CASES = Path(__file__).parents[3] / "cases"

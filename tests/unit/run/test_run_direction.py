@@ -18,8 +18,9 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.direction import MOST_SOLVES, Advance, advance_tips
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
+from tests.solving import solve_step
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 Cracks = tuple[GrowingCrack, ...]

@@ -10,10 +10,11 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.error import estimated_error
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.study.energy_distance import energy_distance
+from tests.solving import solve_step
 from tests.whole_run import whole_run
 
 CASES = Path(__file__).parents[3] / "cases"

@@ -14,9 +14,10 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.advance import GrowingCrack, advanced
 from crackgrow.run import grow
 from crackgrow.run.frame import make_frame
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Frame, StepResult
 from crackgrow.run.scene import make_scene
+from tests.solving import solve_step
 
 CASES = Path(__file__).parents[3] / "cases"
 AREA = 31e-3 * 55e-3  # m^2

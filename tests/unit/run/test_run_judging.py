@@ -10,8 +10,9 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.fracture.advance import GrowingCrack, advanced
-from crackgrow.run.judging import StepSolution, solve_step
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
+from tests.solving import solve_step
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 SHEAR = 100e6 * np.sin(np.deg2rad(30.0)) * np.cos(np.deg2rad(30.0))  # Pa, 43.3 MPa on the flaw's plane
