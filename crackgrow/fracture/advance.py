@@ -77,19 +77,18 @@ def _least_advanced(tips: Ints, n_advances: Ints) -> Ints:
 def advanced(
     growing: GrowingCrack,
     at_end: bool,
-    kink: float,
-    increment: float,
+    way: tuple[float, float],
     step: int,
     region: shapely.Polygon,
     others: Sequence[GrowingCrack] = (),
 ) -> tuple[GrowingCrack, Meeting | None]:
-    """The crack with `increment` (m) added to a tip, turned by `kink` (rad), and what the tip has met.
+    """The crack with a segment added to a tip, and what the tip has met; `way` is its kink (rad) and its length (m).
 
     The new segment stays in `region` (m). It ends on the first of the region's rims, the `others` and its own path
-    that it meets, and the crack has no tip there any more. The segment then is shorter than `increment`, or turned by
+    that it meets, and the crack has no tip there any more. The segment then is shorter than that length, or turned by
     up to CLEARANCE and longer by as much. An end of one of the `others` that is met is left as it is: see `closed`.
     """
-    crack = growing.crack
+    crack, (kink, increment) = growing.crack, way
     direction = tip_direction(crack.points, at_end)
     c, s = np.cos(kink), np.sin(kink)
     tip = crack.points[-1] if at_end else crack.points[0]

@@ -79,7 +79,18 @@ class TipLoading:
         return cls(field, K_I, K_II, first.radius)
 
 
-Criterion = Callable[[TipLoading, Strength], Verdict]
+@dataclass(frozen=True, slots=True)
+class Criterion:
+    """A growth criterion."""
+
+    name: str  # as in a case file
+    judge: Callable[[TipLoading, Strength], Verdict]
+    mode_I: float  # s_yy sqrt(2 pi R) / K_I that it sees in pure mode I: averaged over the disc or a ray, at the radius
+    by_K: bool = False  # whether it needs K_I and K_II; else the field alone will do
+
+    def toughness(self, tension: float, radius: float) -> float:
+        """K_I (Pa sqrt(m)) at which it lets mode I grow, for a tensile strength (Pa) and a radius R (m)."""
+        return float(tension * np.sqrt(2.0 * np.pi * radius) / self.mode_I)
 
 
 def strength(loading: TipLoading, limits: Strength) -> Verdict:
@@ -130,7 +141,7 @@ def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
     kink = hoop_stress_kink(loading.K_I, loading.K_II)
     half = np.cos(0.5 * kink)
     K_eq = half * (loading.K_I * half**2 - 1.5 * loading.K_II * np.sin(kink))
-    criticality = float(K_eq / effective_toughness("max_hoop_stress", limits.tension, loading.radius))
+    criticality = float(K_eq / (limits.tension * np.sqrt(2.0 * np.pi * loading.radius)))
     return Verdict(s1, s3, "tension", criticality, kink)
 
 
@@ -149,22 +160,14 @@ def hoop_stress_kink(K_I: float, K_II: float) -> float:
     return float(np.clip(kink, -LARGEST_KINK, LARGEST_KINK))
 
 
-CRITERIA: dict[str, Criterion] = {
-    "strength": strength,
-    "directional_strength": directional_strength,
-    "max_hoop_stress": max_hoop_stress,
+CRITERIA = {
+    criterion.name: criterion
+    for criterion in (
+        Criterion("strength", strength, 1.5279),
+        Criterion("directional_strength", directional_strength, 2.0),
+        Criterion("max_hoop_stress", max_hoop_stress, 1.0, by_K=True),
+    )
 }
-
-GO_BY_K = frozenset({"max_hoop_stress"})
-"""Criteria that need K_I and K_II; the others go by the field alone."""
-
-MEAN_FACTOR_I = {"strength": 1.5279, "directional_strength": 2.0, "max_hoop_stress": 1.0}
-"""The criterion's s_yy sqrt(2 pi R) / K_I in pure mode I: averaged over the disc or along the ray, at the radius."""
-
-
-def effective_toughness(criterion: str, tension: float, radius: float) -> float:
-    """K_I (Pa sqrt(m)) at which a criterion lets mode I grow, for a tensile strength (Pa) and a radius R (m)."""
-    return float(tension * np.sqrt(2.0 * np.pi * radius) / MEAN_FACTOR_I[criterion])
 
 
 def hoop_and_shear(field: TipField, stress: Floats) -> tuple[Floats, Floats]:

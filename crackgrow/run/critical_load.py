@@ -17,7 +17,7 @@ import numpy as np
 from crackgrow.arrays import Bools
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.criteria import GO_BY_K, TipLoading
+from crackgrow.fracture.criteria import CRITERIA, TipLoading
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged, stress_fields, tip_states, verdict
@@ -191,7 +191,7 @@ class _Search:
         with timed(self._seconds, "criterion"):
             materials = self._configuration.scene.materials_at(state.factor)
             fields = stress_fields(state, materials)
-            if self._growth.criterion in GO_BY_K:
+            if CRITERIA[self._growth.criterion].by_K:
                 loadings = [tip.loading for tip in tip_states(state, materials, fields)]
             else:
                 radius = self._growth.tip_radius

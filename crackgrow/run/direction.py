@@ -15,6 +15,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import Growth
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack, advanced, closed
 from crackgrow.fracture.criteria import hoop_stress_kink
@@ -51,6 +52,16 @@ _END: dict[bool, Literal["start", "end"]] = {False: "start", True: "end"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Front:
+    """The cracks before an advance."""
+
+    scene: Scene
+    growth: Growth  # the scene's
+    cracks: tuple[GrowingCrack, ...]
+    step: int  # that they advance in
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Advance:
     """The cracks after an advance."""
 
@@ -63,6 +74,7 @@ class Advance:
 class _Trial:
     kinks: Floats  # (n,) rad
     advance: Advance
+    solution: StepSolution
     shear: Floats  # (n,) K_II / K at the new tips, zero where a tip has met something
     error: Floats  # (n,) below which `shear` counts as zero
 
@@ -72,36 +84,24 @@ class _Trial:
         return float((np.abs(self.shear) / self.error).max())
 
 
-def advance_tips(
-    scene: Scene,
-    cracks: tuple[GrowingCrack, ...],
-    solution: StepSolution,
-    chosen: Ints,
-    step: int,
-    solve: Solve,
-) -> Advance:
-    """The cracks after the tips `chosen` have advanced in step number `step`; `solve` gives the step that follows."""
-    growth = scene.case.growth
-    assert growth is not None
+def advance_tips(front: Front, solution: StepSolution, chosen: Ints, solve: Solve) -> Advance:
+    """The cracks after the tips `chosen` of a solution have advanced; `solve` gives the step that follows."""
     ends = [solution.cover.tip_ends[tip] for tip in chosen.tolist()]
     verdicts = [solution.tips[tip].verdict for tip in chosen.tolist()]
     kinks = np.array([verdict.kink for verdict in verdicts if verdict is not None])
-    first = _advanced(scene, cracks, ends, kinks, step)
-    if growth.direction == "explicit" or not any(_can_grow(first, end) for end in ends):
+    first = _advanced(front, ends, kinks)
+    if front.growth.direction == "explicit" or not any(_can_grow(first, end) for end in ends):
         return first
-    return _without_shear(scene, cracks, ends, kinks, first, step, solve)
+    return _without_shear(front, ends, kinks, first, solve)
 
 
-def _advanced(
-    scene: Scene, cracks: tuple[GrowingCrack, ...], ends: Sequence[tuple[int, bool]], kinks: Floats, step: int
-) -> Advance:
+def _advanced(front: Front, ends: Sequence[tuple[int, bool]], kinks: Floats) -> Advance:
     """All cracks, with the tips `ends` advanced by `kinks` one after the other: each sees what those before have made.
 
     A tip that one before it has met is no tip any more and stays: an event of its own.
     """
-    growth = scene.case.growth
-    assert growth is not None
-    grown = list(cracks)
+    scene, step = front.scene, front.step
+    grown = list(front.cracks)
     events = []
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
         if not grown[index].can_grow(at_end):
@@ -110,7 +110,8 @@ def _advanced(
         others = [grown[number] for number in numbers]
         region = scene.regions[scene.crack_bodies[index]]
         before = list(grown)
-        grown[index], met = advanced(grown[index], at_end, kink, growth.increment, step, region, others)
+        way = (kink, front.growth.increment)
+        grown[index], met = advanced(grown[index], at_end, way, step, region, others)
         if met is None:
             continue
         kind, name = _named(scene, index, met, others)
@@ -145,13 +146,7 @@ def _named(
 
 
 def _without_shear(
-    scene: Scene,
-    cracks: tuple[GrowingCrack, ...],
-    ends: Sequence[tuple[int, bool]],
-    kinks: Floats,
-    first: Advance,
-    step: int,
-    solve: Solve,
+    front: Front, ends: Sequence[tuple[int, bool]], kinks: Floats, first: Advance, solve: Solve
 ) -> Advance:
     """The advance whose new tips see least shear, with its solution and the cost of all solves."""
     trials: list[_Trial] = []
@@ -159,7 +154,7 @@ def _without_shear(
     advance, gave_up = first, ""
     while True:
         try:
-            advance = advance if not trials else _advanced(scene, cracks, ends, kinks, step)
+            advance = advance if not trials else _advanced(front, ends, kinks)
             solved = solve(advance.cracks)
         except (GeometryError, SolveError) as error:
             if not trials:
@@ -168,26 +163,23 @@ def _without_shear(
             break
         for phase, spent in solved.seconds.items():
             seconds[phase] = seconds.get(phase, 0.0) + spent
-        trials.append(_judged(kinks, replace(advance, solution=solved), ends))
+        trials.append(_judged(kinks, advance, solved, ends))
         if trials[-1].excess <= 1.0 or len(trials) == MOST_SOLVES:
             break
         kinks = _corrected(trials)
     best = min(trials, key=lambda trial: trial.excess)
-    assert best.advance.solution is not None
-    notes = (*best.advance.solution.notes, *([gave_up] if gave_up else []))
+    notes = (*best.solution.notes, *([gave_up] if gave_up else []))
     if best.excess > 1.0:
         notes = (
             *notes,
             f"the direction of growth left K_II at {np.abs(best.shear).max():.2g} of K at a new tip",
         )
-    solution = replace(best.advance.solution, seconds=seconds, factorizations=len(trials), notes=notes)
+    solution = replace(best.solution, seconds=seconds, factorizations=len(trials), notes=notes)
     return replace(best.advance, solution=solution)
 
 
-def _judged(kinks: Floats, advance: Advance, ends: Sequence[tuple[int, bool]]) -> _Trial:
+def _judged(kinks: Floats, advance: Advance, solution: StepSolution, ends: Sequence[tuple[int, bool]]) -> _Trial:
     """The shear that new tips see."""
-    solution = advance.solution
-    assert solution is not None
     shear, error = np.zeros(len(ends)), np.full(len(ends), SMALL_SHEAR)
     for number, end in enumerate(ends):
         if not _can_grow(advance, end):
@@ -199,7 +191,7 @@ def _judged(kinks: Floats, advance: Advance, ends: Sequence[tuple[int, bool]]) -
         # the kink of the largest hoop stress is -2 K_II / K_I where that is small, and bounded everywhere
         shear[number] = -0.5 * hoop_stress_kink(*state.K)
         error[number] = np.clip(np.nan_to_num(state.intensity.K_II_spread) / size, SMALL_SHEAR, WORST_ERROR)
-    return _Trial(kinks, advance, shear, error)
+    return _Trial(kinks, advance, solution, shear, error)
 
 
 def _can_grow(advance: Advance, end: tuple[int, bool]) -> bool:

@@ -146,7 +146,7 @@ def verdict(scene: Scene, body: int, loading: TipLoading) -> Verdict:
     growth, strength = scene.case.growth, scene.case.bodies[body].strength
     assert growth is not None
     assert strength is not None
-    return CRITERIA[growth.criterion](loading, strength)
+    return CRITERIA[growth.criterion].judge(loading, strength)
 
 
 def _tractions(state: LoadState, crack: int) -> FaceTraction:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Generator
 from dataclasses import replace
 from functools import partial
@@ -16,13 +15,13 @@ from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack, growing_tips
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
-from crackgrow.run.direction import advance_tips
+from crackgrow.run.direction import Front, advance_tips
 from crackgrow.run.error import estimated_error
 from crackgrow.run.increments import Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load, load_again, load_history
-from crackgrow.run.report import step_result
-from crackgrow.run.result import Checkpoint, CrackPath, RunEnd, StepResult
+from crackgrow.run.report import paths_of, step_result
+from crackgrow.run.result import Checkpoint, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.rigid_modes import all_pieces
 
@@ -95,11 +94,11 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
         except FreePieceError as error:
             if step == 0:
                 raise
-            return RunEnd("broke_through", f"step {step}: {error.what}", _paths(cracks), events)
+            return RunEnd("broke_through", f"step {step}: {error.what}", paths_of(cracks), events)
         except (GeometryError, SolveError) as error:
             if step == 0:
                 raise
-            return RunEnd("failed", f"step {step}: {error}", _paths(cracks), events)
+            return RunEnd("failed", f"step {step}: {error}", paths_of(cracks), events)
         n_pieces = n_pieces or len(all_pieces(solution.cover))
         chosen = _choose(growth, cracks, solution, last=step == n_steps)
         result = _reported(scene, RunState(step, cracks, events, n_pieces), solution, chosen)
@@ -110,10 +109,10 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             return _stopped(cracks, solution, step, n_pieces)
         if step < n_steps:
             following = partial(load, scene, before=solution)
-            advance = advance_tips(scene, cracks, solution, chosen, step + 1, following)
+            advance = advance_tips(Front(scene, growth, cracks, step + 1), solution, chosen, following)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
-    return RunEnd("completed", done, _paths(cracks))
+    return RunEnd("completed", done, paths_of(cracks))
 
 
 def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
@@ -132,7 +131,7 @@ def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSo
         yield result, solution
     n = len(scene.case.loading.factors)
     return RunEnd(
-        "completed", "the static solve is done" if n == 1 else f"all {n} load factors are done", _paths(cracks)
+        "completed", "the static solve is done" if n == 1 else f"all {n} load factors are done", paths_of(cracks)
     )
 
 
@@ -158,27 +157,20 @@ def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Fl
 
 def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Ints) -> StepResult:
     """The step's result; frames are made where files or figures can want them."""
-    start = time.perf_counter()
     output = scene.case.output
-    wanted = output.frames != "none" or output.figures
-    paths = _paths(state.cracks)
-    result = step_result(scene, paths, state.events, solution, state.step, chosen, wanted, start)
+    result = step_result(state, solution, chosen, output.frames != "none" or output.figures)
     solved = replace(state, origin=solution.origin, factorizations=solution.factorizations, notes=solution.notes)
     return replace(result, checkpoint=packed(solved))
-
-
-def _paths(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:
-    return tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in cracks)
 
 
 def _stopped(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, n_pieces: int) -> RunEnd:
     """The end of a run whose cracks don't grow any more; `n_pieces` of rock there were at the start."""
     largest = _criticality(cracks, solution).max(initial=-np.inf)
     if NEVER_CRITICAL in solution.notes:
-        return RunEnd("arrested", f"step {step}: {NEVER_CRITICAL}", _paths(cracks))
+        return RunEnd("arrested", f"step {step}: {NEVER_CRITICAL}", paths_of(cracks))
     if largest > -np.inf:
         most = f"the most critical is at {largest:.3g} of its strength"
-        return RunEnd("arrested", f"step {step}: no tip meets the criterion; {most}", _paths(cracks))
+        return RunEnd("arrested", f"step {step}: no tip meets the criterion; {most}", paths_of(cracks))
     return _without_tips(cracks, solution, step, n_pieces)
 
 
@@ -188,5 +180,5 @@ def _without_tips(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step
     n_left = len(all_pieces(solution.cover))
     if n_left > n_pieces:
         cut = f"the cracks have cut the rock into {n_left} pieces, {n_pieces} at the start"
-        return RunEnd("broke_through", f"{stopped}; {cut}", _paths(cracks))
-    return RunEnd("arrested", stopped, _paths(cracks))
+        return RunEnd("broke_through", f"{stopped}; {cut}", paths_of(cracks))
+    return RunEnd("arrested", stopped, paths_of(cracks))

@@ -15,9 +15,11 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
-from crackgrow.fracture.criteria import effective_toughness
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.criteria import CRITERIA
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
+from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.intensity_error import intensity_errors
@@ -27,7 +29,6 @@ from crackgrow.run.result import (
     ContactPoints,
     CrackFaces,
     CrackPath,
-    Event,
     Frame,
     FrameOnDemand,
     StepResult,
@@ -40,34 +41,27 @@ SAME_PLACE = 1e-6
 """Spacings: samples of a crack closer than this are one place."""
 
 
-def step_result(
-    scene: Scene,
-    paths: tuple[CrackPath, ...],
-    events: tuple[Event, ...],
-    solution: StepSolution,
-    step: int,
-    chosen: Ints,
-    with_frame: bool,
-    started: float,
-) -> StepResult:
-    """Result of step number `step`; tips `chosen` advance, `started` is when the reporting began (perf_counter).
+def paths_of(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:
+    """The cracks as they lie."""
+    return tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in cracks)
 
-    `events` are those of the advance that made the `paths`.
-    """
-    outcome = solution.outcome
+
+def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_frame: bool) -> StepResult:
+    """The result of a step, of whose tips the `chosen` advance."""
+    started = time.perf_counter()
+    outcome, scene, paths = solution.outcome, solution.configuration.scene, paths_of(state.cracks)
     contact, faces = _along_surfaces(solution, scene)
     errors = intensity_errors(scene, solution, faces)
     tips = tuple(_tip(solution, tip, tip in chosen, scene, error) for tip, error in enumerate(errors))
     shares = overlap_shares(scene, solution, faces)
-    error = estimated_error(solution) if step == 0 else None
+    error = estimated_error(solution) if state.step == 0 else None
     K = [tip.K for tip in solution.tips]
-    doubts = cautions(scene, solution, faces, shares, step)
     make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error)
     return StepResult(
-        step=step,
+        step=state.step,
         load_factor=solution.state.factor,
         cracks=paths,
-        events=events,
+        events=state.events,
         tips=tips,
         contact=contact,
         faces=faces,
@@ -87,9 +81,9 @@ def step_result(
         load_displacement=_load_displacement(solution),
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         effective_toughness=_toughness(scene),
-        seconds={**solution.seconds, "output": time.perf_counter() - started},
-        cautions=doubts,
+        cautions=cautions(scene, solution, faces, shares, state.step),
         norm_error=error.relative if error else float("nan"),
+        seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
 
 
@@ -199,4 +193,4 @@ def _toughness(scene: Scene) -> float:
     strength = scene.case.bodies[scene.crack_bodies[0]].strength if scene.crack_bodies else None
     if growth is None or strength is None:
         return float("nan")
-    return effective_toughness(growth.criterion, strength.tension, growth.tip_radius)
+    return CRITERIA[growth.criterion].toughness(strength.tension, growth.tip_radius)

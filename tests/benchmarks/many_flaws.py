@@ -118,7 +118,7 @@ def main() -> None:
         first_seconds, first = timed(lambda: stiffness_after(cover, scene.materials, 4))  # noqa: B023
         judged_seconds, _ = timed(lambda: judged(scene, cover))  # noqa: B023
         others = cracks[1:]
-        cracks[0], _ = advanced(cracks[0], True, 0.6, 2e-3, 1, scene.regions[0], others)
+        cracks[0], _ = advanced(cracks[0], True, (0.6, 2e-3), 1, scene.regions[0], others)
         grown = covered(scene, cracks)
         later_seconds, later = timed(
             lambda: stiffness_after(grown, scene.materials, 4, first)  # noqa: B023

@@ -17,10 +17,11 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.checkpoint import RunState
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.report import step_result
-from crackgrow.run.result import CrackPath, StepResult
+from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
 from tests.solving import solve_step
@@ -86,8 +87,7 @@ def solve_case(case: Case) -> Solved:
     scene = make_scene(case)
     growing = before_growth(case)
     solution = solve_step(scene, growing, case.last_factor)
-    paths = tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in growing)
-    result = step_result(scene, paths, (), solution, 0, np.empty(0, dtype=np.int64), True, 0.0)
+    result = step_result(RunState(0, growing), solution, np.empty(0, dtype=np.int64), True)
     return Solved(case, scene, solution, result)
 
 

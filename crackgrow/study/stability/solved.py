@@ -9,10 +9,11 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.checkpoint import RunState
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.report import step_result
-from crackgrow.run.result import CrackPath, StepResult
+from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.study.stability.placed import Placement, placed, scaled
 
@@ -100,7 +101,5 @@ def solved(case: Case, placement: Placement | None = None, offset: tuple[float, 
     growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in quiet.cracks)
     scene = make_scene(quiet, offset)
     solution = load(scene, growing)
-    paths = tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in growing)
-    none = np.empty(0, dtype=np.int64)
-    result = step_result(scene, paths, (), solution, 0, none, False, 0.0)
+    result = step_result(RunState(0, growing), solution, np.empty(0, dtype=np.int64), False)
     return Solved(quiet, solution, result, placement or scaled())

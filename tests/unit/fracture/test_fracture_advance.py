@@ -83,7 +83,7 @@ def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: 
     direction = np.array([np.cos(a), np.sin(a)])
     before = growing([tuple(-2.0 * direction), tuple(direction)])
     for at_end, tip, outward in ((True, direction, a), (False, -2.0 * direction, a + np.pi)):
-        after, met = advanced(before, at_end, kink, 0.5, 3, PLATE)
+        after, met = advanced(before, at_end, (kink, 0.5), 3, PLATE)
         assert met is None
         added = after.crack.points[-1 if at_end else 0]
         expected = tip + 0.5 * np.array([np.cos(outward + kink), np.sin(outward + kink)])
@@ -97,14 +97,14 @@ def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: 
 def test_advancing_changes_nothing_of_the_crack_before() -> None:
     before = growing([(0.0, 0.0), (1.0, 0.0)])
     points, steps = before.crack.points.copy(), before.steps.copy()
-    advanced(before, True, 0.3, 0.5, 1, PLATE)
+    advanced(before, True, (0.3, 0.5), 1, PLATE)
     np.testing.assert_array_equal(before.crack.points, points)
     np.testing.assert_array_equal(before.steps, steps)
 
 
 def test_two_opposite_kinks_at_both_ends_keep_point_symmetry() -> None:
-    crack, _ = advanced(growing([(-1.0, -0.5), (1.0, 0.5)]), True, 0.8, 0.7, 1, PLATE)
-    crack, _ = advanced(crack, False, 0.8, 0.7, 2, PLATE)
+    crack, _ = advanced(growing([(-1.0, -0.5), (1.0, 0.5)]), True, (0.8, 0.7), 1, PLATE)
+    crack, _ = advanced(crack, False, (0.8, 0.7), 2, PLATE)
     np.testing.assert_allclose(crack.crack.points, -crack.crack.points[::-1], atol=1e-14)
     assert crack.steps.tolist() == [2, 0, 0, 1]
 
@@ -113,7 +113,7 @@ def test_advances_are_counted_end_by_end() -> None:
     crack = growing([(0.0, 0.0), (1.0, 0.0), (2.0, 0.3)])
     assert [crack.n_advances(end) for end in (False, True)] == [0, 0]
     for step, at_end in enumerate([True, True, False, True], start=1):
-        crack, _ = advanced(crack, at_end, 0.05, 0.4, step, PLATE)
+        crack, _ = advanced(crack, at_end, (0.05, 0.4), step, PLATE)
     assert [crack.n_advances(end) for end in (False, True)] == [1, 3]
     assert crack.steps.tolist() == [3, 0, 0, 0, 1, 2, 4]
 
@@ -122,7 +122,7 @@ def test_advances_are_counted_end_by_end() -> None:
 def test_a_segment_that_would_leave_ends_on_the_outline_without_a_tip(at_end: bool) -> None:
     points = [(0.0, 1.0), (9.5, 1.0)]
     before = growing(points if at_end else points[::-1])
-    after, met = advanced(before, at_end, np.deg2rad(30.0), 2.0, 1, PLATE)
+    after, met = advanced(before, at_end, (np.deg2rad(30.0), 2.0), 1, PLATE)
     assert met is not None
     assert met.kind == "outline"
     end = after.crack.points[-1 if at_end else 0]
@@ -134,7 +134,9 @@ def test_a_segment_that_would_leave_ends_on_the_outline_without_a_tip(at_end: bo
 def test_a_hole_is_met_by_its_number() -> None:
     holed = PLATE.difference(shapely.box(-9, -9, -8, -8)).difference(shapely.box(1.0, -1.0, 3.0, 1.0))
     number = next(k for k, hole in enumerate(holed.interiors) if hole.bounds[0] == 1.0)
-    after, met = advanced(growing([(-2.0, 0.0), (0.0, 0.0)]), True, 0.0, 5.0, 1, holed)  # 5 would reach beyond the hole
+    after, met = advanced(
+        growing([(-2.0, 0.0), (0.0, 0.0)]), True, (0.0, 5.0), 1, holed
+    )  # 5 would reach beyond the hole
     assert met is not None
     assert (met.kind, met.number) == ("hole", number)
     np.testing.assert_array_equal(after.crack.points[-1], [1.0, 0.0])
@@ -146,7 +148,7 @@ FLAW = [(0.0, 0.0), (4.0, 0.0)]
 
 def advance_flaw(*others: list[tuple[float, float]], kink_deg: float = 0.0) -> tuple[np.ndarray, Meeting | None]:
     cracks = [growing(points) for points in others]
-    after, met = advanced(growing(FLAW), True, np.deg2rad(kink_deg), 1.0, 7, PLATE, cracks)
+    after, met = advanced(growing(FLAW), True, (np.deg2rad(kink_deg), 1.0), 7, PLATE, cracks)
     assert after.can_grow(True) == (met is None)
     assert after.can_grow(False)
     assert [crack.can_grow(end) for crack in cracks for end in (False, True)] == [True] * 2 * len(cracks)
@@ -239,28 +241,28 @@ def test_a_tip_that_turns_slowly_to_a_near_crack_reaches_it_when_it_runs_into_it
 def test_a_branch_leaves_the_crack_that_it_starts_on() -> None:
     """Its start is a junction; its tip is 0.04 from the other crack."""
     trunk, branch = growing([(-3.0, 0.0), (3.0, 0.0)]), growing([(0.0, 0.0), (0.04, 0.04)])
-    after, met = advanced(branch, True, 0.0, 1.0, 1, PLATE, [trunk])
+    after, met = advanced(branch, True, (0.0, 1.0), 1, PLATE, [trunk])
     assert met is None
-    after, met = advanced(after, True, np.deg2rad(-130.0), 1.0, 2, PLATE, [trunk])  # turns back
+    after, met = advanced(after, True, (np.deg2rad(-130.0), 1.0), 2, PLATE, [trunk])  # turns back
     assert met is not None
     assert after.crack.points[-1][1] == 0.0
 
 
 def test_a_crack_ends_on_its_own_older_path() -> None:
     hook = growing([(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0)])
-    closed_up, met = advanced(hook, True, np.deg2rad(90.0), 3.0, 1, PLATE)
+    closed_up, met = advanced(hook, True, (np.deg2rad(90.0), 3.0), 1, PLATE)
     assert met is not None
     assert (met.kind, met.end) == ("own_path", None)
     np.testing.assert_allclose(closed_up.crack.points[-1], [2.0, 0.0], atol=1e-15)
     assert [closed_up.can_grow(end) for end in (False, True)] == [True, False]
-    short, met = advanced(hook, True, np.deg2rad(90.0), 1.5, 1, PLATE)  # stops short of the first segment
+    short, met = advanced(hook, True, (np.deg2rad(90.0), 1.5), 1, PLATE)  # stops short of the first segment
     assert met is None
     np.testing.assert_allclose(short.crack.points[-1], [2.0, 0.5], atol=1e-14)
 
 
 def test_a_crack_that_reaches_its_own_other_tip_has_no_tip_left() -> None:
     ring = growing([(2.0, 0.05), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0)])
-    closed_up, met = advanced(ring, True, np.deg2rad(90.0), 2.0, 1, PLATE)
+    closed_up, met = advanced(ring, True, (np.deg2rad(90.0), 2.0), 1, PLATE)
     assert met is not None
     assert (met.kind, met.end) == ("own_path", False)
     np.testing.assert_array_equal(closed_up.crack.points[-1], closed_up.crack.points[0])
@@ -272,7 +274,7 @@ def test_a_crack_that_reaches_its_own_other_tip_has_no_tip_left() -> None:
 def test_a_wing_leaves_its_own_flaw(kink_deg: float, flaw_length: float) -> None:
     crack = growing([(-flaw_length, 0.0), (0.0, 0.0)])
     for step, (at_end, turn) in enumerate([(True, kink_deg), (False, kink_deg), (True, 0.0), (False, 0.0)], start=1):
-        crack, met = advanced(crack, at_end, np.deg2rad(turn), 1.0, step, PLATE)
+        crack, met = advanced(crack, at_end, (np.deg2rad(turn), 1.0), step, PLATE)
         assert met is None
     assert np.hypot(*np.diff(crack.crack.points, axis=0).T) == pytest.approx([1.0, 1.0, flaw_length, 1.0, 1.0])
 
@@ -281,7 +283,7 @@ def test_a_wing_leaves_its_own_flaw(kink_deg: float, flaw_length: float) -> None
 def test_a_short_last_segment_is_not_met_by_straight_growth(last: float) -> None:
     """A digitised trace has segments far shorter than an increment."""
     trace = growing([(0.0, 0.0), (4.0, 0.0), (4.0 + last, 0.0)])
-    longer, met = advanced(trace, True, np.deg2rad(30.0), 2.0, 1, PLATE)
+    longer, met = advanced(trace, True, (np.deg2rad(30.0), 2.0), 1, PLATE)
     assert met is None
     np.testing.assert_allclose(np.hypot(*(longer.crack.points[-1] - longer.crack.points[-2])), 2.0, rtol=1e-12)
 
@@ -322,7 +324,7 @@ def test_whatever_lies_around_a_segment_meets_at_most_what_it_ends_on(seed: int)
             continue
         others = [other for number, other in enumerate(cracks) if number != index]
         before, increment = cracks[index], float(rng.uniform(0.2, 2.0))
-        after, met = advanced(before, at_end, rng.uniform(-1.3, 1.3), increment, step, HOLED, others)
+        after, met = advanced(before, at_end, (rng.uniform(-1.3, 1.3), increment), step, HOLED, others)
         points = after.crack.points[::-1] if at_end else after.crack.points
         tip, inner = points[1], shapely.LineString(before.crack.points)
         length = np.hypot(*(points[0] - tip))

@@ -17,7 +17,7 @@ from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
-from crackgrow.run.direction import MOST_SOLVES, Advance, advance_tips
+from crackgrow.run.direction import MOST_SOLVES, Advance, Front, advance_tips
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
 from tests.solving import solve_step
@@ -59,7 +59,13 @@ def advance(
             states.append(replace(state, intensity=intensity))
         return replace(solution, tips=tuple(states), seconds={"contact": 1.0})
 
-    return advance_tips(scene, cracks, solution, chosen, 1, made_up), len(solves)
+    return advance_tips(front(scene, cracks), solution, chosen, made_up), len(solves)
+
+
+def front(scene: Scene, cracks: Cracks) -> Front:
+    """The cracks of a scene that grow in step 1."""
+    assert scene.case.growth is not None
+    return Front(scene, scene.case.growth, cracks, 1)
 
 
 def unasked(_: Cracks) -> StepSolution:
@@ -108,7 +114,7 @@ def test_explicit_directions_are_the_criterions(start: tuple[Scene, Cracks, Step
     growth = scene.case.growth
     assert growth is not None
     explicit = replace(scene, case=replace(scene.case, growth=replace(growth, direction="explicit")))
-    found = advance_tips(explicit, cracks, solution, BOTH, 1, unasked)
+    found = advance_tips(front(explicit, cracks), solution, BOTH, unasked)
     assert found.solution is None
     assert kinks_of(found) == pytest.approx([70.5, 70.5], abs=0.3)
 
@@ -177,7 +183,7 @@ def facing(gap: float) -> tuple[Scene, Cracks, StepSolution]:
 def test_two_tips_that_meet_in_the_same_step_join(gap: float, who: str) -> None:
     """Increments of 2 mm: b meets what a has just made, or a meets b's tip, which then stays. Both tips end there."""
     scene, cracks, solution = facing(gap)
-    found = advance_tips(scene, cracks, solution, np.arange(4), 1, unasked)
+    found = advance_tips(front(scene, cracks), solution, np.arange(4), unasked)
     told = {"a": ("a", "end", "crack 'b'"), "b": ("b", "start", "crack 'a'")}
     first, second = ((event.crack, event.tip, event.met) for event in found.events)
     assert first == told.pop(who)
@@ -198,7 +204,7 @@ def test_a_crack_that_closes_into_a_ring_ends_both_its_tips(tips: str, n_events:
     case = load_case(CASE.with_stem("tension0"), [ring, "numerics.spacing=3"])
     (crack,) = case.cracks
     growing = (GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)),)
-    found = direction._advanced(make_scene(case), growing, [(0, True)], np.zeros(1), 1)
+    found = direction._advanced(front(make_scene(case), growing), [(0, True)], np.zeros(1))
     assert [(event.tip, event.met) for event in found.events] == [("end", "its own path"), ("start", "its own path")][
         :n_events
     ]

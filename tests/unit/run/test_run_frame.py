@@ -44,7 +44,7 @@ def solved(name: str) -> tuple[StepSolution, Frame]:
     scene = make_scene(case)
     growing = GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64))
     for step, kink in enumerate(kinks, start=1):
-        growing, _ = advanced(growing, True, np.deg2rad(kink), 2e-3, step, scene.regions[0])
+        growing, _ = advanced(growing, True, (np.deg2rad(kink), 2e-3), step, scene.regions[0])
     solution = solve_step(scene, (growing,), 1.0)
     return solution, make_frame(solution.cover, scene.materials, solution.outcome.u)
 

@@ -222,7 +222,7 @@ def sheared() -> tuple[Scene, GrowingCrack, LoadState]:
 
 def longer(scene: Scene, growing: GrowingCrack, increment_m: float, kink: float = 0.0) -> GrowingCrack:
     """The crack with another segment at its end."""
-    return advanced(growing, True, kink, increment_m, 1, scene.regions[0])[0]
+    return advanced(growing, True, (kink, increment_m), 1, scene.regions[0])[0]
 
 
 @pytest.mark.parametrize("kink", [0.0, 0.3, 1.2])
