@@ -72,6 +72,7 @@ def _crack(scene: Scene, name: str, crack: Resolved) -> Crack:
         tip_at_end="end" in tips,
         contact=None if contact == "none" else _contact(contact),
         body=scene.hosts[name],
+        left_out=len(crack["path"].get("points", scene.cracks[name])) - len(scene.cracks[name]),
     )
 
 

@@ -89,6 +89,7 @@ class Crack:
     tip_at_end: bool
     contact: CoulombContact | None  # None: the faces never touch each other
     body: str  # the body that it lies in
+    left_out: int = 0  # vertices that were given besides: each repeats the one before it
 
 
 @dataclass(frozen=True, slots=True, eq=False)

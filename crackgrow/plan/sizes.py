@@ -85,8 +85,4 @@ def _rough(law: SurfaceLaw) -> bool:
 def _short_increment(case: Case) -> Iterator[Caution]:
     growth, spacing = case.growth, case.numerics.spacing
     if growth is not None and growth.steps > 0 and growth.increment < Cause.SHORT_INCREMENT.limit * spacing:
-        yield Caution(
-            Cause.SHORT_INCREMENT,
-            f"the increment {growth.increment:g} m is below a spacing ({spacing:g} m): the cover does not resolve kinks"
-            " that follow each other so closely, and where they are closed, faces overlap between contact points",
-        )
+        yield Cause.SHORT_INCREMENT.at(increment=growth.increment, spacing=spacing)

@@ -1,4 +1,4 @@
-"""Warnings as records: of what cause, where, how large, in words; and the table of causes with their thresholds."""
+"""Warnings: the table of causes with their thresholds, what was measured beyond them, and what is said of them."""
 
 from __future__ import annotations
 
@@ -7,62 +7,159 @@ from enum import Enum
 
 
 class Cause(Enum):
-    """What makes results doubtful, the most important first: (limit, what it is of, what was measured beyond it)."""
+    """What makes results doubtful, the most important first.
 
-    CONTACT_NONE = (0.05, "largest jump of the faces", "faces that never touch pass through each other; K_I < 0")
+    (limit, what it is of, what was measured beyond it, what is said: with its place, the limit, and numbers by name)
+    """
+
+    CONTACT_NONE = (
+        0.05, "largest jump of the faces", "faces that never touch pass through each other; K_I < 0",
+        "{place} has contact: none, and its faces lie in each other by {depth:.2g} m, {percent:.3g} % of their largest "
+        "jump: rock does not do that, and K_I and the stress there mean nothing; give the crack a contact law, such as "
+        "{{friction: 0, cohesion: 0}}",
+    )  # fmt: skip
     UNBALANCED = (
         1e-6, "all loads",
         "a force on a point of a plane has no finite displacement: with half of its lower traction compression30 has "
         "2.1 times the displacement of its loads at 3 mm, 2.4 times at 0.75 mm, and on",
+        "{what} are carried by supports at points, where a plane gives way without bound: displacements depend on the "
+        "spacing, and the stress there is not that of a specimen; balance the loads, or hold an edge",
     )  # fmt: skip
-    RESIDUAL = (1e-9, "forces", "digits of the equilibrium are lost")
-    IMBALANCE = (1e-8, "forces", "digits of reactions are lost where stiffnesses are very unlike")
-    ENERGY = (1e-4, "largest energy", "work, dissipation and released energy are off by as much")
-    SECOND_SOLUTION = (0.0, "", "friction leaves more than one solution, and the run is one of them")
-    SHARP_KINK = (75.0, "degrees", "open: K within 5 % of the larger K below, off by half of it (see `cautions`)")
-    CLOSED_KINK = (10.0, "degrees", "K off by up to half of the K without the kink (see `cautions`)")
+    RESIDUAL = (
+        1e-9, "forces", "digits of the equilibrium are lost",
+        "the equilibrium residual is {size:.2g}: the system is ill conditioned",
+    )  # fmt: skip
+    IMBALANCE = (
+        1e-8, "forces", "digits of reactions are lost where stiffnesses are very unlike",
+        "loads and reactions are out of balance by {size:.1g}: bodies of very unlike stiffness",
+    )  # fmt: skip
+    ENERGY = (
+        1e-4, "largest energy", "work, dissipation and released energy are off by as much",
+        "work, strain energy, dissipation and what bonds set free miss each other by {percent:.2g} % of the largest: "
+        "the energies are off by as much; apply the loads in smaller steps (loading.history)",
+    )  # fmt: skip
+    SECOND_SOLUTION = (
+        0.0, "", "friction leaves more than one solution, and the run is one of them",
+        "friction leaves more than one solution (certainly not where it is below {below:.2g}): in another one the "
+        "point ({x:.4g}, {y:.4g}) m of {place}, which {here}, {there}, its faces moved by {change:.2g} m; apply the "
+        "loads in steps (loading.history), or lower the friction there",
+    )  # fmt: skip
+    SHARP_KINK = (
+        75.0, "degrees", "open: K within 5 % of the larger K below, off by half of it (see `cautions`)",
+        "{crack} turns by {turn:.0f} degrees less than {near:g} spacings from its {end}: so sharp a corner is not "
+        "resolved, and K there can be off by half of the larger of K_I and K_II",
+    )  # fmt: skip
+    CLOSED_KINK = (
+        10.0, "degrees", "K off by up to half of the K without the kink (see `cautions`)",
+        "{crack} is closed and turns by {turn:.0f} degrees less than {near:g} spacings from its {end}: K there is not "
+        "resolved, and can be off by half of what the crack has without a kink",
+    )  # fmt: skip
     UNRESOLVED = (
         0.9, "spacing that accuracy: draft would take",
         "with a spacing of a tunnel's radius and twice that stresses at its wall are 2 and 33 to 65 % off",
+        "{place}: {metres:.3g} m, {spacings:.2g} spacings long: stresses and displacements near it are not resolved, "
+        "and can be off by tens of per cent; use a spacing of {needed:.2g} m or less, or auto",
     )  # fmt: skip
-    SHORT_CRACK = (3.0, "spacings", "K off by 2 % from one spacing on, by 8 % at half a spacing, by 20 % below")
+    SHORT_CRACK = (
+        3.0, "spacings", "K off by 2 % from one spacing on, by 8 % at half a spacing, by 20 % below",
+        "{place} is {length:.3g} spacings long: below {limit:g} the cover does not resolve a crack, and K can be off: "
+        "by 2 % from one spacing on, by 8 % at half a spacing, by 20 % below",
+    )  # fmt: skip
     SHORT_ARM = (
         4.0, "spacings",
         "of two cracks in line or at 30 degrees one of 1, 2, 3 spacings has K off by 55, 22, 11 %, the other, of 4 or "
         "more, by 16, 6, 2 %: tip functions fade out too near its tip",
+        "{place} ends on {others} and is shorter than {limit:g} spacings: K at its tip can be off by 60 %, and at the "
+        "other tips by 25 %; use a smaller spacing, or give cracks that continue each other as one",
     )  # fmt: skip
-    CLOSE = (1.0, "spacings", "all patches are shared: K 10 % low at a tenth of a spacing, 30 % at a hundredth")
-    SAWING = (20.0, "degrees", "explicit max_hoop_stress in compression30 turns by +-50 at each increment of 2 mm")
-    OVERLAP = (0.05, "largest jump of the faces", "opening, slip and K beside it are off by up to as much")
-    RIPPLE = (0.1, "mean pressure", "waves of contact tractions that no rock makes, and K_I with them")
+    CLOSE = (
+        1.0, "spacings", "all patches are shared: K 10 % low at a tenth of a spacing, 30 % at a hundredth",
+        "{first} is closer than a spacing to {second}: the cover does not resolve what is between, and K there is too "
+        "small, at a tenth of a spacing by up to 10 %, at a hundredth by 30 %",
+    )  # fmt: skip
+    SAWING = (
+        20.0, "degrees", "explicit max_hoop_stress in compression30 turns by +-50 at each increment of 2 mm",
+        "{place} turns to and fro by {size:.0f} degrees and more at each step: the direction is that at the beginning "
+        "of an increment, which is too long for it; use {criterion}growth.direction: implicit, or a smaller "
+        "growth.increment",
+    )  # fmt: skip
+    OVERLAP = (
+        0.05, "largest jump of the faces", "opening, slip and K beside it are off by up to as much",
+        "the faces of {place} overlap by {overlap:.2g} m between contact points, {percent:.3g} % of their largest jump"
+        "{of_flat}: contact holds on average over a spacing, and opening, slip and pressure there can be off by as "
+        "much; use a smaller spacing",
+    )  # fmt: skip
+    RIPPLE = (
+        0.1, "mean pressure", "waves of contact tractions that no rock makes, and K_I with them",
+        "contact tractions on {place} oscillate by {percent:.2g} % of their mean pressure within two spacings, and K_I "
+        "with them: contact points are closer than the displacement can follow; use numerics.contact.discretization "
+        "mortar (with a spacing of 1.25 or more), or a softer contact",
+    )  # fmt: skip
     SOFT_CONTACT = (
         0.1, "what a crack of its length would open under the pressure",
         "r = E'/(2k length): of the pressure on rigid faces a crack bears 1/(1 + r), within 0.04 with mortar nodes and "
         "0.06 with gauss points",
+        "numerics.contact.stiffness is {stiffness:g}, soft for {place}: its faces give way to pressure by {size:.2g} "
+        "of what a crack of its length would open under it, and overlap; of its pressure a crack bears about "
+        "{percent:.0f} %; use {enough:.2g} or more, or rigid",
     )  # fmt: skip
     CONTACT_LAYER = (
         0.25, "spacings, E'/(2k) with gauss points",
         "the pressure falls to a closed tip over it: K_I within 5 % of its own at 0.18, 20 % off at 0.05, and of the "
         "wrong sign or size far below",
+        "elastic contact with {points}: the pressure falls to a closed tip over E'/(2k), less than {much}, and K_I "
+        "there is not resolved; use a rigid contact, or {other}a spacing of the size of E'/(2k)",
     )  # fmt: skip
-    SMALL_DISC = (0.0, "", "K from a smaller disc than usual, or from the faces alone: within 2 % and 10 %")
+    SMALL_DISC = (
+        0.0, "", "K from a smaller disc than usual, or from the faces alone: within 2 % and 10 %",
+        "K at {place}: {note}",
+    )  # fmt: skip
     NEARLY_INCOMPRESSIBLE = (
         0.49, "Poisson's ratio in plane strain",
         "K within 1 % up to it, off by 3 % at 0.499 and 20 % at 0.4999; at a support of 1.5 displacements are 3 and 7 %"
         " small",
+        "{place} has a Poisson's ratio of {ratio:g}{and_so}",
     )  # fmt: skip
-    SUPPORT = (2.0, "spacings, half width of a patch", "K is within 1 % from it on, 2 % low at 1.5")
-    CONTACT_SPACING = (1.25, "spacings", "contact tractions oscillate below, where faces stick up to their full size")
-    SMALL_RADIUS = (0.5, "spacings", "the averaged stress varies by less than 2.5 % with the spacing from it on")
-    SHORT_INCREMENT = (1.0, "spacings", "kinks that follow closer on each other share all of their patches")
-    MEMORY = (1.0, "memory of the machine", "the run is killed, or takes disk for memory and stands still")
-    NO_TIPS = (0.0, "", "nothing can grow")
-    MOVED = (0.0, "", "corners and ends that nearly touch do so in the scene that is solved")
-    LEFT_OUT = (0.0, "", "vertices that repeat the one before them are no kinks")
-    NOTE = (0.0, "", "what a solver tells of how it came to its answer")
+    SUPPORT = (
+        2.0, "spacings, half width of a patch", "K is within 1 % from it on, 2 % low at 1.5",
+        "numerics.support is {support:g}: below {limit:g} tips are resolved badly, and K can be 2 % low",
+    )  # fmt: skip
+    CONTACT_SPACING = (
+        1.25, "spacings", "contact tractions oscillate below, where faces stick up to their full size",
+        "numerics.contact.spacing is {spacing:g}: below {limit:g} contact tractions can oscillate from node to node, "
+        "where faces stick up to their full size",
+    )  # fmt: skip
+    SMALL_RADIUS = (
+        0.5, "spacings", "the averaged stress varies by less than 2.5 % with the spacing from it on",
+        "the averaging radius {radius:g} m is below {limit:g} spacings ({spacing:g} m): the tip stress may depend on "
+        "the spacing",
+    )  # fmt: skip
+    SHORT_INCREMENT = (
+        1.0, "spacings", "kinks that follow closer on each other share all of their patches",
+        "the increment {increment:g} m is below a spacing ({spacing:g} m): the cover does not resolve kinks that "
+        "follow each other so closely, and where they are closed, faces overlap between contact points",
+    )  # fmt: skip
+    MEMORY = (1.0, "memory of the machine", "the run is killed, or takes disk for memory and stands still", "{words}")
+    NO_TIPS = (
+        0.0, "", "nothing can grow", "{steps} growth steps are asked for, but no crack has a tip that could grow",
+    )  # fmt: skip
+    MOVED = (
+        0.0, "", "corners and ends that nearly touch do so in the scene that is solved",
+        "what comes nearer than {share:g} of the scene's size, {metres:.2g} m, touches; so these were moved: {shown}",
+    )  # fmt: skip
+    LEFT_OUT = (
+        0.0, "", "vertices that repeat the one before them are no kinks",
+        "{place}: {size} of its vertices repeat the one before them, and are left out",
+    )  # fmt: skip
+    NOTE = (0.0, "", "what a solver tells of how it came to its answer", "{words}")
 
-    def __init__(self, limit: float, of: str, effect: str) -> None:
-        self.limit, self.of, self.effect = limit, of, effect
+    def __init__(self, limit: float, of: str, effect: str, template: str) -> None:
+        self.limit, self.of, self.effect, self.template = limit, of, effect, template
+
+    def at(self, place: str = "", size: float = 0.0, **values: object) -> Caution:
+        """What to say of a place; of cautions of one cause the larger `size` is the worse."""
+        words = self.template.format(place=place, size=size, limit=self.limit, **values)
+        return Caution(self, words, place, float(size))
 
 
 RANK = {cause: number for number, cause in enumerate(Cause)}

@@ -8,6 +8,7 @@ import numpy as np
 
 from crackgrow.case.model import Gravity, PointSupport
 from crackgrow.contact.coulomb import OPEN
+from crackgrow.cover.closeness import tip_name
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.caution import Cause, Caution
@@ -16,7 +17,7 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import imbalance, reactions
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene, SurfaceLaw
-from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced, unbalanced_loads
+from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
 
 NEAR_SHARP_KINK = 8.0
 """Spacings: behind open kinks of 90, 120 and 150 degrees K is off by 5, 8 and 26 % of the K of the crack without a kink
@@ -66,35 +67,29 @@ def _all_cautions(
     scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], shares: list[float], step: int
 ) -> Iterator[Caution]:
     for note in (*solution.outcome.notes, *solution.state.notes, *solution.notes):
-        yield Caution(Cause.NOTE, note)
+        yield Cause.NOTE.at(words=note)
     if step == 0:
         yield from settings_cautions(scene, solution.cover, solution.faces.n)
     yield from _passing_through(scene, solution, faces)
     yield from _overlapping(scene, solution, faces, shares)
     yield from _sawing(scene, solution)
     yield from contact_cautions(solution)
-    yield from _short_of_room(solution)
+    for state, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
+        if state.intensity.shrunk:
+            radius = state.intensity.radius
+            size = np.inf if np.isnan(radius) else 1.0 / radius
+            yield Cause.SMALL_DISC.at(_tip_name(solution, *end), size, note=state.intensity.note)
     yield from closeness_cautions(scene, solution.cover)
     yield from _kinks(solution)
-    if solution.residual > Cause.RESIDUAL.limit:
-        words = f"the equilibrium residual is {solution.residual:.2g}: the system is ill conditioned"
-        yield Caution(Cause.RESIDUAL, words, size=solution.residual)
     yield from _on_points(scene, solution)
-    missed = solution.state.energy.error
-    if missed > Cause.ENERGY.limit:
-        words = (
-            f"work, strain energy, dissipation and what bonds set free miss each other by {100.0 * missed:.2g} % of "
-            "the largest: the energies are off by as much; apply the loads in smaller steps (loading.history)"
-        )
-        yield Caution(Cause.ENERGY, words, size=missed)
-    left = imbalance(solution)
-    if left > Cause.IMBALANCE.limit:
-        words = f"loads and reactions are out of balance by {left:.1g}: bodies of very unlike stiffness"
-        yield Caution(Cause.IMBALANCE, words, size=left)
+    sizes = ((Cause.RESIDUAL, solution.residual), (Cause.ENERGY, solution.state.energy.error))
+    for cause, size in (*sizes, (Cause.IMBALANCE, imbalance(solution))):
+        if size > cause.limit:
+            yield cause.at(size=size, percent=100.0 * size)
 
 
 def _on_points(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
-    """Supports at points that carry forces. Of a heavy scene only what its other loads leave is told: see below."""
+    """Supports at points that carry forces. Of a heavy scene only what its other loads leave is told."""
     case = scene.case
     if any(isinstance(load, Gravity) for load in case.loads):
         yield from unbalanced_loads(scene, solution.cover)
@@ -105,34 +100,27 @@ def _on_points(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
     for reaction in found:
         force = float(np.hypot(*reaction.force))
         if reaction.where in points and force > Cause.UNBALANCED.limit * size:
-            yield unbalanced(f"{force:.3g} N/m at {reaction.where}", reaction.where, force)
+            yield Cause.UNBALANCED.at(reaction.where, force, what=f"{force:.3g} N/m at {reaction.where}")
 
 
 def _passing_through(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> Iterator[Caution]:
     """Cracks whose faces never touch, and lie in each other."""
     flat = _pressed_flat(scene, solution, faces)
     for law, face in zip(scene.laws, faces, strict=True):
-        depth = -float(face.opening.min(initial=0.0))
+        depth, jump = -float(face.opening.min(initial=0.0)), _largest_jump(face)
         if law.contact is not None or law.bonded:
             continue
-        if depth > max(Cause.CONTACT_NONE.limit * _largest_jump(face), PRESSED_FLAT * flat):
-            yield Caution(
-                Cause.CONTACT_NONE,
-                f"'{face.crack}' has contact: none, and its faces lie in each other by {depth:.2g} m, "
-                f"{100.0 * depth / _largest_jump(face):.3g} % of their largest jump: rock does not do that, and K_I "
-                "and the stress there mean nothing; give the crack a contact law, such as {friction: 0, cohesion: 0}",
-                f"'{face.crack}'",
-                depth,
-            )
+        if depth > max(Cause.CONTACT_NONE.limit * jump, PRESSED_FLAT * flat):
+            yield Cause.CONTACT_NONE.at(f"'{face.crack}'", depth, depth=depth, percent=100.0 * depth / jump)
 
 
 def overlap_shares(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[float]:
     """Overlap of each surface over what is small beside its jump and what pressure does to rock: beyond 1 it warns."""
-    n_cracks, flat = len(solution.cover.cracks), _pressed_flat(scene, solution, faces)
+    flat = _pressed_flat(scene, solution, faces)
     shares = []
-    for index, (law, face) in enumerate(zip(scene.laws, faces, strict=True)):
+    for law, face in zip(scene.laws, faces, strict=True):
         small = Cause.OVERLAP.limit * _largest_jump(face)
-        small = max(small, (PRESSED_FLAT if index < n_cracks else AT_CORNERS) * flat)
+        small = max(small, (PRESSED_FLAT if law.kind == "crack" else AT_CORNERS) * flat)
         overlap = _overlap(law, face)
         shares.append(overlap / small if overlap > 0.0 else 0.0)
     return shares
@@ -150,18 +138,11 @@ def _overlapping(
     for law, face, share in zip(scene.laws, faces, shares, strict=True):
         if share <= 1.0:
             continue
-        overlap = _overlap(law, face)
-        of_flat = (
-            f" and {100.0 * overlap / flat:.3g} % of what a spacing of rock gives way to the pressure" if flat else ""
-        )
-        yield Caution(
-            Cause.OVERLAP,
-            f"the faces of '{face.crack}' overlap by {overlap:.2g} m between contact points, "
-            f"{100.0 * overlap / _largest_jump(face):.3g} % of their largest jump{of_flat}: contact holds on average "
-            "over a spacing, and opening, slip and pressure there can be off by as much; use a smaller spacing",
-            f"'{face.crack}'",
-            share,
-        )
+        overlap, of_flat = _overlap(law, face), ""
+        if flat:
+            of_flat = f" and {100.0 * overlap / flat:.3g} % of what a spacing of rock gives way to the pressure"
+        percent = 100.0 * overlap / _largest_jump(face)
+        yield Cause.OVERLAP.at(f"'{face.crack}'", share, overlap=overlap, percent=percent, of_flat=of_flat)
 
 
 def _pressed_flat(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> float:
@@ -175,14 +156,8 @@ def _pressed_flat(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces,
     return float(scene.lattice.spacing * max(pressure, mean) / softest)
 
 
-def _short_of_room(solution: StepSolution) -> Iterator[Caution]:
-    """Tips whose K comes from a smaller disc than usual, or from the displacement of the faces alone."""
-    for state, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True):
-        if state.intensity.shrunk:
-            place = f"the {'end' if at_end else 'start'} of crack '{solution.cover.cracks[index].name}'"
-            radius = state.intensity.radius
-            size = np.inf if np.isnan(radius) else 1.0 / radius
-            yield Caution(Cause.SMALL_DISC, f"K at {place}: {state.intensity.note}", place, float(size))
+def _tip_name(solution: StepSolution, crack: int, at_end: bool) -> str:
+    return tip_name(solution.cover.cracks[crack].name, at_end)
 
 
 def _sawing(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
@@ -199,15 +174,7 @@ def _sawing(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
         if len(turns) < SAW_TEETH or np.abs(turns).min() < Cause.SAWING.limit or (turns[1:] * turns[:-1]).max() > 0.0:
             continue
         criterion = "" if growth.criterion == "max_hoop_stress" else "growth.criterion: max_hoop_stress with "
-        end = "end" if at_end else "start"
-        yield Caution(
-            Cause.SAWING,
-            f"the {end} of crack '{crack.name}' turns to and fro by {np.abs(turns).min():.0f} degrees and more at each "
-            "step: the direction is that at the beginning of an increment, which is too long for it; use "
-            f"{criterion}growth.direction: implicit, or a smaller growth.increment",
-            f"the {end} of crack '{crack.name}'",
-            float(np.abs(turns).min()),
-        )
+        yield Cause.SAWING.at(_tip_name(solution, index, at_end), np.abs(turns).min(), criterion=criterion)
 
 
 def _kinks(solution: StepSolution) -> Iterator[Caution]:
@@ -216,25 +183,13 @@ def _kinks(solution: StepSolution) -> Iterator[Caution]:
         crack = solution.cover.cracks[index]
         points = crack.points[::-1] if at_end else crack.points
         turns, distance = np.rad2deg(np.abs(kink_angles(points))), arc_lengths(points)[1:-1]
-        end = "end" if at_end else "start"
-        where, place = f"spacings from its {end}", f"the {end} of crack '{crack.name}'"
-        if _pressed(solution, index, at_end):
-            young = np.flatnonzero((turns > Cause.CLOSED_KINK.limit) & (distance < NEAR_CLOSED_KINK - ON_LINE))
-            if len(young):
-                words = (
-                    f"crack '{crack.name}' is closed and turns by {turns[young[0]]:.0f} degrees less than "
-                    f"{NEAR_CLOSED_KINK:g} {where}: K there is not resolved, and can be off by half of what the crack "
-                    "has without a kink"
-                )
-                yield Caution(Cause.CLOSED_KINK, words, place, 1.0 / distance[young[0]])
-            continue
-        sharp = np.flatnonzero((turns > Cause.SHARP_KINK.limit) & (distance < NEAR_SHARP_KINK))
-        if len(sharp):
-            words = (
-                f"crack '{crack.name}' turns by {turns[sharp[0]]:.0f} degrees less than {NEAR_SHARP_KINK:g} {where}: "
-                "so sharp a corner is not resolved, and K there can be off by half of the larger of K_I and K_II"
-            )
-            yield Caution(Cause.SHARP_KINK, words, place, turns[sharp[0]])
+        closed = _pressed(solution, index, at_end)
+        cause, near = (Cause.CLOSED_KINK, NEAR_CLOSED_KINK) if closed else (Cause.SHARP_KINK, NEAR_SHARP_KINK)
+        found = np.flatnonzero((turns > cause.limit) & (distance < near - ON_LINE))
+        if len(found):
+            size = 1.0 / distance[found[0]] if closed else turns[found[0]]
+            told = {"crack": f"crack '{crack.name}'", "turn": turns[found[0]], "near": near}
+            yield cause.at(_tip_name(solution, index, at_end), size, end="end" if at_end else "start", **told)
 
 
 def _pressed(solution: StepSolution, crack: int, at_end: bool) -> bool:

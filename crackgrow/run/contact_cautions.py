@@ -20,25 +20,12 @@ def contact_cautions(solution: StepSolution) -> Iterator[Caution]:
     worst = worst_ripple(faces, outcome.normal_traction, outcome.tangential_traction)
     if worst is not None and worst.part > Cause.RIPPLE.limit:
         place = f"'{surfaces[worst.surface].name}'"
-        yield Caution(
-            Cause.RIPPLE,
-            f"contact tractions on {place} oscillate by {100.0 * worst.part:.2g} % of their "
-            "mean pressure within two spacings, and K_I with them: contact points are closer than the displacement can "
-            "follow; use numerics.contact.discretization mortar (with a spacing of 1.25 or more), or a softer contact",
-            place,
-            worst.part,
-        )
+        yield Cause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part)
     second = second_solution(solution.contact, outcome)
     if second is not None:
         point = int(second.points[0])
         x, y = solution.cover.lattice.to_metres(faces.nodes.points[[point]])[0]
         place = f"'{surfaces[faces.surface[point]].name}'"
-        yield Caution(
-            Cause.SECOND_SOLUTION,
-            f"friction leaves more than one solution (certainly not where it is below {second.limit:.2g}): in another "
-            f"one the point ({x:.4g}, {y:.4g}) m of {place}, which "
-            f"{WORDS[int(outcome.state[point])]}, {WORDS[int(second.states[0])]}, its faces moved by "
-            f"{second.change[0]:.2g} m; apply the loads in steps (loading.history), or lower the friction there",
-            place,
-            abs(second.change[0]),
-        )
+        here, there = WORDS[int(outcome.state[point])], WORDS[int(second.states[0])]
+        told = {"below": second.limit, "x": x, "y": y, "here": here, "there": there, "change": second.change[0]}
+        yield Cause.SECOND_SOLUTION.at(place, abs(second.change[0]), **told)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import shapely
@@ -20,6 +21,7 @@ from crackgrow.solid.supports import body_index
 class SurfaceLaw:
     """What holds the two faces of a surface."""
 
+    kind: Literal["crack", "interface", "foundation"]
     contact: CoulombContact | None  # None: they never touch
     bonded: bool
     compliance: float  # m/Pa: 1/k, zero for rigid contact
@@ -80,7 +82,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     lattice = place_lattice(*box, numerics.spacing, numerics.support, offset)
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
-    laws = [SurfaceLaw(c.contact, False, _compliance(case, (c.body,))) for c in case.cracks]
+    laws = [SurfaceLaw("crack", c.contact, False, _compliance(case, (c.body,))) for c in case.cracks]
     interfaces = []
     for interface in case.interfaces:
         bonded = interface.contact == "bonded"
@@ -89,7 +91,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
             suffix = f".{number}" if len(interface.lines) > 1 else ""
             name = "/".join(interface.bodies) + suffix
             interfaces.append(CrackGeometry(name, lattice.to_lattice(line), False, False))
-            laws.append(SurfaceLaw(contact, bonded, _compliance(case, interface.bodies)))
+            laws.append(SurfaceLaw("interface", contact, bonded, _compliance(case, interface.bodies)))
     foundations: list[Foundation] = []
     on_edge = [f"{s.region.body}.{s.region.edge}" for s in case.supports if isinstance(s, ContactSupport)]
     for support in case.supports:
@@ -98,7 +100,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
             suffix = f".{on_edge[:number].count(on_edge[number])}" if on_edge.count(on_edge[number]) > 1 else ""
             index = body_index(case.bodies, region.body)
             foundations.append(Foundation(on_edge[number] + suffix, index, region.sides, region.limits))
-            laws.append(SurfaceLaw(support.contact, False, _compliance(case, (region.body,))))
+            laws.append(SurfaceLaw("foundation", support.contact, False, _compliance(case, (region.body,))))
     return Scene(
         case=case,
         lattice=lattice,

@@ -241,11 +241,11 @@ def test_turning_the_scene_turns_nothing_but_the_direction(
 @pytest.mark.parametrize(
     ("criterion", "limits"),
     [
-        (strength, WEAK_IN_TENSION),
-        (strength, WEAK_IN_SHEAR),
-        (directional_strength, WEAK_IN_TENSION),
-        (directional_strength, WEAK_IN_SHEAR),
-        (max_hoop_stress, WEAK_IN_TENSION),
+        (CRITERIA["strength"], WEAK_IN_TENSION),
+        (CRITERIA["strength"], WEAK_IN_SHEAR),
+        (CRITERIA["directional_strength"], WEAK_IN_TENSION),
+        (CRITERIA["directional_strength"], WEAK_IN_SHEAR),
+        (CRITERIA["max_hoop_stress"], WEAK_IN_TENSION),
     ],
 )
 def test_mirroring_the_load_turns_the_kink_round(criterion: Criterion, limits: Strength) -> None:

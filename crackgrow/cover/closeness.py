@@ -1,0 +1,47 @@
+"""What lies so close together that a cover does not resolve what is between; by the names of users."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import shapely
+
+from crackgrow.cover.cover import Cover
+from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.geometry.tolerance import ON_LINE
+
+
+def tip_name(crack: str, at_end: bool) -> str:
+    """What the tip at the end (or start) of a crack is called."""
+    return f"the {'end' if at_end else 'start'} of crack '{crack}'"
+
+
+def ends_on(crack: CrackGeometry, cracks: Sequence[CrackGeometry]) -> list[str]:
+    """The cracks that one with a tip at its other end ends on."""
+    if crack.tip_at_start == crack.tip_at_end:
+        return []
+    end = shapely.Point(crack.tip_point(not crack.tip_at_end))
+    lines = [(other, shapely.LineString(other.points)) for other in cracks if other is not crack]
+    return [f"crack '{other.name}'" for other, line in lines if shapely.dwithin(line, end, ON_LINE)]
+
+
+def close_pairs(cover: Cover, interfaces: Sequence[CrackGeometry], within: float) -> list[tuple[str, str]]:
+    """Pairs of cracks, and tips and what they lie near, that are closer than `within` (spacings).
+
+    Cracks that meet are close to each other there: of them only tips count.
+    """
+    lines = [shapely.LineString(crack.points) for crack in cover.cracks]
+    names = [f"crack '{crack.name}'" for crack in cover.cracks]
+    found = cover.crack_tree.query(cover.crack_tree.geometries, predicate="dwithin", distance=within).T.tolist()
+    near = sorted((i, j) for i, j in found if j < i)
+    meeting = [pair for pair in near if shapely.dwithin(lines[pair[0]], lines[pair[1]], ON_LINE)]
+    pairs = [(names[i], names[j]) for i, j in sorted(set(near) - set(meeting))]
+    outline = shapely.multilinestrings(shapely.linestrings(cover.elements.outlines.points))
+    for tip, (index, at_end) in zip(cover.tips, cover.tip_ends, strict=True):
+        name, place = tip_name(cover.cracks[index].name, at_end), shapely.Point(tip.point)
+        others = [i if j == index else j for i, j in meeting if index in (i, j)]
+        pairs.extend((name, names[other]) for other in others if shapely.dwithin(lines[other], place, within))
+        if shapely.dwithin(outline, place, within):
+            there = [x.name for x in interfaces if shapely.dwithin(shapely.LineString(x.points), place, within)]
+            pairs.append((name, f"interface '{there[0]}'" if there else "the outline"))
+    return pairs
