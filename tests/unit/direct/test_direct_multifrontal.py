@@ -345,7 +345,7 @@ def test_a_pivot_that_is_round_off_is_replaced(nodes: int) -> None:
     fronts = fronts_of(places_at(np.vstack([places, places[n // 2]])), csr_array((0, n + 1)))[0]
     right = twin.T @ np.ones(n)
     u = Multifrontal(symmetric(csc_array(weak)), fronts).solve(right)
-    np.testing.assert_allclose(weak @ u, right, atol=1e-9 * (abs(weak) @ np.abs(u)).max())
+    np.testing.assert_allclose(weak @ u, right, atol=1e-8 * (abs(weak) @ np.abs(u)).max())
     assert np.abs(u).max() < 10.0 * np.abs(spsolve(matrix, np.ones(n))).max()
 
 
