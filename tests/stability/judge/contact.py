@@ -40,7 +40,7 @@ def judge_contact(court: Court) -> None:
             if len(points) and size > 0.0:
                 largest = _size(court.run, points, float(-rows["normal_traction"].min()))
                 _bounds(court, points, law, size, name, int(step))
-                _averages(court, points, law, name, int(step))
+                _averages(court, points, law, largest, name, int(step))
                 _jumps(court, points, law, largest, name, int(step))
                 _sense(court, points, before, (size, largest), name, int(step))
         before = rows
@@ -75,10 +75,9 @@ def _given(run: WrittenRun, points: pd.DataFrame, name: str) -> np.ndarray:
     return shapely.dwithin(shapely.points(points[["x", "y"]].to_numpy()), line, ON_PATH * run.spacing)
 
 
-def _averages(court: Court, points: pd.DataFrame, law: dict, name: str, step: int) -> None:
+def _averages(court: Court, points: pd.DataFrame, law: dict, largest: float, name: str, step: int) -> None:
     """The law itself: nowhere overlap, and under pressure no gap but what dilation opens."""
     gap, slip = points["mean_opening"].to_numpy(), np.abs(points["mean_slip"].to_numpy())
-    largest = max(float(np.hypot(gap, slip).max()), float(points[["opening", "slip"]].abs().to_numpy().max()))
     if largest == 0.0 or court.run.case["numerics"]["contact"]["stiffness"] != "rigid":
         return
     court.check("average overlap", float((-gap).max()) / largest, ON_AVERAGE, step, name)
