@@ -107,8 +107,7 @@ def _jumps(court: Court, points: pd.DataFrame, law: dict, largest: float, name: 
 def _size(run: WrittenRun, points: pd.DataFrame, pressure: float) -> float:
     """The jump (m) that others of a surface are held against; `pressure` (Pa) is the largest of the step."""
     length = float(np.ptp(points["s"])) + run.spacing
-    softest = min(body["material"]["young"] for body in run.case["bodies"].values())
-    return max(float(np.hypot(points["opening"], points["slip"]).max()), NO_JUMP * 2.0 * pressure * length / softest)
+    return max(float(np.hypot(points["opening"], points["slip"]).max()), NO_JUMP * 2.0 * pressure * length / run.softest)
 
 
 def _sense(

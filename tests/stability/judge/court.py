@@ -23,6 +23,7 @@ TELLS = {
     "reactions": r"balance|residual|ill conditioned|support",
     "moment": r"balance|residual|ill conditioned|support",
     "overlap without contact": r"contact: none",
+    "critical load that is not": r"jumps",
 }
 """Words of a warning that names such a departure; kinds without any have no excuse."""
 
