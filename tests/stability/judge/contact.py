@@ -107,7 +107,8 @@ def _jumps(court: Court, points: pd.DataFrame, law: dict, largest: float, name: 
 def _size(run: WrittenRun, points: pd.DataFrame, pressure: float) -> float:
     """The jump (m) that others of a surface are held against; `pressure` (Pa) is the largest of the step."""
     length = float(np.ptp(points["s"])) + run.spacing
-    return max(float(np.hypot(points["opening"], points["slip"]).max()), NO_JUMP * 2.0 * pressure * length / run.softest)
+    by_pressure = NO_JUMP * 2.0 * pressure * length / run.softest
+    return max(float(np.hypot(points["opening"], points["slip"]).max()), by_pressure)
 
 
 def _sense(
