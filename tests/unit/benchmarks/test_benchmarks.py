@@ -12,12 +12,11 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.cover.lattice import place_lattice
-from crackgrow.direct.fronts import dissect
 from crackgrow.run.configuration import Configuration
 from tests.benchmarks import scenes
 from tests.benchmarks.compare import changes, comparison_text, load_baseline, store_baseline
 from tests.benchmarks.fits import exponent, exponents, same_program
-from tests.benchmarks.floor import condensation, floor, forget, from_nothing
+from tests.benchmarks.floor import condensation, floor, from_nothing
 from tests.benchmarks.measure import measured
 from tests.benchmarks.paths import ROOT
 from tests.benchmarks.profile import functions
@@ -105,15 +104,6 @@ def test_the_floor_is_the_solver_of_the_step(case: str, setting: str) -> None:
     u, _ = step.contact.system.solve(step.loads(1.0), step.held.given)
     np.testing.assert_array_equal(floor(step).u, u)
     assert np.abs(u).max() > 0.0
-
-
-def test_the_floor_takes_nothing_over_and_leaves_what_the_program_keeps() -> None:
-    step = configuration("compression30", "numerics.spacing=3")
-    before = dissect.cache_info()
-    floor(step)
-    assert dissect.cache_info() == before
-    forget()
-    assert dissect.cache_info().currsize == 0
 
 
 def test_the_condensation_is_the_response_of_the_rock() -> None:

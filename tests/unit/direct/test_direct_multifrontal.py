@@ -13,9 +13,9 @@ from scipy.sparse.linalg import splu, spsolve
 
 from crackgrow.direct import fronts as codes
 from crackgrow.direct import multifrontal as module
-from crackgrow.direct.dissection import Places, dissect
+from crackgrow.direct.dissection import LEAF, Places, dissect
 from crackgrow.direct.factorization import FEW_CONSTRAINTS, MANY
-from crackgrow.direct.fronts import LEAF, Fronts, fronts_of
+from crackgrow.direct.fronts import Fronts, fronts_of
 from crackgrow.direct.matrix import SymmetricMatrix, symmetric
 from crackgrow.direct.multifrontal import Multifrontal
 from crackgrow.errors import SolveError
@@ -30,9 +30,11 @@ Floats = NDArray[np.float64]
 REACH = 2
 
 
-def places_at(nodes: Floats) -> Places:
-    """Places on a lattice that is just large enough."""
-    return Places(nodes, tuple((nodes.max(axis=0) + 1).tolist()), REACH)
+def places_at(nodes: Floats, reach: int = REACH) -> Places:
+    """Boxes round nodes of a lattice, which overlap where nodes are at most `reach` apart along both axes."""
+    low, high = 2 * nodes - reach, 2 * nodes + reach + 1
+    cells = -(-(high.max(axis=0) - low.min(axis=0)) // 2)
+    return Places(low, high, low.min(axis=0), low.min(axis=0) + 2 * cells, 2)
 
 
 def free(matrix: csc_array) -> csr_array:
@@ -142,23 +144,46 @@ def test_fronts_cover_all_couplings() -> None:
             assert np.isin(boundary, inside).all()
 
 
-@pytest.mark.parametrize(("shape", "reach"), [((1, 1), 2), ((7, 40), 3), ((50, 33), 2), ((3, 5), 6), ((60, 61), 3)])
-def test_nodes_of_a_dissection_are_coupled_to_later_ones_alone_beyond_their_boxes(
-    shape: tuple[int, int], reach: int
-) -> None:
-    """A box's ranks follow each other; all nodes within reach outside of it have higher ranks, those of its ring."""
-    tree = dissect(shape, reach)
-    np.testing.assert_array_equal(np.sort(tree.rank.ravel()), np.arange(tree.rank.size))
-    x, y = np.indices(shape)
-    for number, box in enumerate(tree.boxes):
-        inside = (tree.rank >= box.begin) & (tree.rank < box.end)
-        if not inside.any():
-            continue
-        low_x, high_x, low_y, high_y = x[inside].min(), x[inside].max(), y[inside].min(), y[inside].max()
-        near = (x >= low_x - reach) & (x <= high_x + reach) & (y >= low_y - reach) & (y <= high_y + reach)
-        outside = tree.rank[near & ~inside]
-        assert (outside >= box.end).all()
-        np.testing.assert_array_equal(tree.ring(number), np.sort(outside))
+def boxes_of_many_sizes(seed: int, n: int) -> tuple[Floats, Floats]:
+    """Corners of n squares of 1 to 16 units, different ones in different places."""
+    rng = np.random.default_rng(seed)
+    half, middle = 2 ** rng.integers(0, 4, n), rng.integers(-90, 110, (n, 2))
+    return middle - half[:, None], middle + half[:, None]
+
+
+@pytest.mark.parametrize("n", [1, 7, 300, 3000])
+def test_parts_of_a_dissection_are_coupled_to_those_above_them_alone(n: int) -> None:
+    """Boxes overlap boxes of their own part, of parts below it and of parts that it is below."""
+    low, high = boxes_of_many_sizes(n, n)
+    places = Places(low, high, low.min(axis=0), high.max(axis=0), 4)
+    tree = dissect(places, low, high, np.full(n, 5))
+    np.testing.assert_array_equal(np.sort(tree.order), np.arange(n))
+    assert (np.diff(tree.part[tree.order]) >= 0).all()
+    assert tree.n > n // 200
+    overlap = ((low[:, None] < high) & (low < high[:, None])).all(axis=2)
+    first, second = np.nonzero(overlap)
+    upper, lower = np.maximum(tree.part[first], tree.part[second]), np.minimum(tree.part[first], tree.part[second])
+    assert (tree.begin[upper] <= lower).all()
+
+
+@pytest.mark.parametrize("n", [400, 3000])
+def test_lines_stay_where_they_are_while_boxes_come_and_go(n: int) -> None:
+    """More boxes cut more parts, and leave the others as they are."""
+    low, high = boxes_of_many_sizes(n, n)
+    first, last = np.array([-110, -110]), np.array([130, 130])
+    fewer, all_of_them = (
+        dissect(Places(low[some], high[some], first, last, 4), low[some], high[some], np.full(some.sum(), 5))
+        for some in ((low < 60).any(axis=1), np.full(n, True))
+    )
+    corners, more = ({tuple(corner) for corner in tree.low.tolist()} for tree in (fewer, all_of_them))
+    assert 5 < len(corners) < len(more)
+    assert corners <= more
+
+
+def test_boxes_of_one_middle_and_two_sizes_are_refused() -> None:
+    low, high = np.array([[0, 0], [1, 1]]), np.array([[4, 4], [3, 3]])
+    with pytest.raises(ValueError, match="of one size"):
+        fronts_of(Places(low, high, low[0], high[0], 1), csr_array((0, 2)))
 
 
 def test_separators_of_a_lattice_are_as_wide_as_the_couplings_reach() -> None:
@@ -222,9 +247,10 @@ def test_products_of_solutions_need_elimination_alone(n: int) -> None:
 def test_products_never_hold_all_right_hand_sides_at_once(build: type[Build]) -> None:
     """300 loads on one line of a plate: a quarter of the numbers that their solutions are is enough."""
     matrix, fronts = plate(build, 100)
-    nodes = places_of_unknowns(build.block((100, 100), support=2.0).cover).nodes
-    loaded = np.flatnonzero(np.abs(nodes[:, 1] - 50) <= 1)[:300]
-    right = csr_array((np.ones(300), (loaded, np.arange(300))), shape=(len(nodes), 300))
+    places = places_of_unknowns(build.block((100, 100), support=2.0).cover)
+    middle = places.low + places.high
+    loaded = np.flatnonzero(np.abs(middle[:, 1] - middle[:, 1].mean()) <= 2 * places.cell)[:300]
+    right = csr_array((np.ones(300), (loaded, np.arange(300))), shape=(len(middle), 300))
     multifrontal = Multifrontal(matrix, fronts)
     tracemalloc.start()
     products = multifrontal.products(right)
@@ -362,14 +388,14 @@ def test_refinement_takes_away_an_error_of_the_factorization(monkeypatch: pytest
 def test_body_with_tips_is_solved_by_fronts(build) -> None:
     sample = build.field_of_cracks(3)
     places = places_of_unknowns(sample.cover)
-    assert len(places.nodes) == sample.cover.n_dofs
+    assert len(places.low) == sample.cover.n_dofs
     matrix = sample.stiffness()
-    held = csr_array((np.ones(6), (np.arange(6), [0, 1, 20, 21, 40, 41])), shape=(6, len(places.nodes)))
+    held = csr_array((np.ones(6), (np.arange(6), [0, 1, 20, 21, 40, 41])), shape=(6, len(places.low)))
     system = ConstrainedSystem(matrix, held, places)
-    loads = matrix @ np.random.default_rng(31).normal(size=len(places.nodes))
+    loads = matrix @ np.random.default_rng(31).normal(size=len(places.low))
     u, m = system.solve(loads)
     np.testing.assert_allclose(matrix @ u + held.T @ m - loads, 0.0, atol=1e-12 * (abs(matrix) @ np.abs(u)).max())
-    near = np.abs(places.nodes - places.nodes[0]).max(axis=1) <= places.reach
+    near = ((places.low < places.high[0]) & (places.high > places.low[0])).all(axis=1)
     together = np.isin(matrix[:, :2].indices, np.flatnonzero(near))
     assert together.all()  # coupled unknowns are near each other: places are where they are said to be
 
@@ -413,7 +439,7 @@ def test_all_that_a_front_holds_is_in_its_key(build: type[Build]) -> None:
     """With other elements, entries or constraints a solution is that of a factorization without what was known."""
     matrix = plate(build, 20)[0]
     places, n = places_of_unknowns(build.block((20, 20), support=2.0).cover), matrix.shape[0]
-    middle = int(np.argmin(np.abs(places.nodes - 12).sum(axis=1)))
+    middle = int(np.argmin(np.abs(places.low + places.high - 24 * places.cell).sum(axis=1)))
     row = csr_array(([1.0], ([0], [middle])), shape=(1, n))
     known = ConstrainedSystem(matrix, row, places).factors
     stiffer = replace(matrix.elements[0], matrix=2.0 * matrix.elements[0].matrix, key=b"stiffer")
@@ -437,9 +463,9 @@ def test_unknowns_that_codes_do_not_tell_apart_are_refused(monkeypatch: pytest.M
     monkeypatch.setattr(codes, "WITHIN", 2)
     factorized(matrix, nodes)
     monkeypatch.setattr(codes, "WITHIN", 1)
-    with pytest.raises(SolveError, match="2 unknowns at one node, at most 1 can be told apart"):
+    with pytest.raises(SolveError, match="2 unknowns at one place, at most 1 can be told apart"):
         factorized(matrix, nodes)
     monkeypatch.undo()
     monkeypatch.setattr(codes, "ACROSS", 5)
-    with pytest.raises(SolveError, match="6 nodes along an axis, at most 5"):
+    with pytest.raises(SolveError, match="21 places along an axis, at most 5"):
         factorized(matrix, nodes)

@@ -168,7 +168,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         cracks=paths,
         events=(),
         tips=tips,
-        contact=ContactPoints(("flaw",) * n, s, points, normal, tangential, opening, slip, state),
+        contact=ContactPoints(("flaw",) * n, s, points, normal, tangential, opening, slip, state, opening, slip),
         faces=(CrackFaces("flaw", s, points, opening, slip, normal, tangential, state),),
         reactions=(),
         mesh=partial(make_frame, 1.0 + step),

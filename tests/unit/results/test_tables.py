@@ -24,9 +24,9 @@ def test_columns_are_those_of_the_contract() -> None:
     )
     assert ",".join(tables.EVENTS) == "step,kind,crack,tip,x,y,met"
     assert ",".join(tables.PATHS) == "crack,vertex,x,y,step"
-    assert (
-        ",".join(tables.CONTACT) == "step,crack,s,x,y,normal_traction,tangential_traction,opening,slip,state"
-    )  # fmt: skip
+    assert ",".join(tables.CONTACT) == (
+        "step,crack,s,x,y,normal_traction,tangential_traction,opening,slip,state,mean_opening,mean_slip"
+    )
     assert ",".join(tables.STEPS) == (
         "step,n_dofs,n_contact,contact_iterations,factorizations,residual,penetration,seconds_cover,seconds_assembly,"
         "seconds_factorize,seconds_contact,seconds_criterion,seconds_output,load_factor,contact_status,complementarity,"
