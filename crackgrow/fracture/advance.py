@@ -21,7 +21,7 @@ two ends of one straight crack, which are equal by symmetry, differ by up to 0.1
 or at both, by `max_hoop_stress`; by 0.2 % in the median of the other criteria, whose average sees the place in the
 lattice. It is the only tolerance of which tip grows: the order of cracks in a file never matters."""
 
-SAME_PLACE = 1e-6
+AS_FAR_LEFT = 1e-6
 """Of the extent of all tips: two that are as far to the left but for this are equally far."""
 
 CLEARANCE = 0.1
@@ -60,7 +60,7 @@ def growing_tips(
     if len(met) == 0:
         return np.empty(0, dtype=np.int64)
     critical = np.flatnonzero(criticality >= min(1.0 - 10.0 * AT_STRENGTH, (1.0 - TIE) * met.min()))
-    apart = SAME_PLACE * float(np.ptp(places, axis=0).max()) or 1.0
+    apart = AS_FAR_LEFT * float(np.ptp(places, axis=0).max()) or 1.0
     critical = critical[np.lexsort((places[critical, 1], np.round(places[critical, 0] / apart)))]
     if advance == "all":
         return critical

@@ -1,4 +1,4 @@
-"""The tolerances of plane geometry, in lattice spacings: their only home.
+"""The tolerances of plane geometry, in lattice spacings.
 
 All cutting happens in lattice units (the lattice lines are integers), so that size and units never matter.
 """
@@ -11,3 +11,6 @@ ON_LINE = 4 * GRID
 
 TOUCH = 1e-6
 """A tile closer to a line than this is cut together with it, so that neighbours share their vertices."""
+
+SAME_PLACE = 1e-6
+"""Places on a surface or its body's rim closer than this are one: vertices are rounded, and lengths added up."""

@@ -44,8 +44,8 @@ def specimen_grid(frame: Frame, fields: Sequence[str]) -> vtkUnstructuredGrid:
     sizes = np.repeat([3, 4], [len(frame.triangles), len(frame.quads)])
     grid.SetCells(numpy_to_vtk(kinds, deep=True), _cells(sizes, corners))
     _add(grid.GetCellData(), "body", np.asarray(frame.body, dtype=np.int32))
-    if frame.energy_error is not None:
-        _add(grid.GetCellData(), "energy_error", frame.energy_error)
+    if frame.error_density is not None:
+        _add(grid.GetCellData(), "energy_error", frame.error_density)
     if "displacement" in fields:
         _add(grid.GetPointData(), "displacement", _spatial(frame.displacement))
     if "stress" in fields:

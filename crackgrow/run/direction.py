@@ -20,6 +20,7 @@ from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack, advanced, closed
 from crackgrow.fracture.criteria import hoop_stress_kink
 from crackgrow.fracture.meeting import Meeting
+from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Event
 from crackgrow.run.scene import Scene
@@ -43,10 +44,6 @@ SLOPES = (0.1, 20.0)
 
 LARGEST_CORRECTION = np.deg2rad(30.0)
 """rad, of one trial."""
-
-ON_INTERFACE = 1e-6
-"""Spacings: a point of a body's rim closer than this to an interface lies on it."""
-
 
 _END: dict[bool, Literal["start", "end"]] = {False: "start", True: "end"}
 
@@ -132,7 +129,7 @@ def _named(
     """The kind of event that it is that a crack has met something, and what that is called."""
     if met.kind == "own_path":
         return "coalescence", "its own path"
-    near = ON_INTERFACE * scene.lattice.spacing
+    near = SAME_PLACE * scene.lattice.spacing
     paths = ((line.name, shapely.LineString(scene.lattice.to_metres(line.points))) for line in scene.interfaces)
     there = [f"interface '{name}'" for name, path in paths if shapely.dwithin(path, shapely.Point(met.point), near)]
     if met.kind == "crack":

@@ -45,7 +45,7 @@ def make_frame(
         stress=stress,
         stress_zz=out_of_plane * (stress[:, 0] + stress[:, 1]),
         body=body,
-        energy_error=density,
+        error_density=density,
     )
 
 

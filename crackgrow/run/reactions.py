@@ -12,13 +12,15 @@ from crackgrow.run.result import Reaction
 
 def reactions(solution: StepSolution) -> tuple[Reaction, ...]:
     """Force of every support and foundation on the rock, and of the second body of an interface on the first."""
-    found = []
+    found, scene = [], solution.configuration.scene
     held, multipliers = solution.held, solution.outcome.multipliers
     for number in np.unique(held.support[held.support >= 0]).tolist():
         force = [-float(multipliers[(held.support == number) & (held.component == axis)].sum()) for axis in range(2)]
         found.append(Reaction(f"supports.{number}", (force[0], force[1])))
     cover = solution.cover
-    for index, surface in enumerate(cover.surfaces[len(cover.cracks) :], start=len(cover.cracks)):
+    for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
+        if law.kind == "crack":
+            continue
         forces = _face_forces(solution, index)
         body = cover.elements.body[surface.edges.plus[0]]
         found.append(Reaction(surface.name, _resultant(cover, forces, int(body))))

@@ -18,6 +18,7 @@ from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA
 from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
@@ -36,9 +37,6 @@ from crackgrow.run.result import (
 )
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
-
-SAME_PLACE = 1e-6
-"""Spacings: samples of a crack closer than this are one place."""
 
 
 def paths_of(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.contact.coulomb import OPEN as OPEN
+from crackgrow.contact.coulomb import SLIP as SLIP
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
+from crackgrow.contact.coulomb import STICK as STICK
 from crackgrow.run.caution import Cause, Caution
 
-OPEN, STICK, SLIP = 0, 1, 2
 STATE_NAMES = ("open", "stick", "slip")
 
 BALANCED = 1e-5
@@ -112,7 +114,7 @@ class Frame:
     stress: Floats  # (t + q, 3) Pa: xx, yy, xy at cell centres
     stress_zz: Floats  # (t + q,) Pa
     body: Ints  # (t + q,) index of the body
-    energy_error: Floats | None = None  # (t + q,) root of the error's energy density over the mean one of the rock
+    error_density: Floats | None = None  # (t + q,) root of the error's energy density over the mean one of the rock
 
 
 class FrameOnDemand:

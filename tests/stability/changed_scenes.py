@@ -165,6 +165,7 @@ def comparable_scene(seed: int) -> Scene:
     scene["numerics"]["quadrature"] = QUADRATURE
     return scene
 
+
 AS_IT_IS = np.eye(2)
 CHANGES = (
     Change("turned by 90 degrees", turned(QUARTER), QUARTER),

@@ -57,9 +57,9 @@ def test_the_cells_of_a_frame_add_up_to_the_estimate() -> None:
     for result, expected in zip(results, (results[0].norm_error, end.norm_error), strict=True):
         frame = result.frame
         assert frame is not None
-        assert frame.energy_error is not None
+        assert frame.error_density is not None
         area = np.concatenate([_areas(frame.points, cells) for cells in (frame.triangles, frame.quads)])
-        share = np.sum(area * frame.energy_error**2) / area.sum()
+        share = np.sum(area * frame.error_density**2) / area.sum()
         np.testing.assert_allclose(100.0 * np.sqrt(share), expected, rtol=1e-9)
 
 
