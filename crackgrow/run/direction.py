@@ -49,7 +49,7 @@ _END: dict[bool, Literal["start", "end"]] = {False: "start", True: "end"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Front:
+class BeforeAdvance:
     """The cracks before an advance."""
 
     scene: Scene
@@ -81,24 +81,24 @@ class _Trial:
         return float((np.abs(self.shear) / self.error).max())
 
 
-def advance_tips(front: Front, solution: StepSolution, chosen: Ints, solve: Solve) -> Advance:
+def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, solve: Solve) -> Advance:
     """The cracks after the tips `chosen` of a solution have advanced; `solve` gives the step that follows."""
     ends = [solution.cover.tip_ends[tip] for tip in chosen.tolist()]
     verdicts = [solution.tips[tip].verdict for tip in chosen.tolist()]
     kinks = np.array([verdict.kink for verdict in verdicts if verdict is not None])
-    first = _advanced(front, ends, kinks)
-    if front.growth.direction == "explicit" or not any(_can_grow(first, end) for end in ends):
+    first = _advanced(before, ends, kinks)
+    if before.growth.direction == "explicit" or not any(_can_grow(first, end) for end in ends):
         return first
-    return _without_shear(front, ends, kinks, first, solve)
+    return _without_shear(before, ends, kinks, first, solve)
 
 
-def _advanced(front: Front, ends: Sequence[tuple[int, bool]], kinks: Floats) -> Advance:
+def _advanced(before: BeforeAdvance, ends: Sequence[tuple[int, bool]], kinks: Floats) -> Advance:
     """All cracks, with the tips `ends` advanced by `kinks` one after the other: each sees what those before have made.
 
     A tip that one before it has met is no tip any more and stays: an event of its own.
     """
-    scene, step = front.scene, front.step
-    grown = list(front.cracks)
+    scene, step = before.scene, before.step
+    grown = list(before.cracks)
     events = []
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
         if not grown[index].can_grow(at_end):
@@ -106,8 +106,8 @@ def _advanced(front: Front, ends: Sequence[tuple[int, bool]], kinks: Floats) -> 
         numbers = [number for number in range(len(grown)) if number != index]
         others = [grown[number] for number in numbers]
         region = scene.regions[scene.crack_bodies[index]]
-        before = list(grown)
-        way = (kink, front.growth.increment)
+        earlier = list(grown)
+        way = (kink, before.growth.increment)
         grown[index], met = advanced(grown[index], at_end, way, step, region, others)
         if met is None:
             continue
@@ -117,7 +117,7 @@ def _advanced(front: Front, ends: Sequence[tuple[int, bool]], kinks: Floats) -> 
             continue
         number = index if met.kind == "own_path" else numbers[met.number]
         grown[number] = closed(grown[number], met.end)
-        if before[number].can_grow(met.end):
+        if earlier[number].can_grow(met.end):
             name = "its own path" if number == index else f"crack '{grown[index].crack.name}'"
             events.append(Event(step, kind, grown[number].crack.name, _END[met.end], met.point, name))
     return Advance(tuple(grown), tuple(events))
@@ -143,7 +143,7 @@ def _named(
 
 
 def _without_shear(
-    front: Front, ends: Sequence[tuple[int, bool]], kinks: Floats, first: Advance, solve: Solve
+    before: BeforeAdvance, ends: Sequence[tuple[int, bool]], kinks: Floats, first: Advance, solve: Solve
 ) -> Advance:
     """The advance whose new tips see least shear, with its solution and the cost of all solves."""
     trials: list[_Trial] = []
@@ -151,7 +151,7 @@ def _without_shear(
     advance, gave_up = first, ""
     while True:
         try:
-            advance = advance if not trials else _advanced(front, ends, kinks)
+            advance = advance if not trials else _advanced(before, ends, kinks)
             solved = solve(advance.cracks)
         except (GeometryError, SolveError) as error:
             if not trials:

@@ -15,7 +15,7 @@ from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack, growing_tips
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
-from crackgrow.run.direction import Front, advance_tips
+from crackgrow.run.direction import BeforeAdvance, advance_tips
 from crackgrow.run.error import estimated_error
 from crackgrow.run.increments import Origin
 from crackgrow.run.judging import StepSolution
@@ -109,7 +109,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             return _stopped(cracks, solution, step, n_pieces)
         if step < n_steps:
             following = partial(load, scene, before=solution)
-            advance = advance_tips(Front(scene, growth, cracks, step + 1), solution, chosen, following)
+            advance = advance_tips(BeforeAdvance(scene, growth, cracks, step + 1), solution, chosen, following)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
     return RunEnd("completed", done, paths_of(cracks))

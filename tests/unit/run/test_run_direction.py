@@ -17,7 +17,7 @@ from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
-from crackgrow.run.direction import MOST_SOLVES, Advance, Front, advance_tips
+from crackgrow.run.direction import MOST_SOLVES, Advance, BeforeAdvance, advance_tips
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
 from tests.solving import solve_step
@@ -62,10 +62,10 @@ def advance(
     return advance_tips(front(scene, cracks), solution, chosen, made_up), len(solves)
 
 
-def front(scene: Scene, cracks: Cracks) -> Front:
+def front(scene: Scene, cracks: Cracks) -> BeforeAdvance:
     """The cracks of a scene that grow in step 1."""
     assert scene.case.growth is not None
-    return Front(scene, scene.case.growth, cracks, 1)
+    return BeforeAdvance(scene, scene.case.growth, cracks, 1)
 
 
 def unasked(_: Cracks) -> StepSolution:
