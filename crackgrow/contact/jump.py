@@ -6,7 +6,6 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from crackgrow.approximation.basis import values_at
-from crackgrow.approximation.field import field_values
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import ContactFaces, FacePoints
 from crackgrow.cover.cover import Cover
@@ -15,20 +14,15 @@ from crackgrow.cover.cover import Cover
 def jump_matrix(cover: Cover, points: FacePoints) -> csr_array:
     """Scalar jump (n, n_functions): value on the plus face minus value on the minus face, zero on a foundation."""
     n, (rock, places, elements) = len(points.s), _both_faces(points)
-    basis = values_at(cover, places, elements)
-    ids, values = np.full((n, 2 * basis.ids.shape[1]), -1), np.zeros((n, 2 * basis.ids.shape[1]))
-    plus, minus = np.split(np.arange(2 * basis.ids.shape[1]), 2)
-    ids[:, plus], values[:, plus] = basis.ids[:n], basis.values[:n]
-    ids[rock[:, None], minus], values[rock[:, None], minus] = basis.ids[n:], -basis.values[n:]
-    used = ids >= 0
-    row_ends = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
-    return csr_array((values[used], ids[used], row_ends), shape=(n, cover.n_functions))
+    sides = np.concatenate([np.ones(n), -np.ones(len(rock))])
+    both = csr_array((sides, (np.append(np.arange(n), rock), np.arange(len(sides)))), shape=(n, len(sides)))
+    return csr_array(both @ values_at(cover, places, elements).values())
 
 
 def gap_and_slip(cover: Cover, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
     """Gap (n,) and slip (n,), m, at points: the jump along the normal and along the surface; `u` (n_dofs,)."""
     n, (rock, places, elements) = len(points.s), _both_faces(points)
-    both = field_values(cover, u.reshape(-1, 2), places, elements)
+    both = values_at(cover, places, elements).field(u.reshape(-1, 2))[0]
     jump = both[:n].copy()
     jump[rock] -= both[n:]
     nx, ny = points.normal.T

@@ -14,7 +14,6 @@ from crackgrow.cover.elements import locate
 from crackgrow.fracture.interaction import interaction
 from crackgrow.fracture.tip_disc import Disc, disc_round
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
-from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import gradient_at
 
@@ -52,7 +51,9 @@ def interaction_integrals(
     `tractions` are, tip by tip, all that acts between the faces: contact tractions less fluid pressure.
     """
     forces = [np.zeros(2)] * len(tips) if body_forces is None else body_forces
-    discs = [disc_round(cover, tip, None if radius is None else radius / cover.lattice.spacing) for tip in tips]
+    discs = [
+        disc_round(cover, cover.tips[tip], None if radius is None else radius / cover.lattice.spacing) for tip in tips
+    ]
     gradients = _gradients(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
     return [
         _no_room(disc) if np.isnan(disc.radius) else _in_disc(cover, materials, disc, *next(gradients), traction, force)
@@ -77,29 +78,17 @@ def _in_disc(
     body_force: Floats,
 ) -> StressIntensity:
     """K of a tip from its rule, and the elastic displacement gradients at the rule's points."""
-    geometry, material, spacing = cover.tips[disc.tip], _material(cover, materials, disc.tip), cover.lattice.spacing
-    normal, tangential = traction(_from_start(cover, disc.tip, rule.faces.arc))
+    tip, spacing = disc.tip, cover.lattice.spacing
+    material = materials[tip.body]
+    normal, tangential = traction(tip.from_start(rule.faces.arc))
     along_x, along_y = rule.faces.toward_tip.T
     vectors = 2.0 * np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
-    force = spacing * geometry.rotation @ body_force
+    force = spacing * tip.rotation @ body_force
     M = interaction(material, rule, gradients, vectors, face_gradients, force)
     K = 0.5 * material.young_prime * np.sqrt(spacing) * M
     (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.shrunk else ""
     return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.shrunk, note)
-
-
-def _material(cover: Cover, materials: Sequence[PlaneElasticity], tip: int) -> PlaneElasticity:
-    """The material at a tip."""
-    index, at_end = cover.tip_ends[tip]
-    element = cover.elements.lines[index].plus[-1 if at_end else 0]
-    return materials[int(cover.elements.body[element])]
-
-
-def _from_start(cover: Cover, tip: int, arc: Floats) -> Floats:
-    """Arc lengths (n,) from the start of a tip's crack, from those from the tip."""
-    index, at_end = cover.tip_ends[tip]
-    return arc_lengths(cover.cracks[index].points)[-1] - arc if at_end else arc
 
 
 def _gradients(
@@ -111,21 +100,20 @@ def _gradients(
     """
     for first in range(0, len(discs), TIPS_AT_ONCE):
         some = discs[first : first + TIPS_AT_ONCE]
-        rules = [tip_rule(cover.tips[disc.tip], disc.radii) for disc in some]
-        points = [rule.circles.points(cover.tips[disc.tip]) for disc, rule in zip(some, rules, strict=True)]
+        rules = [tip_rule(disc.tip, disc.radii) for disc in some]
+        points = [rule.circles.points(disc.tip) for disc, rule in zip(some, rules, strict=True)]
         elements = [locate(cover.lattice, cover.elements, np.concatenate(points))]
         kinked = []
         for disc, rule in zip(some, rules, strict=True):
-            beyond = np.flatnonzero(rule.faces.arc > cover.tips[disc.tip].radii[1])
-            s = _from_start(cover, disc.tip, rule.faces.arc[beyond])
-            there = points_at(cover, cover.tip_ends[disc.tip][0], s)
+            beyond = np.flatnonzero(rule.faces.arc > disc.tip.radii[1])
+            there = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
             kinked.append(beyond)
             points += [there.points, there.points]
             elements += [there.plus, there.minus]
         found = gradient_at(cover, u, np.concatenate(points), np.concatenate(elements)).transpose(1, 2, 0)
         parts = np.split(found, np.cumsum([len(part) for part in points])[:-1], axis=2)
         for number, (disc, rule, beyond) in enumerate(zip(some, rules, kinked, strict=True)):
-            turn, initial = cover.tips[disc.tip].rotation, _initial_gradient(_material(cover, materials, disc.tip))
+            turn, initial = disc.tip.rotation, _initial_gradient(materials[disc.tip.body])
             plus, minus = parts[len(some) + 2 * number : len(some) + 2 * number + 2]
             both = np.zeros((2, 2, len(rule.faces.arc)))
             both[:, :, beyond] = _turned(turn, plus + minus + 2.0 * initial)
