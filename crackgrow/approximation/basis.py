@@ -8,7 +8,7 @@ a point is kept as its factors: the phi_i, those of them that are singular for e
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,32 +39,24 @@ class Basis:
     first: Ints  # (singular patches of all pairs,) first of the four functions
     tip: Floats  # (components, pairs of all points, 4)
 
-    def rows(self) -> Floats:
-        """The functions (components, m) of all points, point by point in the order of `Cover.functions_on`."""
-        if not len(self.first):
-            return self.phi
-        counts = np.stack([self.patches.counts, N_TIP_FUNCTIONS * self._n_singular()], axis=1).ravel()
-        is_tip = np.repeat(np.arange(len(counts)) % 2 == 1, counts)
-        w, f = self.phi.take(self.singular.values, axis=1)[:, :, None], self.tip.repeat(self.singular.counts, axis=1)
-        found = np.empty((len(self.phi), len(is_tip)))
-        found[:, ~is_tip] = self.phi
-        found[0, is_tip] = (w[0] * f[0]).ravel()
-        for component in range(1, len(found)):
-            found[component, is_tip] = (w[component] * f[0] + w[0] * f[component]).ravel()
-        return found
-
     def values(self) -> csr_array:
         """The values (n, n_functions)."""
-        functions = self.cover.functions_on(self.elements)
-        shape = (len(self.elements), self.cover.n_functions)
-        return csr_array((self.rows()[0], functions.values, functions.start), shape=shape)
+        return self._matrix(0)
 
     def gradients(self) -> tuple[csr_array, csr_array]:
         """The derivatives (n, n_functions) by x and by y."""
-        functions, rows = self.cover.functions_on(self.elements), self.rows()
-        shape = (len(self.elements), self.cover.n_functions)
-        x, y = (csr_array((row, functions.values, functions.start), shape=shape) for row in rows[1:])
-        return x, y
+        return self._matrix(1), self._matrix(2)
+
+    def by_element(self, counts: Ints) -> Iterator[Floats]:
+        """The functions (components, k, points) of each element, as `Cover.functions_on` lists them.
+
+        Points of an element follow each other: `counts` (e,) of each.
+        """
+        first, parts = starts_of(counts), (self.phi, self._on_singular_patches(range(len(self.phi))))
+        starts = (self.patches.start[first].tolist(), self._tip_start[first].tolist())
+        for e, n in enumerate(counts.tolist()):
+            pieces = (part[:, start[e] : start[e + 1]] for part, start in zip(parts, starts, strict=True))
+            yield np.concatenate([p.reshape(len(p), n, p.shape[1] // max(n, 1)) for p in pieces], axis=2).swapaxes(1, 2)
 
     def field(self, coefficients: Floats) -> Floats:
         """Fields (components, n, m) with `coefficients` (n_functions, m): the products with all rows at once.
@@ -88,9 +80,26 @@ class Basis:
                 )
         return np.stack(found)
 
-    def _n_singular(self) -> Ints:
-        """Number of pairs of a tip and a singular patch at each point (n,)."""
-        return np.diff(self.singular.start[self.pairs.start])
+    @property
+    def _tip_start(self) -> Ints:
+        """Where the tip functions of each point begin (n + 1,), among those of all points."""
+        return N_TIP_FUNCTIONS * self.singular.start[self.pairs.start]
+
+    def _matrix(self, component: int) -> csr_array:
+        """One component (n, n_functions) of all functions."""
+        functions = self.cover.functions_on(self.elements)
+        counts = np.stack([self.patches.counts, np.diff(self._tip_start)], axis=1).ravel()
+        is_tip = np.repeat(np.arange(len(counts)) % 2 == 1, counts)
+        found = np.empty(len(is_tip))
+        found[~is_tip] = self.phi[component]
+        found[is_tip] = self._on_singular_patches([component])[0]
+        return csr_array((found, functions.values, functions.start), shape=(len(self.elements), self.cover.n_functions))
+
+    def _on_singular_patches(self, components: Sequence[int]) -> Floats:
+        """The products phi_i F_tk (components, tip functions of all points), or their derivatives."""
+        w, f = self.phi.take(self.singular.values, axis=1)[:, :, None], self.tip.repeat(self.singular.counts, axis=1)
+        found = [w[c] * f[0] + w[0] * f[c] if c else w[0] * f[0] for c in components]
+        return np.stack(found).reshape(len(found), -1)
 
 
 def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:

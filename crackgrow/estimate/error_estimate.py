@@ -33,7 +33,7 @@ N_POINTS = 2
 """Gauss points per direction at which stress is sampled: with 4 the estimate differs by 3 %, at thrice the cost."""
 
 AT_ONCE = 8_000
-"""Points taken together where they are not regular: what is computed of more of them does not fit into a cache."""
+"""Points, and pairs of a point and a patch, taken together where they are not regular: more do not fit into a cache."""
 
 
 class Singular(Protocol):
@@ -80,7 +80,7 @@ def error_estimate(
     regular = _regular(cover, materials, u, is_regular)
     rest = _points_of(cover, ~is_regular)
     blocks = [_free(cover, materials, u, some, singular, acting) for some in rest]
-    free, norm = [samples for samples, _ in blocks], sum(squares for _, squares in blocks)
+    free, norm = [part for parts, _ in blocks for part in parts], sum(squares for _, squares in blocks)
     for some in regular:
         norm += float(np.einsum("qw,qec->", some.weights, some.values**2))
     coefficients = fit(n_patches, regular, free)
@@ -126,7 +126,7 @@ def _free(
     at: ElementPoints,
     singular: Sequence[Singular],
     acting: Bools,
-) -> tuple[FreeSamples, float]:
+) -> tuple[list[FreeSamples], float]:
     """Samples at points anywhere, and the integral of their squares."""
     points, weights, element = at.points, at.weights, at.element
     body = cover.elements.body[element]
@@ -142,5 +142,7 @@ def _free(
         mine, back = np.unique(point[sees], return_inverse=True)
         less[sees] += energy_components(materials, part.at(points[mine], element[mine]), body[mine])[back]
     distance = points[point] - cover.patch_nodes[patches.values]
-    samples = FreeSamples(element[point], patches.values, distance, weights[point] * phi, values[point] - less)
+    owner, area, own = element[point], weights[point] * phi, values[point] - less
+    some = [slice(start, start + AT_ONCE) for start in range(0, len(point), AT_ONCE)]
+    samples = [FreeSamples(owner[at], patches.values[at], distance[at], area[at], own[at]) for at in some]
     return samples, float(weights @ np.sum(values**2, axis=1))

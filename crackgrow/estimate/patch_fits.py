@@ -63,12 +63,14 @@ def fit(n_patches: int, regular: list[RegularSamples], free: list[FreeSamples]) 
             by_values = weighted @ some.values.reshape(q, 3 * e)
             of_elements[..., N_MONOMIALS:] = by_values.reshape(-1, e, 3).transpose(1, 0, 2)
             sums[patch] += of_elements
+    number = np.zeros(n_patches, dtype=np.int64)
     for block in free:
-        p = monomials(block.distance)
-        products = (p[:, None] * np.concatenate([p, block.values.T])).reshape(-1, len(block.patches))
-        seen, number = np.unique(block.patches, return_inverse=True)
-        gather = csc_array((block.weights, number, np.arange(len(number) + 1)), shape=(len(seen), len(number)))
-        sums[seen] += (gather @ products.T).reshape(len(seen), *sums.shape[1:])
+        seen = np.flatnonzero(np.bincount(block.patches, minlength=n_patches))
+        number[seen] = np.arange(len(seen))
+        p, n = monomials(block.distance), len(block.patches)
+        products = p[:, None] * np.concatenate([p, block.values.T])
+        gather = csc_array((block.weights, number[block.patches], np.arange(n + 1)), shape=(len(seen), n))
+        sums[seen] += (gather @ products.reshape(-1, n).T).reshape(len(seen), *sums.shape[1:])
     return _solved(sums[..., :N_MONOMIALS], sums[..., N_MONOMIALS:])
 
 
@@ -83,8 +85,7 @@ def misfits(coefficients: Floats, regular: list[RegularSamples], free: list[Free
             found[some.elements] += some.weights[:, slot] @ squares
     by_patch = np.ascontiguousarray(coefficients.transpose(1, 2, 0))
     for block in free:
-        p = monomials(block.distance)
-        fitted = np.sum(p[:, None] * by_patch.take(block.patches, axis=2), axis=0)
+        fitted = np.sum(monomials(block.distance)[:, None] * by_patch.take(block.patches, axis=2), axis=0)
         squares = np.sum((fitted - block.values.T) ** 2, axis=0)
         found += np.bincount(block.elements, block.weights * squares, n_elements)
     return found

@@ -15,12 +15,13 @@ from hashlib import blake2b
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow import ragged
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import TipView, reach_of_tips
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
-from crackgrow.ragged import Ragged, by_row, places, starts_of
+from crackgrow.ragged import Ragged, by_row, starts_of
 from crackgrow.solid.elasticity import PlaneElasticity
 
 BLOCK = 4
@@ -35,6 +36,12 @@ class Points:
     points: Floats  # (n, 2)
     weights: Floats  # (n, ...) inside: weights, squared spacings; on the rim: outward normal times length (n, 2)
     element: Ints  # (n,)
+
+    def of_elements(self, places: Ints) -> Points:
+        """Those of some elements (m,), in their order."""
+        _, at = ragged.places(self.start, places)
+        start = starts_of(np.diff(self.start)[places])
+        return Points(start, self.points[at], self.weights[at], self.element[at])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,14 +76,14 @@ def clusters_of(cover: Cover, n: int) -> Clusters:
     pairs, place = np.unique(owner * cover.n_functions + on.values, return_inverse=True)
     cluster, function = np.divmod(pairs, max(cover.n_functions, 1))
     functions = by_row(cluster, function, elements.n)
-    inside, rim = element_points(cover, n), rim_points(cover)
-    spacing = cover.lattice.spacing
+    inside, rim, spacing = element_points(cover, n), rim_points(cover), cover.lattice.spacing
+    inside_start, rim_start = (np.searchsorted(some.element, np.arange(cover.elements.n + 1)) for some in (inside, rim))
     return Clusters(
         elements,
         tuple(np.split(function, functions.start[1:-1])),
         Ragged(on.start, place - functions.start[owner]),
-        _in_order(elements.values, cover.elements.n, inside.points, inside.weights * spacing**2, inside.element),
-        _in_order(elements.values, cover.elements.n, rim.points, rim.normals * spacing, rim.element),
+        Points(inside_start, inside.points, inside.weights * spacing**2, inside.element).of_elements(elements.values),
+        Points(rim_start, rim.points, rim.normals * spacing, rim.element).of_elements(elements.values),
     )
 
 
@@ -143,13 +150,6 @@ def _gathered(cover: Cover) -> Ragged:
         cluster[place] = numbers.setdefault((body, where), len(numbers))
     order = np.lexsort((y, x, cluster))
     return by_row(cluster[order], cut[order], len(numbers))
-
-
-def _in_order(elements: Ints, n_elements: int, points: Floats, weights: Floats, owner: Ints) -> Points:
-    """Points sorted by their `owner`, in the order of `elements`."""
-    start = by_row(owner, owner, n_elements).start
-    _, at = places(start, elements)
-    return Points(starts_of(np.diff(start)[elements]), points[at], weights[at], owner[at])
 
 
 def _geometry(tip: TipView, reach: float) -> Floats:

@@ -122,33 +122,24 @@ def _integrated(
 ) -> Iterator[tuple[int, HalfMatrix]]:
     """The matrices of the clusters `chosen`; they share the evaluation of the basis."""
     for batch in _batches(clusters, chosen):
-        spans = [clusters.span(number) for number in batch]
-        inside, rim = clusters.inside, clusters.rim
-        at, on = (
-            np.concatenate([np.arange(part.start[span.start], part.start[span.stop]) for span in spans])
-            for part in (inside, rim)
+        _, at = clusters.elements.places(np.array(batch))
+        inside, rim = clusters.inside.of_elements(at), clusters.rim.of_elements(at)
+        elements = zip(
+            basis_at(cover, inside.points, inside.element).by_element(np.diff(inside.start)),
+            np.split(inside.weights, inside.start[1:-1]),
+            values_at(cover, rim.points, rim.element).by_element(np.diff(rim.start)),
+            np.split(rim.weights, rim.start[1:-1]),
+            strict=True,
         )
-        gradients = basis_at(cover, inside.points[at], inside.element[at]).rows()[1:]
-        (values,) = values_at(cover, rim.points[on], rim.element[on]).rows()
-        weights, normals = inside.weights[at], rim.weights[on]
-        point = rim_point = row = rim_row = 0
-        for number, span in zip(batch, spans, strict=True):
-            k, local = len(clusters.functions[number]), clusters.local_of(number)
+        for number in batch:
+            k, span = len(clusters.functions[number]), clusters.span(number)
             places: list[Ints] = []
             terms: list[tuple[Floats, Floats, Floats]] = []
-            starts = (inside.start, rim.start, clusters.local.start)
-            sizes = (np.diff(start[span.start : span.stop + 1]).tolist() for start in starts)
-            begin = 0
-            for n_inside, n_rim, n in zip(*sizes, strict=True):
-                mine, begin = local[begin : begin + n], begin + n
-                these, those = slice(point, point + n_inside), slice(rim_point, rim_point + n_rim)
-                point, rim_point = these.stop, those.stop
-                inner = gradients[:, row : row + n * n_inside].reshape(2, n_inside, n).transpose(0, 2, 1)
-                outer = values[rim_row : rim_row + n * n_rim].reshape(n_rim, n).T
-                row, rim_row = row + n * n_inside, rim_row + n * n_rim
-                own = consistent(inner, weights[these], outer, normals[those])
+            for place in range(span.start, span.stop):
+                basis, weights, (values,), normals = next(elements)
+                mine, own = clusters.local.of(place), consistent(basis[1:], weights, values, normals)
                 places.append((k * mine[:, None] + mine).ravel())
-                terms.append(products(own, weights[these]))
+                terms.append(products(own, weights))
             material = materials[cover.elements.body[clusters.elements.values[span.start]]]
             yield number, _half_of_sum(material, k, places, terms)
 
