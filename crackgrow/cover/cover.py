@@ -44,7 +44,7 @@ class Surface:
     junctions: Bools  # (n,) which corners are junctions with other surfaces
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Cover:
     """Everything that depends on where the bodies and cracks lie, and on nothing else.
 

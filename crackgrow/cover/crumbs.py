@@ -41,7 +41,7 @@ def with_crumbs(lattice: Lattice, elements: Elements, patches: Patches, cracks: 
     A piece that holds a tip is no crumb: linear functions don't see a tip.
     """
     ends = zip(cracks, elements.lines, strict=False)
-    at_tips = [edges.plus[-1 if at_end else 0] for crack, edges in ends for at_end in crack.tips()]
+    at_tips = [edges.beside(at_end)[0] for crack, edges in ends for at_end in crack.tips()]
     crumb, corners = _crumbs(lattice, elements, np.array(at_tips, dtype=np.int64))
     inside = crumb >= 0
     if not inside.any():

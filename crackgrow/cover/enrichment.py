@@ -53,18 +53,17 @@ def make_tips(
     tips: list[Tip] = []
     for index, crack in enumerate(cracks):
         for at_end in crack.tips():
-            points, last = crack.seen_from(at_end), -1 if at_end else 0
+            points, beside = crack.seen_from(at_end), elements.lines[index].beside(at_end)
             other_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
-            element = int(elements.lines[index].plus[last])
-            singular = _singular_patches(lattice, patches, (element, int(elements.lines[index].minus[last])), points[0])
+            singular = _singular_patches(lattice, patches, beside, points[0])
             ends_inside = other_is_tip or _leads_through(
                 lattice, elements, patches, singular, beyond_far_end(points, reach)
             )
             view = seen_from_tip(points, reach, ends_inside)
             singular = singular[carrying_nodes(view, patches.nodes[singular])]
-            body = int(elements.body[element])
+            body = int(elements.body[beside[0]])
             seen = (view.point, view.rotation, view.path, view.radii, view.fade)
-            tips.append(Tip(*seen, index, at_end, points, other_is_tip, element, body, singular, n_functions))
+            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, singular, n_functions))
             n_functions += N_TIP_FUNCTIONS * len(singular)
     return tuple(tips)
 

@@ -51,12 +51,13 @@ def interaction_integrals(
     `tractions` are, tip by tip, all that acts between the faces: contact tractions less fluid pressure.
     """
     forces = [np.zeros(2)] * len(tips) if body_forces is None else body_forces
-    discs = [
-        disc_round(cover, cover.tips[tip], None if radius is None else radius / cover.lattice.spacing) for tip in tips
-    ]
-    gradients = _gradients(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
+    wanted = None if radius is None else radius / cover.lattice.spacing
+    discs = [disc_round(cover, cover.tips[tip], wanted) for tip in tips]
+    sampled = _sampled(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
     return [
-        _no_room(disc) if np.isnan(disc.radius) else _in_disc(cover, materials, disc, *next(gradients), traction, force)
+        _no_room(disc)
+        if np.isnan(disc.radius)
+        else _in_disc(materials[disc.tip.body], cover.lattice.spacing, next(sampled), traction, force)
         for disc, traction, force in zip(discs, tractions, forces, strict=True)
     ]
 
@@ -67,37 +68,36 @@ def _no_room(disc: Disc) -> StressIntensity:
     return StressIntensity(nan, nan, nan, nan, nan, True, note)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Samples:
+    """The elastic displacement gradients round a tip, in its axes."""
+
+    disc: Disc
+    rule: TipRule
+    around: Floats  # (2, 2, n) at the points of the rule's circles
+    on_faces: Floats  # (2, 2, m) sums of both faces; zero on the last segment, where they don't matter
+
+
 def _in_disc(
-    cover: Cover,
-    materials: Sequence[PlaneElasticity],
-    disc: Disc,
-    rule: TipRule,
-    gradients: Floats,
-    face_gradients: Floats,
-    traction: FaceTraction,
-    body_force: Floats,
+    material: PlaneElasticity, spacing: float, samples: _Samples, traction: FaceTraction, body_force: Floats
 ) -> StressIntensity:
-    """K of a tip from its rule, and the elastic displacement gradients at the rule's points."""
-    tip, spacing = disc.tip, cover.lattice.spacing
-    material = materials[tip.body]
+    """K of a tip."""
+    disc, rule, tip = samples.disc, samples.rule, samples.disc.tip
     normal, tangential = traction(tip.from_start(rule.faces.arc))
     along_x, along_y = rule.faces.toward_tip.T
     vectors = 2.0 * np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
     force = spacing * tip.rotation @ body_force
-    M = interaction(material, rule, gradients, vectors, face_gradients, force)
+    M = interaction(material, rule, samples.around, vectors, samples.on_faces, force)
     K = 0.5 * material.young_prime * np.sqrt(spacing) * M
     (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.shrunk else ""
     return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.shrunk, note)
 
 
-def _gradients(
+def _sampled(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, discs: Sequence[Disc]
-) -> Iterator[tuple[TipRule, Floats, Floats]]:
-    """Disc by disc its rule, and elastic displacement gradients (2, 2, n) at the rule's points, in the tip's axes.
-
-    Those on the faces are the sums of both, and zero on the last segment, where they don't matter.
-    """
+) -> Iterator[_Samples]:
+    """What the integrals need of the displacement, disc by disc."""
     for first in range(0, len(discs), TIPS_AT_ONCE):
         some = discs[first : first + TIPS_AT_ONCE]
         rules = [tip_rule(disc.tip, disc.radii) for disc in some]
@@ -117,7 +117,7 @@ def _gradients(
             plus, minus = parts[len(some) + 2 * number : len(some) + 2 * number + 2]
             both = np.zeros((2, 2, len(rule.faces.arc)))
             both[:, :, beyond] = _turned(turn, plus + minus + 2.0 * initial)
-            yield rule, _turned(turn, parts[number] + initial), both
+            yield _Samples(disc, rule, _turned(turn, parts[number] + initial), both)
 
 
 def _turned(rotation: Floats, gradients: Floats) -> Floats:

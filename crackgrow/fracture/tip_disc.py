@@ -16,7 +16,7 @@ RADIUS = 2.5
 which the cover does not resolve, disturb a disc that reaches beyond them least."""
 
 STRAIGHT_RADIUS = 5.0
-"""The same as far as the crack is straight: a larger disc averages the stress, which ripples, over more tiles."""
+"""The same as far as the crack is straight: a larger disc averages the stress, which ripples, over more cells."""
 
 KEPT_CLEAR = 0.8
 """Part of the clearance that a disc may take: one that touches another tip was 0.7 to 1.6 % off, this one 0.1."""

@@ -18,7 +18,7 @@ N_ANGULAR = 24
 """Least number of points on a circle, from face to face."""
 
 ANGULAR_DENSITY = 10
-"""Points on a circle per spacing of the largest radius: the stress ripples from tile to tile."""
+"""Points on a circle per spacing of the largest radius: the stress ripples from element to element."""
 
 FACE_PANEL = 0.25
 """Length of a panel on the faces, spacings, at the tip in terms of the square root."""

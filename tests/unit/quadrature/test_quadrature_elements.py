@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-import weakref
-
 import numpy as np
 import pytest
 import shapely
@@ -12,7 +9,6 @@ from scipy.integrate import quad
 
 from crackgrow.quadrature.elements import (
     element_points,
-    plain_kinds,
     rectangles,
     triangulate,
 )
@@ -25,16 +21,6 @@ SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 def plain_area(sample) -> float:
     _, size = rectangles(sample.cover, np.flatnonzero(sample.cover.plain))
     return float(np.prod(size, axis=1).sum())
-
-
-def test_a_cover_that_nobody_needs_is_let_go(build) -> None:
-    sample = build.block((6, 5), [build.crack(KINKED)], 2.0)
-    functions = weakref.ref(sample.cover.patches.nodes)
-    assert len(element_points(sample.cover, 2).points)
-    plain_kinds(sample.cover)
-    del sample
-    gc.collect()
-    assert functions() is None
 
 
 @pytest.mark.parametrize("n", [2, 4])
