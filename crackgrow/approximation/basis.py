@@ -73,11 +73,10 @@ class Basis:
             start = N_TIP_FUNCTIONS * self.pairs.start
             columns = Ragged(start, np.arange(start[-1]))
             tip = self.tip.reshape(len(self.tip), -1)
-            found[0] += _sums(tip[0], columns, by_tip[0])
-            for component in range(1, len(found)):
-                found[component] += _sums(tip[0], columns, by_tip[component]) + _sums(
-                    tip[component], columns, by_tip[0]
-                )
+            for component, total in enumerate(found):
+                total += _sums(tip[component], columns, by_tip[0])
+                if component > 0:
+                    total += _sums(tip[0], columns, by_tip[component])
         return np.stack(found)
 
     @property

@@ -71,21 +71,21 @@ def cut_elements(
 
     What the elements `before`, of the same lattice and bodies, share with them is taken over.
     """
-    knives = _knives(lattice, bodies, lines)
+    cutting = _cutting_lines(lattice, bodies, lines)
     x, y = lattice.tile_lines
     regions = [body.region for body in bodies]
     shapely.prepare(regions)
     body_of_tile = _bodies_of_tiles(x, y, regions) if before is None else before.body_of_tile
-    touched, cut = _cut(lattice, knives, regions, NOTHING if before is None else before.cut)
+    touched, cut = _cut(lattice, cutting, regions, NOTHING if before is None else before.cut)
     whole = np.argwhere(~touched & (body_of_tile >= 0))
     n_whole = len(whole)
     points, ends, polygon = ring_vertices(cut.polygons)
     corners = corners_of_tiles(whole, len(y))
     vertices, ids = number_vertices(x, y, points)
     edges, numbers = number_edges(vertices, corners, ids, ids[ends], polygon + n_whole)
-    every, places = vertices.points, vertices.at(knives.pieces.points)
-    edge = numbers.between(places[knives.pieces.first], places[knives.pieces.first + 1])
-    on_sides, on_lines = ([(edge[at], part) for at, part in traces] for traces in (knives.sides, knives.lines))
+    every, places = vertices.points, vertices.at(cutting.pieces.points)
+    edge = numbers.between(places[cutting.pieces.first], places[cutting.pieces.first + 1])
+    on_sides, on_lines = ([(edge[at], part) for at, part in traces] for traces in (cutting.sides, cutting.lines))
     line_edges, is_crack = edges_on_lines(lines, on_lines, every, edges, n_whole)
     whole_of_tile = np.full(touched.shape, -1, dtype=np.int64)
     whole_of_tile[tuple(whole.T)] = np.arange(n_whole)
@@ -116,7 +116,7 @@ def cut_elements(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Knives:
+class _CuttingLines:
     """All that cuts tiles: sides of bodies, lines, and what leads on from their tips."""
 
     pieces: Pieces
@@ -125,7 +125,7 @@ class _Knives:
     tips: Floats  # (k, 2)
 
 
-def _knives(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequence[CrackGeometry]) -> _Knives:
+def _cutting_lines(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequence[CrackGeometry]) -> _CuttingLines:
     cut_sides = [sides_through_junctions(body.sides, lines) for body in bodies]
     segments = [
         *(parts for parts, _ in cut_sides),
@@ -139,7 +139,7 @@ def _knives(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequence[Cr
     n = len(bodies)
     on_sides = [(at, side[part]) for (at, part), (_, side) in zip(traces[:n], cut_sides, strict=True)]
     tips = [line.seen_from(at_end)[0] for line in lines for at_end in line.tips()]
-    return _Knives(pieces, on_sides, traces[n:], np.array(tips).reshape(-1, 2))
+    return _CuttingLines(pieces, on_sides, traces[n:], np.array(tips).reshape(-1, 2))
 
 
 def _bodies_of_tiles(x: Floats, y: Floats, regions: Sequence[shapely.Polygon]) -> Ints:
@@ -149,16 +149,16 @@ def _bodies_of_tiles(x: Floats, y: Floats, regions: Sequence[shapely.Polygon]) -
 
 
 def _cut(
-    lattice: Lattice, knives: _Knives, regions: Sequence[shapely.Polygon], before: CutTiles
+    lattice: Lattice, cutting: _CuttingLines, regions: Sequence[shapely.Polygon], before: CutTiles
 ) -> tuple[Bools, CutTiles]:
     """The touched tiles (tiles x, tiles y) and the polygons that they are cut into.
 
     Where lines meet within rounding of a tile line, both tiles beside it get that point, and are cut again.
     """
     x, y = lattice.tile_lines
-    ends, points = knives.pieces.ends, knives.pieces.points
+    ends, points = cutting.pieces.ends, cutting.pieces.points
     while True:
-        touched = touched_tiles(lattice, np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])]), knives.tips)
+        touched = touched_tiles(lattice, np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])]), cutting.tips)
         cut, extra = cut_tiles(content_of(touched, x, y, ends, points), x, y, regions, before)
         if len(extra) == 0:
             return touched, cut

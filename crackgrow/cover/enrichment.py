@@ -39,11 +39,6 @@ class Enrichment:
         """Which elements (n,) a tip acts on."""
         return self.tips.counts > 0
 
-    @property
-    def n_patches(self) -> Ints:
-        """Number (elements,) of pairs of a tip and a singular patch on each element."""
-        return np.diff(self.place.start[self.tips.start])
-
 
 def make_tips(
     lattice: Lattice, elements: Elements, cracks: Sequence[CrackGeometry], patches: Patches

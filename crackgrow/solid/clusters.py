@@ -95,34 +95,27 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     tips = enrichment.tips.taken(elements)
     _, pair = enrichment.tips.places(elements)
     singular = enrichment.place.taken(pair)
-    _, place = patches.of_element.places(elements)
-    slot, of_patch = patches.slot[place], patches.of_element.taken(elements)
-    cell, reference, in_crumb = (
-        cover.elements.cell[elements],
-        cover.elements.reference[elements],
-        patches.in_crumb[elements],
-    )
+    over = patches.of_element.taken(elements)
+    cell, reference, in_crumb = cover.elements.cell[elements], cover.elements.reference[elements], patches.in_crumb
     geometry = [_geometry(tip, reach_of_tips(lattice.support)) for tip in cover.tips]
     inside, rim = clusters.inside, clusters.rim
     found = []
     for cluster in range(clusters.elements.n):
         mine = clusters.span(cluster)
-        pairs, over = (slice(start[mine.start], start[mine.stop]) for start in (tips.start, of_patch.start))
-        linear = np.repeat(in_crumb[mine], of_patch.counts[mine])
+        pairs, owned = (slice(start[mine.start], start[mine.stop]) for start in (tips.start, over.start))
         at, on = (slice(part.start[mine.start], part.start[mine.stop]) for part in (inside, rim))
         parts: list[NDArray[np.generic]] = [
             np.array([lattice.spacing, lattice.support, *moduli[body[elements[mine.start]]]]),
             np.diff(inside.start[mine.start : mine.stop + 1]),
             np.diff(rim.start[mine.start : mine.stop + 1]),
             cell[mine],
-            of_patch.counts[mine],
-            slot[over],
             reference[mine],
+            over.counts[mine],
+            patches.nodes[over.values[owned]],
+            in_crumb[elements[mine]],
             clusters.local_of(cluster),
             singular.counts[pairs],
             singular.values[singular.start[pairs.start] : singular.start[pairs.stop]],
-            in_crumb[mine],
-            patches.nodes[of_patch.values[over][linear]],
             inside.points[at],
             inside.weights[at],
             rim.points[on],

@@ -49,11 +49,10 @@ def test_every_singular_patch_over_an_element_is_listed_once_with_its_functions(
     assert len(patch) == len(listed)
     assert listed == expected
     np.testing.assert_array_equal(enrichment.first, first[tip, patch])
-    np.testing.assert_array_equal(enrichment.n_patches, np.bincount(element, minlength=cover.elements.n))
 
 
 def test_uncut_body_has_no_enrichment(build) -> None:
     cover = build.block((6, 5)).cover
     assert not table(cover).any()
     assert not cover.enrichment.acted_on.any()
-    assert not cover.enrichment.n_patches.any()
+    assert len(cover.enrichment.place.values) == 0
