@@ -111,6 +111,12 @@ def values_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
     return _basis(cover, points, elements, derivatives=False)
 
 
+def of_component(rows: csr_array, component: int) -> csr_array:
+    """Rows (m, n_dofs) that give of one displacement component what `rows` (m, n_functions) give of a scalar field."""
+    m, n = rows.shape
+    return csr_array((rows.data, 2 * rows.indices + component, rows.indptr), shape=(m, 2 * n))
+
+
 def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> Basis:
     patches, phi = _of_patches(cover, points, elements, derivatives)
     enrichment = cover.enrichment

@@ -23,8 +23,9 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.energy_norm import energy_components
 from crackgrow.estimate.patch_fits import FreeSamples, RegularSamples, fit, misfits
-from crackgrow.quadrature.elements import ElementPoints, plain_kinds
+from crackgrow.quadrature.elements import ElementPoints
 from crackgrow.quadrature.everywhere import all_points
+from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import stress_of

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.cover.cover import Cover
-from crackgrow.quadrature.elements import ElementPoints, element_points, plain_kinds
+from crackgrow.quadrature.elements import ElementPoints, element_points
+from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rules import square
 
 

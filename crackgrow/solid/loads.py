@@ -10,7 +10,8 @@ from crackgrow.approximation.basis import values_at
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Body, EdgeTraction, Gravity, InSituStress, Load
 from crackgrow.cover.cover import Cover
-from crackgrow.quadrature.elements import element_points, plain_kinds
+from crackgrow.quadrature.elements import element_points
+from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.supports import body_index, edge_points

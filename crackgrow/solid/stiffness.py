@@ -22,7 +22,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.direct.assembly import HalfMatrix, half, sum_of
 from crackgrow.direct.matrix import EqualElements, SymmetricMatrix
-from crackgrow.quadrature.elements import PlainKind, plain_kinds
+from crackgrow.quadrature.plain_kinds import PlainKind, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square
 from crackgrow.ragged import starts_of

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import block_diag, csr_array, vstack
 
-from crackgrow.approximation.basis import values_at
+from crackgrow.approximation.basis import of_component, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, EdgeSupport, PointSupport, Support
 from crackgrow.cover.cover import Cover
@@ -45,24 +45,18 @@ def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support
     averages = _averages(cover, bodies, [support for _, support in prescribing])
     values = _averaged_values(cover, averages)
     first = np.cumsum([0, *(average.n for average in averages)])
-    rows, given, owner, components = [], [], [], []
+    rows: list[csr_array] = []
+    given, owner, axes = [], [], []
     for (number, support), start, average in zip(prescribing, first[:-1], averages, strict=True):
         for component, displacement in enumerate(support.displacement):
             if displacement is not None:
-                rows.append(np.arange(start, start + average.n))
+                rows.append(of_component(values[start : start + average.n], component))
                 given.append(_prescribed(displacement, average, cover.lattice.to_metres(average.points)))
                 owner.append(np.full(average.n, number))
-                components.append(np.full(average.n, component))
-    axes = np.concatenate(components)
-    matrix = csr_array(values[np.concatenate(rows)])
-    columns = 2 * matrix.indices + np.repeat(axes, np.diff(matrix.indptr))
-    return Constraints(
-        csr_array((matrix.data, columns, matrix.indptr), shape=(len(axes), cover.n_dofs)),
-        np.concatenate(given),
-        np.concatenate(owner),
-        axes,
-        np.full(len(axes), -1),
-    )
+                axes.append(np.full(average.n, component))
+    matrix = csr_array(vstack(rows, format="csr"))
+    given_at, owners, axis = (np.concatenate(lists) for lists in (given, owner, axes))
+    return Constraints(matrix, given_at, owners, axis, np.full(len(axis), -1))
 
 
 def tied(constraints: Constraints, rows: csr_array, surface: Ints) -> Constraints:

@@ -7,11 +7,8 @@ import pytest
 import shapely
 from scipy.integrate import quad
 
-from crackgrow.quadrature.elements import (
-    element_points,
-    rectangles,
-    triangulate,
-)
+from crackgrow.quadrature.elements import element_points, triangulate
+from crackgrow.quadrature.plain_kinds import rectangles
 from tests.unit.cover_tables import tiles_of
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]

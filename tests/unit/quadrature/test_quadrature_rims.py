@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from crackgrow.quadrature.elements import rectangles
+from crackgrow.quadrature.plain_kinds import rectangles
 from crackgrow.quadrature.rims import points_on_edges, rectangle_rim, rim_points
 from crackgrow.ragged import Ragged
 

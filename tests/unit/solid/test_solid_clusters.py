@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from crackgrow.cover.cover import Cover, build_cover
-from crackgrow.quadrature.elements import plain_kinds
+from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.solid.clusters import clusters_of, keys
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.stiffness import plain_key, stiffness_after
