@@ -151,10 +151,8 @@ def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool)
     crumbs = np.flatnonzero(cover.patches.in_crumb[elements])
     if len(crumbs):
         _, on = patches.places(crumbs)
-        values, gradients = barycentric(points[crumbs], cover.patch_nodes[patches.values[on]].reshape(-1, 3, 2))
-        found[:, on] = (
-            np.concatenate([values[None], gradients])[: len(found)].transpose(0, 2, 1).reshape(len(found), -1)
-        )
+        linear = barycentric(points[crumbs], cover.patch_nodes[patches.values[on]].reshape(-1, 3, 2))
+        found[:, on] = linear[: len(found)].reshape(len(found), -1)
     found[1:] /= lattice.spacing
     return patches, found
 

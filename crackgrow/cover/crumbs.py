@@ -27,12 +27,12 @@ AROUND = np.array([(-1.0, -0.6), (1.0, -0.6), (0.0, 1.2)])
 """Corners of a triangle round a box of side 1 about the origin."""
 
 
-def barycentric(points: Floats, corners: Floats) -> tuple[Floats, Floats]:
-    """Functions (3, n) and gradients (2, 3, n) per spacing at points (n, 2) of crumbs with `corners` (n, 3, 2)."""
+def barycentric(points: Floats, corners: Floats) -> Floats:
+    """Functions (3, n, 3) at points (n, 2) of crumbs with `corners` (n, 3, 2): values, and slopes by x and by y."""
     a, b, c = corners.transpose(1, 0, 2)
-    gradients = np.stack([_turned(b - c), _turned(c - a), _turned(a - b)], axis=1) / cross(b - a, c - a)[:, None, None]
-    values = 1.0 / 3.0 + np.einsum("nkd,nd->nk", gradients, points - (a + b + c) / 3.0)
-    return values.T, gradients.transpose(2, 1, 0)
+    slopes = np.stack([_turned(b - c), _turned(c - a), _turned(a - b)], axis=1) / cross(b - a, c - a)[:, None, None]
+    values = 1.0 / 3.0 + np.einsum("nkd,nd->nk", slopes, points - (a + b + c) / 3.0)
+    return np.stack([values, slopes[..., 0], slopes[..., 1]])
 
 
 def with_crumbs(lattice: Lattice, elements: Elements, patches: Patches, cracks: Sequence[CrackGeometry]) -> Patches:

@@ -58,11 +58,11 @@ def physical_patches(lattice: Lattice, elements: Elements) -> Patches:
     node_of_piece = node[cut][is_first]
     order = np.argsort(node_of_piece, kind="stable")
     n_pieces = np.bincount(node_of_piece, minlength=plain.size)
-    first_piece = np.cumsum(n_pieces) - n_pieces
+    first_piece = starts_of(n_pieces)
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order)) - first_piece[node_of_piece[order]]
     n_patches = n_pieces + plain.ravel()
-    first = np.cumsum(n_patches) - n_patches
+    first = starts_of(n_patches)
     patch = first[node]
     patch[cut] = (first[node_of_piece] + rank)[piece]
     nodes = np.stack(np.divmod(np.repeat(np.arange(plain.size), n_patches), rows), axis=1) + 1.0 - lattice.reach
