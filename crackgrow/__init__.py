@@ -3,6 +3,7 @@
 The parts, from the ground up; each imports only from those above it:
 
 arrays         the types of arrays
+ragged         lists of different lengths in one array
 blas           one thread for linear algebra, while a case is solved
 vectors        cross products of vectors of the plane
 case           a YAML file becomes a checked, frozen Case in SI units

@@ -1,188 +1,176 @@
-"""All basis functions at points: MLS functions of the physical patches, and tip functions on the singular ones.
+"""The basis at points of elements, and what is made of it: sparse rows, and fields.
 
-u(x) = sum over physical patches of phi_i (u_i + E_i A_i), paper eqs. (2), (3).
+    u(x) = sum_i phi_i(x) (u_i + sum_tk F_tk(x) a_itk),    paper eqs. (2), (3),
+
+over the physical patches i, and over the tips t that act on the element with their four functions F_tk. So the basis at
+a point is kept as its factors: the phi_i, those of them that are singular for each tip, and the F_tk.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike
 from scipy.sparse import csr_array
 
 from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.approximation.tip_functions import tip_functions, tip_values
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.enrichment import entries, list_starts
+from crackgrow.cover.crumbs import barycentric
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
+from crackgrow.ragged import Ragged, starts_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Basis:
-    """Functions at n points: column k of row i belongs to function ids[i, k], -1 where the row is shorter."""
+    """All functions at n points: their values and, if asked for, their derivatives by x and by y, per metre.
 
-    ids: Ints  # (n, k)
-    values: Floats  # (n, k)
-    gradients: Floats  # (n, k, 2) per metre
+    The components of an array come first: one (the value) or three.
+    """
 
+    cover: Cover
+    elements: Ints  # (n,) that the points belong to
+    patches: Ragged  # points -> physical patches
+    phi: Floats  # (components, patches of all points)
+    pairs: Ragged  # points -> pairs of an element and a tip, numbers in the cover's enrichment
+    singular: Ragged  # pairs of all points -> places of the singular patches among the patches of all points
+    first: Ints  # (singular patches of all pairs,) first of the four functions
+    tip: Floats  # (components, pairs of all points, 4)
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Values:
-    """The values of a `Basis` alone, in the same columns."""
+    def values(self) -> csr_array:
+        """The values (n, n_functions)."""
+        return self._matrix(0)
 
-    ids: Ints  # (n, k)
-    values: Floats  # (n, k)
+    def gradients(self) -> tuple[csr_array, csr_array]:
+        """The derivatives (n, n_functions) by x and by y."""
+        return self._matrix(1), self._matrix(2)
+
+    def by_element(self, counts: Ints) -> Iterator[Floats]:
+        """The functions (components, k, points) of each element, as `Cover.functions_on` lists them.
+
+        Points of an element follow each other: `counts` (e,) of each.
+        """
+        first, parts = starts_of(counts), (self.phi, self._on_singular_patches(range(len(self.phi))))
+        starts = (self.patches.start[first].tolist(), self._tip_start[first].tolist())
+        for e, n in enumerate(counts.tolist()):
+            pieces = (part[:, start[e] : start[e + 1]] for part, start in zip(parts, starts, strict=True))
+            yield np.concatenate([p.reshape(len(p), n, p.shape[1] // max(n, 1)) for p in pieces], axis=2).swapaxes(1, 2)
+
+    def field(self, coefficients: Floats) -> Floats:
+        """Fields (components, n, m) with `coefficients` (n_functions, m): the products with all rows at once.
+
+        The factors are multiplied one after the other, which takes a fraction of the time.
+        """
+        n_patches, m = len(self.cover.patch_nodes), coefficients.shape[1]
+        found = [_sums(phi, self.patches, coefficients[:n_patches]) for phi in self.phi]
+        if len(self.first):
+            amplitudes = coefficients[n_patches:].reshape(-1, N_TIP_FUNCTIONS * m)
+            number = Ragged(self.singular.start, (self.first - n_patches) // N_TIP_FUNCTIONS)
+            w = self.phi.take(self.singular.values, axis=1)
+            by_tip = [_sums(of_patches, number, amplitudes).reshape(-1, m) for of_patches in w]
+            start = N_TIP_FUNCTIONS * self.pairs.start
+            columns = Ragged(start, np.arange(start[-1]))
+            tip = self.tip.reshape(len(self.tip), -1)
+            for component, total in enumerate(found):
+                total += _sums(tip[component], columns, by_tip[0])
+                if component > 0:
+                    total += _sums(tip[0], columns, by_tip[component])
+        return np.stack(found)
+
+    @property
+    def _tip_start(self) -> Ints:
+        """Where the tip functions of each point begin (n + 1,), among those of all points."""
+        return N_TIP_FUNCTIONS * self.singular.start[self.pairs.start]
+
+    def _matrix(self, component: int) -> csr_array:
+        """One component (n, n_functions) of all functions."""
+        functions = self.cover.functions_on(self.elements)
+        counts = np.stack([self.patches.counts, np.diff(self._tip_start)], axis=1).ravel()
+        is_tip = np.repeat(np.arange(len(counts)) % 2 == 1, counts)
+        found = np.empty(len(is_tip))
+        found[~is_tip] = self.phi[component]
+        found[is_tip] = self._on_singular_patches([component])[0]
+        return csr_array((found, functions.values, functions.start), shape=(len(self.elements), self.cover.n_functions))
+
+    def _on_singular_patches(self, components: Sequence[int]) -> Floats:
+        """The products phi_i F_tk (components, tip functions of all points), or their derivatives."""
+        w, f = self.phi.take(self.singular.values, axis=1)[:, :, None], self.tip.repeat(self.singular.counts, axis=1)
+        found = [w[c] * f[0] + w[0] * f[c] if c else w[0] * f[0] for c in components]
+        return np.stack(found).reshape(len(found), -1)
 
 
 def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
-    """Functions at points (n, 2), in lattice coordinates, each inside or on the rim of its element (n,).
-
-    The columns are the window's nodes, then the tip functions that the element carries, four by four. They are the same
-    for all points of an element, and as many as the element that carries most needs.
-    """
-    lattice = cover.lattice
-    on = _on_points(cover, elements)
-    ids, values, gradients = on.empty(-1, np.int64), on.empty(0.0), on.empty(0.0, np.float64, 2)
-    phi, dphi = mls(points - _cells(cover, elements), lattice.support, lattice.reach)
-    if cover.crumbs.n:
-        rows, linear, slopes = _in_crumbs(cover, points, elements)
-        phi[rows, :3], dphi[rows, :3] = linear, slopes
-    plain = ids[: lattice.window] = cover.functions[elements].T
-    none = plain < 0
-    phi = values[: lattice.window] = np.where(none, 0.0, phi.T)
-    dphi = gradients[:, : lattice.window] = np.where(none, 0.0, dphi.transpose(2, 1, 0) / lattice.spacing)
-    if len(on.pair):
-        f, df = np.empty((N_TIP_FUNCTIONS, len(on.pair))), np.empty((2, N_TIP_FUNCTIONS, len(on.pair)))
-        for tip, rows, r, t in _polar(cover, points, elements, on):
-            value, gradient = tip_functions(tip, r, t)
-            f[:, rows], df[:, :, rows] = value.T, gradient.transpose(2, 1, 0)
-        df /= lattice.spacing
-        w, dw = on.of_patches(phi), [on.of_patches(component) for component in dphi]
-        for k in range(N_TIP_FUNCTIONS):
-            at, value = on.place_of(k), f[k].take(on.pair_of_patch)
-            ids.ravel()[at] = on.first + k
-            values.ravel()[at] = w * value
-            for component, slope, gradient in zip(dw, df[:, k], gradients, strict=True):
-                gradient.ravel()[at] = component * value + w * slope.take(on.pair_of_patch)
-    return Basis(ids.T, values.T, gradients.transpose(2, 1, 0))
+    """Values and gradients at points (n, 2), in lattice coordinates, each inside or on the rim of its element (n,)."""
+    return _basis(cover, points, elements, derivatives=True)
 
 
-def values_at(cover: Cover, points: Floats, elements: Ints) -> Values:
+def values_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
     """The values of `basis_at` alone, at a third of the cost."""
-    lattice = cover.lattice
-    on = _on_points(cover, elements)
-    ids, values = on.empty(-1, np.int64), on.empty(0.0)
-    phi = mls_values(points - _cells(cover, elements), lattice.support, lattice.reach)
-    if cover.crumbs.n:
-        rows, linear, _ = _in_crumbs(cover, points, elements)
-        phi[rows, :3] = linear
-    plain = ids[: lattice.window] = cover.functions[elements].T
-    phi = values[: lattice.window] = np.where(plain < 0, 0.0, phi.T)
-    if len(on.pair):
-        f = np.empty((N_TIP_FUNCTIONS, len(on.pair)))
-        for tip, rows, r, t in _polar(cover, points, elements, on):
-            f[:, rows] = tip_values(tip, r, t).T
-        w = on.of_patches(phi)
-        for k in range(N_TIP_FUNCTIONS):
-            at = on.place_of(k)
-            ids.ravel()[at], values.ravel()[at] = on.first + k, w * f[k].take(on.pair_of_patch)
-    return Values(ids.T, values.T)
+    return _basis(cover, points, elements, derivatives=False)
 
 
-def functions_on(cover: Cover, elements: Ints) -> tuple[Ints, Ints]:
-    """All functions of elements (n,), each once: those of element i are ids[start[i] : start[i + 1]].
+def of_component(rows: csr_array, component: int) -> csr_array:
+    """Rows (m, n_dofs) that give of one displacement component what `rows` (m, n_functions) give of a scalar field."""
+    m, n = rows.shape
+    return csr_array((rows.data, 2 * rows.indices + component, rows.indptr), shape=(m, 2 * n))
 
-    Returns start (n + 1,) and ids.
-    """
+
+def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> Basis:
+    patches, phi = _of_patches(cover, points, elements, derivatives)
     enrichment = cover.enrichment
-    plain = cover.functions[elements]
-    which, pair = enrichment.tips.of(elements)
-    pair_of_patch, entry = entries(enrichment.start, pair)
-    numbers = enrichment.number[entry, None] + np.arange(N_TIP_FUNCTIONS)
-    owner = np.concatenate([np.nonzero(plain >= 0)[0], np.repeat(which[pair_of_patch], N_TIP_FUNCTIONS)])
-    ids = np.concatenate([plain[plain >= 0], numbers.ravel()])
-    return list_starts(np.sort(owner), len(elements)), ids[np.argsort(owner, kind="stable")]
+    point, pair = enrichment.tips.places(elements)
+    pairs = Ragged(starts_of(enrichment.tips.counts[elements]), pair)
+    of_pair, entry = enrichment.place.places(pair)
+    place = enrichment.place.values[entry] + patches.start[point[of_pair]]
+    tip = np.empty((len(phi), len(pair), N_TIP_FUNCTIONS))
+    for of_tip, rows, r, t in _polar(cover, points, elements, point, pair):
+        if derivatives:
+            value, gradient = tip_functions(of_tip, r, t)
+            tip[0, rows], tip[1:, rows] = value, gradient.transpose(2, 0, 1) / cover.lattice.spacing
+        else:
+            tip[0, rows] = tip_values(of_tip, r, t)
+    singular = Ragged(starts_of(enrichment.place.counts[pair]), place)
+    return Basis(cover, elements, patches, phi, pairs, singular, enrichment.first[entry], tip)
 
 
-def _in_crumbs(cover: Cover, points: Floats, elements: Ints) -> tuple[Ints, Floats, Floats]:
-    """The points (k,) that lie in crumbs, and the functions there (k, 3) and their gradients (k, 3, 2) per spacing."""
-    rows = np.flatnonzero(cover.crumbs.of_element[elements] >= 0)
-    return rows, *cover.crumbs.functions(points[rows], cover.crumbs.of_element[elements[rows]])
+def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> tuple[Ragged, Floats]:
+    """The physical patches of points, and the functions phi_i of all of them, (components, patches)."""
+    lattice, of_element = cover.lattice, cover.patches.of_element
+    local = points - cover.elements.cell[elements]
+    if derivatives:
+        phi, dphi = mls(local, lattice.support, lattice.reach)
+        tables = [phi.T, *dphi.transpose(2, 1, 0)]
+    else:
+        tables = [mls_values(local, lattice.support, lattice.reach).T]
+    which, place = of_element.places(elements)
+    at = cover.patches.slot[place] * len(points) + which
+    found = np.stack([table.ravel().take(at) for table in tables])
+    patches = Ragged(starts_of(of_element.counts[elements]), of_element.values[place])
+    crumbs = np.flatnonzero(cover.patches.in_crumb[elements])
+    if len(crumbs):
+        _, on = patches.places(crumbs)
+        linear = barycentric(points[crumbs], cover.patch_nodes[patches.values[on]].reshape(-1, 3, 2))
+        found[:, on] = linear[: len(found)].reshape(len(found), -1)
+    found[1:] /= lattice.spacing
+    return patches, found
 
 
-def _cells(cover: Cover, elements: Ints) -> Ints:
-    """Lower left nodes (n, 2) of the cells of elements (n,)."""
-    return np.asarray(cover.elements.tile[elements] // (len(cover.lattice.breaks) - 1))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _OnPoints:
-    """The enrichment of the elements of n points: pairs of a point and a tip, and each pair's singular patches."""
-
-    n: int
-    window: int
-    point: Ints  # (q,) of each pair
-    pair: Ints  # (q,) number in the cover's enrichment
-    pair_of_patch: Ints  # (s,) to which of the q pairs a singular patch belongs
-    patch_point: Ints  # (s,)
-    place: Ints  # (s,) place among the singular patches of its point
-    slot: Ints  # (s,) place in the window
-    first: Ints  # (s,) number of the first of its four functions
-
-    def empty(self, missing: float, dtype: DTypeLike = np.float64, *more: int) -> Any:
-        """All columns (..., window + 4 k, n) at the points, k the most singular patches that a point has.
-
-        The points run last: what is done with all of them is one long loop.
-        """
-        n_singular = int(self.place.max(initial=-1)) + 1
-        return np.full((*more, self.window + N_TIP_FUNCTIONS * n_singular, self.n), missing, dtype=dtype)
-
-    def of_patches(self, window: Floats) -> Floats:
-        """Values (s,) of the singular patches, from those of the window (window, n) at the points."""
-        return window.ravel().take(self.slot * self.n + self.patch_point)
-
-    def place_of(self, k: int) -> Ints:
-        """Places (s,) of function k of every singular patch in flattened columns."""
-        return np.asarray((self.window + N_TIP_FUNCTIONS * self.place + k) * self.n + self.patch_point)
-
-
-def _on_points(cover: Cover, elements: Ints) -> _OnPoints:
-    enrichment = cover.enrichment
-    point, pair = enrichment.tips.of(elements)
-    pair_of_patch, entry = entries(enrichment.start, pair)
-    patch_point = point[pair_of_patch]
-    first = enrichment.start[enrichment.tips.start[elements[patch_point]]]
-    return _OnPoints(
-        len(elements),
-        cover.lattice.window,
-        point,
-        pair,
-        pair_of_patch,
-        patch_point,
-        entry - first,
-        enrichment.slot[entry],
-        enrichment.number[entry],
-    )
-
-
-def _polar(cover: Cover, points: Floats, elements: Ints, on: _OnPoints) -> Iterator[tuple[Tip, Ints, Floats, Floats]]:
-    """Tip by tip: which pairs are its own, and the polar coordinates round it of their points."""
-    tips = cover.enrichment.tips.tip[on.pair]
+def _polar(
+    cover: Cover, points: Floats, elements: Ints, point: Ints, pair: Ints
+) -> Iterator[tuple[Tip, Ints, Floats, Floats]]:
+    """Tip by tip: which pairs of a point and a tip are its own, and the polar coordinates round it of their points."""
+    tips = cover.enrichment.tips.values[pair]
     order = np.argsort(tips, kind="stable")
-    for rows in np.split(order, np.flatnonzero(np.diff(tips[order])) + 1):
-        tip, at = cover.tips[tips[rows[0]]], on.point[rows]
+    for rows in np.split(order, np.flatnonzero(np.diff(tips[order])) + 1) if len(pair) else ():
+        tip, at = cover.tips[tips[rows[0]]], point[rows]
         element = elements[at]
         first = np.append(True, element[1:] != element[:-1])  # points of an element mostly follow each other
         side = side_angle(tip, cover.elements.reference[element[first]])
         yield tip, rows, *polar_beside(tip, points[at], side[np.cumsum(first) - 1])
 
 
-def value_matrix(basis: Basis | Values, n_functions: int) -> csr_array:
-    """Sparse matrix (n, n_functions) of the values: displacement at the points = matrix @ coefficients."""
-    used = basis.ids >= 0
-    row_ends = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
-    return csr_array((basis.values[used], basis.ids[used], row_ends), shape=(len(used), n_functions))
+def _sums(weights: Floats, columns: Ragged, values: Floats) -> Floats:
+    """Sums (n, m) of `values` (k, m) over the columns of each row, times their `weights`."""
+    return np.asarray(csr_array((weights, columns.values, columns.start), shape=(columns.n, len(values))) @ values)

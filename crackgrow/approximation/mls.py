@@ -67,7 +67,7 @@ def _along(c: Floats, distance: Floats) -> Floats:
 
 
 def _by_point(values: Floats) -> Floats:
-    """Values (n, w) at points from those on the window (2 reach, 2 reach, n)."""
+    """Values (n, w) at points from those at the nodes (2 reach, 2 reach, n)."""
     return values.reshape(values.shape[0] * values.shape[1], values.shape[2]).T
 
 

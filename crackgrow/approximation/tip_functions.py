@@ -1,6 +1,6 @@
 """The four tip functions sqrt(r) {cos t/2, sin t/2, cos 3t/2, sin 3t/2}, paper eq. (1), on kinked cracks.
 
-Where the crack is no longer one line as seen from the tip they fade out with chi = (1 - (r/L)^2)^2, L = `Tip.fade`.
+Where the crack is no longer one line as seen from the tip they fade out with chi = (1 - (r/L)^2)^2, L = `TipView.fade`.
 """
 
 from __future__ import annotations
@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.cover.tips import Tip
+from crackgrow.cover.tips import TipView
 
 
-def tip_functions(tip: Tip, r: Floats, t: Floats) -> tuple[Floats, Floats]:
+def tip_functions(tip: TipView, r: Floats, t: Floats) -> tuple[Floats, Floats]:
     """Values (n, 4) and gradients (n, 4, 2), per lattice spacing and in lattice axes, at polar coordinates r, t (n,).
 
     At r = 0 the gradients are infinite; zero is returned there. Inside, and in memory, the points run last.
@@ -34,7 +34,7 @@ def tip_functions(tip: Tip, r: Floats, t: Floats) -> tuple[Floats, Floats]:
     return value.T, gradient.transpose(2, 1, 0)
 
 
-def tip_values(tip: Tip, r: Floats, t: Floats) -> Floats:
+def tip_values(tip: TipView, r: Floats, t: Floats) -> Floats:
     """The values (n, 4) of `tip_functions` alone."""
     fade = np.maximum(1.0 - (r / tip.fade) ** 2, 0.0) ** 2
     return np.asarray((np.sqrt(r) * fade * _angular(t)[2]).T)
@@ -47,7 +47,7 @@ def _angular(t: Floats) -> tuple[Floats, Floats, Floats]:
     return cosines, sines, np.stack([cosines[0], sines[0], cosines[1], sines[1]])
 
 
-def _axes(tip: Tip, t: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+def _axes(tip: TipView, t: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
     """Unit vectors, by their components (n,) in lattice axes, of growing r and of growing t."""
     (x, y), c, s = tip.rotation[0], np.cos(t), np.sin(t)
     away_x, away_y = c * x - s * y, c * y + s * x

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import block_diag, csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover, Surface
@@ -200,27 +200,11 @@ def joined_faces(cover: Cover, ends: dict[int, Floats], parts: list[Part]) -> Co
     return ContactFaces(
         points=joined(points),
         lengths=np.concatenate(lengths),
-        functions=_block_diagonal(functions),
+        functions=csr_array(block_diag(functions, "csr")),
         nodes=joined([_nodes_at(cover, *node) for node in zip(ends, nodes, stretches, ends.values(), strict=True)]),
         stretch=np.concatenate(stretches),
         ends=ends,
     )
-
-
-def _block_diagonal(blocks: Sequence[csr_array]) -> csr_array:
-    """One matrix with `blocks` along its diagonal."""
-    if len(blocks) == 1:
-        return blocks[0]
-    sizes = np.array([(*block.shape, block.nnz) for block in blocks])
-    start = np.cumsum(sizes, axis=0) - sizes
-    indices = [block.indices + first for block, first in zip(blocks, start[:, 1], strict=True)]
-    row_ends = [block.indptr[1:] + first for block, first in zip(blocks, start[:, 2], strict=True)]
-    parts = (
-        np.concatenate([block.data for block in blocks]),
-        np.concatenate(indices),
-        np.concatenate([[0], *row_ends]),
-    )
-    return csr_array(parts, shape=tuple(sizes[:, :2].sum(axis=0)))
 
 
 def joined(parts: Sequence[FacePoints]) -> FacePoints:

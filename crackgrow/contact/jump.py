@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array
 
-from crackgrow.approximation.basis import values_at
-from crackgrow.approximation.field import field_values
+from crackgrow.approximation.basis import of_component, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import ContactFaces, FacePoints
 from crackgrow.cover.cover import Cover
@@ -15,20 +14,15 @@ from crackgrow.cover.cover import Cover
 def jump_matrix(cover: Cover, points: FacePoints) -> csr_array:
     """Scalar jump (n, n_functions): value on the plus face minus value on the minus face, zero on a foundation."""
     n, (rock, places, elements) = len(points.s), _both_faces(points)
-    basis = values_at(cover, places, elements)
-    ids, values = np.full((n, 2 * basis.ids.shape[1]), -1), np.zeros((n, 2 * basis.ids.shape[1]))
-    plus, minus = np.split(np.arange(2 * basis.ids.shape[1]), 2)
-    ids[:, plus], values[:, plus] = basis.ids[:n], basis.values[:n]
-    ids[rock[:, None], minus], values[rock[:, None], minus] = basis.ids[n:], -basis.values[n:]
-    used = ids >= 0
-    row_ends = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
-    return csr_array((values[used], ids[used], row_ends), shape=(n, cover.n_functions))
+    sides = np.concatenate([np.ones(n), -np.ones(len(rock))])
+    both = csr_array((sides, (np.append(np.arange(n), rock), np.arange(len(sides)))), shape=(n, len(sides)))
+    return csr_array(both @ values_at(cover, places, elements).values())
 
 
 def gap_and_slip(cover: Cover, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
     """Gap (n,) and slip (n,), m, at points: the jump along the normal and along the surface; `u` (n_dofs,)."""
     n, (rock, places, elements) = len(points.s), _both_faces(points)
-    both = field_values(cover, u.reshape(-1, 2), places, elements)
+    both = values_at(cover, places, elements).field(u.reshape(-1, 2))[0]
     jump = both[:n].copy()
     jump[rock] -= both[n:]
     nx, ny = points.normal.T
@@ -39,26 +33,19 @@ def contact_operators(cover: Cover, faces: ContactFaces) -> tuple[csr_array, csr
     """Matrices (contact points, n_dofs) that give the average gap and the average slip, m, of every contact point."""
     if faces.n == 0:
         return csr_array((0, cover.n_dofs)), csr_array((0, cover.n_dofs))
-    nx, ny = faces.points.normal.T
-    average = faces.functions.tocsr()
-    per_node = np.repeat(1.0 / faces.weights, np.diff(average.indptr))
-    along = (nx + 1j * ny) * faces.lengths  # both components in one product
-    averaged = csr_array(
-        (per_node * average.data * along[average.indices], average.indices, average.indptr), average.shape
-    )
-    found = csr_array(averaged @ jump_matrix(cover, faces.points))
-    found.sort_indices()
-    return _interleaved(found, found.data.real, found.data.imag), _interleaved(found, found.data.imag, -found.data.real)
+    jump, average = jump_matrix(cover, faces.points), faces.functions.tocsr()
+    per_node = np.repeat(1.0 / faces.weights, np.diff(average.indptr)) * average.data
+
+    def averaged(direction: Floats) -> csr_array:
+        shares = per_node * (direction * faces.lengths)[average.indices]
+        return csr_array(csr_array((shares, average.indices, average.indptr), average.shape) @ jump)
+
+    x, y = (averaged(direction) for direction in faces.points.normal.T)
+    gap, slip = (of_component(a, 0) + of_component(b, 1) for a, b in ((x, y), (y, -x)))
+    return csr_array(gap), csr_array(slip)
 
 
 def _both_faces(points: FacePoints) -> tuple[Ints, Floats, Ints]:
     """Which of the points (r,) have rock on their minus face; places and elements of the plus faces, then of those."""
     rock = np.flatnonzero(points.minus >= 0)
     return rock, np.concatenate([points.points, points.points[rock]]), np.concatenate([points.plus, points.minus[rock]])
-
-
-def _interleaved(pattern: csr_array, x: Floats, y: Floats) -> csr_array:
-    """A matrix (m, 2 n) for displacements from the entries of the x and y components in the pattern of one (m, n)."""
-    m, n = pattern.shape
-    columns = 2 * pattern.indices[:, None] + np.arange(2)  # column k of x goes to 2 k, of y to 2 k + 1
-    return csr_array((np.stack([x, y], axis=1).ravel(), columns.ravel(), 2 * pattern.indptr), shape=(m, 2 * n))

@@ -20,7 +20,7 @@ def ends_on(crack: CrackGeometry, cracks: Sequence[CrackGeometry]) -> list[str]:
     """The cracks that one with a tip at its other end ends on."""
     if crack.tip_at_start == crack.tip_at_end:
         return []
-    end = shapely.Point(crack.tip_point(not crack.tip_at_end))
+    end = shapely.Point(crack.seen_from(not crack.tip_at_end)[0])
     lines = [(other, shapely.LineString(other.points)) for other in cracks if other is not crack]
     return [f"crack '{other.name}'" for other, line in lines if shapely.dwithin(line, end, ON_LINE)]
 

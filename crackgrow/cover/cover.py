@@ -9,18 +9,17 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.cover.crumbs import Crumbs, find_crumbs, with_crumbs
+from crackgrow.cover.crumbs import with_crumbs
 from crackgrow.cover.elements import Elements, cut_elements
-from crackgrow.cover.enrichment import Enrichment, enrichment_of
+from crackgrow.cover.enrichment import Enrichment, enrichment_of, make_tips
 from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import Lattice
-from crackgrow.cover.patches import physical_patches, without_specks
-from crackgrow.cover.pieces import cut_in_pieces
+from crackgrow.cover.patches import Patches, physical_patches, without_specks
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.tiles import tile_lines, tiles_at
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, carrying_nodes, make_tip, reach_of_tips
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
 from crackgrow.geometry.arrangement import on_grid
+from crackgrow.ragged import Ragged, by_row
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +44,7 @@ class Surface:
     junctions: Bools  # (n,) which corners are junctions with other surfaces
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Cover:
     """Everything that depends on where the bodies and cracks lie, and on nothing else.
 
@@ -58,14 +57,11 @@ class Cover:
     cracks: tuple[CrackGeometry, ...]
     surfaces: tuple[Surface, ...]  # the cracks, then the interfaces, then the foundations
     elements: Elements
-    functions: Ints  # (elements, window) physical patch of each node of the window, -1 for none
-    patch_nodes: Floats  # (n_patches, 2) node of each physical patch; corners of crumbs
-    crumbs: Crumbs
+    patches: Patches
     tips: tuple[Tip, ...]
-    tip_ends: tuple[tuple[int, bool], ...]  # crack index and whether the tip is at its end, tip by tip
-    tip_function_ids: tuple[Ints, ...]  # tip by tip (n_patches,): first of a patch's four functions, or -1
-    n_functions: int
     enrichment: Enrichment  # which tips act on which elements
+    touching: Bools  # (e,) which edges of the arrangement lie on a surface
+    plain: Bools  # (elements,) rectangles with four edges, none on a surface, no crumbs and without tip functions
     crack_tree: shapely.STRtree  # over the cracks
     outline_tree: shapely.STRtree  # over the edges of `elements.outlines`
 
@@ -75,12 +71,29 @@ class Cover:
         return 2 * self.n_functions
 
     @property
-    def touching(self) -> Bools:
-        """Which edges of the arrangement (e,) lie on a surface."""
-        on_surface = np.zeros(len(self.elements.edges.a), dtype=bool)
-        for surface in self.surfaces:
-            on_surface[surface.edges.edge] = True
-        return on_surface
+    def n_functions(self) -> int:
+        """Number of functions."""
+        return len(self.patches.nodes) + N_TIP_FUNCTIONS * sum(len(tip.patches) for tip in self.tips)
+
+    @property
+    def patch_nodes(self) -> Floats:
+        """Node (n_patches, 2) of each physical patch; corners of crumbs."""
+        return self.patches.nodes
+
+    @property
+    def tip_ends(self) -> list[tuple[int, bool]]:
+        """Tip by tip the number of its crack, and whether it is at the crack's end."""
+        return [(tip.crack, tip.at_end) for tip in self.tips]
+
+    def functions_on(self, elements: Ints) -> Ragged:
+        """All functions of elements (n,): their physical patches, then four for each pair of a tip and such a patch."""
+        plain, enrichment = self.patches.of_element.taken(elements), self.enrichment
+        which, pair = enrichment.tips.places(elements)
+        of_pair, place = enrichment.place.places(pair)
+        numbers = enrichment.first[place, None] + np.arange(N_TIP_FUNCTIONS)
+        owner = np.concatenate([plain.row, np.repeat(which[of_pair], N_TIP_FUNCTIONS)])
+        order = np.argsort(owner, kind="stable")
+        return by_row(owner[order], np.concatenate([plain.values, numbers.ravel()])[order], len(elements))
 
 
 def build_cover(
@@ -101,48 +114,41 @@ def build_cover(
     cracks = lines[: len(cracks)]
     known = before.elements if before is not None and _same_bodies(before, lattice, bodies) else None
     elements = cut_elements(lattice, bodies, lines, known)
-    surfaces = [
-        Surface(line.name, line.points, edges, line.tip_at_start, line.tip_at_end, line.junctions)
-        for line, edges in zip(lines, elements.lines, strict=True)
-    ]
-    surfaces.extend(_on_foundation(elements, bodies, foundation) for foundation in foundations)
-    functions, nodes = without_specks(lattice, elements, *physical_patches(lattice, elements))
-    crumbs = find_crumbs(lattice, elements, _elements_at_tips(elements, cracks))
-    functions, patch_nodes = with_crumbs(crumbs, functions, nodes)
-    reach = reach_of_tips(lattice.support)
-    tips, tip_ends, tip_function_ids = [], [], []
-    n_functions = len(patch_nodes)
-    for index, crack in enumerate(cracks):
-        for at_end in crack.tips():
-            singular = _singular_patches(lattice, elements, functions, patch_nodes, index, crack, at_end)
-            from_tip = crack.points[::-1] if at_end else crack.points
-            ends_inside = (crack.tip_at_start if at_end else crack.tip_at_end) or _leads_through(
-                lattice, elements, functions, singular, beyond_far_end(from_tip, reach)
-            )
-            tip = make_tip(from_tip, reach, ends_inside)
-            singular = singular[carrying_nodes(tip, patch_nodes[singular])]
-            tips.append(tip)
-            tip_ends.append((index, at_end))
-            first = np.full(len(patch_nodes), -1, dtype=np.int64)
-            first[singular] = n_functions + N_TIP_FUNCTIONS * np.arange(len(singular))
-            n_functions += N_TIP_FUNCTIONS * len(singular)
-            tip_function_ids.append(first)
+    surfaces = _surfaces(elements, bodies, lines, foundations)
+    patches = without_specks(lattice, elements, physical_patches(lattice, elements))
+    patches = with_crumbs(lattice, elements, patches, cracks)
+    tips = make_tips(lattice, elements, cracks, patches)
+    enrichment = enrichment_of(patches.of_element, tips)
+    touching = np.zeros(len(elements.edges.a), dtype=bool)
+    for surface in surfaces:
+        touching[surface.edges.edge] = True
     return Cover(
-        lattice,
-        tuple(bodies),
-        tuple(cracks),
-        tuple(surfaces),
-        elements,
-        functions,
-        patch_nodes,
-        crumbs,
-        tuple(tips),
-        tuple(tip_ends),
-        tuple(tip_function_ids),
-        n_functions,
-        enrichment_of(functions, tip_function_ids),
-        shapely.STRtree([shapely.LineString(crack.points) for crack in cracks]),
-        shapely.STRtree(shapely.linestrings(elements.outlines.points)),
+        lattice=lattice,
+        bodies=tuple(bodies),
+        cracks=tuple(cracks),
+        surfaces=surfaces,
+        elements=elements,
+        patches=patches,
+        tips=tips,
+        enrichment=enrichment,
+        touching=touching,
+        plain=_plain(elements, touching, patches, enrichment),
+        crack_tree=shapely.STRtree([shapely.LineString(crack.points) for crack in cracks]),
+        outline_tree=shapely.STRtree(shapely.linestrings(elements.outlines.points)),
+    )
+
+
+def _surfaces(
+    elements: Elements,
+    bodies: Sequence[BodyGeometry],
+    lines: Sequence[CrackGeometry],
+    foundations: Sequence[Foundation],
+) -> tuple[Surface, ...]:
+    """The surfaces along `lines` and `foundations`."""
+    along = zip(lines, elements.lines, strict=True)
+    return (
+        *(Surface(x.name, x.points, edges, x.tip_at_start, x.tip_at_end, x.junctions) for x, edges in along),
+        *(_on_foundation(elements, bodies, foundation) for foundation in foundations),
     )
 
 
@@ -152,10 +158,15 @@ def _same_bodies(before: Cover, lattice: Lattice, bodies: Sequence[BodyGeometry]
     return before.lattice is lattice and known == wanted
 
 
-def _elements_at_tips(elements: Elements, cracks: Sequence[CrackGeometry]) -> Ints:
-    """An element (tips,) at every tip."""
-    ends = zip(cracks, elements.lines, strict=False)  # interfaces follow the cracks
-    return np.array([edges.plus[-1 if end else 0] for crack, edges in ends for end in crack.tips()], dtype=np.int64)
+def _plain(elements: Elements, touching: Bools, patches: Patches, enrichment: Enrichment) -> Bools:
+    """Which elements (n,) are plain."""
+    step = elements.vertices[elements.ring_end] - elements.vertices[elements.ring_start]
+    slanted = np.all(step != 0.0, axis=1)
+    plain = np.bincount(elements.ring_element, minlength=elements.n) == 4
+    plain[elements.ring_element[slanted]] = False
+    beside = np.concatenate([elements.edges.left[touching], elements.edges.right[touching]])
+    plain[beside[beside >= 0]] = False
+    return np.asarray(plain & ~enrichment.acted_on & ~patches.in_crumb)
 
 
 def _on_grid(lines: Sequence[CrackGeometry]) -> list[CrackGeometry]:
@@ -172,32 +183,3 @@ def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundatio
     end = start[-1:] + foundation.limits[-1:, 1:] * step[-1:]
     points = np.concatenate([begin, end])
     return Surface(foundation.name, points, edges, False, False, np.zeros(len(points), dtype=bool))
-
-
-def _singular_patches(
-    lattice: Lattice,
-    elements: Elements,
-    functions: Ints,
-    nodes: Floats,
-    index: int,
-    crack: CrackGeometry,
-    at_end: bool,
-) -> Ints:
-    """Physical patches that a tip ends in: the crack's two faces at the tip belong to the same piece."""
-    edges = elements.lines[index]
-    last = -1 if at_end else 0
-    plus, minus = functions[edges.plus[last]], functions[edges.minus[last]]
-    candidates = np.array(sorted({*plus.tolist()} & {*minus.tolist()} - {-1}), dtype=np.int64)
-    inside = np.abs(nodes[candidates] - crack.tip_point(at_end)).max(axis=1) < lattice.support
-    return np.asarray(candidates[inside])
-
-
-def _leads_through(lattice: Lattice, elements: Elements, functions: Ints, patches: Ints, segment: Floats) -> bool:
-    """Whether a segment (2, 2) leads through an element with one of `patches`."""
-    cut = elements.tree.query(shapely.linestrings(segment), predicate="intersects") + elements.n_whole
-    pieces = cut_in_pieces(segment[None], *tile_lines(lattice))
-    tiles = tiles_at(lattice, np.concatenate([pieces.points, pieces.ends.mean(axis=1)]))
-    tiles = tiles[np.all((tiles >= 0) & (tiles < elements.whole_of_tile.shape), axis=1)]
-    whole = elements.whole_of_tile[tuple(tiles.T)]
-    through = np.concatenate([cut, whole[whole >= 0]])
-    return bool((functions[through, :, None] == patches).any())

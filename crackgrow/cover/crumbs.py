@@ -7,14 +7,17 @@ to one and reproduce linear fields, as the others do; the crumb strains uniforml
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
+from crackgrow.cover.patches import Patches, with_those
+from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.arrangement import connected
+from crackgrow.ragged import Ragged, starts_of
 from crackgrow.vectors import cross
 
 LARGEST_CRUMB = 1.0
@@ -24,32 +27,43 @@ AROUND = np.array([(-1.0, -0.6), (1.0, -0.6), (0.0, 1.2)])
 """Corners of a triangle round a box of side 1 about the origin."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Crumbs:
-    """The crumbs of a cover."""
-
-    of_element: Ints  # (elements,) number of the crumb that an element belongs to, -1 for none
-    corners: Floats  # (n, 3, 2) the triangle of each crumb
-
-    @property
-    def n(self) -> int:
-        """Number of crumbs."""
-        return len(self.corners)
-
-    def functions(self, points: Floats, crumb: Ints) -> tuple[Floats, Floats]:
-        """Barycentric coordinates (n, 3) and their gradients (n, 3, 2) per spacing at points (n, 2) of crumbs (n,)."""
-        a, b, c = self.corners[crumb].transpose(1, 0, 2)
-        twice_area = cross(b - a, c - a)
-        gradients = np.stack([_turned(b - c), _turned(c - a), _turned(a - b)], axis=1) / twice_area[:, None, None]
-        centre = (a + b + c) / 3.0
-        return 1.0 / 3.0 + np.einsum("nkd,nd->nk", gradients, points - centre), gradients
+def barycentric(points: Floats, corners: Floats) -> Floats:
+    """Functions (3, n, 3) at points (n, 2) of crumbs with `corners` (n, 3, 2): values, and slopes by x and by y."""
+    a, b, c = corners.transpose(1, 0, 2)
+    slopes = np.stack([_turned(b - c), _turned(c - a), _turned(a - b)], axis=1) / cross(b - a, c - a)[:, None, None]
+    values = 1.0 / 3.0 + np.einsum("nkd,nd->nk", slopes, points - (a + b + c) / 3.0)
+    return np.stack([values, slopes[..., 0], slopes[..., 1]])
 
 
-def find_crumbs(lattice: Lattice, elements: Elements, at_tips: Ints) -> Crumbs:
-    """The pieces of rock that are small enough.
+def with_crumbs(lattice: Lattice, elements: Elements, patches: Patches, cracks: Sequence[CrackGeometry]) -> Patches:
+    """The patches, those of crumbs replaced by three each; `cracks` are the first lines of the elements.
 
-    One that holds a tip is none, linear functions don't see it: `at_tips` (k,) are elements at the tips.
+    A piece that holds a tip is no crumb: linear functions don't see a tip.
     """
+    ends = zip(cracks, elements.lines, strict=False)
+    at_tips = [edges.beside(at_end)[0] for crack, edges in ends for at_end in crack.tips()]
+    crumb, corners = _crumbs(lattice, elements, np.array(at_tips, dtype=np.int64))
+    inside = crumb >= 0
+    if not inside.any():
+        return patches
+    of_element = patches.of_element
+    in_crumb = np.repeat(inside, of_element.counts)
+    kept = np.ones(len(patches.nodes), dtype=bool)
+    kept[of_element.values[in_crumb]] = False
+    rest = with_those(patches, kept)
+    counts = np.where(inside, 3, rest.of_element.counts)
+    start = starts_of(counts)
+    values, slot = np.empty((2, start[-1]), dtype=np.int64)
+    linear = np.repeat(inside, counts)
+    values[~linear], slot[~linear] = rest.of_element.values, rest.slot
+    values[linear] = (rest.n_of_lattice + 3 * crumb[inside, None] + np.arange(3)).ravel()
+    slot[linear] = np.tile(np.arange(3), int(inside.sum()))
+    nodes = np.concatenate([rest.nodes, corners.reshape(-1, 2)])
+    return Patches(Ragged(start, values), slot, nodes, rest.n_of_lattice, inside)
+
+
+def _crumbs(lattice: Lattice, elements: Elements, at_tips: Ints) -> tuple[Ints, Floats]:
+    """The crumb that each element belongs to (elements,), -1 for none, and the triangle round each (n, 3, 2)."""
     large = np.zeros(elements.n + 1, dtype=bool)  # the last entry serves the index -1
     large[elements.whole_of_tile[_in_long_rows(lattice, elements.whole_of_tile >= 0)]] = True
     number = np.where(large[:-1], 0, np.cumsum(~large[:-1]))
@@ -70,7 +84,7 @@ def find_crumbs(lattice: Lattice, elements: Elements, at_tips: Ints) -> Crumbs:
     small[label[at_tips]] = False
     number = np.where(small, np.cumsum(small) - 1, -1)
     corners = 0.5 * (low[:, small] + high[:, small]).T[:, None] + AROUND * size[small, None, None]
-    return Crumbs(number[label], corners.reshape(-1, 3, 2))
+    return number[label], corners.reshape(-1, 3, 2)
 
 
 def _in_long_rows(lattice: Lattice, whole: Bools) -> Bools:
@@ -83,20 +97,6 @@ def _in_long_rows(lattice: Lattice, whole: Bools) -> Bools:
         for k in range(n):
             marks[k : k + n_starts] |= starts
     return found
-
-
-def with_crumbs(crumbs: Crumbs, functions: Ints, nodes: Ints) -> tuple[Ints, Floats]:
-    """Physical patches (n, window) of the elements and their nodes (p, 2), those of crumbs replaced by three each."""
-    if crumbs.n == 0:
-        return functions, nodes.astype(np.float64)
-    inside = crumbs.of_element >= 0
-    kept = np.ones(len(nodes), dtype=bool)
-    dropped = functions[inside]
-    kept[dropped[dropped >= 0]] = False
-    number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)  # the last entry serves the index -1
-    functions = number[functions]
-    functions[inside, :3] = kept.sum() + 3 * crumbs.of_element[inside, None] + np.arange(3)
-    return functions, np.concatenate([nodes[kept], crumbs.corners.reshape(-1, 2)])
 
 
 def _turned(v: Floats) -> Floats:

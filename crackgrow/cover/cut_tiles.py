@@ -14,8 +14,8 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.cover.enrichment import entries
 from crackgrow.geometry.arrangement import as_numbers, faces_of
+from crackgrow.ragged import places
 
 _ROUND_TILE = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
 """Corners of a tile, counter-clockwise, back to the first."""
@@ -130,7 +130,7 @@ def _places(points: Floats, x: Floats, y: Floats) -> tuple[Ints, Ints, Bools, Bo
 def _arrangements(content: Content, some: Ints, x: Floats, y: Floats) -> tuple[NDArray[np.object_], Floats]:
     """The lines that cut some of the tiles (m,), tile by tile: their outlines, which pass through the points on their
     rims, and the pieces inside. Also returns all corners of the outlines (n, 2)."""
-    which, row = entries(content.start, some)
+    which, row = places(content.start, some)
     lines = content.lines[row]
     is_point = np.all(lines[:, 0] == lines[:, 1], axis=1)
     i, j = np.divmod(content.tile[some], len(y) - 1)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -22,9 +23,10 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.numbering import corners_of_tiles, number_edges, number_vertices
 from crackgrow.cover.pieces import Pieces, cut_in_pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.tiles import tile_lines, tiles_at, touched_tiles
+from crackgrow.cover.tiles import tiles_at, touched_tiles
 from crackgrow.geometry.arrangement import Edges, ring_vertices
 from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.ragged import starts_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +34,8 @@ class Elements:
     """All manifold elements: first the whole tiles that nothing touches, then the polygons cut from the others."""
 
     n_whole: int
-    tile: Ints  # (n, 2)
+    cell: Ints  # (n, 2) node at the lower left corner of the lattice's cell
+    part: Ints  # (n,) number of the part of the cell that it lies in
     body: Ints  # (n,)
     polygons: NDArray[np.object_]  # (n - n_whole,) shapely polygons
     reference: Floats  # (n, 2) a point inside
@@ -52,7 +55,7 @@ class Elements:
     @property
     def n(self) -> int:
         """Number of elements."""
-        return len(self.tile)
+        return len(self.body)
 
     @property
     def passable(self) -> Bools:
@@ -68,42 +71,32 @@ def cut_elements(
 
     What the elements `before`, of the same lattice and bodies, share with them is taken over.
     """
-    tips = np.array([line.tip_point(at_end) for line in lines for at_end in line.tips()]).reshape(-1, 2)
-    sides = [body.sides for body in bodies]
-    cut_sides = [sides_through_junctions(ends, lines) for ends in sides]
-    line_segments = [np.stack([line.points[:-1], line.points[1:]], axis=1) for line in lines]
-    extensions = [extension for line in lines for extension in extensions_of(lattice, line)]
-    segments = [*(parts for parts, _ in cut_sides), *line_segments]
-    x, y = tile_lines(lattice)
-    pieces = cut_in_pieces(np.concatenate([*segments, *extensions]), x, y)
+    cutting = _cutting_lines(lattice, bodies, lines)
+    x, y = lattice.tile_lines
     regions = [body.region for body in bodies]
     shapely.prepare(regions)
-    if before is None:
-        middles = np.stack(np.meshgrid(0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1]), indexing="ij"), axis=-1)
-        body_of_tile = bodies_at(regions, middles.reshape(-1, 2)).reshape(middles.shape[:2])
-    else:
-        body_of_tile = before.body_of_tile
-    touched, cut = _cut(lattice, pieces, tips, regions, NOTHING if before is None else before.cut)
+    body_of_tile = _bodies_of_tiles(x, y, regions) if before is None else before.body_of_tile
+    touched, cut = _cut(lattice, cutting, regions, NOTHING if before is None else before.cut)
     whole = np.argwhere(~touched & (body_of_tile >= 0))
-
     n_whole = len(whole)
     points, ends, polygon = ring_vertices(cut.polygons)
     corners = corners_of_tiles(whole, len(y))
     vertices, ids = number_vertices(x, y, points)
     edges, numbers = number_edges(vertices, corners, ids, ids[ends], polygon + n_whole)
-    every, places = vertices.points, vertices.at(pieces.points)
-    edge = numbers.between(places[pieces.first], places[pieces.first + 1])
-    starts = np.cumsum([0, *(len(part) for part in segments)])
-    spans = np.searchsorted(pieces.segment, starts)
-    on_parts = [(edge[i:j], pieces.segment[i:j] - k) for i, j, k in zip(spans, spans[1:], starts, strict=False)]
-    on_sides = [(on, side[part]) for (on, part), (_, side) in zip(on_parts, cut_sides, strict=False)]
-    line_edges, is_crack = edges_on_lines(lines, on_parts[len(bodies) :], every, edges, n_whole)
+    every, places = vertices.points, vertices.at(cutting.pieces.points)
+    edge = numbers.between(places[cutting.pieces.first], places[cutting.pieces.first + 1])
+    on_sides, on_lines = ([(edge[at], part) for at, part in traces] for traces in (cutting.sides, cutting.lines))
+    line_edges, is_crack = edges_on_lines(lines, on_lines, every, edges, n_whole)
     whole_of_tile = np.full(touched.shape, -1, dtype=np.int64)
     whole_of_tile[tuple(whole.T)] = np.arange(n_whole)
     body = np.concatenate([body_of_tile[tuple(whole.T)], cut.body])
+    tile = np.concatenate([whole, np.stack(np.divmod(cut.tile, len(y) - 1), axis=1)])
+    n_parts = len(lattice.breaks) - 1
+    cell, part = np.divmod(tile, n_parts)
     return Elements(
         n_whole=n_whole,
-        tile=np.concatenate([whole, np.stack(np.divmod(cut.tile, len(y) - 1), axis=1)]),
+        cell=cell,
+        part=part @ np.array([n_parts, 1]),
         body=body,
         polygons=cut.polygons,
         reference=np.concatenate([0.5 * (every[corners[:, 0]] + every[corners[:, 2]]), cut.reference]),
@@ -114,7 +107,7 @@ def cut_elements(
         edges=edges,
         is_crack=is_crack,
         lines=line_edges,
-        outlines=edges_on_outlines(sides, on_sides, every, edges, body),
+        outlines=edges_on_outlines([body.sides for body in bodies], on_sides, every, edges, body),
         tree=shapely.STRtree(cut.polygons),
         whole_of_tile=whole_of_tile,
         body_of_tile=body_of_tile,
@@ -122,17 +115,50 @@ def cut_elements(
     )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _CuttingLines:
+    """All that cuts tiles: sides of bodies, lines, and what leads on from their tips."""
+
+    pieces: Pieces
+    sides: list[tuple[Ints, Ints]]  # body by body its pieces (p,), and the sides (p,) that they lie on
+    lines: list[tuple[Ints, Ints]]  # line by line its pieces (p,), and the segments (p,) that they lie on
+    tips: Floats  # (k, 2)
+
+
+def _cutting_lines(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequence[CrackGeometry]) -> _CuttingLines:
+    cut_sides = [sides_through_junctions(body.sides, lines) for body in bodies]
+    segments = [
+        *(parts for parts, _ in cut_sides),
+        *(np.stack([line.points[:-1], line.points[1:]], axis=1) for line in lines),
+    ]
+    extensions = [extension for line in lines for extension in extensions_of(lattice, line)]
+    pieces = cut_in_pieces(np.concatenate([*segments, *extensions]), *lattice.tile_lines)
+    start = starts_of(np.array([len(part) for part in segments], dtype=np.int64))
+    limits = pairwise(np.searchsorted(pieces.segment, start).tolist())
+    traces = [(np.arange(i, j), pieces.segment[i:j] - first) for (i, j), first in zip(limits, start[:-1], strict=True)]
+    n = len(bodies)
+    on_sides = [(at, side[part]) for (at, part), (_, side) in zip(traces[:n], cut_sides, strict=True)]
+    tips = [line.seen_from(at_end)[0] for line in lines for at_end in line.tips()]
+    return _CuttingLines(pieces, on_sides, traces[n:], np.array(tips).reshape(-1, 2))
+
+
+def _bodies_of_tiles(x: Floats, y: Floats, regions: Sequence[shapely.Polygon]) -> Ints:
+    """The body (tiles x, tiles y) at the middle of each tile, -1 for none."""
+    middles = np.stack(np.meshgrid(0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1]), indexing="ij"), axis=-1)
+    return bodies_at(regions, middles.reshape(-1, 2)).reshape(middles.shape[:2])
+
+
 def _cut(
-    lattice: Lattice, pieces: Pieces, tips: Floats, regions: Sequence[shapely.Polygon], before: CutTiles
+    lattice: Lattice, cutting: _CuttingLines, regions: Sequence[shapely.Polygon], before: CutTiles
 ) -> tuple[Bools, CutTiles]:
     """The touched tiles (tiles x, tiles y) and the polygons that they are cut into.
 
     Where lines meet within rounding of a tile line, both tiles beside it get that point, and are cut again.
     """
-    x, y = tile_lines(lattice)
-    ends, points = pieces.ends, pieces.points
+    x, y = lattice.tile_lines
+    ends, points = cutting.pieces.ends, cutting.pieces.points
     while True:
-        touched = touched_tiles(lattice, np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])]), tips)
+        touched = touched_tiles(lattice, np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])]), cutting.tips)
         cut, extra = cut_tiles(content_of(touched, x, y, ends, points), x, y, regions, before)
         if len(extra) == 0:
             return touched, cut

@@ -1,4 +1,4 @@
-"""Where tips act: the tips whose functions each element carries, and the numbers of those functions.
+"""Tips and where they act: the tips whose functions each element carries, and the numbers of those functions.
 
 A scene may have hundreds of tips, of which a place sees none, or a few. So these are lists of the pairs that exist, not
 tables of all tips by all elements.
@@ -10,84 +10,100 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
-from crackgrow.arrays import Bools, Ints
-
-
-def entries(start: Ints, rows: Ints) -> tuple[Ints, Ints]:
-    """All entries of `rows` (m,) in lists of which list i has the entries start[i] to start[i + 1].
-
-    Returns which of the rows (q,), ascending, and the number of the entry (q,).
-    """
-    n = start[rows + 1] - start[rows]
-    which = np.repeat(np.arange(len(rows)), n)
-    return which, np.arange(len(which)) + np.repeat(start[rows] - np.cumsum(n) + n, n)
-
-
-def list_starts(owner: Ints, n: int) -> Ints:
-    """Starts (n + 1,) of the lists of n owners in `owner` (p,), ascending."""
-    return np.searchsorted(owner, np.arange(n + 1))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class TipsOf:
-    """The tips that act on each of n things, elements or edges: on thing i, `tip[start[i] : start[i + 1]]`."""
-
-    start: Ints  # (n + 1,)
-    tip: Ints  # (p,)
-
-    @property
-    def any(self) -> Bools:
-        """Which of the things (n,) a tip acts on."""
-        return np.asarray(np.diff(self.start) > 0)
-
-    def of(self, things: Ints) -> tuple[Ints, Ints]:
-        """Pairs of one of `things` (m,) and a tip: which of them (q,), ascending, and number of the pair (q,)."""
-        return entries(self.start, things)
+from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.cover.elements import Elements
+from crackgrow.cover.lattice import Lattice
+from crackgrow.cover.patches import Patches
+from crackgrow.cover.pieces import cut_in_pieces
+from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.cover.tiles import tiles_at
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, carrying_nodes, reach_of_tips, seen_from_tip
+from crackgrow.ragged import Ragged, by_row, from_lists
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Enrichment:
     """The tip functions on the elements: for each pair of an element and a tip, the singular patches over it.
 
-    Those of pair p are the entries start[p] to start[p + 1]; all of an element follow each other.
+    All pairs of an element follow each other, and so do their singular patches.
     """
 
-    tips: TipsOf  # element by element
-    start: Ints  # (pairs + 1,)
-    slot: Ints  # (s,) place of the singular patch in the element's window
-    number: Ints  # (s,) first of its four functions of this tip
+    tips: Ragged  # elements -> tips that act on them
+    place: Ragged  # pairs -> places of the singular patches among the patches of the element
+    first: Ints  # (s,) first of the four functions of this tip on each of these
 
     @property
-    def n_patches(self) -> Ints:
-        """Number (elements,) of pairs of a tip and a singular patch on each element."""
-        return np.diff(self.start[self.tips.start])
+    def acted_on(self) -> Bools:
+        """Which elements (n,) a tip acts on."""
+        return self.tips.counts > 0
 
 
-def enrichment_of(functions: Ints, tip_function_ids: Sequence[Ints]) -> Enrichment:
-    """The enrichment of elements with patches `functions` (n, window), from the numbers (n_patches,) of each tip."""
-    n_elements, n_tips = len(functions), len(tip_function_ids)
-    singular = [np.flatnonzero(first >= 0) for first in tip_function_ids]
-    patch = np.concatenate([np.empty(0, dtype=np.int64), *singular])
-    tip = np.repeat(np.arange(n_tips), [len(patches) for patches in singular])
-    order = np.argsort(patch, kind="stable")
-    patch, tip = patch[order], tip[order]
-    number = np.array(
-        [tip_function_ids[t][p] for t, p in zip(tip.tolist(), patch.tolist(), strict=True)], dtype=np.int64
-    )
+def make_tips(
+    lattice: Lattice, elements: Elements, cracks: Sequence[CrackGeometry], patches: Patches
+) -> tuple[Tip, ...]:
+    """The tips of all cracks, which are the first lines of the elements; their functions follow the patches."""
+    reach, n_functions = reach_of_tips(lattice.support), len(patches.nodes)
+    tips: list[Tip] = []
+    for index, crack in enumerate(cracks):
+        for at_end in crack.tips():
+            points, beside = crack.seen_from(at_end), elements.lines[index].beside(at_end)
+            other_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
+            singular = _singular_patches(lattice, patches, beside, points[0])
+            ends_inside = other_is_tip or _leads_through(
+                lattice, elements, patches, singular, beyond_far_end(points, reach)
+            )
+            view = seen_from_tip(points, reach, ends_inside)
+            singular = singular[carrying_nodes(view, patches.nodes[singular])]
+            body = int(elements.body[beside[0]])
+            seen = (view.point, view.rotation, view.path, view.radii, view.fade)
+            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, singular, n_functions))
+            n_functions += N_TIP_FUNCTIONS * len(singular)
+    return tuple(tips)
 
-    acted_on = np.zeros(int(functions.max(initial=-1)) + 2, dtype=bool)  # the last entry serves the index -1
-    acted_on[patch] = True
-    element, slot = np.nonzero(acted_on[functions])
-    seen = functions[element, slot]
-    which, entry = entries(list_starts(patch, int(seen.max(initial=-1)) + 1), seen)
-    element, slot, tip, number = element[which], slot[which], tip[entry], number[entry]
+
+def enrichment_of(patches: Ragged, tips: Sequence[Tip]) -> Enrichment:
+    """The enrichment of elements with these physical patches."""
+    pairs_of_patch, order = _by_patch(from_lists([tip.patches for tip in tips]))
+    first = np.concatenate([np.empty(0, dtype=np.int64), *(tip.functions for tip in tips)])[order]
+    acted_on = np.zeros(int(patches.values.max(initial=-1)) + 1, dtype=bool)
+    acted_on[pairs_of_patch.row] = True
+    at = np.flatnonzero(acted_on[patches.values])
+    which, entry = pairs_of_patch.places(patches.values[at])
+    at = at[which]
+    element, tip = np.searchsorted(patches.start, at, side="right") - 1, pairs_of_patch.values[entry]
     order = np.lexsort((tip, element))
+    n_tips = max(len(tips), 1)
     pair, start = np.unique((element * n_tips + tip)[order], return_index=True)
-    pair_element, pair_tip = np.divmod(pair, max(n_tips, 1))
+    pair_element, pair_tip = np.divmod(pair, n_tips)
     return Enrichment(
-        TipsOf(list_starts(pair_element, n_elements), pair_tip),
-        np.append(start, len(order)),
-        slot[order],
-        number[order],
+        by_row(pair_element, pair_tip, patches.n),
+        Ragged(np.append(start, len(order)), (at - patches.start[element])[order]),
+        first[entry][order],
     )
+
+
+def _by_patch(patches_of_tip: Ragged) -> tuple[Ragged, Ints]:
+    """The tips of every patch, and the order that brings the patches of all tips (q,) into theirs."""
+    order = np.argsort(patches_of_tip.values, kind="stable")
+    patch = patches_of_tip.values[order]
+    return by_row(patch, patches_of_tip.row[order], int(patch.max(initial=-1)) + 1), order
+
+
+def _singular_patches(lattice: Lattice, patches: Patches, beside: tuple[int, int], tip: Floats) -> Ints:
+    """Physical patches that a tip ends in: the elements `beside` it, on both faces, belong to the same piece."""
+    plus, minus = (patches.of_element.of(element) for element in beside)
+    candidates: Ints = np.intersect1d(plus, minus)
+    return np.asarray(candidates[np.abs(patches.nodes[candidates] - tip).max(axis=1) < lattice.support])
+
+
+def _leads_through(lattice: Lattice, elements: Elements, patches: Patches, some: Ints, segment: Floats) -> bool:
+    """Whether a segment (2, 2) leads through an element with one of `some` patches."""
+    cut = elements.tree.query(shapely.linestrings(segment), predicate="intersects") + elements.n_whole
+    pieces = cut_in_pieces(segment[None], *lattice.tile_lines)
+    tiles = tiles_at(lattice, np.concatenate([pieces.points, pieces.ends.mean(axis=1)]))
+    tiles = tiles[np.all((tiles >= 0) & (tiles < elements.whole_of_tile.shape), axis=1)]
+    whole = elements.whole_of_tile[tuple(tiles.T)]
+    through = np.concatenate([cut, whole[whole >= 0]])
+    return bool(np.isin(patches.of_element.taken(through).values, some).any())

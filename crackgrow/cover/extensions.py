@@ -9,7 +9,6 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.shapes import CrackGeometry
-from crackgrow.cover.tiles import tile_lines
 from crackgrow.cover.tips import n_outward, reach_of_tips
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.polyline import tip_direction
@@ -31,7 +30,7 @@ def extensions_of(lattice: Lattice, crack: CrackGeometry) -> list[Floats]:
     for at_end in crack.tips():
         numbers = range(n)[::-1] if at_end else range(n)
         least.setdefault((numbers[1], numbers[0]), 0.0)
-        from_tip = crack.points[::-1] if at_end else crack.points
+        from_tip = crack.seen_from(at_end)
         last = n_outward(from_tip)
         if np.hypot(*(from_tip[last] - from_tip[0])) < reach_of_tips(lattice.support):
             least[numbers[last - 1], numbers[last]] = DIAGONAL
@@ -53,7 +52,7 @@ def _extension(lattice: Lattice, segment: Floats, least: float) -> Floats | None
     """
     start, direction = segment[1].tolist(), tip_direction(segment, at_end=True).tolist()
     exits = []
-    for axis, lines, others in zip((0, 1), tile_lines(lattice), tile_lines(lattice)[::-1], strict=True):
+    for axis, lines, others in zip((0, 1), lattice.tile_lines, lattice.tile_lines[::-1], strict=True):
         low, high = sorted((start[axis], start[axis] + (least + 2.0) * direction[axis]))
         begin, end = lines.searchsorted(low, side="right"), lines.searchsorted(high, side="left")
         for line in lines[begin:end].tolist():

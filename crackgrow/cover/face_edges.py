@@ -32,6 +32,11 @@ class FaceEdges:
     minus: Ints  # (n,) element on the right, -1 where there is none
     edge: Ints  # (n,) number of the edge of the arrangement
 
+    def beside(self, at_end: bool) -> tuple[int, int]:
+        """The elements on the left and on the right of the line's end, or of its start."""
+        last = -1 if at_end else 0
+        return int(self.plus[last]), int(self.minus[last])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OutlineEdges:

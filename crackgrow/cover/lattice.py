@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.geometry.arrangement import on_grid
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,6 +24,7 @@ class Lattice:
     origin: Floats  # (2,) m, position of node (0, 0)
     shape: tuple[int, int]  # number of cells in x and y; nodes are one more
     breaks: Floats  # (k + 1,) tile lines inside a unit cell, from 0 to 1
+    tile_lines: tuple[Floats, Floats]  # lattice coordinates of all tile lines in x and in y, on the arrangement's grid
 
     @property
     def reach(self) -> int:
@@ -30,13 +32,8 @@ class Lattice:
         return math.ceil(self.support)
 
     @property
-    def window(self) -> int:
-        """Number of nodes that can cover a point: those of a square of 2 reach x 2 reach nodes."""
-        return (2 * self.reach) ** 2
-
-    @property
     def offsets(self) -> Ints:
-        """Nodes of the window relative to the cell's lower left node: (window, 2)."""
+        """Nodes that can cover a point, relative to its cell's lower left node: ((2 reach)^2, 2)."""
         steps = np.arange(1 - self.reach, self.reach + 1)
         return np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
 
@@ -66,4 +63,6 @@ def place_lattice(
     origin = 0.5 * (lower + upper) - (below + centre_offset - np.array(offset)) * spacing
     fraction = support % 1.0
     breaks = np.unique([0.0, fraction, 1.0 - fraction if fraction else 0.0, 1.0])
-    return Lattice(spacing, support, origin, (int(cells[0]), int(cells[1])), breaks)
+    shape = (int(cells[0]), int(cells[1]))
+    x, y = (on_grid(np.append((np.arange(n)[:, None] + breaks[:-1]).ravel(), float(n))) for n in shape)
+    return Lattice(spacing, support, origin, shape, breaks, (x, y))

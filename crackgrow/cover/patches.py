@@ -5,8 +5,7 @@ A mathematical patch of whole tiles only is one physical patch. Ways are followe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.arrangement import connected
+from crackgrow.ragged import Ragged, from_lists, starts_of
 
 SPECK = 1e-15
 """A patch whose weight is nowhere larger than this contributes less than round-off."""
@@ -25,89 +25,67 @@ compliance of contact lost its symmetry or was singular. Of 135 random kinks 2e-
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Windows:
-    """What the windows of all cells of a lattice have in common."""
+class Patches:
+    """All physical patches, and which of them are over each element."""
 
-    offsets: Ints  # (window, 2) nodes, counted from that of the lattice's first cell that comes first
-    covers: Bools | None  # (parts, parts, window) which nodes cover each tile of a cell; None: all cover all
-    same_node: Ints  # (3, 3, window) place in the window of a cell of each node in that of one up to a cell further on
-    first_tile: int  # of a patch, along an axis, from that right above its node on
-    n_tiles: int  # of a patch, along an axis
-
-
-@lru_cache(maxsize=16)
-def _windows(lattice: Lattice) -> _Windows:
-    side, parts = 2 * lattice.reach, len(lattice.breaks) - 1
-    middle = 0.5 * (lattice.breaks[1:] + lattice.breaks[:-1])
-    along = np.abs(np.arange(1 - lattice.reach, lattice.reach + 1) - middle[:, None]) < lattice.support
-    covers = (along[:, None, :, None] & along[None, :, None, :]).reshape(parts, parts, -1)
-    shift = np.arange(-1, 2)[:, None] + np.arange(side)
-    x, y = shift[:, None, :, None], shift[None, :, None, :]
-    inside = (x >= 0) & (x < side) & (y >= 0) & (y < side)
-    part, place = np.nonzero(along)
-    tile = part - (place + 1 - lattice.reach) * parts
-    return _Windows(
-        lattice.offsets + lattice.reach - 1,
-        None if covers.all() else covers,
-        np.where(inside, x * side + y, -1).reshape(3, 3, -1),
-        int(tile.min()),
-        int(np.ptp(tile)) + 1,
-    )
+    of_element: Ragged  # elements -> their patches, ascending
+    slot: Ints  # (q,) which of the nodes round the element's cell each of these belongs to; which corner of a crumb
+    nodes: Floats  # (p, 2) node of every patch; crumbs follow with their corners
+    n_of_lattice: int  # patches of the lattice's nodes: all but those of crumbs
+    in_crumb: Bools  # (elements,) which elements belong to crumbs
 
 
-def physical_patches(lattice: Lattice, elements: Elements) -> tuple[Ints, Ints]:
-    """Physical patch of every node of an element's window (n, window), -1 where none; node of every patch (p, 2).
+def physical_patches(lattice: Lattice, elements: Elements) -> Patches:
+    """The patches of all nodes, before crumbs have theirs.
 
     Two elements of one mathematical patch belong to the same physical patch if a way inside the patch leads from one
     to the other without crossing a crack or leaving the body. Patches are numbered along the lattice, those of one node
     by their first elements.
     """
-    cell, part = np.divmod(elements.tile, len(lattice.breaks) - 1)
-    windows = _windows(lattice)
     plain = _uncut_nodes(lattice, elements)
     rows = plain.shape[1]
-    node = (cell[:, 0] * rows + cell[:, 1])[:, None] + (windows.offsets[:, 0] * rows + windows.offsets[:, 1])
-    covers = None if windows.covers is None else windows.covers[part[:, 0], part[:, 1]]
+    covering = _covering(lattice)
+    owner, place = covering.places(elements.part)
+    slot = covering.values[place]
+    per_step = np.array([rows, 1])
+    offset = (lattice.offsets + lattice.reach - 1) @ per_step
+    node = (elements.cell @ per_step)[owner] + offset[slot]
     cut = ~plain.ravel()[node]
-    if covers is not None:
-        cut &= covers
-    places = np.flatnonzero(cut)
-    piece = _pieces_in_patches(lattice, elements, cell, cut, places)
+    start = starts_of(covering.counts[elements.part])
+    piece = _pieces_in_patches(elements, Ragged(start, node).kept(cut))
 
     is_first = np.diff(np.maximum.accumulate(piece), prepend=-1) > 0  # pieces are numbered in order of their first ones
-    node_of_piece = node.ravel()[places[is_first]]
+    node_of_piece = node[cut][is_first]
     order = np.argsort(node_of_piece, kind="stable")
     n_pieces = np.bincount(node_of_piece, minlength=plain.size)
-    first_piece = np.cumsum(n_pieces) - n_pieces
+    first_piece = starts_of(n_pieces)
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order)) - first_piece[node_of_piece[order]]
     n_patches = n_pieces + plain.ravel()
-    first = np.cumsum(n_patches) - n_patches
+    first = starts_of(n_patches)
     patch = first[node]
-    if covers is not None:
-        patch[~covers] = -1
-    patch.ravel()[places] = (first[node_of_piece] + rank)[piece]
-    nodes = np.stack(np.divmod(np.repeat(np.arange(plain.size), n_patches), rows), axis=1)
-    return patch, nodes + 1 - lattice.reach
+    patch[cut] = (first[node_of_piece] + rank)[piece]
+    nodes = np.stack(np.divmod(np.repeat(np.arange(plain.size), n_patches), rows), axis=1) + 1.0 - lattice.reach
+    return Patches(Ragged(start, patch), slot, nodes, len(nodes), np.zeros(elements.n, dtype=bool))
 
 
-def without_specks(lattice: Lattice, elements: Elements, patch: Ints, nodes: Ints) -> tuple[Ints, Ints]:
+def without_specks(lattice: Lattice, elements: Elements, patches: Patches) -> Patches:
     """Leave out physical patches that would give rows of zeros, or rows that depend on others but for round-off.
 
     The weight of a patch grows as the cube of the depth inside of the patch, per axis. Patches that hold a whole tile
     are none of them, if tiles are not too small.
     """
+    of_element, nodes = patches.of_element, patches.nodes
     tile = np.diff(lattice.breaks).min(keepdims=True)
     skipped = elements.n_whole if _is_kept((tile / lattice.support) ** 6, tile) else 0
-    sure = np.zeros(len(nodes) + 1, dtype=bool)
-    sure[patch[:skipped]] = True
-    sure[-1] = True  # the last entry serves the index -1
+    sure = np.zeros(len(nodes), dtype=bool)
+    sure[of_element.values[: of_element.start[skipped]]] = True
     ring = slice(4 * skipped, None)
     owner = np.concatenate([elements.ring_element[ring], np.arange(skipped, elements.n)])
     points = np.concatenate([elements.vertices[elements.ring_start[ring]], elements.reference[skipped:]])
-    used = patch[owner]
-    which, slot = np.nonzero(~sure[used])
-    used = used[which, slot]
+    unsure = of_element.kept(~sure[of_element.values])
+    which, place = unsure.places(owner)
+    used = unsure.values[place]
     from_node = points[which] - nodes[used]
     low, high = np.full((2, 2, len(nodes)), np.inf)
     high, deepest = -high, np.zeros(len(nodes))
@@ -115,16 +93,41 @@ def without_specks(lattice: Lattice, elements: Elements, patch: Ints, nodes: Int
     for axis in range(2):
         np.minimum.at(low[axis], used, from_node[:, axis])
         np.maximum.at(high[axis], used, from_node[:, axis])
-    kept = sure[:-1] | _is_kept(deepest, (high - low).max(axis=0, initial=0.0))
+    return with_those(patches, sure | _is_kept(deepest, (high - low).max(axis=0, initial=0.0)))
+
+
+def with_those(patches: Patches, kept: Bools) -> Patches:
+    """The patches `kept` (p,) alone, under new numbers."""
     if kept.all():
-        return patch, nodes
-    number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)
-    return number[patch], nodes[kept]
+        return patches
+    on = kept[patches.of_element.values]
+    left, number = patches.of_element.kept(on), np.cumsum(kept) - 1
+    return replace(
+        patches,
+        of_element=Ragged(left.start, number[left.values]),
+        slot=patches.slot[on],
+        nodes=patches.nodes[kept],
+        n_of_lattice=int(kept.sum()),
+    )
 
 
 def _is_kept(weight: Floats, size: Floats) -> Bools:
     """Whether patches with these largest weights, and sizes in spacings, are no specks."""
     return np.asarray((weight > SPECK) & ((weight * size > PEEK_WEIGHT) | (size > PEEK)))
+
+
+def _covering(lattice: Lattice) -> Ragged:
+    """For each part of a cell the places, among the nodes round the cell, of those whose patches hold it."""
+    along = _near_parts(lattice)
+    n = len(along)
+    covers = (along[:, None, :, None] & along[None, :, None, :]).reshape(n * n, -1)
+    return from_lists([np.flatnonzero(row) for row in covers])
+
+
+def _near_parts(lattice: Lattice) -> Bools:
+    """Which patches hold each part of a cell, along an axis: (parts, nodes round a cell)."""
+    middle = 0.5 * (lattice.breaks[1:] + lattice.breaks[:-1])
+    return np.asarray(np.abs(np.arange(1 - lattice.reach, lattice.reach + 1) - middle[:, None]) < lattice.support)
 
 
 def _uncut_nodes(lattice: Lattice, elements: Elements) -> Bools:
@@ -135,28 +138,28 @@ def _uncut_nodes(lattice: Lattice, elements: Elements) -> Bools:
     whole = elements.whole_of_tile >= 0
     count = np.zeros((whole.shape[0] + 1, whole.shape[1] + 1), dtype=np.int64)
     count[1:, 1:] = whole.cumsum(axis=0).cumsum(axis=1)
-    windows, parts = _windows(lattice), len(lattice.breaks) - 1
+    parts = len(lattice.breaks) - 1
+    part, place = np.nonzero(_near_parts(lattice))
+    tile = part - (place + 1 - lattice.reach) * parts  # of a patch, along an axis, from that right above its node on
+    n_tiles = int(np.ptp(tile)) + 1
     ends = []
     for cells, tiles in zip(lattice.shape, whole.shape, strict=True):
-        start = np.arange(1 - lattice.reach, cells + lattice.reach) * parts + windows.first_tile
-        ends.append(np.minimum(np.maximum([start, start + windows.n_tiles], 0), tiles))
+        start = np.arange(1 - lattice.reach, cells + lattice.reach) * parts + tile.min()
+        ends.append(np.minimum(np.maximum([start, start + n_tiles], 0), tiles))
     (x0, x1), (y0, y1) = ends
     along = count[x1] - count[x0]
-    return np.asarray(along[:, y1] - along[:, y0] == windows.n_tiles**2)
+    return np.asarray(along[:, y1] - along[:, y0] == n_tiles**2)
 
 
-def _pieces_in_patches(lattice: Lattice, elements: Elements, cell: Ints, cut: Bools, places: Ints) -> Ints:
-    """Connected piece (p,) of each of the `places` of (element, node of its window) that `cut` (n, window) marks."""
-    number = np.full(cut.size + 1, -1, dtype=np.int64)
-    number[places] = np.arange(len(places))
-    mine = np.asarray(cut.any(axis=1))
+def _pieces_in_patches(elements: Elements, cut: Ragged) -> Ints:
+    """Connected piece (p,) of each of the pairs (p,) of an element and a node, ascending, whose patch is `cut`."""
+    n_nodes = int(cut.values.max(initial=0)) + 1
+    keys = cut.row * n_nodes + cut.values
+    mine = cut.counts > 0
     left, right = elements.edges.left, elements.edges.right
     chosen = np.flatnonzero(mine[left] & mine[right] & elements.passable)
-    first, second = left[chosen], right[chosen]
-    shift = cell[first] - cell[second] + 1
-    rows = first[:, None] * lattice.window + np.arange(lattice.window)
-    slot = _windows(lattice).same_node[shift[:, 0], shift[:, 1]]
-    columns = np.where(slot < 0, cut.size, second[:, None] * lattice.window + slot)
-    rows, columns = number[rows], number[columns]
-    joined = (rows >= 0) & (columns >= 0)
-    return connected(len(places), rows[joined], columns[joined])
+    which, one = cut.places(left[chosen])
+    wanted = right[chosen][which] * n_nodes + cut.values[one]
+    other = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    joined = keys[other] == wanted if len(keys) else np.zeros(0, dtype=bool)
+    return connected(len(keys), one[joined], other[joined])

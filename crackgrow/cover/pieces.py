@@ -12,6 +12,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.geometry.arrangement import on_grid
+from crackgrow.ragged import spans
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +43,7 @@ def cut_in_pieces(segments: Floats, x: Floats, y: Floats) -> Pieces:
         begin = np.searchsorted(lines, low, side="right")
         n = np.maximum(np.searchsorted(lines, high, side="left") - begin, 0)
         which = np.repeat(every, n)
-        at = lines[np.arange(len(which)) + np.repeat(begin - np.cumsum(n) + n, n)]
+        at = lines[spans(begin, n)]
         t = (at - start[which, axis]) / step[which, axis]
         place = start[which] + t[:, None] * step[which]
         place[:, axis] = at

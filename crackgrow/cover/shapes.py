@@ -30,9 +30,9 @@ class CrackGeometry:
         """The ends that are tips: False for the start, True for the end."""
         return [at_end for at_end, tip in ((False, self.tip_at_start), (True, self.tip_at_end)) if tip]
 
-    def tip_point(self, at_end: bool) -> Floats:
-        """Position (2,) of the tip at the end or start."""
-        return np.asarray(self.points[-1 if at_end else 0])
+    def seen_from(self, at_end: bool) -> Floats:
+        """Its vertices (n, 2) from the end, or from the start, on."""
+        return np.asarray(self.points[::-1] if at_end else self.points)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,26 +2,13 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.lattice import Lattice
-from crackgrow.geometry.arrangement import on_grid
 from crackgrow.geometry.tolerance import TOUCH
 
 _TOUCHING = TOUCH * np.array([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)])
-
-
-@lru_cache(maxsize=16)
-def tile_lines(lattice: Lattice) -> tuple[Floats, Floats]:
-    """Lattice coordinates of all tile lines in x and in y, on the grid of the arrangement."""
-    inner = lattice.breaks[:-1]
-    x, y = (on_grid(np.append((np.arange(n)[:, None] + inner).ravel(), float(n))) for n in lattice.shape)
-    for lines in (x, y):
-        lines.flags.writeable = False
-    return x, y
 
 
 def tiles_at(lattice: Lattice, points: Floats) -> Ints:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crackgrow.arrays import Bools, Floats
+from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import TOUCH
 
 N_TIP_FUNCTIONS = 4
@@ -29,14 +30,37 @@ POINT_FADE = 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tip:
-    """A crack tip in lattice coordinates."""
+class TipView:
+    """A crack as it is seen from its tip, in lattice coordinates."""
 
     point: Floats  # (2,)
     rotation: Floats  # (2, 2) rows: outward direction of the tip, and its left normal
     path: Floats  # (n, 2) the crack seen from the tip, in local axes; the first point is (0, 0)
     radii: Floats  # (n,) distances of `path` from the tip, increasing
     fade: float  # L; inf where nothing fades
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tip(TipView):
+    """A crack tip and its functions."""
+
+    crack: int  # number of its crack
+    at_end: bool  # whether it is at the crack's end, not at its start
+    points: Floats  # (n, 2) all vertices of the crack, from the tip on
+    other_is_tip: bool  # whether the crack's other end is a tip, too
+    element: int  # at the tip, on the crack's plus face
+    body: int
+    patches: Ints  # (k,) the singular patches that carry its functions, ascending
+    first_function: int  # four functions for each of these from this number on
+
+    @property
+    def functions(self) -> Ints:
+        """The first of the four functions on each singular patch (k,)."""
+        return self.first_function + N_TIP_FUNCTIONS * np.arange(len(self.patches))
+
+    def from_start(self, arc: Floats) -> Floats:
+        """Arc lengths (n,) from the crack's start, from those from the tip."""
+        return np.asarray(arc_lengths(self.points[::-1])[-1] - arc if self.at_end else arc)
 
 
 def reach_of_tips(support: float) -> float:
@@ -58,8 +82,8 @@ def beyond_far_end(points_from_tip: Floats, reach: float) -> Floats:
     return np.stack([start + TOUCH * step, start + reach * step])
 
 
-def make_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> Tip:
-    """Tip of a crack given by its vertices (n, 2) from the tip on; `reach` is how far tip functions can be seen.
+def seen_from_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> TipView:
+    """A crack given by its vertices (n, 2) from the tip on; `reach` is how far tip functions can be seen.
 
     ends_inside: whether the jump of the angle would go on beyond the crack's far end, through rock that sees the tip
     """
@@ -70,7 +94,7 @@ def make_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> Tip:
     radii = np.hypot(path[:, 0], path[:, 1])
     n_good = n_outward(points_from_tip)
     ends = np.inf if n_good == len(path) - 1 and not ends_inside else radii[n_good]
-    return Tip(
+    return TipView(
         point=points_from_tip[0],
         rotation=rotation,
         path=path[: n_good + 1],
@@ -79,7 +103,7 @@ def make_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> Tip:
     )
 
 
-def carrying_nodes(tip: Tip, nodes: Floats) -> Bools:
+def carrying_nodes(tip: TipView, nodes: Floats) -> Bools:
     """Which `nodes` (n, 2) of singular patches carry the tip's functions.
 
     Within a small disc the functions phi_i of the patches are polynomials of a low degree, up to a small rest: with all
@@ -93,7 +117,7 @@ def carrying_nodes(tip: Tip, nodes: Floats) -> Bools:
     return np.asarray(np.arange(len(nodes)) == np.argmin(distance))
 
 
-def tip_angle(tip: Tip, points: Floats, reference: Floats) -> tuple[Floats, Floats]:
+def tip_angle(tip: TipView, points: Floats, reference: Floats) -> tuple[Floats, Floats]:
     """Distance r and angle t (n,) of points (n, 2), each on the same side of the crack as its `reference` (n, 2).
 
     The reference lies off the crack; the point may lie on it.
@@ -101,14 +125,14 @@ def tip_angle(tip: Tip, points: Floats, reference: Floats) -> tuple[Floats, Floa
     return polar_beside(tip, points, side_angle(tip, reference))
 
 
-def side_angle(tip: Tip, reference: Floats) -> Floats:
+def side_angle(tip: TipView, reference: Floats) -> Floats:
     """Angle t (n,) of points (n, 2) that lie off the crack."""
     seen = (reference - tip.point) @ tip.rotation.T
     alpha = crack_angle(tip, np.hypot(seen[:, 0], seen[:, 1]))
     return np.asarray(alpha - np.mod(alpha - np.arctan2(seen[:, 1], seen[:, 0]), 2.0 * np.pi))
 
 
-def polar_beside(tip: Tip, points: Floats, side: Floats) -> tuple[Floats, Floats]:
+def polar_beside(tip: TipView, points: Floats, side: Floats) -> tuple[Floats, Floats]:
     """Distance r and angle t (n,) of points (n, 2), each on the side of the crack that has the angles `side` (n,)."""
     local = (points - tip.point) @ tip.rotation.T
     angle = np.arctan2(local[:, 1], local[:, 0])
@@ -116,7 +140,7 @@ def polar_beside(tip: Tip, points: Floats, side: Floats) -> tuple[Floats, Floats
     return np.hypot(local[:, 0], local[:, 1]), angle
 
 
-def crack_angle(tip: Tip, r: Floats) -> Floats:
+def crack_angle(tip: TipView, r: Floats) -> Floats:
     """Polar angle alpha (n,) of the crack at distances r (n,) from its tip, counted from the tip's direction."""
     alpha = np.full(len(r), np.pi)
     beyond = np.flatnonzero(r > tip.radii[1]) if len(tip.radii) > 2 else ()
@@ -125,7 +149,7 @@ def crack_angle(tip: Tip, r: Floats) -> Floats:
     return alpha
 
 
-def _winding(tip: Tip, r: Floats) -> Floats:
+def _winding(tip: TipView, r: Floats) -> Floats:
     """Polar angle (n,) of the crack at distances r (n,) from its tip, counted from straight back: no jump there."""
     segment = np.clip(np.searchsorted(tip.radii, r, side="right") - 1, 0, len(tip.radii) - 2)
     start = tip.path[segment]

@@ -13,28 +13,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
-from crackgrow.approximation.mls import mls, mls_values
+from crackgrow.approximation.basis import basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.enrichment import list_starts
 from crackgrow.estimate.energy_norm import energy_components
 from crackgrow.estimate.patch_fits import FreeSamples, RegularSamples, fit, misfits
 from crackgrow.quadrature.elements import ElementPoints
 from crackgrow.quadrature.everywhere import all_points
+from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.recovery import stress_at, stress_of
+from crackgrow.solid.recovery import stress_of
 
 N_POINTS = 2
 """Gauss points per direction at which stress is sampled: with 4 the estimate differs by 3 %, at thrice the cost."""
 
 AT_ONCE = 8_000
-"""Points taken together where they are not regular: what is computed of more of them does not fit into a cache."""
+"""Points, and pairs of a point and a patch, taken together where they are not regular: more do not fit into a cache."""
 
 
 class Singular(Protocol):
@@ -70,53 +70,45 @@ def error_estimate(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, singular: Sequence[Singular]
 ) -> ErrorEstimate:
     """Estimate for displacements `u` (n_dofs,) m in bodies of `materials`, in-situ stress included."""
-    patches = np.where(cover.functions < 0, len(cover.patch_nodes), cover.functions)
-    acting = np.zeros((len(singular), len(cover.patch_nodes) + 1), dtype=bool)
+    of_element, n_patches = cover.patches.of_element, len(cover.patch_nodes)
+    acting = np.zeros((len(singular), n_patches), dtype=bool)
     for row, part in zip(acting, singular, strict=True):
-        row[:-1] = part.patches
-    near = np.asarray(acting.any(axis=0))[patches].any(axis=1)
-    is_regular = np.arange(len(patches)) < cover.elements.n_whole
-    is_regular &= ~near & ~cover.enrichment.tips.any & (cover.crumbs.of_element < 0)
-    regular = _regular(cover, materials, u, patches, np.flatnonzero(is_regular))
+        row[:] = part.patches
+    near = np.zeros(cover.elements.n, dtype=bool)
+    near[of_element.row[np.any(acting[:, of_element.values], axis=0)]] = True
+    is_regular = cover.plain & ~near
+    is_regular[cover.elements.n_whole :] = False
+    regular = _regular(cover, materials, u, is_regular)
     rest = _points_of(cover, ~is_regular)
-    blocks = [_free(cover, materials, u, patches, some, singular, acting) for some in rest]
-    free, norm = [samples for samples, _ in blocks], sum(squares for _, squares in blocks)
+    blocks = [_free(cover, materials, u, some, singular, acting) for some in rest]
+    free, norm = [part for parts, _ in blocks for part in parts], sum(squares for _, squares in blocks)
     for some in regular:
         norm += float(np.einsum("qw,qec->", some.weights, some.values**2))
-    coefficients = fit(len(cover.patch_nodes), regular, free)
-    parts = misfits(coefficients, regular, free, len(patches))
+    coefficients = fit(n_patches, regular, free)
+    parts = misfits(coefficients, regular, free, cover.elements.n)
     area = cover.lattice.spacing**2
     return ErrorEstimate(area * parts, math.sqrt(area * norm))
 
 
-def _regular(
-    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, patches: Ints, elements: Ints
-) -> list[RegularSamples]:
-    """Samples of whole tiles (e,) that carry MLS functions alone: those at the same place of their cell together."""
+def _regular(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, chosen: Bools) -> list[RegularSamples]:
+    """Samples of plain elements: those `chosen` (elements,), kind by kind."""
     lattice, found = cover.lattice, []
-    local, weights = square(N_POINTS)
-    in_cell = cover.elements.tile[elements] % (len(lattice.breaks) - 1)
-    coefficients = np.append(u[: 2 * len(cover.patch_nodes)].reshape(-1, 2), np.zeros((1, 2)), axis=0)
-    for part in np.unique(in_cell, axis=0):
-        mine = elements[np.all(in_cell == part, axis=1)]
-        low, size = lattice.breaks[part], lattice.breaks[part + 1] - lattice.breaks[part]
-        points = low + local * size
-        phi, dphi = mls(points, lattice.support, lattice.reach)
-        own = coefficients[patches[mine]].transpose(1, 0, 2).reshape(lattice.window, -1)
-        by = dphi.transpose(0, 2, 1).reshape(-1, lattice.window) / lattice.spacing @ own  # (q d, e c)
-        gradient = by.reshape(len(points), 2, len(mine), 2).transpose(0, 2, 3, 1)
-        body = np.tile(cover.elements.body[mine], len(points))
+    share, weights = square(N_POINTS)
+    for kind in plain_kinds(cover):
+        some = replace(kind, elements=kind.elements[chosen[kind.elements]])
+        mine, patches = some.elements, some.patches(cover)
+        if len(mine) == 0:
+            continue
+        phi, dphi = some.functions(lattice, share)
+        own = u.reshape(-1, 2)[patches].transpose(1, 0, 2).reshape(patches.shape[1], -1)
+        by = dphi.transpose(2, 0, 1).reshape(-1, patches.shape[1]) / lattice.spacing @ own  # (q d, e c)
+        gradient = by.reshape(len(share), 2, len(mine), 2).transpose(0, 2, 3, 1)
+        body = np.tile(cover.elements.body[mine], len(share))
         values = energy_components(materials, stress_of(materials, gradient.reshape(-1, 2, 2), body), body)
-        area = weights * size.prod()
-        found.append(
-            RegularSamples(
-                mine,
-                patches[mine],
-                points[:, None] - lattice.offsets,
-                area[:, None] * np.maximum(phi, 0.0),
-                values.reshape(len(points), len(mine), 3),
-            )
-        )
+        area = weights * kind.size.prod()
+        distance = (kind.low + share * kind.size)[:, None] - lattice.offsets[kind.slots]
+        of_points = values.reshape(len(share), len(mine), 3)
+        found.append(RegularSamples(mine, patches, distance, area[:, None] * np.maximum(phi.T, 0.0), of_points))
     return found
 
 
@@ -132,37 +124,26 @@ def _free(
     cover: Cover,
     materials: Sequence[PlaneElasticity],
     u: Floats,
-    patches: Ints,
     at: ElementPoints,
     singular: Sequence[Singular],
     acting: Bools,
-) -> tuple[FreeSamples, float]:
+) -> tuple[list[FreeSamples], float]:
     """Samples at points anywhere, and the integral of their squares."""
     points, weights, element = at.points, at.weights, at.element
-    body, window = cover.elements.body[element], cover.lattice.window
-    values = energy_components(materials, stress_at(cover, materials, u, points, element), body)
-    cell = cover.elements.tile[element] // (len(cover.lattice.breaks) - 1)
-    phi = np.maximum(mls_values(points - cell, cover.lattice.support, cover.lattice.reach), 0.0)
+    body = cover.elements.body[element]
+    basis = basis_at(cover, points, element)
+    gradient = basis.field(u.reshape(-1, 2))[1:].transpose(1, 2, 0)
+    values = energy_components(materials, stress_of(materials, gradient, body), body)
+    patches, point = basis.patches, basis.patches.row
     # no fits on crumbs, whose stress is uniform
-    phi[(cover.functions[element] < 0) | (cover.crumbs.of_element[element] >= 0)[:, None]] = 0.0
-    rows, parts, where = [np.empty(0, dtype=np.int64)], [np.empty((0, 3))], [np.empty((0, window), dtype=bool)]
+    phi = np.where(cover.patches.in_crumb[element][point], 0.0, np.maximum(basis.phi[0], 0.0))
+    less = np.zeros((len(point), 3))  # patch by patch, what is told apart there
     for part, in_patches in zip(singular, acting, strict=True):
-        sees = in_patches[patches]
-        mine = np.flatnonzero(sees.any(axis=1)[element])
-        rows.append(mine)
-        parts.append(energy_components(materials, part.at(points[mine], element[mine]), body[mine]))
-        where.append(sees[element[mine]])
-    row = np.concatenate(rows)
-    order = np.argsort(row, kind="stable")
-    samples = FreeSamples(
-        element,
-        patches[element],
-        np.append(cover.patch_nodes, np.zeros((1, 2)), axis=0),
-        points,
-        weights[:, None] * phi,
-        values,
-        list_starts(row[order], len(points)),
-        np.concatenate(parts)[order],
-        np.concatenate(where)[order],
-    )
+        sees = np.flatnonzero(in_patches[patches.values])
+        mine, back = np.unique(point[sees], return_inverse=True)
+        less[sees] += energy_components(materials, part.at(points[mine], element[mine]), body[mine])[back]
+    distance = points[point] - cover.patch_nodes[patches.values]
+    owner, area, own = element[point], weights[point] * phi, values[point] - less
+    some = [slice(start, start + AT_ONCE) for start in range(0, len(point), AT_ONCE)]
+    samples = [FreeSamples(owner[at], patches.values[at], distance[at], area[at], own[at]) for at in some]
     return samples, float(weights @ np.sum(values**2, axis=1))

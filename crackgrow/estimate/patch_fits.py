@@ -11,8 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array
 
 from crackgrow.arrays import Floats, Ints
 
@@ -28,32 +27,21 @@ class RegularSamples:
     """Points at the same places in the cells of many elements."""
 
     elements: Ints  # (e,)
-    patches: Ints  # (e, window), each at most once in a column; the number of patches where there is none
-    distance: Floats  # (q, window, 2) from the nodes to the points, spacings
-    weights: Floats  # (q, window) area, in squared spacings, times phi_i
+    patches: Ints  # (e, k), each at most once in a column
+    distance: Floats  # (q, k, 2) from the nodes to the points, spacings
+    weights: Floats  # (q, k) area, in squared spacings, times phi_i
     values: Floats  # (q, e, 3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeSamples:
-    """Points anywhere, whose values may differ from patch to patch: all columns but one of a window of patches."""
+    """Pairs of a point anywhere and a patch over it; values may differ from patch to patch."""
 
-    elements: Ints  # (n,)
-    patches: Ints  # (n, window)
-    nodes: Floats  # (n_patches + 1, 2)
-    points: Floats  # (n, 2)
-    weights: Floats  # (n, window)
-    common: Floats  # (n, 3) values, less, patch by patch,
-    start: Ints  # (n + 1,) at point i, from start[i] to start[i + 1],
-    parts: Floats  # (m, 3) these parts,
-    acting: NDArray[np.bool_]  # (m, window) in these patches
-
-    def column(self, slot: int) -> tuple[Floats, Floats]:
-        """Monomials (6, n) and values (3, n) of one column of patches."""
-        n, m = len(self.common), len(self.parts)
-        acting = csr_array((self.acting[:, slot].astype(float), np.arange(m), self.start), shape=(n, m))
-        values = self.common - acting @ self.parts
-        return monomials(self.points - self.nodes.take(self.patches[:, slot], axis=0)), values.T
+    elements: Ints  # (p,)
+    patches: Ints  # (p,)
+    distance: Floats  # (p, 2) from the node to the point, spacings
+    weights: Floats  # (p,) area, in squared spacings, times phi_i
+    values: Floats  # (p, 3)
 
 
 def monomials(d: Floats) -> Floats:
@@ -63,8 +51,8 @@ def monomials(d: Floats) -> Floats:
 
 
 def fit(n_patches: int, regular: list[RegularSamples], free: list[FreeSamples]) -> Floats:
-    """Coefficients (n_patches + 1, 6, 3) of the polynomials, round each patch's node; the last serves no patch."""
-    sums = np.zeros((n_patches + 1, N_MONOMIALS, N_MONOMIALS + 3))  # of monomials times monomials, then times values
+    """Coefficients (n_patches, 6, 3) of the polynomials, round each patch's node."""
+    sums = np.zeros((n_patches, N_MONOMIALS, N_MONOMIALS + 3))  # of monomials times monomials, then times values
     for some in regular:
         q, e, _ = some.values.shape
         of_elements = np.empty((e, *sums.shape[1:]))
@@ -75,17 +63,14 @@ def fit(n_patches: int, regular: list[RegularSamples], free: list[FreeSamples]) 
             by_values = weighted @ some.values.reshape(q, 3 * e)
             of_elements[..., N_MONOMIALS:] = by_values.reshape(-1, e, 3).transpose(1, 0, 2)
             sums[patch] += of_elements
-    number = np.zeros(n_patches + 1, dtype=np.int64)
+    number = np.zeros(n_patches, dtype=np.int64)
     for block in free:
-        n, seen = len(block.elements), np.flatnonzero(np.bincount(block.patches.ravel()))
+        seen = np.flatnonzero(np.bincount(block.patches, minlength=n_patches))
         number[seen] = np.arange(len(seen))
-        of_block = sums[seen]
-        for slot, patch in enumerate(block.patches.T):
-            p, values = block.column(slot)
-            products = p[:, None] * np.concatenate([p, values])
-            gather = csc_array((block.weights[:, slot], number[patch], np.arange(n + 1)), shape=(len(seen), n))
-            of_block += (gather @ products.reshape(-1, n).T).reshape(of_block.shape)
-        sums[seen] = of_block
+        p, n = monomials(block.distance), len(block.patches)
+        products = p[:, None] * np.concatenate([p, block.values.T])
+        gather = csc_array((block.weights, number[block.patches], np.arange(n + 1)), shape=(len(seen), n))
+        sums[seen] += (gather @ products.reshape(-1, n).T).reshape(len(seen), *sums.shape[1:])
     return _solved(sums[..., :N_MONOMIALS], sums[..., N_MONOMIALS:])
 
 
@@ -100,11 +85,9 @@ def misfits(coefficients: Floats, regular: list[RegularSamples], free: list[Free
             found[some.elements] += some.weights[:, slot] @ squares
     by_patch = np.ascontiguousarray(coefficients.transpose(1, 2, 0))
     for block in free:
-        for slot, patch in enumerate(block.patches.T):
-            p, values = block.column(slot)
-            fitted = np.sum(p[:, None] * by_patch.take(patch, axis=2), axis=0)
-            squares = np.sum((fitted - values) ** 2, axis=0)
-            found += np.bincount(block.elements, block.weights[:, slot] * squares, n_elements)
+        fitted = np.sum(monomials(block.distance)[:, None] * by_patch.take(block.patches, axis=2), axis=0)
+        squares = np.sum((fitted - block.values.T) ** 2, axis=0)
+        found += np.bincount(block.elements, block.weights * squares, n_elements)
     return found
 
 

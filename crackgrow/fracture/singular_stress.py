@@ -19,7 +19,7 @@ import numpy as np
 
 from crackgrow.arrays import Bools, Complex, Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tips import Tip, crack_angle, reach_of_tips, tip_angle
+from crackgrow.cover.tips import Tip, TipView, crack_angle, reach_of_tips, tip_angle
 
 REACH = 6.0
 """Spacings from a tip to the nodes of the patches in which its field is told apart from the rest. With 4, the two ends
@@ -75,12 +75,10 @@ class SingularStress:
     @property
     def _ends_inside(self) -> bool:
         """Whether the jump would go on through rock beyond the crack's far end."""
-        index, at_end = self.cover.tip_ends[self.tip]
-        crack = self.cover.cracks[index]
-        return bool(crack.tip_at_start if at_end else crack.tip_at_end) or np.isfinite(self._tip.fade)
+        return self._tip.other_is_tip or np.isfinite(self._tip.fade)
 
 
-def _far_factor(tip: Tip, points: Floats, reference: Floats) -> tuple[Complex, Complex]:
+def _far_factor(tip: TipView, points: Floats, reference: Floats) -> tuple[Complex, Complex]:
     """((z - e) / -e)^(3/2) and its derivative (n,) at points (n, 2), each on the side of its `reference` (n, 2).
 
     It jumps beyond the far end, where z^(-1/2) does: on the straight extension of the last segment.

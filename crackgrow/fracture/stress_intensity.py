@@ -14,7 +14,6 @@ from crackgrow.cover.elements import locate
 from crackgrow.fracture.interaction import interaction
 from crackgrow.fracture.tip_disc import Disc, disc_round
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
-from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import gradient_at
 
@@ -52,10 +51,13 @@ def interaction_integrals(
     `tractions` are, tip by tip, all that acts between the faces: contact tractions less fluid pressure.
     """
     forces = [np.zeros(2)] * len(tips) if body_forces is None else body_forces
-    discs = [disc_round(cover, tip, None if radius is None else radius / cover.lattice.spacing) for tip in tips]
-    gradients = _gradients(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
+    wanted = None if radius is None else radius / cover.lattice.spacing
+    discs = [disc_round(cover, cover.tips[tip], wanted) for tip in tips]
+    sampled = _sampled(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
     return [
-        _no_room(disc) if np.isnan(disc.radius) else _in_disc(cover, materials, disc, *next(gradients), traction, force)
+        _no_room(disc)
+        if np.isnan(disc.radius)
+        else _in_disc(materials[disc.tip.body], cover.lattice.spacing, next(sampled), traction, force)
         for disc, traction, force in zip(discs, tractions, forces, strict=True)
     ]
 
@@ -66,70 +68,56 @@ def _no_room(disc: Disc) -> StressIntensity:
     return StressIntensity(nan, nan, nan, nan, nan, True, note)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Samples:
+    """The elastic displacement gradients round a tip, in its axes."""
+
+    disc: Disc
+    rule: TipRule
+    around: Floats  # (2, 2, n) at the points of the rule's circles
+    on_faces: Floats  # (2, 2, m) sums of both faces; zero on the last segment, where they don't matter
+
+
 def _in_disc(
-    cover: Cover,
-    materials: Sequence[PlaneElasticity],
-    disc: Disc,
-    rule: TipRule,
-    gradients: Floats,
-    face_gradients: Floats,
-    traction: FaceTraction,
-    body_force: Floats,
+    material: PlaneElasticity, spacing: float, samples: _Samples, traction: FaceTraction, body_force: Floats
 ) -> StressIntensity:
-    """K of a tip from its rule, and the elastic displacement gradients at the rule's points."""
-    geometry, material, spacing = cover.tips[disc.tip], _material(cover, materials, disc.tip), cover.lattice.spacing
-    normal, tangential = traction(_from_start(cover, disc.tip, rule.faces.arc))
+    """K of a tip."""
+    disc, rule, tip = samples.disc, samples.rule, samples.disc.tip
+    normal, tangential = traction(tip.from_start(rule.faces.arc))
     along_x, along_y = rule.faces.toward_tip.T
     vectors = 2.0 * np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
-    force = spacing * geometry.rotation @ body_force
-    M = interaction(material, rule, gradients, vectors, face_gradients, force)
+    force = spacing * tip.rotation @ body_force
+    M = interaction(material, rule, samples.around, vectors, samples.on_faces, force)
     K = 0.5 * material.young_prime * np.sqrt(spacing) * M
     (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.shrunk else ""
     return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.shrunk, note)
 
 
-def _material(cover: Cover, materials: Sequence[PlaneElasticity], tip: int) -> PlaneElasticity:
-    """The material at a tip."""
-    index, at_end = cover.tip_ends[tip]
-    element = cover.elements.lines[index].plus[-1 if at_end else 0]
-    return materials[int(cover.elements.body[element])]
-
-
-def _from_start(cover: Cover, tip: int, arc: Floats) -> Floats:
-    """Arc lengths (n,) from the start of a tip's crack, from those from the tip."""
-    index, at_end = cover.tip_ends[tip]
-    return arc_lengths(cover.cracks[index].points)[-1] - arc if at_end else arc
-
-
-def _gradients(
+def _sampled(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, discs: Sequence[Disc]
-) -> Iterator[tuple[TipRule, Floats, Floats]]:
-    """Disc by disc its rule, and elastic displacement gradients (2, 2, n) at the rule's points, in the tip's axes.
-
-    Those on the faces are the sums of both, and zero on the last segment, where they don't matter.
-    """
+) -> Iterator[_Samples]:
+    """What the integrals need of the displacement, disc by disc."""
     for first in range(0, len(discs), TIPS_AT_ONCE):
         some = discs[first : first + TIPS_AT_ONCE]
-        rules = [tip_rule(cover.tips[disc.tip], disc.radii) for disc in some]
-        points = [rule.circles.points(cover.tips[disc.tip]) for disc, rule in zip(some, rules, strict=True)]
+        rules = [tip_rule(disc.tip, disc.radii) for disc in some]
+        points = [rule.circles.points(disc.tip) for disc, rule in zip(some, rules, strict=True)]
         elements = [locate(cover.lattice, cover.elements, np.concatenate(points))]
         kinked = []
         for disc, rule in zip(some, rules, strict=True):
-            beyond = np.flatnonzero(rule.faces.arc > cover.tips[disc.tip].radii[1])
-            s = _from_start(cover, disc.tip, rule.faces.arc[beyond])
-            there = points_at(cover, cover.tip_ends[disc.tip][0], s)
+            beyond = np.flatnonzero(rule.faces.arc > disc.tip.radii[1])
+            there = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
             kinked.append(beyond)
             points += [there.points, there.points]
             elements += [there.plus, there.minus]
         found = gradient_at(cover, u, np.concatenate(points), np.concatenate(elements)).transpose(1, 2, 0)
         parts = np.split(found, np.cumsum([len(part) for part in points])[:-1], axis=2)
         for number, (disc, rule, beyond) in enumerate(zip(some, rules, kinked, strict=True)):
-            turn, initial = cover.tips[disc.tip].rotation, _initial_gradient(_material(cover, materials, disc.tip))
+            turn, initial = disc.tip.rotation, _initial_gradient(materials[disc.tip.body])
             plus, minus = parts[len(some) + 2 * number : len(some) + 2 * number + 2]
             both = np.zeros((2, 2, len(rule.faces.arc)))
             both[:, :, beyond] = _turned(turn, plus + minus + 2.0 * initial)
-            yield rule, _turned(turn, parts[number] + initial), both
+            yield _Samples(disc, rule, _turned(turn, parts[number] + initial), both)
 
 
 def _turned(rotation: Floats, gradients: Floats) -> Floats:

@@ -9,13 +9,14 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.tips import Tip
 
 RADIUS = 2.5
 """Radius of the disc in spacings: from 1.5 on K is within 0.2 % on straight cracks, and kinks of the last increments,
 which the cover does not resolve, disturb a disc that reaches beyond them least."""
 
 STRAIGHT_RADIUS = 5.0
-"""The same as far as the crack is straight: a larger disc averages the stress, which ripples, over more tiles."""
+"""The same as far as the crack is straight: a larger disc averages the stress, which ripples, over more cells."""
 
 KEPT_CLEAR = 0.8
 """Part of the clearance that a disc may take: one that touches another tip was 0.7 to 1.6 % off, this one 0.1."""
@@ -32,7 +33,7 @@ PARTS = np.array([0.7, 0.85, 1.0])
 class Disc:
     """The largest disc of a tip's integrals."""
 
-    tip: int
+    tip: Tip
     radius: float  # spacings; nan where none fits
     shrunk: bool
     obstacle: str
@@ -43,9 +44,9 @@ class Disc:
         return self.radius * PARTS
 
 
-def disc_round(cover: Cover, tip: int, radius: float | None) -> Disc:
+def disc_round(cover: Cover, tip: Tip, radius: float | None) -> Disc:
     """The disc of a tip; `radius` (spacings) is the one wanted, None for the usual one."""
-    straight = min(float(cover.tips[tip].radii[1]), STRAIGHT_RADIUS)
+    straight = min(float(tip.radii[1]), STRAIGHT_RADIUS)
     room, obstacle = clearance(cover, tip)
     room *= KEPT_CLEAR
     wanted = max(RADIUS, min(straight, room)) if radius is None else radius
@@ -54,19 +55,16 @@ def disc_round(cover: Cover, tip: int, radius: float | None) -> Disc:
     return Disc(tip, min(wanted, room), room < wanted, obstacle)
 
 
-def clearance(cover: Cover, tip: int) -> tuple[float, str]:
+def clearance(cover: Cover, tip: Tip) -> tuple[float, str]:
     """Largest radius (spacings) of a disc round a tip that holds one stretch of its own crack alone; what limits it."""
-    geometry, (index, at_end) = cover.tips[tip], cover.tip_ends[tip]
-    own = cover.cracks[index]
-    from_tip = own.points[::-1] if at_end else own.points
-    place = shapely.Point(geometry.point)
-    obstacles = {"the crack's other end": shapely.distance(place, shapely.Point(from_tip[-1]))}
-    if len(geometry.path) < len(from_tip):  # the crack turns back towards its tip
-        bend = shapely.LineString(from_tip[len(geometry.path) - 1 :])
+    place = shapely.Point(tip.point)
+    obstacles = {"the crack's other end": shapely.distance(place, shapely.Point(tip.points[-1]))}
+    if len(tip.path) < len(tip.points):  # the crack turns back towards its tip
+        bend = shapely.LineString(tip.points[len(tip.path) - 1 :])
         obstacles["the crack's own bend"] = shapely.distance(place, bend)
     reach = min(obstacles.values())  # what lies farther away does not count
     for number in cover.crack_tree.query(place, predicate="dwithin", distance=reach):
-        if number != index:
+        if number != tip.crack:
             line = cover.crack_tree.geometries[number]
             obstacles[f"crack '{cover.cracks[number].name}'"] = shapely.distance(place, line)
     sides = cover.outline_tree.geometries[cover.outline_tree.query(place, predicate="dwithin", distance=reach)]

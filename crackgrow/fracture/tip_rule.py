@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.cover.tips import Tip, crack_angle
+from crackgrow.cover.tips import TipView, crack_angle
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.quadrature.rules import gauss
 
@@ -18,7 +18,7 @@ N_ANGULAR = 24
 """Least number of points on a circle, from face to face."""
 
 ANGULAR_DENSITY = 10
-"""Points on a circle per spacing of the largest radius: the stress ripples from tile to tile."""
+"""Points on a circle per spacing of the largest radius: the stress ripples from element to element."""
 
 FACE_PANEL = 0.25
 """Length of a panel on the faces, spacings, at the tip in terms of the square root."""
@@ -44,7 +44,7 @@ class Circles:
         """Polar coordinates (c a,) of all points."""
         return np.repeat(self.r, self.t.shape[1]), self.t.ravel()
 
-    def points(self, tip: Tip) -> Floats:
+    def points(self, tip: TipView) -> Floats:
         """All points (c a, 2), in lattice coordinates."""
         r, t = self.polar
         return np.asarray(tip.point + np.stack([r * np.cos(t), r * np.sin(t)], axis=1) @ tip.rotation)
@@ -70,7 +70,7 @@ class TipRule:
     faces: FaceLine
 
 
-def tip_rule(tip: Tip, radii: Floats) -> TipRule:
+def tip_rule(tip: TipView, radii: Floats) -> TipRule:
     """The rule of discs with increasing `radii` (n,) round a tip."""
     return TipRule(radii, _circles(tip, radii), _face_line(tip, radii))
 
@@ -85,7 +85,7 @@ def weighted_by_cone(r: Floats, weight: Floats, values: Floats, radii: Floats) -
     return np.asarray((weight * np.maximum(1.0 - r / radii[:, None], 0.0)) @ values.T)
 
 
-def _circles(tip: Tip, radii: Floats) -> Circles:
+def _circles(tip: TipView, radii: Floats) -> Circles:
     stops = np.concatenate([[0.0], tip.radii[tip.radii < radii[-1]], radii, np.arange(1.0, radii[-1])])
     r, weight = _panels_from_tip(stops, N_RADIAL)
     x, w = gauss(max(N_ANGULAR, int(np.ceil(ANGULAR_DENSITY * r.max()))))
@@ -93,7 +93,7 @@ def _circles(tip: Tip, radii: Floats) -> Circles:
     return Circles(r, weight, t, 2.0 * np.pi * w)
 
 
-def _face_line(tip: Tip, radii: Floats) -> FaceLine:
+def _face_line(tip: TipView, radii: Floats) -> FaceLine:
     arcs = arc_lengths(tip.path)
     ends = _arc_at(tip, arcs, radii)
     stops = np.concatenate([arcs[arcs < ends[-1]], ends, np.arange(0.0, ends[-1], FACE_PANEL)])
@@ -115,7 +115,7 @@ def _panels_from_tip(stops: Floats, n: int) -> tuple[Floats, Floats]:
     return root**2, 2.0 * root * weight
 
 
-def _arc_at(tip: Tip, arcs: Floats, r: Floats) -> Floats:
+def _arc_at(tip: TipView, arcs: Floats, r: Floats) -> Floats:
     """Arc length (n,) at which the crack leaves the circle of radius r (n,)."""
     alpha = crack_angle(tip, r)
     at = r[:, None] * np.stack([np.cos(alpha), np.sin(alpha)], axis=1)

@@ -17,6 +17,7 @@ import shapely
 from crackgrow.arrays import Bools, Floats
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
+from crackgrow.cover.tips import Tip
 from crackgrow.quadrature.rules import gauss
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import stress_at
@@ -53,10 +54,10 @@ def tip_fields(
     """Stress round the `tips` of the cover within `radius` (m); `u` (n_dofs,) m."""
     fields = []
     for first in range(0, len(tips), TIPS_AT_ONCE):
-        some = tips[first : first + TIPS_AT_ONCE]
+        some = [cover.tips[tip] for tip in tips[first : first + TIPS_AT_ONCE]]
         rules = [_rule(cover, tip, radius) for tip in some]
-        points = np.concatenate([rule.points(cover.tips[tip].point) for tip, rule in zip(some, rules, strict=True)])
-        body = np.repeat([_body(cover, tip) for tip in some], N_RAYS * N_RADIAL)
+        points = np.concatenate([rule.points(tip.point) for tip, rule in zip(some, rules, strict=True)])
+        body = np.repeat([tip.body for tip in some], N_RAYS * N_RADIAL)
         elements = locate(cover.lattice, cover.elements, points, body)
         inside = elements >= 0
         stress = np.zeros((len(points), 3))
@@ -81,9 +82,8 @@ class _Rule:
         return np.asarray((tip + self.toward[:, None] * self.r[None, :, None]).reshape(-1, 2))
 
 
-def _rule(cover: Cover, tip: int, radius: float) -> _Rule:
-    rotation = cover.tips[tip].rotation
-    direction = float(np.arctan2(rotation[0, 1], rotation[0, 0]))
+def _rule(cover: Cover, tip: Tip, radius: float) -> _Rule:
+    direction = float(np.arctan2(tip.rotation[0, 1], tip.rotation[0, 0]))
     angles = np.pi * (2.0 * np.arange(N_RAYS) + 1.0 - N_RAYS) / N_RAYS
     x, w = gauss(N_RADIAL)
     r = x**2 * radius / cover.lattice.spacing  # r^(-1/2) dr is a polynomial in x
@@ -91,7 +91,7 @@ def _rule(cover: Cover, tip: int, radius: float) -> _Rule:
     return _Rule(direction, angles, toward, r, 2.0 * x * w)  # area / distance = dr dt
 
 
-def _averaged(cover: Cover, tip: int, rule: _Rule, inside: Bools, values: Floats) -> TipField:
+def _averaged(cover: Cover, tip: Tip, rule: _Rule, inside: Bools, values: Floats) -> TipField:
     """The field of a tip from the stress `values` (n, 3) at the points of its rule that are `inside` (n,)."""
     stress = values.reshape(N_RAYS, -1, 3)
     weights = inside.reshape(N_RAYS, -1) * rule.weight
@@ -105,15 +105,9 @@ def _averaged(cover: Cover, tip: int, rule: _Rule, inside: Bools, values: Floats
     return TipField(rule.direction, rule.angles, rays, mean)
 
 
-def _body(cover: Cover, tip: int) -> int:
-    """The body that a tip lies in."""
-    crack, at_end = cover.tip_ends[tip]
-    return int(cover.elements.body[cover.elements.lines[crack].plus[-1 if at_end else 0]])
-
-
-def _in_sight(cover: Cover, tip: int, rule: _Rule) -> Bools:
+def _in_sight(cover: Cover, tip: Tip, rule: _Rule) -> Bools:
     """Which points (rays, points on a ray) of a rule a straight line from the tip reaches without crossing a crack."""
-    start, reach = cover.tips[tip].point, rule.r[-1]
+    start, reach = tip.point, rule.r[-1]
     near = np.sort(cover.crack_tree.query(shapely.box(*(start - reach), *(start + reach))))
     paths = [cover.cracks[number].points for number in near.tolist()]
     x, y = (np.concatenate([path[:-1] for path in paths]) - start).T

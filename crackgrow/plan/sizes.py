@@ -65,10 +65,10 @@ def sizes_of(case: Case) -> Sizes:
     return Sizes(
         n_dofs=cover.n_dofs,
         n_patches=len(cover.patch_nodes),
-        n_singular=sum(int(np.count_nonzero(first >= 0)) for first in cover.tip_function_ids),
+        n_singular=sum(len(tip.patches) for tip in cover.tips),
         n_tips=len(cover.tips),
-        n_elements=len(cover.functions),
-        n_pairs=int((np.count_nonzero(cover.functions >= 0, axis=1) ** 2).sum()),
+        n_elements=cover.elements.n,
+        n_pairs=int((cover.patches.of_element.counts**2).sum()),
         n_contact=len(faces.surface),
         n_multipliers=len(held.given),
         surfaces=surfaces,

@@ -1,7 +1,6 @@
 """Quadrature points of the manifold elements, in lattice coordinates.
 
-Plain elements, which are rectangles without singular patches, share one rule and are not listed here: those alike in
-shape, at the same place of their cell, have the same element matrix. Polygons are cut into triangles; round a tip the
+Plain elements share one rule and are not listed here (`plain_kinds`). Polygons are cut into triangles; round a tip the
 triangles have their apex at it, and those near it are halved until they are small by their distance from it.
 """
 
@@ -15,9 +14,10 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.enrichment import TipsOf
 from crackgrow.geometry.arrangement import as_numbers, ring_vertices
+from crackgrow.quadrature.plain_kinds import rectangles
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
+from crackgrow.ragged import Ragged
 from crackgrow.vectors import cross
 
 LARGEST = 2.0
@@ -42,71 +42,11 @@ class ElementPoints:
     element: Ints  # (n,)
 
 
-def plain_elements(cover: Cover) -> Bools:
-    """Which elements are rectangles with four edges, none on a surface, and without tip functions: (elements,)."""
-    elements = cover.elements
-    step = elements.vertices[elements.ring_end] - elements.vertices[elements.ring_start]
-    slanted = np.all(step != 0.0, axis=1)
-    plain = np.bincount(elements.ring_element, minlength=elements.n) == 4
-    plain[elements.ring_element[slanted]] = False
-    beside = np.concatenate([elements.edges.left[cover.touching], elements.edges.right[cover.touching]])
-    plain[beside[beside >= 0]] = False
-    plain &= ~cover.enrichment.tips.any & (cover.crumbs.of_element < 0)
-    return np.asarray(plain)
-
-
-def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:
-    """Lower left corners (n, 2) and sizes (n, 2) of plain elements (n,)."""
-    all_corners = cover.elements.vertices[cover.elements.ring_start]
-    corners = all_corners[np.searchsorted(cover.elements.ring_element, elements)[:, None] + np.arange(4)]
-    low = corners.min(axis=1)
-    return low, corners.max(axis=1) - low
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlainKind:
-    """Plain elements with the same element matrix: alike in shape, in the patches over them and in place in a cell."""
-
-    elements: Ints  # (n,)
-    body: int
-    low: Floats  # (2,) lower left corner in the unit cell
-    size: Floats  # (2,)
-    covers: Bools  # (window,) which nodes of the window have a patch here
-
-
-def plain_kinds(cover: Cover) -> list[PlainKind]:
-    """All kinds of plain elements."""
-    elements, per_cell = np.flatnonzero(plain_elements(cover)), len(cover.lattice.breaks) - 1
-    if not len(elements):
-        return []
-    body, covers = cover.elements.body[elements], cover.functions[elements] >= 0
-    pattern = np.unique(np.packbits(covers, axis=1).view(f"V{-(-covers.shape[1] // 8)}"), return_inverse=True)[
-        1
-    ].ravel()
-    tile = cover.elements.tile[elements]
-    part = (tile[:, 0] % per_cell) * per_cell + tile[:, 1] % per_cell
-    whole = int(np.searchsorted(elements, cover.elements.n_whole))  # those before are alike in one part of their cells
-    alike = np.concatenate([part[:whole], per_cell**2 + np.arange(len(elements) - whole)])
-    alike = (alike * (int(body.max()) + 1) + body) * (int(pattern.max()) + 1) + pattern
-    _, first, group = np.unique(alike, return_index=True, return_inverse=True)
-    low, size = rectangles(cover, elements[first])
-    low = low - tile[first] // per_cell
-    kinds = np.column_stack([low, size, body[first], pattern[first]])
-    _, example, kind = np.unique(kinds, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(kind.ravel()[group], kind="stable")
-    ends = np.cumsum(np.bincount(kind.ravel()[group]))
-    members = np.split(elements[order], ends[:-1])
-    return [
-        PlainKind(mine, int(body[first[at]]), low[at], size[at], covers[first[at]])
-        for mine, at in zip(members, example.tolist(), strict=True)
-    ]
-
-
 def element_points(cover: Cover, n: int) -> ElementPoints:
     """Points of all elements that are not plain; `n` Gauss points per direction, more where tip functions act."""
-    enriched = cover.enrichment.tips.any
+    enriched = cover.enrichment.acted_on
     n_whole = cover.elements.n_whole
-    cut = np.flatnonzero(~plain_elements(cover)[n_whole:])
+    cut = np.flatnonzero(~cover.plain[n_whole:])
     corners, owner = _triangles(cover.elements.polygons[cut])
     owner = cut[owner] + n_whole
     more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
@@ -183,7 +123,7 @@ def _tip_first(corners: Floats, tips: Floats) -> tuple[Bools, Floats]:
     return np.asarray(is_tip.any(axis=1)), turned
 
 
-def _halved(corners: Floats, owner: Ints, tips: Floats, acting: TipsOf) -> tuple[Floats, Ints]:
+def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged) -> tuple[Floats, Ints]:
     """Halve triangles across their longest side until all are small by their distance from their tips.
 
     Halving the longest side keeps needles, which a crack close to a lattice line leaves, from being cut lengthwise.
@@ -194,8 +134,8 @@ def _halved(corners: Floats, owner: Ints, tips: Floats, acting: TipsOf) -> tuple
         longest = np.argmax(sides, axis=1)
         size = sides.max(axis=1)
         distance = np.full(len(corners), np.inf)
-        which, pair = acting.of(owner)
-        np.minimum.at(distance, which, _distance(corners[which], tips[acting.tip[pair]]))
+        which, pair = acting.places(owner)
+        np.minimum.at(distance, which, _distance(corners[which], tips[acting.values[pair]]))
         large = (size > LARGEST * distance) & (size > NEAREST)
         done_corners.append(corners[~large])
         done_owner.append(owner[~large])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.cover.cover import Cover
-from crackgrow.quadrature.elements import ElementPoints, element_points, plain_kinds
+from crackgrow.quadrature.elements import ElementPoints, element_points
+from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rules import square
 
 
@@ -15,8 +16,7 @@ def all_points(cover: Cover, n: int) -> ElementPoints:
     points, weights, elements = [cut.points], [cut.weights], [cut.element]
     local, weight = square(n)
     for kind in plain_kinds(cover):
-        cell = cover.elements.tile[kind.elements] // (len(cover.lattice.breaks) - 1)
-        points.append(((cell + kind.low)[:, None] + local * kind.size).reshape(-1, 2))
+        points.append(((cover.elements.cell[kind.elements] + kind.low)[:, None] + local * kind.size).reshape(-1, 2))
         weights.append(np.tile(weight * kind.size.prod(), len(kind.elements)))
         elements.append(np.repeat(kind.elements, len(weight)))
     return ElementPoints(np.concatenate(points), np.concatenate(weights), np.concatenate(elements))

@@ -13,10 +13,9 @@ import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.enrichment import TipsOf, list_starts
 from crackgrow.geometry.tolerance import ON_LINE
-from crackgrow.quadrature.elements import plain_elements
 from crackgrow.quadrature.lines import on_edges, on_edges_with_tips
+from crackgrow.ragged import Ragged, by_row
 
 POINTS_PER_EDGE = 4
 """Gauss points on an edge of the arrangement, exact to degree 7: that of the functions at support 2 is lower."""
@@ -46,7 +45,7 @@ class RimPoints:
 def rim_points(cover: Cover) -> RimPoints:
     """Points on the rims of all elements that are not plain."""
     elements, edges = cover.elements, cover.elements.edges
-    cut = np.append(~plain_elements(cover), [False])  # the last entry serves the index -1
+    cut = np.append(~cover.plain, [False])  # the last entry serves the index -1
     parts = []
     for touching, n in ((False, (POINTS_PER_EDGE, POINTS_PER_PIECE)), (True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES))):
         chosen = np.flatnonzero((cut[edges.left] | cut[edges.right]) & (cover.touching == touching))
@@ -64,13 +63,13 @@ def rim_points(cover: Cover) -> RimPoints:
     return RimPoints(points[order], normals[order], element[order])
 
 
-def rectangle_rim(low: Floats, size: Floats) -> tuple[Floats, Floats]:
-    """Points (n, 2) on the rim of a rectangle from corner `low` (2,) of `size` (2,), and their normals (n, 2)."""
-    corners = low + size * np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
+def rectangle_rim(size: Floats) -> tuple[Floats, Floats]:
+    """Points (n, 2) on the rim of a rectangle of `size` (2,), as shares of it from a corner, and normals (n, 2)."""
+    corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)])
     position, weights = on_edges(4, POINTS_PER_EDGE)
     step = np.diff(corners, axis=0)
     points = corners[:-1, None] + position[:, :, None] * step[:, None]
-    normals = weights[:, :, None] * np.stack([step[:, 1], -step[:, 0]], axis=1)[:, None]
+    normals = weights[:, :, None] * (np.stack([step[:, 1], -step[:, 0]], axis=1) * size[::-1])[:, None]
     return points.reshape(-1, 2), normals.reshape(-1, 2)
 
 
@@ -91,13 +90,13 @@ def points_on_outlines(cover: Cover, ends: Floats, element: Ints, edge: Ints) ->
 
 
 def points_on_edges(
-    cover: Cover, ends: Floats, acting: TipsOf, n: int = POINTS_PER_EDGE, n_enriched: int = POINTS_PER_PIECE
+    cover: Cover, ends: Floats, acting: Ragged, n: int = POINTS_PER_EDGE, n_enriched: int = POINTS_PER_PIECE
 ) -> tuple[Ints, Floats, Floats]:
     """Points on edges `ends` (m, 2, 2) on which the functions of the tips `acting` on them act.
 
     Returns the edge (n,), sorted, position (n, 2) and length (n,), in spacings, of every point.
     """
-    smooth = np.flatnonzero(~acting.any)
+    smooth = np.flatnonzero(acting.counts == 0)
     parts = [_flat(smooth, np.zeros(len(smooth)), np.ones(len(smooth)), *on_edges(len(smooth), n))]
     if len(smooth) < len(ends):
         owner, start, size, tip_at_start, tip_at_end = _halved(cover, ends, acting)
@@ -109,7 +108,7 @@ def points_on_edges(
     return edge, ends[edge, 0] + position[:, None] * step, share * _norm(step)
 
 
-def _tips_on_edges(cover: Cover, left: Ints, right: Ints, passable: Bools) -> TipsOf:
+def _tips_on_edges(cover: Cover, left: Ints, right: Ints, passable: Bools) -> Ragged:
     """The tips that act on edges (m,) between elements `left` and `right` (m,), -1 for none.
 
     Functions of only one of two neighbours vanish on the edge between them if it is `passable` (m,).
@@ -118,12 +117,12 @@ def _tips_on_edges(cover: Cover, left: Ints, right: Ints, passable: Bools) -> Ti
     found = []
     for element in (left, right):
         there = np.flatnonzero(element >= 0)
-        which, pair = acting.of(element[there])
-        found.append(there[which] * n_tips + acting.tip[pair])
+        which, pair = acting.places(element[there])
+        found.append(there[which] * n_tips + acting.values[pair])
     pairs, sides = np.unique(np.concatenate(found), return_counts=True)
     edge, tip = np.divmod(pairs, n_tips)
     seen = (sides == 2) | ~passable[edge]
-    return TipsOf(list_starts(edge[seen], len(left)), tip[seen])
+    return by_row(edge[seen], tip[seen], len(left))
 
 
 def _flat(owner: Ints, start: Floats, size: Floats, x: Floats, w: Floats) -> tuple[Ints, Floats, Floats]:
@@ -132,21 +131,21 @@ def _flat(owner: Ints, start: Floats, size: Floats, x: Floats, w: Floats) -> tup
     return np.repeat(owner, x.shape[1]), position.ravel(), (size[:, None] * w).ravel()
 
 
-def _halved(cover: Cover, ends: Floats, acting: TipsOf) -> tuple[Ints, Floats, Floats, Bools, Bools]:
+def _halved(cover: Cover, ends: Floats, acting: Ragged) -> tuple[Ints, Floats, Floats, Bools, Bools]:
     """Halve the edges (m, 2, 2) that tip functions act on until all pieces are short by their distance from the tips.
 
     Returns edge, start and size (as fractions of the edge) and whether a tip is at the start or at the end.
     """
     tips = np.array([tip.point for tip in cover.tips])
-    owner = np.flatnonzero(acting.any)
+    owner = np.flatnonzero(acting.counts > 0)
     start, size = np.zeros(len(owner)), np.ones(len(owner))
     done = []
     while len(owner):
         whole = (ends[:, 1] - ends[:, 0])[owner]
         first, step = ends[owner, 0] + start[:, None] * whole, size[:, None] * whole
         length = _norm(step)
-        piece, pair = acting.of(owner)
-        offset, along = tips[acting.tip[pair]] - first[piece], step[piece]
+        piece, pair = acting.places(owner)
+        offset, along = tips[acting.values[pair]] - first[piece], step[piece]
         share = np.clip(np.sum(offset * along, axis=1) / length[piece] ** 2, 0.0, 1.0)
         distance = _norm(offset - share[:, None] * along)
         at_start, at_end = _norm(offset) < ON_LINE, _norm(offset - along) < ON_LINE

@@ -262,7 +262,7 @@ def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> li
 def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
     """Physical patches next to the contact points."""
     elements = np.concatenate([faces.nodes.plus, faces.nodes.minus])
-    return np.unique(cover.functions[elements[elements >= 0]])
+    return np.unique(cover.patches.of_element.taken(elements[elements >= 0]).values)
 
 
 def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -> ContactLaw:
@@ -307,5 +307,5 @@ def _place_of(cover: Cover, function: int) -> Floats:
     """The node of a physical patch (2,), or the tip that a singular function belongs to, in lattice coordinates."""
     if function < len(cover.patch_nodes):
         return np.asarray(cover.patch_nodes[function])
-    of_tip = [int(ids.max(initial=-1)) for ids in cover.tip_function_ids]
-    return cover.tips[int(np.searchsorted(of_tip, function - 3))].point
+    first = [tip.first_function for tip in cover.tips]
+    return cover.tips[int(np.searchsorted(first, function, side="right")) - 1].point

@@ -39,8 +39,8 @@ def _face_forces(solution: StepSolution, surface: int) -> Floats:
 
 def _resultant(cover: Cover, forces: Floats, body: int) -> tuple[float, float]:
     """Sum of forces (n_dofs,) on a body: over its patches' own functions, which add up to one everywhere."""
-    patches = np.unique(cover.functions[cover.elements.body == body])
-    x, y = forces.reshape(-1, 2)[patches[patches >= 0]].sum(axis=0)
+    patches = np.unique(cover.patches.of_element.taken(np.flatnonzero(cover.elements.body == body)).values)
+    x, y = forces.reshape(-1, 2)[patches].sum(axis=0)
     return float(x), float(y)
 
 

@@ -15,13 +15,13 @@ from hashlib import blake2b
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import functions_on
+from crackgrow import ragged
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.enrichment import entries, list_starts
-from crackgrow.cover.tips import Tip, reach_of_tips
-from crackgrow.quadrature.elements import element_points, plain_elements
+from crackgrow.cover.tips import TipView, reach_of_tips
+from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
+from crackgrow.ragged import Ragged, by_row, starts_of
 from crackgrow.solid.elasticity import PlaneElasticity
 
 BLOCK = 4
@@ -37,90 +37,90 @@ class Points:
     weights: Floats  # (n, ...) inside: weights, squared spacings; on the rim: outward normal times length (n, 2)
     element: Ints  # (n,)
 
+    def of_elements(self, places: Ints) -> Points:
+        """Those of some elements (m,), in their order."""
+        _, at = ragged.places(self.start, places)
+        start = starts_of(np.diff(self.start)[places])
+        return Points(start, self.points[at], self.weights[at], self.element[at])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clusters:
     """All clusters.
 
-    Cluster c has `elements[start[c] : start[c + 1]]` and `functions[c]`, of which those at the places
-    `local[local_start[e] : local_start[e + 1]]` act on the element at place e of `elements`.
+    Cluster c has the elements `elements.of(c)` and `functions[c]`, of which those at the places `local.of(e)` act on
+    the element at place e of `elements.values`.
     """
 
-    start: Ints  # (clusters + 1,)
-    elements: Ints  # (m,)
+    elements: Ragged  # clusters -> their elements, m in all
     functions: tuple[Ints, ...]  # (clusters,) of (k,), ascending
-    local_start: Ints  # (m + 1,)
-    local: Ints
+    local: Ragged  # (m) -> places of an element's functions among those of its cluster
     inside: Points
     rim: Points
 
     def span(self, cluster: int) -> slice:
-        """The places of a cluster's elements in `elements`."""
-        return slice(int(self.start[cluster]), int(self.start[cluster + 1]))
+        """The places of a cluster's elements in `elements.values`."""
+        return slice(int(self.elements.start[cluster]), int(self.elements.start[cluster + 1]))
 
     def local_of(self, cluster: int) -> Ints:
         """The places among its functions of those of a cluster's elements, one element after the other."""
-        return self.local[self.local_start[self.start[cluster]] : self.local_start[self.start[cluster + 1]]]
+        mine = self.span(cluster)
+        return self.local.values[self.local.start[mine.start] : self.local.start[mine.stop]]
 
 
 def clusters_of(cover: Cover, n: int) -> Clusters:
     """The clusters of a cover and their quadrature points, `n` Gauss points per direction."""
-    elements, start = _gathered(cover)
-    local_start, ids = functions_on(cover, elements)
-    owner = np.repeat(np.arange(len(start) - 1), np.diff(local_start[start]))
-    pairs, place = np.unique(owner * cover.n_functions + ids, return_inverse=True)
+    elements = _gathered(cover)
+    on = cover.functions_on(elements.values)
+    owner = np.repeat(np.arange(elements.n), np.diff(on.start[elements.start]))
+    pairs, place = np.unique(owner * cover.n_functions + on.values, return_inverse=True)
     cluster, function = np.divmod(pairs, max(cover.n_functions, 1))
-    first = list_starts(cluster, len(start) - 1)
-    inside, rim = element_points(cover, n), rim_points(cover)
-    spacing = cover.lattice.spacing
+    functions = by_row(cluster, function, elements.n)
+    inside, rim, spacing = element_points(cover, n), rim_points(cover), cover.lattice.spacing
+    inside_start, rim_start = (np.searchsorted(some.element, np.arange(cover.elements.n + 1)) for some in (inside, rim))
     return Clusters(
-        start,
         elements,
-        tuple(np.split(function, first[1:-1])),
-        local_start,
-        place - first[owner],
-        _in_order(elements, cover.elements.n, inside.points, inside.weights * spacing**2, inside.element),
-        _in_order(elements, cover.elements.n, rim.points, rim.normals * spacing, rim.element),
+        tuple(np.split(function, functions.start[1:-1])),
+        Ragged(on.start, place - functions.start[owner]),
+        Points(inside_start, inside.points, inside.weights * spacing**2, inside.element).of_elements(elements.values),
+        Points(rim_start, rim.points, rim.normals * spacing, rim.element).of_elements(elements.values),
     )
 
 
 def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity]) -> list[bytes]:
     """What the stiffness of each cluster depends on, hashed."""
-    elements, acting = clusters.elements, cover.enrichment.tips
+    elements, enrichment, patches = clusters.elements.values, cover.enrichment, cover.patches
     lattice, body = cover.lattice, cover.elements.body
     moduli = np.array([(material.c11, material.c12, material.c33) for material in materials])
-    _, pair = acting.of(elements)
-    pair_start = np.append(0, np.cumsum(np.diff(acting.start)[elements]))
-    _, entry = entries(cover.enrichment.start, pair)
-    patch_start = np.append(0, np.cumsum(cover.enrichment.n_patches[elements]))
-    n_patches, slot = np.diff(cover.enrichment.start)[pair], cover.enrichment.slot[entry]
-    covers, tile, reference = cover.functions[elements] >= 0, cover.elements.tile[elements], cover.elements.reference
-    reference = reference[elements]
-    crumb = cover.crumbs.of_element[elements]
+    tips = enrichment.tips.taken(elements)
+    _, pair = enrichment.tips.places(elements)
+    singular = enrichment.place.taken(pair)
+    over = patches.of_element.taken(elements)
+    cell, reference, in_crumb = cover.elements.cell[elements], cover.elements.reference[elements], patches.in_crumb
     geometry = [_geometry(tip, reach_of_tips(lattice.support)) for tip in cover.tips]
     inside, rim = clusters.inside, clusters.rim
     found = []
-    for cluster in range(len(clusters.start) - 1):
+    for cluster in range(clusters.elements.n):
         mine = clusters.span(cluster)
-        pairs, patches = (slice(start[mine.start], start[mine.stop]) for start in (pair_start, patch_start))
+        pairs, owned = (slice(start[mine.start], start[mine.stop]) for start in (tips.start, over.start))
         at, on = (slice(part.start[mine.start], part.start[mine.stop]) for part in (inside, rim))
         parts: list[NDArray[np.generic]] = [
             np.array([lattice.spacing, lattice.support, *moduli[body[elements[mine.start]]]]),
             np.diff(inside.start[mine.start : mine.stop + 1]),
             np.diff(rim.start[mine.start : mine.stop + 1]),
-            tile[mine],
-            covers[mine],
+            cell[mine],
             reference[mine],
+            over.counts[mine],
+            patches.nodes[over.values[owned]],
+            in_crumb[elements[mine]],
             clusters.local_of(cluster),
-            n_patches[pairs],
-            slot[patches],
-            crumb[mine] >= 0,
-            cover.crumbs.corners[crumb[mine][crumb[mine] >= 0]],
+            singular.counts[pairs],
+            singular.values[singular.start[pairs.start] : singular.start[pairs.stop]],
             inside.points[at],
             inside.weights[at],
             rim.points[on],
             rim.weights[on],
-            *(geometry[tip] for tip in np.unique(acting.tip[pair[pairs]])),
+            *(geometry[tip] for tip in np.unique(tips.values[pairs])),
         ]
         digest = blake2b(digest_size=20)
         for part in parts:
@@ -129,34 +129,23 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     return found
 
 
-def _gathered(cover: Cover) -> tuple[Ints, Ints]:
-    """The elements of all clusters (m,), and where those of each cluster begin (clusters + 1,).
-
-    Their order is that of their places: it is the same in every configuration.
-    """
-    cut = np.flatnonzero(~plain_elements(cover))
-    acting, parts = cover.enrichment.tips, len(cover.lattice.breaks) - 1
-    ends = acting.start.tolist()
-    block = (cover.elements.tile[cut] // (BLOCK * parts)).tolist()
+def _gathered(cover: Cover) -> Ragged:
+    """The elements of all clusters. Their order is that of their places: it is the same in every configuration."""
+    cut = np.flatnonzero(~cover.plain)
+    block = (cover.elements.cell[cut] // BLOCK).tolist()
+    ends = cover.enrichment.tips.start.tolist()
     x, y = cover.elements.reference[cut].T
     numbers: dict[tuple[object, ...], int] = {}
     cluster = np.empty(len(cut), dtype=np.int64)
     for place, (element, body) in enumerate(zip(cut.tolist(), cover.elements.body[cut].tolist(), strict=True)):
-        tips = acting.tip[ends[element] : ends[element + 1]].tolist()
+        tips = cover.enrichment.tips.values[ends[element] : ends[element + 1]].tolist()
         where = tuple(tips) if tips else (None, *block[place])
         cluster[place] = numbers.setdefault((body, where), len(numbers))
     order = np.lexsort((y, x, cluster))
-    return cut[order], list_starts(cluster[order], len(numbers))
+    return by_row(cluster[order], cut[order], len(numbers))
 
 
-def _in_order(elements: Ints, n_elements: int, points: Floats, weights: Floats, owner: Ints) -> Points:
-    """Points sorted by their `owner`, in the order of `elements`."""
-    start = list_starts(owner, n_elements)
-    _, at = entries(start, elements)
-    return Points(np.append(0, np.cumsum(np.diff(start)[elements])), points[at], weights[at], owner[at])
-
-
-def _geometry(tip: Tip, reach: float) -> Floats:
+def _geometry(tip: TipView, reach: float) -> Floats:
     """All that the functions of a tip depend on, as far as they are seen."""
     seen = int(np.searchsorted(tip.radii, reach)) + 1
     return np.concatenate([tip.point, tip.rotation.ravel(), tip.path[:seen].ravel(), tip.radii[:seen], [tip.fade]])

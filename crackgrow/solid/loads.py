@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crackgrow.approximation.basis import Values, values_at
-from crackgrow.approximation.mls import mls_values
+from crackgrow.approximation.basis import values_at
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Body, EdgeTraction, Gravity, InSituStress, Load
 from crackgrow.cover.cover import Cover
-from crackgrow.quadrature.elements import element_points, plain_kinds
+from crackgrow.quadrature.elements import element_points
+from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.supports import body_index, edge_points
@@ -41,15 +41,7 @@ def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeTr
     edges = edge_points(cover, bodies, [load.region for load in loads])
     points, elements = (np.concatenate(arrays) for arrays in zip(*((e.points, e.elements) for e in edges), strict=True))
     forces = [edge.lengths[:, None] * np.asarray(load.traction) for edge, load in zip(edges, loads, strict=True)]
-    return _weighted_sum(values_at(cover, points, elements), np.concatenate(forces), cover.n_functions)
-
-
-def _weighted_sum(basis: Values, weights: Floats, n_functions: int) -> Floats:
-    """Sums (n_functions, m) over points of the values of every function times `weights` (n, m) of the points."""
-    used = basis.ids >= 0
-    ids, point = basis.ids[used], np.nonzero(used)[0]
-    values = basis.values[used]
-    return np.stack([np.bincount(ids, values * w[point], minlength=n_functions) for w in weights.T], axis=1)
+    return np.asarray(values_at(cover, points, elements).values().T @ np.concatenate(forces))
 
 
 def _rim_tractions(cover: Cover, body: int, stress: Floats) -> Floats:
@@ -67,7 +59,7 @@ def _rim_tractions(cover: Cover, body: int, stress: Floats) -> Floats:
     xx, yy, xy = stress
     traction = outward[edge] @ np.array([[xx, xy], [xy, yy]])
     forces = length[:, None] * cover.lattice.spacing * traction
-    return _weighted_sum(values_at(cover, points, element[edge]), forces, cover.n_functions)
+    return np.asarray(values_at(cover, points, element[edge]).values().T @ forces)
 
 
 def _volume_of_functions(cover: Cover, body: int, n: int) -> Floats:
@@ -77,12 +69,11 @@ def _volume_of_functions(cover: Cover, body: int, n: int) -> Floats:
     local, weights = square(n)
     for kind in plain_kinds(cover):
         if kind.body == body:
-            phi = mls_values(kind.low + local * kind.size, lattice.support, lattice.reach)[:, kind.covers]
-            share = weights @ phi * kind.size.prod()
-            ids = cover.functions[kind.elements][:, kind.covers]
-            np.add.at(total, ids, np.broadcast_to(share, ids.shape))
+            phi, _ = kind.functions(lattice, local)
+            functions = kind.patches(cover)
+            np.add.at(total, functions, np.broadcast_to(phi @ weights * kind.size.prod(), functions.shape))
     points = element_points(cover, n)
     mine = cover.elements.body[points.element] == body
     values = values_at(cover, points.points[mine], points.element[mine])
-    total += _weighted_sum(values, points.weights[mine, None], cover.n_functions)[:, 0]
+    total += values.values().T @ points.weights[mine]
     return total * lattice.spacing**2

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crackgrow.approximation.field import field_gradients, field_values
+from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -14,12 +14,12 @@ from crackgrow.solid.elasticity import PlaneElasticity
 
 def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
     """Displacement (n, 2) m at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
-    return field_values(cover, u.reshape(-1, 2), points, elements)
+    return np.asarray(values_at(cover, points, elements).field(u.reshape(-1, 2))[0])
 
 
 def gradient_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
     """Displacement gradient du_c/dx_d (n, 2, 2) [point, c, d] at points (n, 2), in lattice coordinates."""
-    return field_gradients(cover, u.reshape(-1, 2), points, elements)
+    return np.asarray(basis_at(cover, points, elements).field(u.reshape(-1, 2))[1:].transpose(1, 2, 0))
 
 
 def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:

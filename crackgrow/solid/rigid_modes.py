@@ -179,8 +179,7 @@ def _pieces(cover: Cover) -> tuple[list[Ints], list[Ints]]:
     label = connected(cover.elements.n, edges.left[passable], edges.right[passable])
     order = np.argsort(label, kind="stable")
     elements = np.split(order, np.cumsum(np.bincount(label))[:-1])
-    patches = (np.unique(cover.functions[some]) for some in elements)
-    return [some[some >= 0] for some in patches], elements
+    return [np.unique(cover.patches.of_element.taken(some).values) for some in elements], elements
 
 
 def rigid_motions(cover: Cover, functions: Ints) -> csc_array:

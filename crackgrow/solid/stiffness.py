@@ -18,14 +18,13 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from crackgrow.approximation.basis import basis_at, values_at
-from crackgrow.approximation.mls import mls, mls_values
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tips import N_TIP_FUNCTIONS
 from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, half, sum_of
-from crackgrow.quadrature.elements import PlainKind, plain_kinds
+from crackgrow.quadrature.plain_kinds import PlainKind, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square
+from crackgrow.ragged import starts_of
 from crackgrow.solid.clusters import Clusters, clusters_of, keys
 from crackgrow.solid.elasticity import PlaneElasticity
 
@@ -69,7 +68,7 @@ def stiffness_after(
         name = plain_key(cover, kind, materials[kind.body], n)
         ready = None if before is None else before.plain.get(name)
         plain[name] = _plain(cover, kind, materials[kind.body], n) if ready is None else ready
-        elements.append(EqualElements(cover.functions[kind.elements][:, kind.covers], plain[name], name))
+        elements.append(EqualElements(kind.patches(cover), plain[name], name))
     return Stiffness(SymmetricMatrix(tuple(elements), rest), matrices, plain, len(new))
 
 
@@ -103,52 +102,44 @@ def _elastic(material: PlaneElasticity, xx: Floats, xy: Floats, yx: Floats, yy: 
 def plain_key(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> bytes:
     """All that the matrix of a kind of plain elements depends on."""
     moduli = (material.c11, material.c12, material.c33)
-    return np.array([cover.lattice.support, *moduli, n, *kind.low, *kind.size, *kind.covers]).tobytes()
+    return np.array([cover.lattice.support, *moduli, n, *kind.low, *kind.size, *kind.slots]).tobytes()
 
 
 def _plain(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> Floats:
     """The element matrix (2 k, 2 k) of a kind of plain elements, function by function."""
-    lattice = cover.lattice
-    local, weights = square(n)
+    share, weights = square(n)
     area = weights * kind.size.prod()
-    _, gradients = mls(kind.low + local * kind.size, lattice.support, lattice.reach)
-    rim, normals = rectangle_rim(kind.low, kind.size)
-    rim_values = mls_values(rim, lattice.support, lattice.reach).T
-    gradients = consistent(gradients.transpose(2, 1, 0), area, rim_values, normals)
-    matrix = element_matrix(material, gradients[:, kind.covers], area)
+    _, gradients = kind.functions(cover.lattice, share)
+    rim, normals = rectangle_rim(kind.size)
+    rim_values, _ = kind.functions(cover.lattice, rim)
+    matrix = element_matrix(material, consistent(gradients, area, rim_values, normals), area)
     return matrix.reshape(2 * len(matrix), -1)
 
 
 def _integrated(
     cover: Cover, materials: Sequence[PlaneElasticity], clusters: Clusters, chosen: Sequence[int]
 ) -> Iterator[tuple[int, HalfMatrix]]:
-    """The matrices of the clusters `chosen`; those with about as many functions share the evaluation of the basis."""
-    for batch in _batches(cover, clusters, chosen):
-        spans = [clusters.span(number) for number in batch]
-        inside, rim = clusters.inside, clusters.rim
-        at, on = (
-            np.concatenate([np.arange(part.start[span.start], part.start[span.stop]) for span in spans])
-            for part in (inside, rim)
+    """The matrices of the clusters `chosen`; they share the evaluation of the basis."""
+    for batch in _batches(clusters, chosen):
+        _, at = clusters.elements.places(np.array(batch))
+        inside, rim = clusters.inside.of_elements(at), clusters.rim.of_elements(at)
+        elements = zip(
+            basis_at(cover, inside.points, inside.element).by_element(np.diff(inside.start)),
+            np.split(inside.weights, inside.start[1:-1]),
+            values_at(cover, rim.points, rim.element).by_element(np.diff(rim.start)),
+            np.split(rim.weights, rim.start[1:-1]),
+            strict=True,
         )
-        basis = basis_at(cover, inside.points[at], inside.element[at])
-        values = values_at(cover, rim.points[on], rim.element[on]).values.T
-        gradients, weights, normals = basis.gradients.transpose(2, 1, 0), inside.weights[at], rim.weights[on]
-        point = rim_point = 0
-        for number, span in zip(batch, spans, strict=True):
-            k, local = len(clusters.functions[number]), clusters.local_of(number)
+        for number in batch:
+            k, span = len(clusters.functions[number]), clusters.span(number)
             places: list[Ints] = []
             terms: list[tuple[Floats, Floats, Floats]] = []
-            begin = 0
-            sizes = (np.diff(start[span.start : span.stop + 1]).tolist() for start in (inside.start, rim.start))
-            for n_inside, n_rim in zip(*sizes, strict=True):
-                used = np.flatnonzero(basis.ids[point] >= 0)
-                mine, begin = local[begin : begin + len(used)], begin + len(used)
-                these, those = slice(point, point + n_inside), slice(rim_point, rim_point + n_rim)
-                point, rim_point = these.stop, those.stop
-                own = consistent(gradients[:, used, these], weights[these], values[used, those], normals[those])
+            for place in range(span.start, span.stop):
+                basis, weights, (values,), normals = next(elements)
+                mine, own = clusters.local.of(place), consistent(basis[1:], weights, values, normals)
                 places.append((k * mine[:, None] + mine).ravel())
-                terms.append(products(own, weights[these]))
-            material = materials[cover.elements.body[clusters.elements[span.start]]]
+                terms.append(products(own, weights))
+            material = materials[cover.elements.body[clusters.elements.values[span.start]]]
             yield number, _half_of_sum(material, k, places, terms)
 
 
@@ -168,14 +159,11 @@ def _half_of_sum(
     return half(k, pairs, _elastic(material, xx[pairs], xy[pairs], xy[mirrored], yy[pairs]))
 
 
-def _batches(cover: Cover, clusters: Clusters, chosen: Sequence[int]) -> list[list[int]]:
-    """The clusters `chosen`, in batches of similar numbers of functions."""
+def _batches(clusters: Clusters, chosen: Sequence[int]) -> list[list[int]]:
+    """The clusters `chosen`, in batches."""
     numbers = np.array(chosen, dtype=np.int64)
     if len(numbers) == 0:
         return []
-    first, last = clusters.start[:-1], clusters.start[1:]
-    n_points = (clusters.inside.start[last] - clusters.inside.start[first])[numbers]
-    n_patches = np.maximum.reduceat(cover.enrichment.n_patches[clusters.elements], first)[numbers]
-    order = np.argsort(n_patches, kind="stable")
-    batch = np.cumsum((n_points * (cover.lattice.window + N_TIP_FUNCTIONS * n_patches))[order]) // BATCH
-    return [part.tolist() for part in np.split(numbers[order], np.flatnonzero(np.diff(batch)) + 1)]
+    n_values = starts_of(np.diff(clusters.inside.start) * clusters.local.counts)[clusters.elements.start]
+    batch = np.cumsum(np.diff(n_values)[numbers]) // BATCH
+    return [part.tolist() for part in np.split(numbers, np.flatnonzero(np.diff(batch)) + 1)]

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import block_diag, csr_array, vstack
 
-from crackgrow.approximation.basis import values_at
+from crackgrow.approximation.basis import of_component, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, EdgeSupport, PointSupport, Support
 from crackgrow.cover.cover import Cover
@@ -45,24 +45,18 @@ def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support
     averages = _averages(cover, bodies, [support for _, support in prescribing])
     values = _averaged_values(cover, averages)
     first = np.cumsum([0, *(average.n for average in averages)])
-    rows, given, owner, components = [], [], [], []
+    rows: list[csr_array] = []
+    given, owner, axes = [], [], []
     for (number, support), start, average in zip(prescribing, first[:-1], averages, strict=True):
         for component, displacement in enumerate(support.displacement):
             if displacement is not None:
-                rows.append(np.arange(start, start + average.n))
+                rows.append(of_component(values[start : start + average.n], component))
                 given.append(_prescribed(displacement, average, cover.lattice.to_metres(average.points)))
                 owner.append(np.full(average.n, number))
-                components.append(np.full(average.n, component))
-    axes = np.concatenate(components)
-    matrix = csr_array(values[np.concatenate(rows)])
-    columns = 2 * matrix.indices + np.repeat(axes, np.diff(matrix.indptr))
-    return Constraints(
-        csr_array((matrix.data, columns, matrix.indptr), shape=(len(axes), cover.n_dofs)),
-        np.concatenate(given),
-        np.concatenate(owner),
-        axes,
-        np.full(len(axes), -1),
-    )
+                axes.append(np.full(average.n, component))
+    matrix = csr_array(vstack(rows, format="csr"))
+    given_at, owners, axis = (np.concatenate(lists) for lists in (given, owner, axes))
+    return Constraints(matrix, given_at, owners, axis, np.full(len(axis), -1))
 
 
 def tied(constraints: Constraints, rows: csr_array, surface: Ints) -> Constraints:
@@ -115,21 +109,22 @@ def body_index(bodies: Sequence[Body], name: str) -> int:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Averages:
-    """Averages of values at points: n sums of terms, each a share of the value at a point."""
+    """Averages of values at points."""
 
-    n: int
-    row: Ints  # (terms,) the average that a term belongs to
-    point: Ints  # (terms,)
-    share: Floats  # (terms,)
+    shares: csr_array  # (n, p) of each point in each average
     points: Floats  # (p, 2) lattice coordinates
     elements: Ints  # (p,)
+
+    @property
+    def n(self) -> int:
+        """Number of averages."""
+        return int(self.shares.shape[0])
 
 
 def _prescribed(displacement: Component, average: _Averages, places: Floats) -> Floats:
     """Averages (n,) m of a prescribed displacement, whose points lie at `places` (p, 2) m."""
     if callable(displacement):
-        terms = average.share * displacement(places)[average.point]
-        return np.asarray(np.bincount(average.row, terms, minlength=average.n), dtype=np.float64)
+        return np.asarray(average.shares @ displacement(places))
     return np.full(average.n, displacement)
 
 
@@ -145,20 +140,8 @@ def _averages(cover: Cover, bodies: Sequence[Body], supports: Sequence[PointSupp
 
 def _averaged_values(cover: Cover, averages: Sequence[_Averages]) -> csr_array:
     """The averages (rows, n_functions) of the values of all functions."""
-    basis = values_at(
-        cover, np.concatenate([a.points for a in averages]), np.concatenate([a.elements for a in averages])
-    )
-    sizes = np.array([(a.n, len(a.points)) for a in averages])
-    start = np.cumsum(sizes, axis=0) - sizes
-    row, point = (
-        np.concatenate([part + first for part, first in zip(parts, firsts, strict=True)])
-        for parts, firsts in zip(([a.row for a in averages], [a.point for a in averages]), start.T, strict=True)
-    )
-    ids = basis.ids[point]
-    used = ids >= 0
-    shares = (np.concatenate([a.share for a in averages])[:, None] * basis.values[point])[used]
-    place = (np.broadcast_to(row[:, None], ids.shape)[used], ids[used])
-    return csr_array((shares, place), shape=(int(sizes[:, 0].sum()), cover.n_functions))
+    points, elements = (np.concatenate([getattr(a, name) for a in averages]) for name in ("points", "elements"))
+    return csr_array(block_diag([a.shares for a in averages], "csr") @ values_at(cover, points, elements).values())
 
 
 def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _Averages:
@@ -167,8 +150,7 @@ def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _A
     if element[0] < 0:
         x, y = support.point
         raise GeometryError(f"the support at ({x:g}, {y:g}) m lies outside of body '{support.body}'")
-    first = np.zeros(1, dtype=np.int64)
-    return _Averages(1, first, first, np.ones(1), at, element)
+    return _Averages(csr_array(np.ones((1, 1))), at, element)
 
 
 def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
@@ -180,4 +162,5 @@ def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
     rows, points = np.concatenate([left, left + 1]), np.tile(np.arange(len(left)), 2)
     weights = np.concatenate([(1.0 - share) * edge.lengths, share * edge.lengths])
     weights /= np.bincount(rows, weights, minlength=n_pieces + 1)[rows]
-    return _Averages(n_pieces + 1, rows, points, weights, edge.points, edge.elements)
+    shares = csr_array((weights, (rows, points)), shape=(n_pieces + 1, len(left)))
+    return _Averages(shares, edge.points, edge.elements)

@@ -27,7 +27,6 @@ import test_properties_patch_test as patch  # noqa: E402
 from crackgrow.case import load_case  # noqa: E402
 from crackgrow.cover.elements import locate  # noqa: E402
 from crackgrow.fracture.advance import GrowingCrack  # noqa: E402
-from crackgrow.quadrature.elements import plain_elements  # noqa: E402
 from crackgrow.quadrature.rims import RimPoints  # noqa: E402
 from crackgrow.run.judging import StepSolution  # noqa: E402
 from crackgrow.run.scene import make_scene  # noqa: E402
@@ -57,7 +56,7 @@ def correction(on: bool) -> Iterator[None]:
 
 
 def _no_rims(cover) -> RimPoints:
-    element = np.flatnonzero(~plain_elements(cover))
+    element = np.flatnonzero(~cover.plain)
     return RimPoints(cover.elements.reference[element], np.zeros((len(element), 2)), element)
 
 

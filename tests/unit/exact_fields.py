@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import value_matrix, values_at
+from crackgrow.approximation.basis import values_at
 from crackgrow.case.model import PointSupport
 from crackgrow.estimate.energy_norm import energy_density
 from crackgrow.quadrature.everywhere import all_points
@@ -28,7 +28,7 @@ def solved_under(sample: Sample, field: Field) -> Floats:
     outward = (np.stack([step[:, 1], -step[:, 0]], axis=1) / np.hypot(*step.T)[:, None])[edge]
     xx, yy, xy = field(sample.lattice.to_metres(points)).T
     traction = np.stack([xx * outward[:, 0] + xy * outward[:, 1], xy * outward[:, 0] + yy * outward[:, 1]], axis=1)
-    values = value_matrix(values_at(cover, points, outlines.element[edge]), cover.n_functions)
+    values = values_at(cover, points, outlines.element[edge]).values()
     loads = values.T @ (length[:, None] * sample.lattice.spacing * traction)
     corners = sample.body.outline
     held = (PointSupport("rock", corners[0], (0.0, 0.0)), PointSupport("rock", corners[1], (None, 0.0)))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import doctest
+import gc
 import html
 import json
 import subprocess
 import sys
+import weakref
 from collections.abc import Generator
 from pathlib import Path
 
@@ -82,6 +84,15 @@ def test_events_of_a_run_are_those_of_its_steps_and_of_its_end() -> None:
     assert run.status == "broke_through"
     assert set(run.events["kind"]) == {"break_through"}
     assert run.events["step"].max() == run.steps["step"].max() + len(run.end.events[:1])
+
+
+def test_a_cover_that_nobody_needs_is_let_go() -> None:
+    solution = crackgrow.solve(case("compression30", "growth.steps=0"))
+    cover = weakref.ref(solution._solved.cover)
+    assert cover() is not None
+    del solution
+    gc.collect()
+    assert cover() is None
 
 
 def test_solution_is_the_first_step_of_a_run(run: crackgrow.Run) -> None:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from crackgrow.approximation.basis import basis_at, functions_on, value_matrix, values_at
+from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.approximation.mls import mls
 from crackgrow.approximation.tip_functions import tip_functions
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import tip_angle
 from crackgrow.quadrature.elements import element_points
+from tests.unit.cover_tables import function_table, patch_table
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 
@@ -44,12 +43,12 @@ def test_gradients_of_all_functions_agree_with_differences(build, support: float
     basis = basis_at(sample.cover, points, elements)
     n = sample.cover.n_functions
     assert len(points) > 400
-    assert (value_matrix(basis, n).count_nonzero(axis=0) > 0).sum() > 0.9 * n  # nearly all functions are seen
+    assert (basis.values().count_nonzero(axis=0) > 0).sum() > 0.9 * n  # nearly all functions are seen
     step = 1e-6
     for axis in range(2):
-        exact = value_matrix(replace(basis, values=basis.gradients[:, :, axis]), n)
+        exact = basis.gradients()[axis]
         move = step * np.eye(2)[axis]
-        ahead, behind = (value_matrix(basis_at(sample.cover, points + s * move, elements), n) for s in (1, -1))
+        ahead, behind = (values_at(sample.cover, points + s * move, elements).values() for s in (1, -1))
         difference = (ahead - behind) / (2 * step * spacing)
         # step^2 times the third derivative r^-2.5 = 2e4 at r = 0.02: 2e-8; rounding 1e-16 / step
         assert np.abs(exact - difference).max() * spacing < 5e-8
@@ -61,7 +60,7 @@ def test_plain_functions_sum_to_one_and_reproduce_positions_everywhere(build, su
     sample = kinked(build, support)
     points = element_points(sample.cover, 2)
     n = len(sample.cover.patch_nodes)
-    values = value_matrix(basis_at(sample.cover, points.points, points.element), sample.cover.n_functions)[:, :n]
+    values = values_at(sample.cover, points.points, points.element).values()[:, :n]
     np.testing.assert_allclose(values.sum(axis=1), 1.0, rtol=1e-12)
     np.testing.assert_allclose(values @ sample.cover.patch_nodes, points.points, atol=1e-12)
 
@@ -73,13 +72,13 @@ def test_values_differ_on_the_faces_only_by_pieces_and_sines(build, support: flo
     edges = sample.cover.elements.lines[0]
     middles = edges.points.mean(axis=1)
     plus, minus = (basis_at(sample.cover, middles, side) for side in (edges.plus, edges.minus))
-    window = sample.lattice.window
-    np.testing.assert_allclose(plus.values[:, :window], minus.values[:, :window], atol=1e-14)
+    np.testing.assert_array_equal(plus.patches.start, minus.patches.start)
+    np.testing.assert_allclose(plus.phi[0], minus.phi[0], atol=1e-14)
     n_patches = len(sample.cover.patch_nodes)
-    first, second = (value_matrix(basis, sample.cover.n_functions).toarray() for basis in (plus, minus))
+    first, second = (basis.values().toarray() for basis in (plus, minus))
     np.testing.assert_allclose((first - second)[:, :n_patches].sum(axis=1), 0.0, atol=1e-13)
-    cut = plus.ids[:, :window] != minus.ids[:, :window]
-    assert cut.any(axis=1).sum() > 0.3 * len(middles)
+    cut = plus.patches.row[plus.patches.values != minus.patches.values]
+    assert len(np.unique(cut)) > 0.3 * len(middles)
 
 
 def test_faces_next_to_a_tip_share_the_patches_and_open_by_the_sines(build) -> None:
@@ -88,16 +87,14 @@ def test_faces_next_to_a_tip_share_the_patches_and_open_by_the_sines(build) -> N
     tip = sample.cover.tips[1]
     point = tip.point - (1e-3, 0.0)
     plus, minus = (
-        value_matrix(basis_at(sample.cover, point[None], side[-1:]), sample.cover.n_functions).toarray()[0]
-        for side in (edges.plus, edges.minus)
+        values_at(sample.cover, point[None], side[-1:]).values().toarray()[0] for side in (edges.plus, edges.minus)
     )
-    first = sample.cover.tip_function_ids[1]
-    phi = plus[: len(first)]
+    singular, first = tip.patches, tip.functions
+    phi = plus[: len(sample.cover.patch_nodes)]
     jump = plus - minus
-    singular = np.flatnonzero(first >= 0)
     r = 1e-3
     chi = (1 - (r / 2.5) ** 2) ** 2
-    four = jump[first[singular][:, None] + np.arange(4)]
+    four = jump[first[:, None] + np.arange(4)]
     np.testing.assert_allclose(four, np.outer(phi[singular], chi * np.sqrt(r) * np.array([0, 2, 0, -2])), atol=1e-13)
     assert phi[singular].sum() == pytest.approx(1.0, abs=1e-12)  # every patch round the tip is singular
 
@@ -109,21 +106,20 @@ def test_every_uncut_cell_has_the_same_functions(build, support: float) -> None:
     local = np.array([0.31, 0.17])
     points = cells + local
     basis = basis_at(sample.cover, points, locate(sample.lattice, sample.cover.elements, points))
+    rows = np.stack([matrix.data.reshape(len(cells), -1) for matrix in (basis.values(), *basis.gradients())])
+    functions = sample.cover.functions_on(basis.elements).values.reshape(len(cells), -1)
     for row in (1, 2):
-        np.testing.assert_allclose(basis.values[row], basis.values[0], atol=1e-14)
-        np.testing.assert_allclose(basis.gradients[row], basis.gradients[0], atol=1e-13)
-        moved = sample.cover.patch_nodes[basis.ids[row]] - sample.cover.patch_nodes[basis.ids[0]]
-        used = basis.ids[0] >= 0
-        np.testing.assert_array_equal(moved[used], np.broadcast_to(cells[row] - cells[0], moved[used].shape))
+        np.testing.assert_allclose(rows[:, row], rows[:, 0], atol=1e-13)
+        moved = sample.cover.patch_nodes[functions[row]] - sample.cover.patch_nodes[functions[0]]
+        np.testing.assert_array_equal(moved, np.broadcast_to(cells[row] - cells[0], moved.shape))
 
 
 def test_evaluating_some_points_gives_the_same_as_evaluating_all(build) -> None:
     sample = kinked(build, 2.0)
     points, elements = inner_points(sample, 21, 100)
-    n = sample.cover.n_functions
-    together = value_matrix(basis_at(sample.cover, points, elements), n).toarray()
+    together = values_at(sample.cover, points, elements).values().toarray()
     for k in range(0, len(points), 10):
-        alone = value_matrix(basis_at(sample.cover, points[k : k + 1], elements[k : k + 1]), n).toarray()
+        alone = values_at(sample.cover, points[k : k + 1], elements[k : k + 1]).values().toarray()
         np.testing.assert_allclose(alone[0], together[k], atol=1e-15)  # vector loops round differently
 
 
@@ -134,10 +130,11 @@ def one_tip_at_a_time(sample, points: np.ndarray, elements: np.ndarray) -> tuple
     phi, dphi = mls(points - cell, lattice.support, lattice.reach)
     values = np.zeros((len(points), cover.n_functions))
     gradients = np.zeros((len(points), cover.n_functions, 2))
-    row, slot = np.nonzero(cover.functions[elements] >= 0)
-    patch = cover.functions[elements][row, slot]
+    table = patch_table(cover)[elements]
+    row, slot = np.nonzero(table >= 0)
+    patch = table[row, slot]
     values[row, patch], gradients[row, patch] = phi[row, slot], dphi[row, slot]
-    for tip, first in zip(cover.tips, cover.tip_function_ids, strict=True):
+    for tip, first in zip(cover.tips, function_table(cover), strict=True):
         f, df = tip_functions(tip, *tip_angle(tip, points, cover.elements.reference[elements]))
         for p in np.flatnonzero(first >= 0):
             four = slice(first[p], first[p] + 4)
@@ -152,42 +149,62 @@ def test_functions_of_many_tips_are_those_of_one_tip_at_a_time_in_few_columns(bu
     points, elements = inner_points(sample, 23, 300)
     expected, expected_gradients = one_tip_at_a_time(sample, points, elements)
     basis, values = basis_at(cover, points, elements), values_at(cover, points, elements)
-    dense = value_matrix(basis, cover.n_functions).toarray()
-    np.testing.assert_allclose(dense, expected, atol=1e-14)
-    np.testing.assert_allclose(value_matrix(values, cover.n_functions).toarray(), expected, atol=1e-14)
-    for axis in range(2):
-        found = value_matrix(replace(basis, values=basis.gradients[:, :, axis]), cover.n_functions).toarray()
+    for found in (basis, values):
+        np.testing.assert_allclose(found.values().toarray(), expected, atol=1e-14)
+    for axis, found in enumerate(basis.gradients()):
         size = 1.0 + np.abs(expected_gradients[:, :, axis])
-        assert (np.abs(found - expected_gradients[:, :, axis]) / size).max() < 1e-13
-    singular = np.array([(first >= 0)[cover.functions[elements]] & (cover.functions[elements] >= 0)
-                         for first in cover.tip_function_ids])  # fmt: skip
+        assert (np.abs(found.toarray() - expected_gradients[:, :, axis]) / size).max() < 1e-13
+    table = patch_table(cover)[elements]
+    singular = np.array([(first >= 0)[table] & (table >= 0) for first in function_table(cover)])
     acting = singular.any(axis=2).sum(axis=0)
     assert len(cover.tips) == 32
     assert acting.max() <= len(cover.tips) // 4  # a point sees few of them
-    needed = singular.sum(axis=(0, 2)).max()
-    assert basis.ids.shape[1] == sample.lattice.window + 4 * needed
+    needed = (table >= 0).sum(axis=1) + 4 * singular.sum(axis=(0, 2))
+    np.testing.assert_array_equal(np.diff(basis.values().indptr), needed)
 
 
 def test_many_tips_leave_unity_and_derivatives_as_they_are(build) -> None:
     sample = build.field_of_cracks(4)
     points, elements = inner_points(sample, 24, 300)
-    n = sample.cover.n_functions
     basis = basis_at(sample.cover, points, elements)
     n_patches = len(sample.cover.patch_nodes)
-    np.testing.assert_allclose(value_matrix(basis, n)[:, :n_patches].sum(axis=1), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(basis.values()[:, :n_patches].sum(axis=1), 1.0, rtol=1e-12)
     step = 1e-6
     for axis in range(2):
-        exact = value_matrix(replace(basis, values=basis.gradients[:, :, axis]), n)
+        exact = basis.gradients()[axis]
         move = step * np.eye(2)[axis]
-        ahead, behind = (value_matrix(basis_at(sample.cover, points + s * move, elements), n) for s in (1, -1))
+        ahead, behind = (values_at(sample.cover, points + s * move, elements).values() for s in (1, -1))
         assert np.abs(exact - (ahead - behind) / (2 * step)).max() < 5e-8  # as for one crack
 
 
-def test_functions_on_elements_are_the_columns_of_their_basis(build) -> None:
-    cover = build.field_of_cracks(2).cover
-    elements = np.arange(cover.elements.n)[::-1]
-    start, ids = functions_on(cover, elements)
-    columns = basis_at(cover, cover.elements.reference[elements], elements).ids
-    for row, first, last in zip(columns, start[:-1], start[1:], strict=True):
-        np.testing.assert_array_equal(np.sort(ids[first:last]), np.sort(row[row >= 0]))
-        assert len(np.unique(ids[first:last])) == last - first
+def scene(build, name: str):
+    """A sample: a crack all inside, 32 tips, or two cracks that cut a crumb of a third of a spacing out."""
+    if name == "tips":
+        return build.field_of_cracks(4)
+    if name == "one crack":
+        return kinked(build, 1.5)
+    cracks = [
+        build.crack([(1.0, 2.5), (5.0, 2.5)], name="base"),
+        build.crack([(3.0, 2.5), (3.2, 2.8), (3.4, 2.5)], (False, False), name="roof"),
+    ]
+    return build.sample((0.5, 0.5), (6.5, 5.5), cracks)
+
+
+@pytest.mark.parametrize("name", ["one crack", "tips", "crumb"])
+@pytest.mark.parametrize("n", [0, 1, 300])
+def test_fields_are_the_products_with_all_rows(build, name: str, n: int) -> None:
+    sample = scene(build, name)
+    cover = sample.cover
+    middle = np.mean(np.array(sample.region.bounds).reshape(2, 2), axis=0)
+    points = middle + np.random.default_rng(5).normal(0.0, 0.4, (n, 2))
+    elements = locate(sample.lattice, cover.elements, points)
+    points, elements = points[elements >= 0], elements[elements >= 0]
+    coefficients = np.random.default_rng(6).normal(size=(cover.n_functions, 3))
+    basis = basis_at(cover, points, elements)
+    assert cover.patches.in_crumb.any() == (name == "crumb")
+    assert name != "crumb" or n < 300 or cover.patches.in_crumb[elements].any()
+    expected = [matrix @ coefficients for matrix in (basis.values(), *basis.gradients())]
+    for found, exact in zip(basis.field(coefficients), expected, strict=True):
+        np.testing.assert_allclose(found, exact, atol=1e-12 * np.abs(exact).max(initial=1.0))
+    (values,) = values_at(cover, points, elements).field(coefficients)
+    np.testing.assert_allclose(values, expected[0], atol=1e-12)

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from crackgrow.approximation.tip_functions import tip_functions
-from crackgrow.cover.tips import Tip, make_tip, tip_angle
+from crackgrow.cover.tips import TipView, seen_from_tip, tip_angle
 
 POINTS = np.array([[4.0, 3.0], [3.2, 2.9], [2.6, 2.3], [1.6, 2.5]])
 FADES = (np.inf, 2.0, 0.9)
 
 
-def tip_with(fade: float) -> Tip:
-    return replace(make_tip(POINTS, 1.0, ends_inside=False), fade=fade)
+def tip_with(fade: float) -> TipView:
+    return replace(seen_from_tip(POINTS, 1.0, ends_inside=False), fade=fade)
 
 
 def scattered(seed: int, n: int = 300) -> np.ndarray:

@@ -11,8 +11,9 @@ from crackgrow.cover.elements import cut_elements
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.pieces import cut_in_pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.tiles import tile_lines, touched_tiles
+from crackgrow.cover.tiles import touched_tiles
 from crackgrow.geometry.tolerance import GRID
+from tests.unit.cover_tables import tiles_of
 
 X, Y = np.arange(6.0), np.array([0.0, 0.5, 1.0, 2.0, 3.0, 4.0])
 BOX = np.array([(0.5, 0.5), (7.5, 0.5), (7.5, 6.5), (0.5, 6.5)])
@@ -54,7 +55,7 @@ def test_pieces_along_tile_lines_and_through_corners_have_no_specks(segment: lis
 
 def test_a_tile_is_cut_the_same_alone_and_with_all_others() -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 1.5)
-    x, y = tile_lines(lattice)
+    x, y = lattice.tile_lines
     pieces = cut_in_pieces(np.random.default_rng(8).uniform(1.0, 6.0, (12, 2, 2)), x, y)
     region = shapely.box(0.0, 0.0, x[-1], y[-1])
     middles = pieces.ends.mean(axis=1)
@@ -84,7 +85,7 @@ def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_a
     elements = cut_elements(lattice, [BodyGeometry((lattice.to_lattice(BOX),))], lines)
     vertex = int(np.flatnonzero(np.all(elements.vertices == at, axis=1))[0])
     beside = elements.ring_element[elements.ring_start == vertex]
-    assert set(elements.tile[beside, 0]) == {int(at[0]) - 1, int(at[0])}
+    assert set(tiles_of(lattice, elements)[beside, 0]) == {int(at[0]) - 1, int(at[0])}
     rim = elements.outlines.points
     assert np.hypot(*(rim[:, 1] - rim[:, 0]).T).sum() == pytest.approx(26.0, rel=1e-8)
     ends = np.bincount(elements.ring_end, minlength=len(elements.vertices))

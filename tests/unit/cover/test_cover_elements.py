@@ -7,8 +7,8 @@ import pytest
 import shapely
 
 from crackgrow.cover.elements import Elements, locate
-from crackgrow.cover.tiles import tile_lines
 from crackgrow.errors import GeometryError
+from tests.unit.cover_tables import tiles_of
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
@@ -17,9 +17,9 @@ AREA = 1e-7
 
 
 def areas(sample) -> np.ndarray:
-    x, y = tile_lines(sample.lattice)
+    x, y = sample.lattice.tile_lines
     elements = sample.cover.elements
-    i, j = elements.tile[: elements.n_whole].T
+    i, j = tiles_of(sample.lattice, elements)[: elements.n_whole].T
     return np.concatenate([np.diff(x)[i] * np.diff(y)[j], shapely.area(elements.polygons)])
 
 
@@ -85,8 +85,8 @@ def test_located_element_holds_the_point(build, support: float) -> None:
     assert found.min() >= 0
     whole = found < elements.n_whole
     assert 0 < whole.sum() < len(points)
-    x, y = tile_lines(sample.lattice)
-    i, j = elements.tile[found[whole]].T
+    x, y = sample.lattice.tile_lines
+    i, j = tiles_of(sample.lattice, elements)[found[whole]].T
     assert np.all((x[i] <= points[whole, 0]) & (points[whole, 0] <= x[i + 1]))
     assert np.all((y[j] <= points[whole, 1]) & (points[whole, 1] <= y[j + 1]))
     polygons = elements.polygons[found[~whole] - elements.n_whole]
@@ -189,8 +189,8 @@ def test_two_bodies_side_by_side_keep_their_elements(build) -> None:
     lattice = build.block((6, 5)).lattice
     bodies = [np.array([[x, 2.5], [x + 3, 2.5], [x + 3, 7.5], [x, 7.5]]) for x in (2.5, 5.5)]
     elements = cut_elements(lattice, [BodyGeometry((outline,)) for outline in bodies], [])
-    x, y = tile_lines(lattice)
-    i, j = elements.tile[: elements.n_whole].T
+    x, y = lattice.tile_lines
+    i, j = tiles_of(lattice, elements)[: elements.n_whole].T
     area = np.concatenate([np.diff(x)[i] * np.diff(y)[j], shapely.area(elements.polygons)])
     np.testing.assert_allclose(np.bincount(elements.body, area), [15.0, 15.0], rtol=AREA)
     np.testing.assert_array_equal(elements.body, (elements.reference[:, 0] > 5.5).astype(int))

@@ -12,6 +12,7 @@ from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.geometry.tolerance import GRID, TOUCH
+from tests.unit.cover_tables import function_table
 
 SUPPORTS = (1.5, 2.0, 2.5)
 P = (3.5, 2.875)  # on the grid of the arrangement
@@ -208,18 +209,16 @@ def test_tip_functions_jump_on_their_own_crack_alone(build, name: str, support: 
         values = np.zeros((2, len(middle), cover.n_functions))
         seen = np.zeros((2, len(middle), len(cover.patch_nodes)), dtype=bool)
         for k, side in enumerate((edges.plus, edges.minus)):
-            basis = values_at(cover, middle, side)
-            row, column = np.nonzero(basis.ids >= 0)
-            values[k, row, basis.ids[row, column]] = basis.values[row, column]
-            row, column = np.nonzero(cover.functions[side] >= 0)
-            seen[k, row, cover.functions[side][row, column]] = True
-        for (owner, at_end), tip, first in zip(cover.tip_ends, cover.tips, cover.tip_function_ids, strict=True):
+            values[k] = values_at(cover, middle, side).values().toarray()
+            patches = cover.patches.of_element.taken(side)
+            seen[k, patches.row, patches.values] = True
+        for tip, first in zip(cover.tips, function_table(cover), strict=True):
             edge, patch = np.nonzero(seen.all(axis=0) & (first >= 0))
             jumps = values[0, edge, first[patch] + 1] - values[1, edge, first[patch] + 1]  # sqrt(r) sin(t/2)
             r = np.hypot(*(middle[edge] - tip.point).T)
             fade = np.maximum(1.0 - (r / tip.fade) ** 2, 0.0) ** 2
-            from_tip = edges.segment.max() - edges.segment if at_end else edges.segment
-            own = (owner == number) & (from_tip[edge] < len(tip.path) - 1)  # up to where the crack turns back
+            from_tip = edges.segment.max() - edges.segment if tip.at_end else edges.segment
+            own = (tip.crack == number) & (from_tip[edge] < len(tip.path) - 1)  # up to where the crack turns back
             expected = own * 2.0 * np.sqrt(r) * fade * values[0, edge, patch]
             np.testing.assert_allclose(np.abs(jumps), expected, atol=1e-8)
 
@@ -248,4 +247,4 @@ def test_patches_of_the_node_in_the_middle_counted_by_hand(
     node = np.array([3, 3]) + cover.lattice.reach
     mine = np.flatnonzero((cover.patch_nodes == node).all(axis=1))
     assert len(mine) == n_pieces
-    assert sum((first[mine] >= 0).sum() for first in cover.tip_function_ids) == n_tips_inside
+    assert sum(np.isin(mine, tip.patches).sum() for tip in cover.tips) == n_tips_inside

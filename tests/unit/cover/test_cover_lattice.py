@@ -7,7 +7,7 @@ import pytest
 
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.pieces import cut_in_pieces
-from crackgrow.cover.tiles import tile_lines, tiles_at, touched_tiles
+from crackgrow.cover.tiles import tiles_at, touched_tiles
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 rng = np.random.default_rng(5)
@@ -44,8 +44,7 @@ def test_windows_of_all_points_of_the_box_lie_on_the_lattice(support: float) -> 
 @pytest.mark.parametrize("support", [1.0, *SUPPORTS, 3.0])
 def test_window_holds_every_node_that_covers_a_point(support: float) -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 4.0), 1.0, support)
-    assert lattice.window == len(lattice.offsets)
-    assert len(np.unique(lattice.offsets, axis=0)) == lattice.window
+    assert len(np.unique(lattice.offsets, axis=0)) == len(lattice.offsets)
     window = {tuple(offset) for offset in lattice.offsets}
     grid = np.arange(-6, 7)
     nodes = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
@@ -57,7 +56,7 @@ def test_window_holds_every_node_that_covers_a_point(support: float) -> None:
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_no_tile_is_cut_by_the_edge_of_a_patch(support: float) -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 4.0), 1.0, support)
-    lines, _ = tile_lines(lattice)
+    lines, _ = lattice.tile_lines
     edges = np.concatenate([np.arange(20) - support, np.arange(20) + support])
     edges = edges[(edges >= 0) & (edges <= lattice.shape[0])]
     np.testing.assert_allclose(np.abs(edges[:, None] - lines).min(axis=1), 0.0, atol=1e-14)
@@ -75,13 +74,13 @@ def test_tile_of_a_point_holds_it(support: float) -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 3.0), 1.0, support)
     points = rng.uniform(0, lattice.shape[0], (500, 2))
     tiles = tiles_at(lattice, points)
-    x, y = tile_lines(lattice)
+    x, y = lattice.tile_lines
     assert np.all((x[tiles[:, 0]] <= points[:, 0]) & (points[:, 0] < x[tiles[:, 0] + 1]))
     assert np.all((y[tiles[:, 1]] <= points[:, 1]) & (points[:, 1] < y[tiles[:, 1] + 1]))
 
 
 def touched_by(lattice: Lattice, segment: list[tuple[float, float]]) -> np.ndarray:
-    pieces = cut_in_pieces(np.array([segment]), *tile_lines(lattice))
+    pieces = cut_in_pieces(np.array([segment]), *lattice.tile_lines)
     return touched_tiles(lattice, np.concatenate([pieces.points, pieces.ends.mean(axis=1)]), np.empty((0, 2)))
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 import shapely
 
+from tests.unit.cover_tables import patch_table
+
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 THROUGH = [(0.5, 2.3), (3.2, 2.9), (6.5, 3.6)]
@@ -58,7 +60,7 @@ def test_elements_share_a_patch_exactly_if_they_share_a_piece(build, name: str, 
     cover = sample.cover
     for node in np.array([[2, 2], [3, 3], [4, 2], [4, 4]]) + sample.lattice.reach:
         parts = pieces(sample, node)
-        columns = cover.functions
+        columns = patch_table(cover)
         owners = np.where((columns >= 0) & (cover.patch_nodes[columns] == node).all(axis=2), columns, -1).max(axis=1)
         inside = np.flatnonzero(owners >= 0)
         contains = np.array([shapely.contains_xy(part, cover.elements.reference[inside]) for part in parts])
@@ -72,13 +74,13 @@ def test_elements_share_a_patch_exactly_if_they_share_a_piece(build, name: str, 
 def test_every_element_has_one_patch_of_each_node_that_covers_it(build, name: str, support: float) -> None:
     sample = layout(build, name, support)
     cover = sample.cover
-    per_cell = len(sample.lattice.breaks) - 1
-    nodes = (cover.elements.tile // per_cell)[:, None] + sample.lattice.offsets[None]
+    nodes = cover.elements.cell[:, None] + sample.lattice.offsets[None]
     depth = support - np.abs(nodes - cover.elements.reference[:, None]).max(axis=2)
-    np.testing.assert_array_equal(cover.functions >= 0, depth > 0.0)
-    used = cover.functions >= 0
-    np.testing.assert_array_equal(cover.patch_nodes[cover.functions[used]], nodes[used])
-    np.testing.assert_array_equal(np.unique(cover.functions[used]), np.arange(len(cover.patch_nodes)))
+    table = patch_table(cover)
+    used = table >= 0
+    np.testing.assert_array_equal(used, depth > 0.0)
+    np.testing.assert_array_equal(cover.patch_nodes[table[used]], nodes[used])
+    np.testing.assert_array_equal(np.unique(table[used]), np.arange(len(cover.patch_nodes)))
 
 
 def test_fully_cut_patch_falls_in_two_and_the_one_round_a_tip_stays_one(build) -> None:
@@ -91,8 +93,9 @@ def test_fully_cut_patch_falls_in_two_and_the_one_round_a_tip_stays_one(build) -
     assert count[(4, 3)] == 1
     assert count[(5, 5)] == 1
     edges = cover.elements.lines[0]
-    both = np.intersect1d(cover.functions[edges.plus[0]], cover.functions[edges.minus[0]])
-    assert both.max() < 0
+    plus, minus = (cover.patches.of_element.of(side[0]) for side in (edges.plus, edges.minus))
+    assert len(plus) == len(minus) > 0
+    assert len(np.intersect1d(plus, minus)) == 0
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
@@ -102,8 +105,8 @@ def test_singular_patches_hold_the_tip_and_are_not_cut_through(build, name: str,
     sample = layout(build, name, support)
     cover = sample.cover
     assert len(cover.tips) == sum(sum(tips) for _, tips in LAYOUTS[name])
-    for (index, at_end), first in zip(cover.tip_ends, cover.tip_function_ids, strict=True):
-        points = cover.cracks[index].points[:: -1 if at_end else 1]
+    for tip in cover.tips:
+        points = tip.points
         away = (points[1] - points[0]) / np.hypot(*(points[1] - points[0]))
         left = np.array([-away[1], away[0]])
         faces = points[0] + 1e-3 * away + 1e-4 * np.stack([left, -left])
@@ -112,14 +115,14 @@ def test_singular_patches_hold_the_tip_and_are_not_cut_through(build, name: str,
             holds = np.abs(points[0] - node).max() < support - 1e-3
             sides = [part for part in pieces(sample, node) if holds and shapely.contains_xy(part, faces).all()]
             expected += len(sides)
-            singular = (cover.patch_nodes[first >= 0] == node).all(axis=1).sum()
+            singular = (cover.patch_nodes[tip.patches] == node).all(axis=1).sum()
             assert singular == len(sides), (name, node, points[0])
         assert expected > 0
 
 
 def test_function_numbers_are_dense_and_four_by_four(build) -> None:
     cover = layout(build, "two", 2.0).cover
-    starts = np.concatenate([first[first >= 0] for first in cover.tip_function_ids])
+    starts = np.concatenate([tip.functions for tip in cover.tips])
     n_patches = len(cover.patch_nodes)
     np.testing.assert_array_equal(starts, n_patches + 4 * np.arange(len(starts)))
     assert cover.n_functions == n_patches + 4 * len(starts)
@@ -139,5 +142,5 @@ def test_a_corner_cut_off_where_the_weight_is_below_round_off_gets_no_patch(buil
     assert len(pieces(near, node)) == 1  # the corner's area, 6e-5, counts for nothing
     element = np.flatnonzero(shapely.contains_xy(near.cover.elements.polygons, 5.503, 4.497))[0]
     element += near.cover.elements.n_whole
-    assert not (near.cover.patch_nodes[near.cover.functions[element]] == node).all(axis=1).any()
+    assert not (near.cover.patch_nodes[near.cover.patches.of_element.of(element)] == node).all(axis=1).any()
     assert (near.cover.patch_nodes == node).all(axis=1).sum() == 1

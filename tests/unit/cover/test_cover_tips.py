@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from crackgrow.cover.tips import crack_angle, make_tip, tip_angle
+from crackgrow.cover.tips import crack_angle, seen_from_tip, tip_angle
 
 KINKED = np.array([[4.0, 3.0], [3.2, 2.9], [2.6, 2.3], [1.6, 2.5]])
 """Seen from the tip; every circle round it meets the crack once."""
@@ -25,7 +25,7 @@ def test_angle_on_the_faces_of_a_straight_crack(turn: float) -> None:
     e = np.array([np.cos(turn), np.sin(turn)])
     left = np.array([-e[1], e[0]])
     point = np.array([0.7, -0.3])
-    tip = make_tip(np.array([point, point - 3 * e]), 10.0, ends_inside=False)
+    tip = seen_from_tip(np.array([point, point - 3 * e]), 10.0, ends_inside=False)
     points = point + np.stack([-e, -e, e, left, -left])
     reference = points + 1e-2 * np.stack([left, -left, left, left, -left])
     r, t = tip_angle(tip, points, reference)
@@ -35,7 +35,7 @@ def test_angle_on_the_faces_of_a_straight_crack(turn: float) -> None:
 
 @pytest.mark.parametrize("points", [KINKED, HAND])
 def test_angle_jumps_by_two_pi_across_the_crack(points: np.ndarray) -> None:
-    tip = make_tip(points, 1.0, ends_inside=False)
+    tip = seen_from_tip(points, 1.0, ends_inside=False)
     along, left = directions(points)
     share = np.linspace(0.05, 0.95, 19)[:, None]
     for k in range(len(along)):
@@ -52,7 +52,7 @@ def test_angle_is_continuous_where_there_is_no_crack(points: np.ndarray) -> None
     """Short random steps: the angle moves by the step over the distance, unless the step crosses the crack."""
     rng = np.random.default_rng(8)
     size = np.hypot(*(points[-1] - points[0]))
-    tip = make_tip(points, 1.0, ends_inside=False)
+    tip = seen_from_tip(points, 1.0, ends_inside=False)
     angle = rng.uniform(0, 2 * np.pi, 40000)
     start = points[0] + (size * np.sqrt(rng.uniform(0.01, 0.95, 40000)) * [np.cos(angle), np.sin(angle)]).T
     end = start + 0.02 * size * rng.normal(size=start.shape)
@@ -71,7 +71,7 @@ def test_angle_is_continuous_where_there_is_no_crack(points: np.ndarray) -> None
 
 
 def test_distance_and_polar_form_give_the_point_back() -> None:
-    tip = make_tip(KINKED, 1.0, ends_inside=False)
+    tip = seen_from_tip(KINKED, 1.0, ends_inside=False)
     points = KINKED[0] + np.random.default_rng(9).uniform(-1, 1, (200, 2))
     r, t = tip_angle(tip, points, points)
     local = np.stack([r * np.cos(t), r * np.sin(t)], axis=1)
@@ -79,7 +79,7 @@ def test_distance_and_polar_form_give_the_point_back() -> None:
 
 
 def test_crack_angle_is_pi_on_the_last_segment_and_the_true_angle_beyond() -> None:
-    tip = make_tip(KINKED, 1.0, ends_inside=False)
+    tip = seen_from_tip(KINKED, 1.0, ends_inside=False)
     first = np.hypot(*(KINKED[1] - KINKED[0]))
     np.testing.assert_allclose(crack_angle(tip, np.linspace(1e-3, first, 5)), np.pi, rtol=1e-14)
     local = (KINKED[2:] - KINKED[0]) @ tip.rotation.T
@@ -89,21 +89,21 @@ def test_crack_angle_is_pi_on_the_last_segment_and_the_true_angle_beyond() -> No
 
 def test_tip_functions_fade_at_the_other_tip_if_it_is_within_reach() -> None:
     length = np.hypot(*(KINKED[-1] - KINKED[0]))
-    assert make_tip(KINKED, 5.0, ends_inside=True).fade == pytest.approx(length)
-    assert make_tip(KINKED, 0.9 * length, ends_inside=True).fade == np.inf
-    assert make_tip(KINKED, 5.0, ends_inside=False).fade == np.inf
+    assert seen_from_tip(KINKED, 5.0, ends_inside=True).fade == pytest.approx(length)
+    assert seen_from_tip(KINKED, 0.9 * length, ends_inside=True).fade == np.inf
+    assert seen_from_tip(KINKED, 5.0, ends_inside=False).fade == np.inf
 
 
 def test_tip_functions_fade_where_the_crack_turns_back() -> None:
     """The second segment comes nearer to the tip again: the angle is not known beyond its start."""
     back = np.array([[0.0, 0.0], [2.0, 0.0], [1.0, 0.5], [-3.0, 0.5]])
-    tip = make_tip(back, 5.0, ends_inside=False)
+    tip = seen_from_tip(back, 5.0, ends_inside=False)
     assert tip.fade == pytest.approx(2.0)
     np.testing.assert_array_equal(tip.radii, [0.0, 2.0])
-    assert make_tip(back, 1.9, ends_inside=False).fade == np.inf
+    assert seen_from_tip(back, 1.9, ends_inside=False).fade == np.inf
 
 
 def test_right_angle_at_the_far_end_still_grows_outward() -> None:
     corner = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])
-    assert make_tip(corner, 5.0, ends_inside=False).fade == np.inf
-    assert make_tip(corner, 5.0, ends_inside=True).fade == pytest.approx(np.sqrt(5))
+    assert seen_from_tip(corner, 5.0, ends_inside=False).fade == np.inf
+    assert seen_from_tip(corner, 5.0, ends_inside=True).fade == pytest.approx(np.sqrt(5))

@@ -91,13 +91,12 @@ def test_without_stress_there_is_no_relative_error(build: type[Build]) -> None:
 def test_fits_find_quadratic_fields_and_leave_patches_without_points_alone() -> None:
     rng = np.random.default_rng(4)
     points, n = rng.uniform(-2.0, 2.0, (60, 2)), 60
-    nodes = np.array([[0.5, 0.0], [-1.0, 1.0], [9.0, 9.0], [0.0, 0.0]])  # the third has no points, the last is none
+    nodes = np.array([[0.5, 0.0], [-1.0, 1.0], [9.0, 9.0]])  # the third has no points
     x, y = points.T
     values = np.stack([1.0 + x * y, y**2 - x, 3.0 * x**2 + 2.0 * y], axis=1)
-    patches = np.tile([0, 1, 3], (n, 1))
-    weights = np.stack([rng.uniform(0.1, 1.0, n), rng.uniform(0.1, 1.0, n), np.zeros(n)], axis=1)
-    none = np.zeros(n + 1, dtype=np.int64), np.empty((0, 3)), np.empty((0, 3), dtype=bool)
-    samples = FreeSamples(np.zeros(n, dtype=np.int64), patches, nodes, points, weights, values, *none)
+    patches, point = np.repeat([0, 1], n), np.tile(np.arange(n), 2)
+    weights, distance = rng.uniform(0.1, 1.0, 2 * n), points[point] - nodes[patches]
+    samples = FreeSamples(np.zeros(2 * n, dtype=np.int64), patches, distance, weights, values[point])
     coefficients = fit(3, [], [samples])
     np.testing.assert_allclose(coefficients[0, 0], [1.0, -0.5, 0.75], atol=1e-8)  # the values at the node
     assert misfits(coefficients, [], [samples], 1)[0] < 1e-16

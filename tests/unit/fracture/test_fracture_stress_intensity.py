@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from crackgrow.contact.faces import points_at
-from crackgrow.cover.tips import Tip, crack_angle, make_tip
+from crackgrow.cover.tips import TipView, crack_angle, seen_from_tip
 from crackgrow.fracture.interaction import interaction
 from crackgrow.fracture.stress_intensity import interaction_integrals
 from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, RADIUS, SMALLEST_RADIUS, STRAIGHT_RADIUS, clearance
@@ -31,8 +31,8 @@ PATHS = {
 }
 
 
-def tip_of(path: list[list[float]]) -> Tip:
-    return make_tip(np.array(path, dtype=float), 20.0, False)
+def tip_of(path: list[list[float]]) -> TipView:
+    return seen_from_tip(np.array(path, dtype=float), 20.0, False)
 
 
 def hooke(material: PlaneElasticity, gradient: np.ndarray) -> np.ndarray:
@@ -47,7 +47,7 @@ class ExactField:
     The field of the body force (b, 0) is u_x = -b x^2 / (2 c11): it has no stress intensity.
     """
 
-    def __init__(self, tip: Tip, stress: tuple[float, float, float] = (0.0, 0.0, 0.0), force: float = 0.0) -> None:
+    def __init__(self, tip: TipView, stress: tuple[float, float, float] = (0.0, 0.0, 0.0), force: float = 0.0) -> None:
         self.tip = tip
         xx, yy, xy2 = np.linalg.solve(MATERIAL.matrix, stress)
         self.uniform = np.array([[xx, 0.5 * xy2], [0.5 * xy2, yy]])
@@ -150,7 +150,7 @@ def no_traction(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def test_the_disc_holds_nothing_but_its_own_crack(build, cracks: list, room: float, obstacle: str) -> None:
     inside = [build.crack(points, name=f"crack{k}") for k, points in enumerate(cracks)]
     cover = build.block((20, 20), inside, support=2.0).cover
-    assert clearance(cover, 1) == (pytest.approx(room), obstacle)
+    assert clearance(cover, cover.tips[1]) == (pytest.approx(room), obstacle)
 
 
 def test_a_small_disc_is_told_and_too_small_a_one_has_no_K(build) -> None:
@@ -207,12 +207,12 @@ def test_clearance_among_many_cracks_is_the_distance_from_the_nearest(build) -> 
     sample = build.field_of_cracks(4)
     cover = sample.cover
     lines = [shapely.LineString(crack.points) for crack in cover.cracks]
-    for tip, (index, at_end) in enumerate(cover.tip_ends):
-        place = shapely.Point(cover.tips[tip].point)
+    for tip in cover.tips:
+        place = shapely.Point(tip.point)
         distances = {f"crack '{crack.name}'": lines[k].distance(place) for k, crack in enumerate(cover.cracks)}
-        distances[f"crack '{cover.cracks[index].name}'"] = np.inf
+        distances[f"crack '{cover.cracks[tip.crack].name}'"] = np.inf
         distances["the outline"] = sample.region.exterior.distance(place)
-        distances["the crack's other end"] = place.distance(shapely.Point(cover.cracks[index].tip_point(not at_end)))
+        distances["the crack's other end"] = place.distance(shapely.Point(tip.points[-1]))
         room, obstacle = clearance(cover, tip)
         assert room == pytest.approx(min(distances.values()), abs=1e-8)  # outlines lie on the arrangement's grid
         assert distances[obstacle] == min(distances.values())

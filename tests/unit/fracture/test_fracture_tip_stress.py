@@ -40,9 +40,8 @@ def near_field(sample, K_I: float, K_II: float, plane: str = "strain") -> np.nda
     across = K_I * np.array([0.0, k + 0.5, 0.0, -0.5]) + K_II * np.array([1.5 - k, 0.0, -0.5, 0.0])
     factor = np.sqrt(sample.lattice.spacing / (2.0 * np.pi)) / (2.0 * SHEAR_MODULUS)
     coefficients = factor * np.stack([along, across], axis=1) @ cover.tips[0].rotation
-    first = cover.tip_function_ids[0]
     u = np.zeros((cover.n_functions, 2))
-    for number in first[first >= 0]:
+    for number in cover.tips[0].functions:
         u[number : number + 4] = coefficients
     return u.ravel()
 

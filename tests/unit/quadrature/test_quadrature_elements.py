@@ -2,39 +2,22 @@
 
 from __future__ import annotations
 
-import gc
-import weakref
-
 import numpy as np
 import pytest
 import shapely
 from scipy.integrate import quad
 
-from crackgrow.quadrature.elements import (
-    element_points,
-    plain_elements,
-    plain_kinds,
-    rectangles,
-    triangulate,
-)
+from crackgrow.quadrature.elements import element_points, triangulate
+from crackgrow.quadrature.plain_kinds import rectangles
+from tests.unit.cover_tables import tiles_of
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 
 
 def plain_area(sample) -> float:
-    _, size = rectangles(sample.cover, np.flatnonzero(plain_elements(sample.cover)))
+    _, size = rectangles(sample.cover, np.flatnonzero(sample.cover.plain))
     return float(np.prod(size, axis=1).sum())
-
-
-def test_a_cover_that_nobody_needs_is_let_go(build) -> None:
-    sample = build.block((6, 5), [build.crack(KINKED)], 2.0)
-    functions = weakref.ref(sample.cover.functions)
-    assert len(element_points(sample.cover, 2).points)
-    plain_kinds(sample.cover)
-    del sample
-    gc.collect()
-    assert functions() is None
 
 
 @pytest.mark.parametrize("n", [2, 4])
@@ -52,7 +35,7 @@ def test_weights_sum_to_the_area_element_by_element(build, support: float) -> No
     elements = sample.cover.elements
     points = element_points(sample.cover, 3)
     sums = np.bincount(points.element, points.weights, elements.n)[elements.n_whole :]
-    cut = ~plain_elements(sample.cover)[elements.n_whole :]
+    cut = ~sample.cover.plain[elements.n_whole :]
     assert cut.sum() > 20
     np.testing.assert_allclose(sums[cut], shapely.area(elements.polygons)[cut], rtol=1e-9)
     np.testing.assert_array_equal(sums[~cut], 0.0)
@@ -67,23 +50,23 @@ def test_points_lie_in_their_elements_sorted(build, support: float) -> None:
     cut = points.element >= elements.n_whole
     polygons = elements.polygons[points.element[cut] - elements.n_whole]
     assert shapely.distance(polygons, shapely.points(points.points[cut])).max() < 1e-12
-    np.testing.assert_array_equal(np.unique(points.element), np.flatnonzero(~plain_elements(sample.cover)))
+    np.testing.assert_array_equal(np.unique(points.element), np.flatnonzero(~sample.cover.plain))
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_uncut_body_is_plain_also_along_its_rim(build, support: float) -> None:
     sample = build.block((6, 5), support=support)
-    assert plain_elements(sample.cover).all()
+    assert sample.cover.plain.all()
     assert len(element_points(sample.cover, 2).points) == 0
     assert plain_area(sample) == pytest.approx(30.0, rel=1e-12)
-    assert not sample.cover.enrichment.tips.any.any()
+    assert not sample.cover.enrichment.acted_on.any()
 
 
 def test_elements_on_a_crack_along_the_lattice_are_not_plain(build) -> None:
     """Contact uses other points there; the elements are rectangles all the same."""
     sample = build.block((8, 5), [build.crack([(1.0, 3.0), (7.0, 3.0)])], 1.5)
     edges = sample.cover.elements.lines[0]
-    plain = plain_elements(sample.cover)
+    plain = sample.cover.plain
     assert not plain[edges.plus].any()
     assert not plain[edges.minus].any()
 
@@ -141,8 +124,7 @@ def _close(points: np.ndarray, tip: np.ndarray) -> np.ndarray:
 
 
 def _tile_boxes(sample, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    per_cell = len(sample.lattice.breaks) - 1
-    cell, part = np.divmod(sample.cover.elements.tile[elements], per_cell)
+    cell, part = np.divmod(tiles_of(sample.lattice, sample.cover.elements)[elements], len(sample.lattice.breaks) - 1)
     return cell + sample.lattice.breaks[part], cell + sample.lattice.breaks[part + 1]
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import shapely
 
-from crackgrow.cover.enrichment import TipsOf
-from crackgrow.quadrature.elements import plain_elements, rectangles
+from crackgrow.quadrature.plain_kinds import rectangles
 from crackgrow.quadrature.rims import points_on_edges, rectangle_rim, rim_points
+from crackgrow.ragged import Ragged
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 
@@ -18,7 +18,7 @@ def test_rims_close_and_give_the_area_of_their_elements(build, support: float) -
     cover = build.block((6, 5), [build.crack(KINKED)], support).cover
     rim = rim_points(cover)
     assert np.all(np.diff(rim.element) >= 0)
-    cut = np.flatnonzero(~plain_elements(cover))
+    cut = np.flatnonzero(~cover.plain)
     np.testing.assert_array_equal(np.unique(rim.element), cut)
     for axis in range(2):
         closed = np.bincount(rim.element, rim.normals[:, axis], cover.elements.n)
@@ -37,7 +37,7 @@ def test_neighbours_use_the_same_points_and_opposite_normals(build) -> None:
     total = np.stack([np.bincount(which, normal) for normal in rim.normals.T], axis=1)
     assert (n == 2).sum() > 200
     np.testing.assert_array_equal(total[n == 2], 0.0)
-    low, size = rectangles(sample.cover, np.flatnonzero(plain_elements(sample.cover)))
+    low, size = rectangles(sample.cover, np.flatnonzero(sample.cover.plain))
     plain = shapely.union_all(shapely.box(*low.T, *(low + size).T))
     alone = shapely.points(places[n == 1])
     to_plain, to_outline = shapely.distance(plain, alone), shapely.distance(sample.region.boundary, alone)
@@ -52,7 +52,7 @@ def test_square_root_of_the_distance_from_a_tip_is_integrated_along_edges(build,
     ends = tip + np.array([[(-0.3, distance), (0.6, distance)], [(0.0, distance), (0.0, 0.7 + distance)]])
     if distance == 0.0:
         ends[0, 0] = tip
-    first_tip = TipsOf(np.array([0, 1, 2]), np.array([0, 0]))  # on both edges
+    first_tip = Ragged(np.array([0, 1, 2]), np.array([0, 0]))  # on both edges
     edge, points, lengths = points_on_edges(cover, ends, first_tip)
     root = np.sqrt(np.hypot(*(points - tip).T))
     fine = (np.arange(400_000) + 0.5) / 400_000
@@ -63,6 +63,7 @@ def test_square_root_of_the_distance_from_a_tip_is_integrated_along_edges(build,
 
 
 def test_rim_of_a_rectangle() -> None:
-    points, normals = rectangle_rim(np.array([2.0, 3.0]), np.array([0.5, 0.25]))
+    size = np.array([0.5, 0.25])
+    share, normals = rectangle_rim(size)
     np.testing.assert_allclose(normals.sum(axis=0), 0.0, atol=1e-16)
-    np.testing.assert_allclose(points.T @ normals, 0.125 * np.eye(2), atol=1e-15)
+    np.testing.assert_allclose((share * size).T @ normals, 0.125 * np.eye(2), atol=1e-15)

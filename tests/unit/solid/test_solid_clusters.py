@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from crackgrow.approximation.basis import functions_on
 from crackgrow.cover.cover import Cover, build_cover
-from crackgrow.quadrature.elements import plain_elements, plain_kinds
+from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.solid.clusters import clusters_of, keys
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.stiffness import plain_key, stiffness_after
@@ -26,12 +25,12 @@ def longer(build, cover: Cover, crack: int, by: tuple[float, float]) -> Cover:
 def test_every_element_that_is_not_plain_is_in_one_cluster_with_the_same_tips(build) -> None:
     cover = build.field_of_cracks(3).cover
     clusters = clusters_of(cover, 3)
-    np.testing.assert_array_equal(np.sort(clusters.elements), np.flatnonzero(~plain_elements(cover)))
+    np.testing.assert_array_equal(np.sort(clusters.elements.values), np.flatnonzero(~cover.plain))
     acting = cover.enrichment.tips
-    for cluster in range(len(clusters.start) - 1):
-        mine = clusters.elements[clusters.span(cluster)].tolist()
-        assert len({tuple(acting.tip[acting.start[e] : acting.start[e + 1]]) for e in mine}) == 1
-        _, ids = functions_on(cover, np.array(mine))
+    for cluster in range(clusters.elements.n):
+        mine = clusters.elements.of(cluster)
+        assert len({tuple(acting.of(element)) for element in mine}) == 1
+        ids = cover.functions_on(mine).values
         np.testing.assert_array_equal(clusters.functions[cluster][clusters.local_of(cluster)], ids)
 
 
@@ -39,7 +38,7 @@ def test_points_of_clusters_are_those_of_their_elements(build) -> None:
     cover = build.field_of_cracks(2).cover
     clusters = clusters_of(cover, 3)
     for part in (clusters.inside, clusters.rim):
-        owner = np.repeat(clusters.elements, np.diff(part.start))
+        owner = np.repeat(clusters.elements.values, np.diff(part.start))
         np.testing.assert_array_equal(part.element, owner)
 
 
@@ -75,7 +74,7 @@ def test_plain_elements_are_not_integrated_twice(build) -> None:
     assert abs(later.matrix.tocsc() - fresh.matrix.tocsc()).max() == 0.0
 
 
-@pytest.mark.parametrize("changed", ["material", "quadrature", "support", "low", "size", "covers"])
+@pytest.mark.parametrize("changed", ["material", "quadrature", "support", "low", "size", "slots"])
 def test_what_a_plain_matrix_depends_on_is_in_its_key(build, changed: str) -> None:
     sample = build.block((12, 12))
     cover, material, n, kind = sample.cover, sample.material, 2, plain_kinds(sample.cover)[0]
@@ -87,8 +86,8 @@ def test_what_a_plain_matrix_depends_on_is_in_its_key(build, changed: str) -> No
         n = 3
     elif changed == "support":
         cover = replace(cover, lattice=replace(cover.lattice, support=cover.lattice.support + 0.25))
-    elif changed == "covers":
-        kind = replace(kind, covers=~kind.covers)
+    elif changed == "slots":
+        kind = replace(kind, slots=kind.slots + 1)
     else:
         kind = replace(kind, **{changed: getattr(kind, changed) + 0.125})
     assert plain_key(cover, kind, material, n) != before
@@ -117,5 +116,5 @@ def test_what_a_matrix_is_integrated_from_is_in_its_key(build, changed: str) -> 
     else:
         cover = replace(cover, lattice=replace(cover.lattice, spacing=2.0))
     after = keys(cover, clusters or clusters_of(cover, n), [material])
-    assert cover.enrichment.tips.any[~plain_elements(cover)].all()
+    assert cover.enrichment.acted_on[~cover.plain].all()
     assert before.isdisjoint(after)

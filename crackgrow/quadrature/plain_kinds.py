@@ -1,0 +1,78 @@
+"""Plain elements, rectangles without singular patches, by their kinds.
+
+Those alike in shape, in the patches over them and in place in their cell have the same functions at the same points,
+hence the same element matrix: it is integrated once, in the unit cell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crackgrow.approximation.mls import mls
+from crackgrow.arrays import Floats, Ints
+from crackgrow.cover.cover import Cover
+from crackgrow.cover.lattice import Lattice
+
+
+def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:
+    """Lower left corners (n, 2) and sizes (n, 2) of plain elements (n,)."""
+    all_corners = cover.elements.vertices[cover.elements.ring_start]
+    corners = all_corners[np.searchsorted(cover.elements.ring_element, elements)[:, None] + np.arange(4)]
+    low = corners.min(axis=1)
+    return low, corners.max(axis=1) - low
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlainKind:
+    """Plain elements of one kind."""
+
+    elements: Ints  # (n,)
+    body: int
+    low: Floats  # (2,) lower left corner in the unit cell
+    size: Floats  # (2,)
+    slots: Ints  # (k,) which of the nodes round the cell have a patch here
+
+    def patches(self, cover: Cover) -> Ints:
+        """Their physical patches (n, k)."""
+        return cover.patches.of_element.taken(self.elements).values.reshape(-1, len(self.slots))
+
+    def functions(self, lattice: Lattice, share: Floats) -> tuple[Floats, Floats]:
+        """Functions (k, m) and their gradients (2, k, m) per spacing at points by their `share` (m, 2) of the size."""
+        phi, dphi = mls(self.low + share * self.size, lattice.support, lattice.reach)
+        return phi.T[self.slots], dphi.transpose(2, 1, 0)[:, self.slots]
+
+
+def plain_kinds(cover: Cover) -> list[PlainKind]:
+    """All kinds of plain elements."""
+    elements = np.flatnonzero(cover.plain)
+    if not len(elements):
+        return []
+    pattern, slots = _patterns(cover, elements)
+    body, part = cover.elements.body[elements], cover.elements.part[elements]
+    whole = int(np.searchsorted(elements, cover.elements.n_whole))  # those before are alike in one part of their cells
+    alike = np.concatenate([part[:whole], int(part.max()) + 1 + np.arange(len(elements) - whole)])
+    alike = (alike * (int(body.max()) + 1) + body) * len(slots) + pattern
+    _, first, group = np.unique(alike, return_index=True, return_inverse=True)
+    low, size = rectangles(cover, elements[first])
+    low = low - cover.elements.cell[elements[first]]
+    kinds = np.column_stack([low, size, body[first], pattern[first]])
+    _, example, kind = np.unique(kinds, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(kind.ravel()[group], kind="stable")
+    ends = np.cumsum(np.bincount(kind.ravel()[group]))
+    members = np.split(elements[order], ends[:-1])
+    return [
+        PlainKind(mine, int(body[first[at]]), low[at], size[at], slots[pattern[first[at]]])
+        for mine, at in zip(members, example.tolist(), strict=True)
+    ]
+
+
+def _patterns(cover: Cover, elements: Ints) -> tuple[Ints, list[Ints]]:
+    """Which nodes round their cells have a patch over elements (n,): numbers (n,) of the patterns, and all of them."""
+    which, place = cover.patches.of_element.places(elements)
+    covered = np.zeros((len(elements), len(cover.lattice.offsets)), dtype=bool)
+    covered[which, cover.patches.slot[place]] = True
+    packed = np.packbits(covered, axis=1)
+    _, first, number = np.unique(packed.view(f"V{packed.shape[1]}"), return_index=True, return_inverse=True)
+    return number.ravel(), [np.flatnonzero(covered[example]) for example in first.tolist()]
