@@ -18,7 +18,6 @@ class Cause(Enum):
     RESIDUAL = (1e-9, "forces", "digits of the equilibrium are lost")
     IMBALANCE = (1e-8, "forces", "digits of reactions are lost where stiffnesses are very unlike")
     ENERGY = (1e-4, "largest energy", "work, dissipation and released energy are off by as much")
-    SECOND_SOLUTION = (0.0, "", "friction leaves more than one solution, and the run is one of them")
     SHARP_KINK = (75.0, "degrees", "open: K within 5 % of the larger K below, off by half of it (see `cautions`)")
     CLOSED_KINK = (10.0, "degrees", "K off by up to half of the K without the kink (see `cautions`)")
     UNRESOLVED = (

@@ -5,19 +5,19 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
 from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.contact.coulomb import OPEN, STICK
+from crackgrow.contact.coulomb import OPEN, STICK, ContactLaw, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces
 from crackgrow.contact.hold import check_can_hold
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.law import ContactLaw, ContactMemory
 from crackgrow.contact.mortar import mortar_faces
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
@@ -63,7 +63,7 @@ class Equilibrium:
     strain_terms: float  # J/m, the same of absolute values: the terms that it is the sum of
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Configuration:
     """Everything that depends on where the cracks lie, and not on how much they are loaded."""
 
@@ -76,7 +76,6 @@ class Configuration:
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
     seconds: dict[str, float]
-    solved: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)  # without contact, per unit
 
     @property
     def matrix(self) -> SymmetricMatrix:
@@ -133,23 +132,22 @@ class Configuration:
             "close together (a tip, a crack, an outline, a lattice line) a little, or change numerics.spacing"
         )
 
-    def solve_loads(self) -> None:
-        """Solve for the loads without contact before anything else is: what comes later then finds the same bits."""
-        self._without_contact(1.0, 1.0)
+    @cached_property
+    def _units(self) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs, 2) m and multipliers (m, 2) without contact, of all scaled and of all held loads."""
+        n, m = len(self.scaled), len(self.held.given)
+        loads = np.stack([self.scaled, self.constant], axis=1)
+        given = np.stack([self.held.given, np.zeros(m)], axis=1)
+        u, multipliers = np.zeros((n, 2)), np.zeros((m, 2))
+        some = loads.any(axis=0) | given.any(axis=0)
+        if some.any():
+            u[:, some], multipliers[:, some] = self.contact.system.solve(loads[:, some], given[:, some])
+        return u, multipliers
 
     def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
-        """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
-        system, given = self.contact.system, self.held.given
-        u, multipliers = np.zeros(len(self.scaled)), np.zeros(len(given))
-        parts = ((factor, self.scaled, given), (holding, self.constant, np.zeros(len(given))))
-        for kind, (share, loads, displacements) in enumerate(parts):
-            if share == 0.0 or not (loads.any() or displacements.any()):
-                continue
-            if kind not in self.solved:
-                self.solved[kind] = system.solve(loads, displacements)
-            u += share * self.solved[kind][0]
-            multipliers += share * self.solved[kind][1]
-        return u, multipliers
+        """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing."""
+        (u, multipliers), share = self._units, np.array([factor, holding])
+        return u @ share, multipliers @ share
 
 
 def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:

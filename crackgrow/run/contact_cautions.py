@@ -1,17 +1,12 @@
-"""What makes a step's contact tractions doubtful: waves that no rock makes, and friction that leaves a choice."""
+"""What makes a step's contact tractions doubtful: waves that no rock makes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
 
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.ripple import worst_ripple
-from crackgrow.contact.second_solution import second_solution
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.judging import StepSolution
-
-WORDS: Final = {OPEN: "is open", STICK: "sticks", SLIP: "slips"}
 
 
 def contact_cautions(solution: StepSolution) -> Iterator[Caution]:
@@ -27,18 +22,4 @@ def contact_cautions(solution: StepSolution) -> Iterator[Caution]:
             "follow; use numerics.contact.discretization mortar (with a spacing of 1.25 or more), or a softer contact",
             place,
             worst.part,
-        )
-    second = second_solution(solution.contact, outcome)
-    if second is not None:
-        point = int(second.points[0])
-        x, y = solution.cover.lattice.to_metres(faces.nodes.points[[point]])[0]
-        place = f"'{surfaces[faces.surface[point]].name}'"
-        yield Caution(
-            Cause.SECOND_SOLUTION,
-            f"friction leaves more than one solution (certainly not where it is below {second.limit:.2g}): in another "
-            f"one the point ({x:.4g}, {y:.4g}) m of {place}, which "
-            f"{WORDS[int(outcome.state[point])]}, {WORDS[int(second.states[0])]}, its faces moved by "
-            f"{second.change[0]:.2g} m; apply the loads in steps (loading.history), or lower the friction there",
-            place,
-            abs(second.change[0]),
         )

@@ -23,10 +23,9 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.contact.law import ContactMemory
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Surface
@@ -106,7 +105,6 @@ class Origin:
 
     guess: float = 1.0  # load factor that a search for the critical one tries first
     start: Start | None = None  # None: the case's loads come one after the other, from the unloaded state on
-    batches: tuple[tuple[Ints, Ints], ...] = ()  # `_Columns.batches` of a configuration that others were loaded on
 
 
 FROM_REST = Origin()

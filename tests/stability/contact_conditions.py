@@ -21,8 +21,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.contact.faces import FacePoints
-from crackgrow.contact.solve import ContactMemory, ContactOutcome
+from crackgrow.contact.solve import ContactOutcome
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.run.configuration import Configuration, Equilibrium
