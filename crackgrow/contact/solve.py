@@ -78,32 +78,19 @@ class ContactOutcome:
 
 
 def solve_contact(
-    contact: ContactSystem,
-    loads: Floats,
-    given: Floats,
-    memory: ContactMemory | None = None,
-    without: tuple[Floats, Floats] | None = None,
+    contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory | None = None
 ) -> ContactOutcome:
     """Displacements and contact tractions under `loads` (n_dofs,), with support displacements `given` (m,).
 
-    `memory` is that of the increment before, None for the first; `without` are displacements and multipliers without
-    contact tractions, if they are known. Raises NotSolvedError where the contact solver finds no solution.
+    `memory` is that of the increment before, None for the first. Raises NotSolvedError where the contact solver finds
+    no solution.
     """
-    u, multipliers = contact.system.solve(loads, given) if without is None else without
+    without = contact.system.solve(loads, given)
     memory = memory or ContactMemory.fresh(len(contact.weights))
-    tolerance = OVERLAP * displacement_size(loads, u, given)
     pull = np.zeros(0) if contact.loose is None else contact.loose.along(loads)
-    increment = Increment(contact, memory, pull, tolerance)
-    free = contact.operator @ u
-    state, off, last_off = increment.solved(free), 0.0, np.inf
-    while state.solution is not None:
-        u, multipliers = contact.displacements(loads, given, state.tractions, state.solution.motion)
-        more, off = _missing(contact, free, state, u)
-        if off <= ROUND_OFF or off > GAIN * last_off:
-            break
-        free, last_off = free + more, off
-        state = increment.solved(free, state)
-    return _outcome(contact, state, (u, multipliers), off, tolerance)
+    increment = Increment(contact, memory, pull, OVERLAP * displacement_size(loads, without[0], given))
+    free = contact.operator @ without[0]
+    return increment.formed(increment.solved(free), free, (loads, given), without)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,8 +114,10 @@ class PointStates:
     dilation: Floats  # (n,) m
     state: Ints  # (n,)
     coheres: Bools  # (n,)
-    problem: ContactProblem | None = None  # None: no point has to be dealt with
-    solution: ContactSolution | None = None
+    solution: ContactSolution | None = None  # None: no point has to be dealt with
+    problem: ContactProblem | None = None  # that it is of, while it is kept: it is large
+    n_unknowns: int = 0
+    complementarity: float = 0.0  # relative
     iterations: int = 0  # of all trials
     notes: frozenset[str] = frozenset()
 
@@ -158,6 +147,56 @@ class Increment:
             found = self._tried(trial, free, found)
             trial = self._revised(found)
         return found
+
+    def formed(
+        self, state: PointStates, free: Floats, loads: tuple[Floats, Floats], without: tuple[Floats, Floats]
+    ) -> ContactOutcome:
+        """The outcome of states with their displacements, and both corrected until their jumps are the same.
+
+        `loads` are those of the rock (n_dofs,) N/m and what supports are given (m,) m, `without` the displacements and
+        multipliers, `free` the jumps that these make without tractions.
+        """
+        contact, rock, off, last_off = self.contact, without, 0.0, np.inf
+        while state.solution is not None:
+            rock = contact.displacements(loads, without, state.tractions, state.solution.motion)
+            more, off = _missing(contact, free, state, rock[0])
+            if off <= ROUND_OFF or off > GAIN * last_off:
+                break
+            free, last_off = free + more, off
+            state = self.solved(free, state)
+        return self._outcome(state, rock, off)
+
+    def remembered(self, state: PointStates) -> ContactMemory:
+        """What points keep of their states."""
+        apart = (state.state == OPEN) & (state.gap > self.tolerance)
+        slip = state.slip - self.contact.law.compliance * state.tangential
+        return ContactMemory(slip, state.trial.broken | (state.state == SLIP) | apart, ~apart)
+
+    def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
+        """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""
+        notes = sorted(state.notes)
+        if off > UNSURE:
+            notes.append(f"jumps of the faces are off by {off:.1g} of the largest: the system is ill conditioned")
+        elastic = self.contact.law.compliance * state.normal
+        return ContactOutcome(
+            u=rock[0],
+            multipliers=rock[1],
+            normal_traction=state.normal,
+            tangential_traction=state.tangential,
+            gap=state.gap + state.dilation,
+            slip=state.slip,
+            state=state.state,
+            memory=self.remembered(state),
+            dilation=state.dilation,
+            n_unknowns=state.n_unknowns,
+            iterations=state.iterations,
+            penetration=float(np.max(-(state.gap - elastic), initial=0.0)),
+            complementarity=max(state.complementarity, off),
+            status="none" if state.solution is None else "solved",
+            notes=tuple(notes),
+            rows=np.flatnonzero(state.trial.taken),
+            problem=state.problem,
+        )
 
     def _untouched(self, free: Floats) -> PointStates:
         """What the rock does without contact tractions, and the first trial."""
@@ -193,7 +232,8 @@ class Increment:
         state = np.full(n, OPEN)
         state[rows] = _states(problem, solution, (gap - dilation)[rows], cohesion[rows])
         return PointStates(
-            trial, p_n, p_t, gap - dilation, slip, dilation, state, cohesion > 0.0, problem, solution,
+            trial, p_n, p_t, gap - dilation, slip, dilation, state, cohesion > 0.0, solution, problem,
+            problem.n_unknowns, complementarity_residual(problem, solution.unknowns),
             start.iterations + solution.iterations, start.notes | ({note} if note else set()),
         )  # fmt: skip
 
@@ -289,37 +329,3 @@ def _missing(contact: ContactSystem, free: Floats, state: PointStates, u: Floats
     if not off <= SPOILT * farthest:
         raise spoilt(f"wrong by {off / farthest:.1g} of the jumps")
     return more, off / farthest if farthest > 0.0 else 0.0
-
-
-def _outcome(
-    contact: ContactSystem, state: PointStates, rock: tuple[Floats, Floats], off: float, tolerance: float
-) -> ContactOutcome:
-    """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`; less overlap is none."""
-    law, trial = contact.law, state.trial
-    apart = (state.state == OPEN) & (state.gap > tolerance)
-    slip = state.slip - law.compliance * state.tangential
-    notes = sorted(state.notes)
-    if off > UNSURE:
-        notes.append(f"jumps of the faces are off by {off:.1g} of the largest: the system is ill conditioned")
-    complementarity = 0.0
-    if state.problem is not None and state.solution is not None:
-        complementarity = complementarity_residual(state.problem, state.solution.unknowns)
-    return ContactOutcome(
-        u=rock[0],
-        multipliers=rock[1],
-        normal_traction=state.normal,
-        tangential_traction=state.tangential,
-        gap=state.gap + state.dilation,
-        slip=state.slip,
-        state=state.state,
-        memory=ContactMemory(slip, trial.broken | (state.state == SLIP) | apart, ~apart),
-        dilation=state.dilation,
-        n_unknowns=0 if state.problem is None else state.problem.n_unknowns,
-        iterations=state.iterations,
-        penetration=float(np.max(-(state.gap - law.compliance * state.normal), initial=0.0)),
-        complementarity=max(complementarity, off),
-        status="none" if state.problem is None else "solved",
-        notes=tuple(notes),
-        rows=np.flatnonzero(trial.taken),
-        problem=state.problem,
-    )

@@ -36,6 +36,7 @@ class ContactSystem:
     law: ContactLaw
     solver: Literal["newton", "lemke"]
     loose: RigidMotions | None = None  # of pieces that contact alone holds; `system` holds each of them just once
+    often: bool = False  # whether displacements are wanted of more states than there are tractions
 
     @cached_property
     def operator(self) -> csr_array:
@@ -77,14 +78,25 @@ class ContactSystem:
         compliance[np.ix_(rows, rows)] = rock
         return compliance
 
-    def displacements(self, loads: Floats, given: Floats, tractions: Floats, motion: Floats) -> tuple[Floats, Floats]:
-        """Displacements (n_dofs,) m and multipliers (m,) under `loads`, with `given` (m,) m at supports.
+    @cached_property
+    def _per_traction(self) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs, 2 n) m and multipliers (m, 2 n) per unit traction."""
+        return self.system.solve((self.operator.T * np.tile(self.weights, 2)).toarray())
 
-        `tractions` are all normals, then all tangentials (2 n,) Pa, `motion` (l,) the amplitudes of rigid motions:
-        supports that follow pieces carry nothing.
+    def displacements(
+        self, loads: tuple[Floats, Floats], without: tuple[Floats, Floats], tractions: Floats, motion: Floats
+    ) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs,) m and multipliers (m,) under loads (n_dofs,) N/m, and given (m,) m at supports.
+
+        `without` are those without tractions. These are all normals, then all tangentials (2 n,) Pa, `motion` (l,) the
+        amplitudes of rigid motions: supports that follow pieces carry nothing. Under single tractions pieces turn much
+        farther than under all.
         """
-        loads = loads - self.operator.T @ (np.tile(self.weights, 2) * tractions)
-        return self.system.solve(loads if self.loose is None else loads + self.loose.carrying(motion), given)
+        if self.often and self.loose is None:
+            u, multipliers = (free - per @ tractions for free, per in zip(without, self._per_traction, strict=True))
+            return u, multipliers
+        force = loads[0] - self.operator.T @ (np.tile(self.weights, 2) * tractions)
+        return self.system.solve(force if self.loose is None else force + self.loose.carrying(motion), loads[1])
 
 
 def spoilt(what: str) -> NotSolvedError:
