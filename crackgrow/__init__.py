@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from crackgrow.study.compare import compare_paths
     from crackgrow.study.comparison import Comparison
     from crackgrow.study.comparison_text import comparison_csv, comparison_text
+    from crackgrow.study.second_solution import unique_text
     from crackgrow.study.stability.runner import stability
     from crackgrow.study.stability.table import stability_line
     from crackgrow.study.stability.writer import write_stability
@@ -103,6 +104,7 @@ __all__ = [
     "sweep_line",
     "trade",
     "trade_line",
+    "unique_text",
     "view",
     "write_gif",
     "write_mp4",
@@ -150,6 +152,7 @@ _HOMES = {
     "sweep_line": "crackgrow.study.sweep.runner",
     "trade": "crackgrow.study.trade.runner",
     "trade_line": "crackgrow.study.trade.row",
+    "unique_text": "crackgrow.study.second_solution",
     "view": "crackgrow.results.view",
     "write_gif": "crackgrow.results.animation",
     "write_mp4": "crackgrow.results.animation",

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.contact.condensed import condensed
-from crackgrow.contact.coulomb import ContactProblem
+from crackgrow.contact.problem import ContactProblem
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import assemble
 from crackgrow.run.scene import make_scene
@@ -70,10 +69,18 @@ def rock_problem(kind: str, n_points: int) -> tuple[ContactProblem, Floats]:
     configuration = assemble(make_scene(case), growing)
     contact, n = configuration.contact, configuration.faces.n
     u, _ = contact.system.solve(configuration.loads(1.0), configuration.held.given)
-    rows = np.arange(n)
-    rock = contact.onto(rows, rows).compliance
-    free = np.concatenate([contact.gap_of @ u, contact.slip_of @ u])
-    return ContactProblem(condensed(contact, rock, rows, rows), free, np.ones(n), np.zeros(n)), contact.weights
+    free = contact.operator @ u
+    return ContactProblem(
+        contact.compliance(np.arange(n), np.ones(n, dtype=bool)), free, np.ones(n), np.zeros(n)
+    ), contact.weights
+
+
+def smooth(compliance: Floats, free: Floats) -> ContactProblem:
+    """Points without friction: gaps of compliance (n, n) and free gaps (n,), and slips that nothing resists."""
+    n = len(free)
+    zero = np.zeros((n, n))
+    A = np.block([[compliance, zero], [zero, np.diag(np.diag(compliance))]])
+    return ContactProblem(A, np.append(free, np.zeros(n)), np.zeros(n))
 
 
 def with_law(problem: ContactProblem, friction: float, cohesion: float) -> ContactProblem:

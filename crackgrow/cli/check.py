@@ -11,14 +11,17 @@ from crackgrow.cli.console import EXIT_DONE, say
 
 HELP = """\
 Validate a case and print the plan of its run: bodies, cracks and tips, what is modelled and why, the unknowns of the
-first step, counted on its cover, what a step costs in seconds and memory, and what to beware of. Nothing is solved.
+first step, counted on its cover, what a step costs in seconds and memory, and what to beware of. Nothing is solved
+unless --unique asks whether friction leaves the contact one solution at every load factor.
 """
 EXAMPLES = """\
-exit codes: 0 the case can be run; 2 it is wrong, all faults are listed; 3 its cracks cannot be covered.
+exit codes: 0 the case can be run; 2 it is wrong, all faults are listed; 3 its cracks cannot be covered, or with
+--unique its loads not be solved.
 
 examples:
   crackgrow check cases/compression30.yaml
   crackgrow check cases/two_flaws.yaml --set numerics.spacing=1 --picture two_flaws.svg
+  crackgrow check cases/confined30.yaml --unique
 """
 
 
@@ -29,6 +32,10 @@ def check(arguments: argparse.Namespace) -> int:
     if arguments.picture is not None:
         crackgrow.draw_scene(arguments.picture, case)
         say(f"picture in {arguments.picture}")
+    if arguments.unique:
+        say("\nsolutions of the contact")
+        for line in crackgrow.unique_text(case):
+            say(line)
     return EXIT_DONE
 
 
@@ -43,6 +50,9 @@ def add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser], cas
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("--picture", type=_picture, metavar="FILE.png|svg", help="draw the scene, too")
+    command.add_argument(
+        "--unique", action="store_true", help="solve the first step: does friction leave one solution?"
+    )
     command.set_defaults(command=check)
 
 

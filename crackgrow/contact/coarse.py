@@ -8,26 +8,22 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.coulomb import ContactProblem
+from crackgrow.contact.problem import ContactProblem
 
 
 def halved(problem: ContactProblem) -> ContactProblem | None:
     """The problem with equal tractions and mean jumps of every two points, None where these have no resistance."""
-    n = problem.n_points
-    blocks = len(problem.free) // n
-    A = _means(_sums(problem.compliance.T, blocks).T, blocks)
+    A = _means(_sums(problem.compliance.T, 2).T, 2)
     if A.diagonal().min() <= 0.0:
         return None
-    free = _means(problem.free, blocks)
     friction, cohesion, dilation, slipped = (
-        None if law is None else _means(law, 1)
-        for law in (problem.friction, problem.cohesion, problem.dilation, problem.slipped)
+        _means(law, 1) for law in (problem.friction, problem.cohesion, problem.dilation, problem.slipped)
     )
-    return ContactProblem(A, free, friction, cohesion, dilation, slipped)
+    return ContactProblem(A, _means(problem.free, 2), friction, cohesion, dilation, slipped)
 
 
 def doubled(problem: ContactProblem, p: Floats) -> Floats:
-    """Tractions (m,) of a problem from those of its half."""
+    """Tractions (2 n,) of a problem from those of its half."""
     n = problem.n_points
     return np.concatenate([np.repeat(block, 2)[:n] for block in p.reshape(-1, (n + 1) // 2)])
 

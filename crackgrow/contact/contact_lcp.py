@@ -13,21 +13,13 @@ from typing import Final
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.active_solver import solve_active
-from crackgrow.contact.coulomb import (
-    SOLVED_RESIDUAL,
-    ContactProblem,
-    ContactSolution,
-    active_set,
-    complementarity_residual,
-)
+from crackgrow.contact.coulomb import SOLVED_RESIDUAL, active_set, complementarity_residual
 from crackgrow.contact.lemke import lemke
+from crackgrow.contact.newton import UNSEEN, solve_active
+from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.errors import NotSolvedError
 
 SINGULAR: Final = 1e14  # condition number of the scaled compliance from which its inverse has no digits left
-
-
-UNSEEN: Final = 1e-12  # rigid motions that points see by less, relative to what they see best, are not seen
 DETERMINATE: Final = 1e-8  # of the largest diagonal entry: less stiffness has a traction that balance alone gives
 
 
@@ -35,7 +27,7 @@ DETERMINATE: Final = 1e-8  # of the largest diagonal entry: less stiffness has a
 class _ContactLcp:
     """LCP (17) of a contact problem in scaled variables: lambda = size z / root, v = size root w."""
 
-    M: Floats  # (k, k) with unit diagonal where friction does not couple: k = 3 n, or n without friction
+    M: Floats  # (k, k) with unit diagonal where friction does not couple: k = 3 n
     q: Floats  # (k,)
     d: Floats  # (k,) covering vector
     root: Floats  # (k,) sqrt(Pa/m)
@@ -77,8 +69,6 @@ def _contact_lcp(problem: ContactProblem) -> _ContactLcp:
     inverse, carried = _inverse(problem)
     size = np.abs(inverse.diagonal())
     root = np.sqrt(np.maximum(size, DETERMINATE * size.max(initial=0.0)))
-    if problem.friction is None or problem.cohesion is None:
-        return _scaled(inverse, -inverse @ problem.free - carried, root, root)
     opened, per_slip = _dilation(problem)
     # tractions with every point closed and sticking
     stuck = carried + inverse @ (problem.free - np.append(opened, np.zeros(n)))
@@ -94,8 +84,6 @@ def _contact_lcp(problem: ContactProblem) -> _ContactLcp:
 
 def _dilation(problem: ContactProblem) -> tuple[Floats, tuple[Floats, Floats]]:
     """What dilation has opened before (n,) m, and what it opens (n,) per slip + and per slip - from there on."""
-    assert problem.dilation is not None
-    assert problem.slipped is not None
     before = problem.slipped
     senses = (np.where(before < 0.0, -1.0, 1.0), np.where(before > 0.0, -1.0, 1.0))
     return problem.dilation * np.abs(before), (problem.dilation * senses[0], problem.dilation * senses[1])
@@ -148,8 +136,6 @@ def _scaled(M: Floats, q: Floats, d: Floats, root: Floats) -> _ContactLcp:
 def _tractions(problem: ContactProblem, slip_opening: Floats, v: Floats) -> tuple[Floats, Floats]:
     """Tractions and jump (m,) of the variables of the LCP, both without subtracting large numbers."""
     n = problem.n_points
-    if problem.friction is None:
-        return -v, slip_opening
     p = np.concatenate([-v[2 * n :], (v[n : 2 * n] - v[:n]) / 2.0])
     opened, per_slip = _dilation(problem)
     forward, backward, gap = slip_opening.reshape(3, n)

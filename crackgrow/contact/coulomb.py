@@ -1,41 +1,30 @@
-"""The condensed contact problem with Coulomb friction: data, law and residual.
+"""Coulomb's law of contact points: its branches, their derivative, and what points remember from load to load.
 
-Unknown are the tractions p of n contact points, all normals first, then all tangentials (no tangential rows
-without friction). With free the jump without contact traction, the jump of the displacement is
-
-    du = free - A p,    A = G K^-1 G' W + diag(1/k),
-
-and every point satisfies (Li, Zheng, Guo 2017, equations (4) to (6), in total slip from the unloaded state)
+Every point satisfies (Li, Zheng, Guo 2017, equations (4) to (6), in total slip from the unloaded state)
 
     gap = du_n >= 0,   p_n <= 0,   gap p_n = 0,
     |p_t| <= b = cohesion - friction p_n,   du_t = 0 where |p_t| < b, else du_t has the sign of p_t.
 
-Faces that dilate are pushed apart by slip (Li, Zheng, Guo 2017, m_g with tan psi): with s0 the slip that `free` does
-not count, from earlier increments, and d = tan(psi)
+Faces that dilate are pushed apart by slip (m_g with tan psi): with s0 the slip that du_t does not count, from earlier
+increments, and d = tan(psi)
 
     gap = du_n - d |s0 + du_t|.
 
-Pieces of rock that nothing but contact holds move as rigid bodies besides, by amplitudes a that are unknown too. With B
-their jumps and W the lengths of the points, and as many equations more,
-
-    du = free - A p + B a,    F p = pull,    F = B' W,
-
-where `pull` is what the loads do on each motion. Unknowns are handed on as x = (p, a).
-
-The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a point passes
-a cohesion of zero where the bond is lost; an open point then carries no shear. The semismooth Newton and Lemke
-solvers (`newton`, `lemke`) both solve exactly this problem.
+A point that slips or opens is broken: its friction is the residual one from then on, and its cohesion lost unless it is
+kept. The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a point passes
+a cohesion of zero where the bond is lost; an open point then carries no shear.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.errors import NotSolvedError
+from crackgrow.contact.problem import ContactProblem, check_shape, read_only
 
 OPEN: Final = 0
 STICK: Final = 1
@@ -45,88 +34,55 @@ SOLVED_RESIDUAL: Final = 1e-8  # a solver that ends above this complementarity r
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motions:
-    """The l rigid motions of pieces of rock that contact alone holds."""
+class ContactLaw:
+    """Law of every contact point."""
 
-    jump: Floats  # (m, l) B: gap and slip in each motion
-    force: Floats  # (l, m) F, N/m per Pa: what tractions do on each motion
-    pull: Floats  # (l,) N/m: what the loads do
+    friction: Floats  # (n,)
+    cohesion: Floats  # (n,) Pa
+    compliance: Floats  # (n,) m/Pa: 1/k, zero for rigid contact
+    residual_friction: Floats | None = None  # (n,) of broken points; None: as before
+    kept: Bools | None = None  # (n,) whether broken points that are closed cohere; None: they don't
+    dilation: Floats | None = None  # (n,) tan(dilation angle); None: zero
+
+    def bound_of(self, broken: Bools) -> tuple[Floats, Floats]:
+        """Friction (n,) and cohesion (n,) where some points are `broken` (n,)."""
+        friction = self.friction if self.residual_friction is None else self.residual_friction
+        cohesion = np.zeros(len(broken)) if self.kept is None else np.where(self.kept, self.cohesion, 0.0)
+        return np.where(broken, friction, self.friction), np.where(broken, cohesion, self.cohesion)
+
+    @property
+    def dilating(self) -> Floats:
+        """Tangents (n,) of the dilation angles."""
+        return np.zeros(len(self.friction)) if self.dilation is None else self.dilation
+
+    def opening(self, slip: Floats) -> Floats:
+        """What slip (n,) m, less its elastic part, opens by dilation, m."""
+        return np.asarray(self.dilating * np.abs(slip))
+
+    @property
+    def breakable(self) -> Bools:
+        """Which points (n,) have something to lose."""
+        friction, cohesion = self.bound_of(np.ones(len(self.friction), dtype=bool))
+        return np.asarray((friction < self.friction) | (cohesion < self.cohesion))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactProblem:
-    """Compliance, free jump and friction law of n contact points; arrays are seen read-only, not copied.
+class ContactMemory:
+    """What contact points keep from one increment to the next."""
 
-    Raises NotSolvedError for a value that is not finite and a diagonal entry of the compliance that is not positive,
-    ValueError for a wrong shape and for negative friction, cohesion or dilation.
-    """
+    slip: Floats  # (n,) m, less its elastic part
+    broken: Bools  # (n,) has slipped or opened
+    closed: Bools | None = None  # (n,) is not open; None: where it is not broken
 
-    compliance: Floats  # (m, m) m/Pa: A; m = n without friction, else 2 n; need not be symmetric
-    free: Floats  # (m,) m: gap and slip without contact traction
-    friction: Floats | None = None  # (n,) coefficient, or None where there are no tangential rows
-    cohesion: Floats | None = None  # (n,) Pa, None for zero; without meaning where friction is None
-    dilation: Floats | None = None  # (n,) tangent of the dilation angle, None for zero; only with friction
-    slipped: Floats | None = None  # (n,) m: slip s0 of earlier increments, None for zero
-    motions: Motions | None = None  # None: supports hold all of the rock
-    scale: Floats = field(init=False, repr=False)  # (m,) m/Pa: the diagonal, which weighs jumps against tractions
-    reach: Floats = field(init=False, repr=False)  # (m,) m/Pa: sum of every row's absolute values
+    def coheres(self, law: ContactLaw) -> Bools:
+        """Which points (n,) the bond holds."""
+        _, cohesion = law.bound_of(self.broken)
+        return np.asarray((cohesion > 0.0) & (~self.broken if self.closed is None else self.closed))
 
-    def __post_init__(self) -> None:
-        for name in ("compliance", "free", "friction", "cohesion", "dilation", "slipped"):
-            value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, _read_only(name, value))
-        n_rows = self.free.size
-        n_points = n_rows if self.friction is None else self.friction.size
-        _check_shape("free", self.free, (n_points if self.friction is None else 2 * n_points,))
-        _check_shape("compliance", self.compliance, (n_rows, n_rows))
-        if self.friction is not None:
-            for name in ("cohesion", "dilation", "slipped"):
-                if getattr(self, name) is None:
-                    object.__setattr__(self, name, _read_only(name, np.zeros(n_points)))
-                _check_shape(name, getattr(self, name), (n_points,))
-            for name in ("friction", "cohesion", "dilation"):
-                _check_sign(name, getattr(self, name))
-        diagonal = self.compliance.diagonal()
-        if not np.all(diagonal > 0.0):
-            point = int(np.flatnonzero(~(diagonal > 0.0))[0])
-            raise NotSolvedError(
-                f"contact compliance diagonal: entry {point} is {diagonal[point]:.6g}, must be positive: the system is "
-                "too ill conditioned, for cracks, tips or outlines too close to each other"
-            )
-        object.__setattr__(self, "scale", _read_only("scale", diagonal))
-        object.__setattr__(self, "reach", _read_only("reach", np.abs(self.compliance).sum(axis=1)))
-
-    @property
-    def n_points(self) -> int:
-        """Number of contact points."""
-        return int(self.free.size if self.friction is None else self.friction.size)
-
-    @property
-    def least_traction(self) -> float:
-        """Pa: the least traction that could make up the free jump; what is nothing beside it is no traction."""
-        return float(np.abs(self.free).max(initial=0.0)) / max(float(self.reach.max(initial=0.0)), np.finfo(float).tiny)
-
-    @property
-    def n_motions(self) -> int:
-        """Number of rigid motions."""
-        return 0 if self.motions is None else len(self.motions.pull)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactSolution:
-    """Tractions of one contact problem and how their computation ended."""
-
-    traction: Floats  # (m,) Pa, ordered as the rows of the problem
-    status: str  # "solved", "limit" (too many iterations), "ray" (Lemke found none), "inaccurate"
-    iterations: int  # linear solves of Newton, pivots of Lemke
-    state: Ints  # (n,) OPEN, STICK or SLIP
-    motion: Floats = field(default_factory=lambda: np.zeros(0))  # (l,) amplitudes of the rigid motions
-
-    @property
-    def unknowns(self) -> Floats:
-        """x (m + l,)."""
-        return np.concatenate([self.traction, self.motion])
+    @classmethod
+    def fresh(cls, n: int) -> ContactMemory:
+        """Memory of n points that nothing has happened to."""
+        return cls(np.zeros(n), np.zeros(n, dtype=bool))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,7 +90,7 @@ class ActiveSet:
     """Which branch of the contact law every point is on."""
 
     closed: Bools  # (n,): gap = 0 is imposed, else p_n = 0
-    slip: Ints  # (n,): 0 sticks (du_t = 0), +1 or -1 slips (p_t = slip * b); +1 throughout without friction
+    slip: Ints  # (n,): 0 sticks (du_t = 0), +1 or -1 slips (p_t = slip * b)
     sense: Ints | None = None  # (n,): the sign of all slip, s0 + du_t, by which faces dilate; None: that of `slip`
 
     def key(self) -> bytes:
@@ -147,121 +103,135 @@ class ActiveSet:
         return np.where(self.closed, np.where(self.slip == 0, STICK, SLIP), OPEN).astype(np.int64)
 
 
-def jump(problem: ContactProblem, x: Floats) -> Floats:
-    """(m,) m: du = free - A p + B a, the gap and slip with unknowns x (m + l,)."""
-    m = problem.free.size
-    du: Floats = problem.free - problem.compliance @ x[:m]
-    return du if problem.motions is None else du + problem.motions.jump @ x[m:]
-
-
-def imbalance(problem: ContactProblem, x: Floats) -> float:
-    """The largest force along a motion that nothing balances, relative to the forces that there are."""
-    if problem.motions is None:
-        return 0.0
-    motions, p = problem.motions, x[: problem.free.size]
-    size = float(np.max(np.abs(motions.force) @ np.maximum(np.abs(p), problem.least_traction), initial=0.0))
-    size = max(size, float(np.abs(motions.pull).max(initial=0.0)))
-    left = float(np.abs(motions.pull - motions.force @ p).max(initial=0.0))
-    return left / size if size > 0.0 else 0.0
-
-
 def opening(problem: ContactProblem, du: Floats) -> Floats:
     """(n,) m: the gap, which is du_n less what slip has opened by dilation."""
     n = problem.n_points
-    if problem.dilation is None or problem.slipped is None:
-        return du[:n]
     return np.asarray(du[:n] - problem.dilation * np.abs(problem.slipped + du[n:]))
 
 
+def shear_bound(problem: ContactProblem, p_n: Floats) -> Floats:
+    """(n,) Pa: b = cohesion - friction p_n, not below zero, for normal tractions p_n (n,); equation (6)."""
+    bound: Floats = np.maximum(0.0, problem.cohesion - problem.friction * p_n)
+    return bound
+
+
 def project(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
-    """(m,) Pa: tractions of the contact law for p pushed by the jump, r = 1/scale; a solution is a fixed point.
+    """(2 n,) Pa: tractions of the contact law for p pushed by the jump, r = 1/scale; a solution is a fixed point.
 
     p_n = min(0, p_n + r gap), p_t = clip(p_t + r du_t, -b, b) with b from the projected p_n.
     """
     n, trial = problem.n_points, _trial(problem, p, du)
     trial[:n] = np.minimum(trial[:n], 0.0)
-    if problem.friction is not None:
-        b = shear_bound(problem, trial[:n])
-        trial[n:] = np.clip(trial[n:], -b, b)
+    b = shear_bound(problem, trial[:n])
+    trial[n:] = np.clip(trial[n:], -b, b)
     return trial
 
 
 def active_set(problem: ContactProblem, p: Floats, du: Floats) -> ActiveSet:
-    """Return the branch of `project` that each point is on, for tractions p (m,) and jump du (m,)."""
+    """Return the branch of `project` that each point is on, for tractions p (2 n,) and jump du (2 n,)."""
     n, trial = problem.n_points, _trial(problem, p, du)
     closed = trial[:n] < 0.0
-    slip = np.ones(n, dtype=np.int64)
-    if problem.friction is None or problem.slipped is None:
-        return ActiveSet(closed, slip)
     b = shear_bound(problem, np.minimum(trial[:n], 0.0))
-    slip[trial[n:] < b] = 0
-    slip[trial[n:] <= -b] = -1
+    slip = np.where(trial[n:] < b, np.where(trial[n:] <= -b, -1, 0), 1)
     forward = slip * np.maximum(slip * du[n:], 0.0)  # slip against the traction is about to end
     sense = np.sign(problem.slipped + forward).astype(np.int64)
-    return ActiveSet(closed, slip, np.where(sense == 0, slip, sense))
+    slip[~problem.resists] = 1  # where the way does not matter it is one and the same
+    return ActiveSet(closed, slip, np.where((sense == 0) | ~problem.resists, slip, sense))
 
 
 def _trial(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
-    """(m,) Pa: tractions p pushed by the gap and the slip."""
+    """(2 n,) Pa: tractions p pushed by the gap and the slip."""
     n = problem.n_points
     return p + np.concatenate([opening(problem, du), du[n:]]) / problem.scale
 
 
-def shear_bound(problem: ContactProblem, p_n: Floats) -> Floats:
-    """(n,) Pa: b = cohesion - friction p_n, not below zero, for normal tractions p_n (n,); equation (6)."""
-    assert problem.friction is not None
-    assert problem.cohesion is not None
-    bound: Floats = np.maximum(0.0, problem.cohesion - problem.friction * p_n)
-    return bound
+class Branches:
+    """The equations of an active set for the tractions that it leaves unknown, p_n of closed and p_t of stuck points.
+
+    With slip = 0, 1 or -1 of a point, sense that of all its slip, and the jump du = free - A p + B a, they follow from
+
+        du_n - d sense (s0 + du_t) = 0   where it is closed,     du_t = 0   where it sticks,
+
+    elsewhere p_n = 0 and p_t = slip (cohesion - friction p_n). These are the derivatives of `project`, branch by
+    branch, and all of them are linear.
+    """
+
+    def __init__(self, problem: ContactProblem, active: ActiveSet) -> None:
+        n, slip = problem.n_points, active.slip
+        self._problem, self._n, self._active = problem, n, active
+        self.rows = np.flatnonzero(np.concatenate([active.closed, slip == 0]))  # (k,) of the unknown tractions
+        self._closed = self.rows[: np.searchsorted(self.rows, n)]
+        self._sliding = np.flatnonzero(slip[self._closed])  # places in `rows` of points that are closed and slide
+        self._points = self._closed[self._sliding]
+        self._slope = slip[self._points] * problem.friction[self._points]
+        self._lean = problem.dilation * (slip if active.sense is None else active.sense)  # of gaps with their slip
+
+    def known(self) -> Floats:
+        """(2 n,) the part of the tractions that does not depend on those that are unknown."""
+        return np.concatenate([np.zeros(self._n), self._active.slip * self._problem.cohesion])
+
+    def tractions(self, unknown: Floats) -> Floats:
+        """(2 n,) all tractions, of the unknown ones (k,)."""
+        p, slip = self.known(), self._active.slip
+        p[self.rows] = unknown
+        p[self._n :] -= slip * self._problem.friction * p[: self._n]
+        return p
+
+    def matrix(self) -> Floats:
+        """(k, k) jumps that unknown tractions take away, of the branches."""
+        compliance = self._problem.compliance
+        return self._of_rows(lambda some: self.per_unknown(compliance.take(some, axis=0)))
+
+    def right(self) -> Floats:
+        """(k,) of the same rows without unknown tractions."""
+        problem, given = self._problem, self.known()
+        A = problem.compliance
+        right = self._of_rows(lambda some: problem.free[some] - A.take(some, axis=0) @ given)
+        right[: len(self._closed)] -= (self._lean * problem.slipped)[self._closed]
+        return right
+
+    def of_motions(self, jump: Floats) -> Floats:
+        """(k, l) what the branches see of motions with the jumps (2 n, l)."""
+        return self._of_rows(lambda some: jump.take(some, axis=0))
+
+    def per_unknown(self, of: Floats) -> Floats:
+        """(r, k) per unknown traction, with the shear that goes with pressure, of something (r, 2 n) per traction."""
+        found = of.take(self.rows, axis=1)
+        if len(self._sliding):
+            found[:, self._sliding] -= of.take(self._n + self._points, axis=1) * self._slope
+        return found
+
+    def _of_rows(self, of: Callable[[Ints], Floats]) -> Floats:
+        """What `of` says of the unknown rows, with the part of the slip that dilation adds to gaps."""
+        found, lean = of(self.rows), self._lean[self._points]
+        if lean.any():
+            found[self._sliding] -= (lean * of(self._n + self._points).T).T
+        return found
 
 
 def complementarity_residual(problem: ContactProblem, x: Floats) -> float:
-    """Worst relative violation of the contact law by unknowns x (m + l,): zero for a solution, one for a wrong one.
+    """Worst relative violation of the contact law by unknowns x (2 n + l,): zero for a solution, one for a wrong one.
 
     Jumps are measured by the largest one without tractions, or the largest diag(A) |p| where that is more; tractions by
     the largest |p|, or the least traction that could make up that jump. Needs nothing but the problem and x.
     Raises NotSolvedError where x is not finite, ValueError where it has the wrong shape.
     """
-    x = _read_only("traction", x)
-    _check_shape("traction", x, (problem.free.size + problem.n_motions,))
+    x = read_only("traction", x)
+    check_shape("traction", x, (problem.free.size + problem.n_motions,))
     if problem.free.size == 0:
         return 0.0
     n, A, p = problem.n_points, problem.compliance, x[: problem.free.size]
-    du = jump(problem, x)
+    du = problem.jump(x)
     largest_free = float(np.abs(du + A @ p).max()) if problem.n_motions else float(np.abs(problem.free).max())
     length = max(largest_free, float((A.diagonal() * np.abs(p)).max()))
     traction = max(float(np.abs(p).max()), problem.least_traction)
     if length == 0.0:
-        return imbalance(problem, x)
-    gap, du = opening(problem, du) / length, du / length
-    violation = np.abs(np.minimum(gap, -p[:n] / traction))
-    worst = max(float(violation.max()), imbalance(problem, x))
-    if problem.friction is not None:
-        b = shear_bound(problem, p[:n])
-        beyond = np.maximum(np.abs(p[n:]) - b, 0.0) / traction
-        below_forward = np.minimum(np.maximum(du[n:], 0.0), np.abs(b - p[n:]) / traction)
-        below_backward = np.minimum(np.maximum(-du[n:], 0.0), np.abs(b + p[n:]) / traction)
-        worst = max(worst, float(beyond.max()), float(below_forward.max()), float(below_backward.max()))
-    return worst
-
-
-def _read_only(name: str, value: Floats) -> Floats:
-    view = np.ascontiguousarray(value, dtype=np.float64).view()
-    if not np.isfinite(view).all():
-        place = tuple(int(i) for i in np.argwhere(~np.isfinite(view))[0])
-        raise NotSolvedError(
-            f"contact {name}: entry {place} is {view[place]}, must be finite: check supports and loads"
-        )
-    view.flags.writeable = False
-    return view
-
-
-def _check_shape(name: str, value: Floats, shape: tuple[int, ...]) -> None:
-    if value.shape != shape:
-        raise ValueError(f"contact {name}: shape is {value.shape}, must be {shape}")
-
-
-def _check_sign(name: str, value: Floats) -> None:
-    if not np.all(value >= 0.0):
-        point = int(np.flatnonzero(~(value >= 0.0))[0])
-        raise ValueError(f"contact {name}: entry {point} is {value[point]:.6g}, must be zero or positive")
+        return problem.imbalance(x)
+    gap, slip, b = opening(problem, du) / length, du[n:] / length, shear_bound(problem, p[:n])
+    violations = (
+        np.abs(np.minimum(gap, -p[:n] / traction)),
+        np.maximum(np.abs(p[n:]) - b, 0.0) / traction,
+        np.minimum(np.maximum(slip, 0.0), np.abs(b - p[n:]) / traction),
+        np.minimum(np.maximum(-slip, 0.0), np.abs(b + p[n:]) / traction),
+    )
+    return max(problem.imbalance(x), *(float(violation.max()) for violation in violations))

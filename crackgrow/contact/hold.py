@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.law import ContactMemory
+from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.contact.limit import least_unbalanced
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import FreePieceError
@@ -56,7 +56,7 @@ def _giving_way(contact: ContactSystem, way: Floats) -> tuple[FreePiece, list[Fr
     assert free is not None
     yields = np.hypot(*np.split(contact.moving @ way, 2))
     yields = yields > YIELDS * yields.max(initial=0.0)
-    of_pieces = abs(contact.jumps_of(free.of_pieces))
+    of_pieces = abs((contact.operator @ free.of_pieces).toarray())
     speeds = [float(np.abs(free.of_piece(piece, way)).max()) for piece in free.pieces]
     moving = [piece for piece, speed in zip(free.pieces, speeds, strict=True) if speed > YIELDS * max(speeds)]
 

@@ -6,7 +6,9 @@ from sweeps: then it takes two or three steps, however many points there are.
 The contact law is the fixed point p = project(p + r du) (`coulomb.project`). Its generalised derivative is that of
 the branch every point is on, including the dependence of the shear bound on the normal traction; all branches are
 linear, so that one Newton step is one linear solve with the current active set (Hintermueller, Ito, Kunisch 2002;
-Alart, Curnier 1991 for friction). The problem is that of Li, Zheng, Guo 2017, equations (4) to (6) and (16).
+Alart, Curnier 1991 for friction). The problem is that of Li, Zheng, Guo 2017, equations (4) to (6) and (16). The
+motions a of pieces that contact alone holds are unknown too, and follow from the balance of the tractions and the loads
+on these pieces, F p = pull.
 """
 
 from __future__ import annotations
@@ -15,19 +17,12 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.coarse import doubled, halved
-from crackgrow.contact.coulomb import (
-    ActiveSet,
-    ContactProblem,
-    ContactSolution,
-    active_set,
-    imbalance,
-    jump,
-    project,
-)
+from crackgrow.contact.coulomb import ActiveSet, Branches, active_set, project
+from crackgrow.contact.problem import ContactProblem, ContactSolution
 
 ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p|, that a dense solve can leave
 REPEATED_ROUND_OFF: Final = 1e-10  # the same where the active set repeats: another step cannot lower it
@@ -40,11 +35,17 @@ SOFT: Final = 1.0  # compliance of the springs that hold pieces during sweeps, i
 MOST_STEPS: Final = 60  # in which springs let go
 UNSEEN: Final = 1e-12  # motions that contact points see by less, relative to what they see best, are not seen
 
+SINGULAR: Final = 1e-14
+"""Reciprocal condition from which equations with motions have no digits: nothing that is closed sees some of them."""
+
+LEAST_SQUARES: Final = 1e-12
+"""Part of the largest singular value below which the others count as zero then."""
+
 
 def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_iterations: int = 100) -> ContactSolution:
     """Tractions of the contact problem; status "solved", or "limit" with the best tractions found.
 
-    `start` (m + l,) are unknowns to start from, `first_guess` if None. An iteration is one linear solve. Where an
+    `start` (2 n + l,) are unknowns to start from, `first_guess` if None. An iteration is one linear solve. Where an
     active set comes back without convergence, projected Gauss-Seidel sweeps (5, 10, 20, ...) lead out of the cycle.
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
@@ -53,15 +54,15 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
     x = first_guess(problem) if start is None else _checked(problem, start)
     m = problem.free.size
     best, least = x, np.inf
-    active = active_set(problem, x[:m], jump(problem, x))
+    active = active_set(problem, x[:m], problem.jump(x))
     seen: set[bytes] = set()
     n_sweeps = 5
     as_far = max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
     for iteration in range(1, max_iterations + 1):
         seen.add(active.key())
         x = solve_active(problem, active)
-        du = jump(problem, x)
-        residual = max(_change(problem, x[:m], du), imbalance(problem, x))
+        du = problem.jump(x)
+        residual = max(_change(problem, x[:m], du), problem.imbalance(x))
         following = _through_stick(problem, active, active_set(problem, x[:m], du))
         repeated = following.key() == active.key()
         if residual < least:
@@ -75,15 +76,15 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
                 return replace(found, iterations=found.iterations + iteration)
             x = sweep(problem, x, n_sweeps)
             n_sweeps = min(2 * n_sweeps, MAX_SWEEPS)
-            following = active_set(problem, x[:m], jump(problem, x))
+            following = active_set(problem, x[:m], problem.jump(x))
             seen.clear()
         active = following
-    states = active_set(problem, best[:m], jump(problem, best)).states()
+    states = active_set(problem, best[:m], problem.jump(best)).states()
     return ContactSolution(best[:m], "limit", max_iterations, states, best[m:])
 
 
 def sweep(problem: ContactProblem, x: Floats, n_sweeps: int) -> Floats:
-    """Unknowns (m + l,) after projected Gauss-Seidel sweeps from x on, point by point, normal before tangential.
+    """Unknowns (2 n + l,) after projected Gauss-Seidel sweeps from x on, point by point, normal before tangential.
 
     Where contact alone holds pieces, springs hold them where they are meanwhile, and let go then.
     """
@@ -93,25 +94,22 @@ def sweep(problem: ContactProblem, x: Floats, n_sweeps: int) -> Floats:
         p = sweep(held, x[:m], n_sweeps)
         return np.concatenate([p, x[m:] + springs @ (problem.motions.pull - problem.motions.force @ p)])
     A, n = problem.compliance, problem.n_points
-    p = x.copy()
-    free, diagonal = problem.free.tolist(), A.diagonal().tolist()
-    rows = list(A)
-    if problem.friction is not None and problem.cohesion is not None:
-        friction, cohesion = problem.friction.tolist(), problem.cohesion.tolist()
-        assert problem.dilation is not None
-        assert problem.slipped is not None
-        dilation, slipped = problem.dilation.tolist(), problem.slipped.tolist()
+    p, rows = x.copy(), list(A)
+    arrays = (problem.free, A.diagonal(), problem.friction, problem.cohesion, problem.dilation, problem.slipped)
+    free, diagonal, friction, cohesion, dilation, slipped = (array.tolist() for array in arrays)
     for _ in range(n_sweeps):
         for i in range(n):
             t = n + i
             gap = free[i] - float(rows[i].dot(p))
-            if problem.friction is not None and dilation[i]:
+            if dilation[i]:
                 gap -= dilation[i] * abs(slipped[i] + free[t] - float(rows[t].dot(p)))
             p_n = min(0.0, float(p[i]) + gap / diagonal[i])
             p[i] = p_n
-            if problem.friction is not None:
-                b = max(0.0, cohesion[i] - friction[i] * p_n)
+            b = max(0.0, cohesion[i] - friction[i] * p_n)
+            if b > 0.0:
                 p[t] = min(b, max(-b, float(p[t]) + (free[t] - float(rows[t].dot(p))) / diagonal[t]))
+            else:
+                p[t] = 0.0
     return p
 
 
@@ -132,7 +130,7 @@ def _held_less_and_less(problem: ContactProblem, x: Floats, as_far: float) -> Co
             return None
         p = solution.traction
         x = np.concatenate([p, x[m:] + springs @ (problem.motions.pull - problem.motions.force @ p)])
-        residual = max(_change(problem, p, jump(problem, x)), imbalance(problem, x))
+        residual = max(_change(problem, p, problem.jump(x)), problem.imbalance(x))
         if residual <= ROUND_OFF:
             break
     return ContactSolution(p, "solved", iterations, solution.state, x[m:]) if residual <= as_far else None
@@ -159,7 +157,7 @@ def _held_by_springs(problem: ContactProblem, at: Floats) -> tuple[ContactProble
 
 
 def first_guess(problem: ContactProblem) -> Floats:
-    """Unknowns (m + l,) to start from: of a problem of half as many points, or of sweeps where there are few.
+    """Unknowns (2 n + l,) to start from: of a problem of half as many points, or of sweeps where there are few.
 
     Where contact alone holds pieces, all points stick at first.
     """
@@ -195,6 +193,46 @@ def _through_stick(problem: ContactProblem, active: ActiveSet, following: Active
     """Let a point stick for one step before it slips the other way: this ends most cycles of reversing points."""
     reversing = active.slip * following.slip < 0
     slip = np.where(reversing, 0, following.slip)
-    if following.sense is None or problem.slipped is None:
-        return ActiveSet(following.closed, slip)
-    return ActiveSet(following.closed, slip, np.where(reversing, np.sign(problem.slipped), following.sense).astype(int))
+    sense = slip if following.sense is None else following.sense
+    return ActiveSet(following.closed, slip, np.where(reversing, np.sign(problem.slipped), sense).astype(np.int64))
+
+
+def solve_active(problem: ContactProblem, active: ActiveSet) -> Floats:
+    """Unknowns (2 n + l,) of the problem with the equations of one active set.
+
+    A singular system (rigid contact, more points than the displacement can follow) gets its least-squares solution.
+    """
+    branches = Branches(problem, active)
+    K, right = branches.matrix(), branches.right()
+    if problem.motions is None:
+        return branches.tractions(_solution(K, right))
+    found = _with_motions(problem, branches, K, right)
+    unknown, motion = np.split(found, [len(right)])
+    return np.concatenate([branches.tractions(unknown), motion])
+
+
+def _with_motions(problem: ContactProblem, branches: Branches, K: Floats, right: Floats) -> Floats:
+    """Unknown tractions and motions (k + l,)."""
+    motions, given = problem.motions, branches.known()
+    assert motions is not None
+    size, pull = float(problem.scale.mean()), float(np.abs(motions.force).max()) or 1.0
+    balance = branches.per_unknown(motions.force) / pull
+    n_motions = len(balance)
+    bordered = np.block([[K / size, -branches.of_motions(motions.jump)], [balance, np.zeros((n_motions, n_motions))]])
+    x = _solution(bordered, np.append(right, (motions.pull - motions.force @ given) * (size / pull)), SINGULAR)
+    x[: len(K)] /= size
+    return x
+
+
+def _solution(K: Floats, right: Floats, singular: float = 0.0) -> Floats:
+    """Solution (k,) of K x = `right`; the least-squares one where K is singular, or worse conditioned than that."""
+    if not right.size:
+        return right
+    lu, pivots, info = dgetrf(K.T)  # LAPACK wants columns: the rows of K are those of its transpose
+    if not info and (singular == 0.0 or dgecon(lu, np.abs(K).sum(axis=1).max(), norm="1")[0] > singular):
+        x = np.asarray(dgetrs(lu, pivots, right, trans=1)[0])
+        if singular:  # supports carry what the balance of pieces misses: all digits count
+            x += dgetrs(lu, pivots, right - K @ x, trans=1)[0]
+        if np.isfinite(x).all():
+            return x
+    return np.asarray(np.linalg.lstsq(K, right, rcond=LEAST_SQUARES if singular else None)[0])

@@ -1,21 +1,16 @@
-"""The contact problem of one step, condensed onto the contact points that can be closed.
+"""The contact of one increment of the loads, solved on the condensed model; displacements are formed at its end.
 
-u = u_free - K0^-1 G' W p, so that gap and slip of the contact points are free - S W p with S = G K0^-1 G'
-(traction form of paper eqs. (15), (16): no penalty enters K, and k = infinity is allowed). Points that cohere when the
-increment begins are among the unknowns, since shear can open faces that only the bond keeps from slipping. Others that
-are open without contact tractions are left out; those that then overlap are taken in, until none does. Points that
-cohere and are neither pressed nor apart are closed: |p_t| <= c - mu p_n holds at p_n = 0 too.
+Unknown are the tractions of points that can be closed: those that cohere when the increment begins, since shear can
+open faces that only the bond keeps from slipping, those that contact holds pieces by, and those that overlap without
+tractions. Others that then overlap are taken in, until none does. Points that cohere and are neither pressed nor apart
+are closed: |p_t| <= c - mu p_n holds at p_n = 0 too.
 
-Pieces of rock that contact alone holds move as rigid bodies besides. K0 holds them by supports that are just enough,
-which carry nothing once the loads and the tractions balance; how far the pieces move is unknown as well.
-
-Loads come in increments, and points remember (`ContactMemory`): a point sticks where it stuck before,
+Points remember (`ContactMemory`): a point sticks where it stuck before,
 
     du_t = du_t' where |p_t| < b, else du_t - du_t' has the sign of p_t,    gap >= tan(dilation) |du_t|,
 
-with du_t' the slip after the increment before. A point that slips or opens is broken: its friction is the residual one
-from then on, and its cohesion lost unless it is kept. What breaks in an increment is broken in all of it: the increment
-is solved again until no more points break.
+with du_t' the slip after the increment before. What breaks in an increment is broken in all of it: the increment is
+solved again until no more points break.
 """
 
 from __future__ import annotations
@@ -26,19 +21,12 @@ from typing import Literal
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.contact.condensation import Condensation, Rock
-from crackgrow.contact.condensed import condensed, solved, spoilt
-from crackgrow.contact.coulomb import (
-    OPEN,
-    SLIP,
-    STICK,
-    ContactProblem,
-    ContactSolution,
-    Motions,
-    complementarity_residual,
-)
-from crackgrow.contact.law import ContactMemory
-from crackgrow.contact.system import ContactSystem
+from crackgrow.contact.contact_lcp import solve_by_lemke
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactMemory, complementarity_residual
+from crackgrow.contact.newton import solve_by_newton
+from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
+from crackgrow.contact.system import ContactSystem, spoilt
+from crackgrow.errors import NotSolvedError
 from crackgrow.solid.linear_solver import displacement_size
 
 OVERLAP = 1e-10
@@ -90,25 +78,23 @@ class ContactOutcome:
 
 
 def solve_contact(
-    contact: ContactSystem,
-    loads: Floats,
-    given: Floats,
-    memory: ContactMemory | None = None,
-    without: tuple[Floats, Floats] | None = None,
+    contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory | None = None
 ) -> ContactOutcome:
     """Displacements and contact tractions under `loads` (n_dofs,), with support displacements `given` (m,).
 
-    `memory` is that of the increment before, None for the first; `without` are displacements and multipliers without
-    contact tractions, if they are known. Raises NotSolvedError where the contact solver finds no solution.
+    `memory` is that of the increment before, None for the first. Raises NotSolvedError where the contact solver finds
+    no solution.
     """
+    without = contact.system.solve(loads, given)
     memory = memory or ContactMemory.fresh(len(contact.weights))
-    u, multipliers = contact.system.solve(loads, given) if without is None else without
-    free = Rock(u, multipliers, contact.gap_of @ u, contact.slip_of @ u)
-    return _Increment(contact, loads, given, memory).outcome(free)
+    pull = np.zeros(0) if contact.loose is None else contact.loose.along(loads)
+    increment = Increment(contact, memory, pull, OVERLAP * displacement_size(loads, without[0], given))
+    free = contact.operator @ without[0]
+    return increment.formed(increment.solved(free), free, (loads, given), without)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Trial:
+class Trial:
     """What an increment is taken to do."""
 
     taken: Bools  # (n,) points that are among the unknowns
@@ -117,9 +103,10 @@ class _Trial:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Answer:
+class PointStates:
     """What comes of a trial, at all points."""
 
+    trial: Trial
     normal: Floats  # (n,) Pa
     tangential: Floats  # (n,) Pa
     gap: Floats  # (n,) m, less what dilation opens
@@ -127,191 +114,218 @@ class _Answer:
     dilation: Floats  # (n,) m
     state: Ints  # (n,)
     coheres: Bools  # (n,)
-    rock: Condensation | None = None
-    problem: ContactProblem | None = None
-    solution: ContactSolution | None = None
-    note: str = ""
+    solution: ContactSolution | None = None  # None: no point has to be dealt with
+    problem: ContactProblem | None = None  # that it is of, while it is kept: it is large
+    n_unknowns: int = 0
+    complementarity: float = 0.0  # relative
+    iterations: int = 0  # of all trials
+    notes: frozenset[str] = frozenset()
+
+    @property
+    def tractions(self) -> Floats:
+        """(2 n,) Pa, all normals, then all tangentials."""
+        return np.concatenate([self.normal, self.tangential])
 
 
-class _Increment:
-    """An increment: contact points are taken in and break until the law holds."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Increment:
+    """An increment of the loads: contact points are taken in and break until the law holds."""
 
-    def __init__(self, contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory) -> None:
-        self._contact, self._loads, self._given, self._memory = contact, loads, given, memory
+    contact: ContactSystem
+    memory: ContactMemory  # of the increment before
+    pull: Floats  # (l,) N/m: what the loads do on the rigid motions
+    tolerance: float  # m: less overlap is none
 
-    def outcome(self, free: Rock) -> ContactOutcome:
-        """The solution, where `free` is the state without contact tractions."""
-        tolerance = OVERLAP * displacement_size(self._loads, free.u, self._given)
-        answer = self._untouched(free)
-        sees = np.any(self._contact.moving != 0.0, axis=1).reshape(2, -1).any(axis=0)
-        trial = _Trial(
-            self._memory.coheres(self._contact.law) | (answer.gap < -tolerance) | sees,
-            self._memory.broken,
-            np.zeros(len(self._contact.weights), dtype=bool),
-        )
-        u, multipliers, off, last_off, iterations = free.u, free.multipliers, 0.0, np.inf, 0
-        notes: set[str] = set()
-        while trial.taken.any():
-            answer = self._answer(trial, free, answer)
-            assert answer.rock is not None
-            assert answer.solution is not None
-            iterations += answer.solution.iterations
-            notes.update([answer.note] if answer.note else [])
-            revised = self._revised(trial, answer, tolerance)
-            if revised is not None:
-                trial, last_off = revised, np.inf
-                continue
-            u, multipliers = self._displacements(free, answer)
-            more_gap, more_slip, off = self._missing(free, answer, u)
-            if off <= ROUND_OFF or off > GAIN * last_off:
-                break
-            free, last_off = replace(free, gap=free.gap + more_gap, slip=free.slip + more_slip), off
-        if off > UNSURE:
-            notes.add(f"jumps of the faces are off by {off:.1g} of the largest: the system is ill conditioned")
-        return self._told(trial, answer, (u, multipliers), (iterations, off, tolerance), tuple(sorted(notes)))
+    def solved(self, free: Floats, start: PointStates | None = None) -> PointStates:
+        """The states of all points, with the jumps `free` (2 n,) m without tractions.
 
-    def _untouched(self, free: Rock) -> _Answer:
-        """What the rock does without contact tractions."""
-        law, nothing = self._contact.law, np.zeros(len(free.gap))
-        dilation = law.opening(free.slip)
-        state, coheres = np.full(len(free.gap), OPEN), np.zeros(len(free.gap), dtype=bool)
-        return _Answer(nothing, nothing, free.gap - dilation, free.slip, dilation, state, coheres)
-
-    def _answer(self, trial: _Trial, free: Rock, start: _Answer) -> _Answer:
-        """Tractions and jumps of a trial, looked for from those of another one on."""
-        contact, law, before = self._contact, self._contact.law, self._memory.slip
-        friction, cohesion = law.bound_of(trial.broken)
-        cohesion[trial.opened] = 0.0
-        rows = np.flatnonzero(trial.taken)
-        slides = (friction > 0.0) | (cohesion > 0.0) | (law.dilating > 0.0)
-        sliding = rows if slides[rows].any() else rows[:0]
-        rock = contact.onto(rows, sliding)
-        compliance = condensed(contact, rock.compliance, rows, sliding)
-        jumps = np.concatenate([free.gap[rows], (free.slip - before)[sliding]])
-        motions = self._motions(rows, sliding)
-        if len(sliding):
-            laws = (friction[rows], cohesion[rows], law.dilating[rows], before[rows])
-            problem = ContactProblem(compliance, jumps, *laws, motions)
-        else:
-            problem = ContactProblem(compliance, jumps, motions=motions)
-        known = None
-        if start.solution is not None:
-            known = np.concatenate([start.normal[rows], start.tangential[sliding], start.solution.motion])
-        solution, note = solved(problem, contact.weights[rows], contact.solver, known)
-        p_n, p_t = np.zeros((2, len(friction)))
-        p_n[rows], p_t[sliding] = np.split(solution.traction, [len(rows)])
-        gap, slip = self._jumps(free, rock, solution)
-        dilation = law.opening(slip - law.compliance * p_t)
-        state = np.full(len(friction), OPEN)
-        found = _Answer(p_n, p_t, gap - dilation, slip, dilation, state, cohesion > 0.0, rock, problem, solution, note)
-        state[rows] = _states(found, rows, cohesion[rows])
+        `start` is what was found for others that are close.
+        """
+        found = self._untouched(free) if start is None else start
+        trial = found.trial if found.trial.taken.any() else None
+        while trial is not None:
+            found = self._tried(trial, free, found)
+            trial = self._revised(found)
         return found
 
-    def _motions(self, rows: Ints, sliding: Ints) -> Motions | None:
-        """The rigid motions that supports leave free, as these points see them."""
-        contact = self._contact
-        if contact.loose is None:
-            return None
-        at = np.concatenate([rows, len(contact.weights) + sliding])
-        jump = contact.moving[at]
-        return Motions(jump, (jump * np.tile(contact.weights, 2)[at, None]).T, contact.loose.along(self._loads))
-
-    def _jumps(self, free: Rock, rock: Condensation, solution: ContactSolution) -> tuple[Floats, Floats]:
-        """Gap and slip (n,) m of all points."""
-        gap, slip = rock.jumps(free, solution.traction)
-        if self._contact.loose is None:
-            return gap, slip
-        moved_gap, moved_slip = np.split(self._contact.moving @ solution.motion, 2)
-        return gap + moved_gap, slip + moved_slip
-
-    def _displacements(self, free: Rock, answer: _Answer) -> tuple[Floats, Floats]:
-        """Displacements (n_dofs,) m and multipliers (m,), with supports that follow pieces: they carry nothing."""
-        assert answer.rock is not None
-        assert answer.solution is not None
-        loads, loose = self._loads, self._contact.loose
-        if loose is not None:
-            loads = loads + loose.carrying(answer.solution.motion)
-        return answer.rock.displacements(free, loads, self._given, answer.solution.traction)
-
-    def _revised(self, trial: _Trial, answer: _Answer, tolerance: float) -> _Trial | None:
-        """The next trial: with points that overlap, that break, or that open; None if there are no more."""
-        missed = ~trial.taken & (answer.gap < -tolerance)
-        if missed.any():
-            return replace(trial, taken=trial.taken | missed)
-        breaking = trial.taken & (answer.state != STICK) & ~trial.broken & self._contact.law.breakable
-        if breaking.any():
-            return replace(trial, broken=trial.broken | breaking)
-        opening = trial.taken & (answer.state == OPEN) & answer.coheres & ~trial.opened
-        return replace(trial, opened=trial.opened | opening) if opening.any() else None
-
-    def _missing(self, free: Rock, answer: _Answer, u: Floats) -> tuple[Floats, Floats, float]:
-        """Gap and slip (n,) m of the displacements `u` (n_dofs,) less those by the compliance.
-
-        The compliance is good to the round-off of one elimination, the displacements are refined. The third is the
-        largest difference, relative to the jumps. Raises NotSolvedError where the compliance is wrong altogether.
-        """
-        gap, slip = answer.gap + answer.dilation, answer.slip
-        more_gap, more_slip = self._contact.gap_of @ u - gap, self._contact.slip_of @ u - slip
-        off, farthest = (
-            max(float(np.abs(jumps).max()) for jumps in some)
-            for some in ((more_gap, more_slip), (gap, slip, free.gap, free.slip))
-        )
-        if not off <= SPOILT * farthest:
-            raise spoilt(f"wrong by {off / farthest:.1g} of the jumps")
-        return more_gap, more_slip, off / farthest if farthest > 0.0 else 0.0
-
-    def _told(
-        self,
-        trial: _Trial,
-        answer: _Answer,
-        rock: tuple[Floats, Floats],
-        how: tuple[int, float, float],
-        notes: tuple[str, ...],
+    def formed(
+        self, state: PointStates, free: Floats, loads: tuple[Floats, Floats], without: tuple[Floats, Floats]
     ) -> ContactOutcome:
-        """The outcome of the last trial, with displacements and multipliers of the `rock`.
+        """The outcome of states with their displacements, and both corrected until their jumps are the same.
 
-        `how`: the iterations, what the jumps are off by, and the overlap (m) that is none.
+        `loads` are those of the rock (n_dofs,) N/m and what supports are given (m,) m, `without` the displacements and
+        multipliers, `free` the jumps that these make without tractions.
         """
-        law, (iterations, off, tolerance) = self._contact.law, how
-        apart = (answer.state == OPEN) & (answer.gap > tolerance)
-        slip = answer.slip - law.compliance * answer.tangential
-        broken = trial.broken | (answer.state == SLIP) | apart
-        rows = np.flatnonzero(trial.taken)
-        complementarity = 0.0
-        if answer.problem is not None and answer.solution is not None:
-            complementarity = complementarity_residual(answer.problem, answer.solution.unknowns)
+        contact, rock, off, last_off = self.contact, without, 0.0, np.inf
+        while state.solution is not None:
+            rock = contact.displacements(loads, without, state.tractions, state.solution.motion)
+            more, off = _missing(contact, free, state, rock[0])
+            if off <= ROUND_OFF or off > GAIN * last_off:
+                break
+            free, last_off = free + more, off
+            state = self.solved(free, state)
+        return self._outcome(state, rock, off)
+
+    def remembered(self, state: PointStates) -> ContactMemory:
+        """What points keep of their states."""
+        apart = (state.state == OPEN) & (state.gap > self.tolerance)
+        slip = state.slip - self.contact.law.compliance * state.tangential
+        return ContactMemory(slip, state.trial.broken | (state.state == SLIP) | apart, ~apart)
+
+    def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
+        """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""
+        notes = sorted(state.notes)
+        if off > UNSURE:
+            notes.append(f"jumps of the faces are off by {off:.1g} of the largest: the system is ill conditioned")
+        elastic = self.contact.law.compliance * state.normal
         return ContactOutcome(
             u=rock[0],
             multipliers=rock[1],
-            normal_traction=answer.normal,
-            tangential_traction=answer.tangential,
-            gap=answer.gap + answer.dilation,
-            slip=answer.slip,
-            state=answer.state,
-            memory=ContactMemory(slip, broken, ~apart),
-            dilation=answer.dilation,
-            n_unknowns=0 if answer.problem is None else len(answer.problem.free),
-            iterations=iterations,
-            penetration=float(np.max(-(answer.gap - law.compliance * answer.normal), initial=0.0)),
-            complementarity=max(complementarity, off),
-            status="solved" if len(rows) else "none",
-            notes=notes,
-            rows=rows,
-            problem=answer.problem,
+            normal_traction=state.normal,
+            tangential_traction=state.tangential,
+            gap=state.gap + state.dilation,
+            slip=state.slip,
+            state=state.state,
+            memory=self.remembered(state),
+            dilation=state.dilation,
+            n_unknowns=state.n_unknowns,
+            iterations=state.iterations,
+            penetration=float(np.max(-(state.gap - elastic), initial=0.0)),
+            complementarity=max(state.complementarity, off),
+            status="none" if state.solution is None else "solved",
+            notes=tuple(notes),
+            rows=np.flatnonzero(state.trial.taken),
+            problem=state.problem,
         )
 
+    def _untouched(self, free: Floats) -> PointStates:
+        """What the rock does without contact tractions, and the first trial."""
+        law, (gap, slip) = self.contact.law, np.split(free, 2)
+        n, dilation = len(gap), law.opening(slip)
+        sees = np.any(self.contact.moving != 0.0, axis=1).reshape(2, -1).any(axis=0)
+        taken = self.memory.coheres(law) | (gap - dilation < -self.tolerance) | sees
+        none, nothing = np.zeros(n, dtype=bool), np.zeros(n)
+        trial = Trial(taken, self.memory.broken, none)
+        return PointStates(trial, nothing, nothing, gap - dilation, slip, dilation, np.full(n, OPEN), none)
 
-def _states(answer: _Answer, rows: Ints, cohesion: Floats) -> Ints:
-    """The states (k,) of the points `rows` (k,): of `coulomb`, but for what round-off makes of points nearly open.
+    def _tried(self, trial: Trial, free: Floats, start: PointStates) -> PointStates:
+        """Tractions and jumps of a trial, looked for from those of another one on."""
+        contact, law, before = self.contact, self.contact.law, self.memory.slip
+        friction, cohesion = law.bound_of(trial.broken)
+        cohesion[trial.opened] = 0.0
+        rows, n = np.flatnonzero(trial.taken), len(friction)
+        at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (law.dilating > 0.0)
+        counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
+        jumps = np.where(counts, free[at] - np.concatenate([np.zeros(len(rows)), before[rows]]), 0.0)
+        laws = (friction[rows], cohesion[rows], law.dilating[rows], before[rows])
+        compliance = contact.compliance(rows, resists[rows])
+        problem = ContactProblem(compliance, jumps, *laws, self._motions(at, counts))
+        known = None
+        if start.solution is not None:
+            known = np.concatenate([start.tractions[at], start.solution.motion])
+        solution, note = solved(problem, contact.solver, known)
+        p = np.zeros(2 * n)
+        p[at] = solution.traction
+        p_n, p_t = np.split(p, 2)
+        gap, slip = np.split(free - contact.rock @ p + contact.moving @ solution.motion, 2)
+        dilation = law.opening(slip - law.compliance * p_t)
+        state = np.full(n, OPEN)
+        state[rows] = _states(problem, solution, (gap - dilation)[rows], cohesion[rows])
+        return PointStates(
+            trial, p_n, p_t, gap - dilation, slip, dilation, state, cohesion > 0.0, solution, problem,
+            problem.n_unknowns, complementarity_residual(problem, solution.unknowns),
+            start.iterations + solution.iterations, start.notes | ({note} if note else set()),
+        )  # fmt: skip
+
+    def _motions(self, at: Ints, counts: Bools) -> Motions | None:
+        """The rigid motions that supports leave free, as those of the gaps and slips `at` (k,) see them that count."""
+        contact = self.contact
+        if contact.loose is None:
+            return None
+        jump = contact.moving[at] * counts[:, None]
+        return Motions(jump, (jump * np.tile(contact.weights, 2)[at, None]).T, self.pull)
+
+    def _revised(self, found: PointStates) -> Trial | None:
+        """The next trial: with points that overlap, that break, or that open; None if there are no more."""
+        trial = found.trial
+        missed = ~trial.taken & (found.gap < -self.tolerance)
+        if missed.any():
+            return replace(trial, taken=trial.taken | missed)
+        breaking = trial.taken & (found.state != STICK) & ~trial.broken & self.contact.law.breakable
+        if breaking.any():
+            return replace(trial, broken=trial.broken | breaking)
+        opening = trial.taken & (found.state == OPEN) & found.coheres & ~trial.opened
+        return replace(trial, opened=trial.opened | opening) if opening.any() else None
+
+
+def solved(
+    problem: ContactProblem, solver: Literal["newton", "lemke"], start: Floats | None = None
+) -> tuple[ContactSolution, str]:
+    """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
+
+    `start` (2 n + l,) are unknowns that may be close. Raises NotSolvedError where neither finds one.
+    """
+    failures: list[str] = []
+    for name in ("newton", "lemke") if solver == "newton" else ("lemke", "newton"):
+        try:
+            solution = solve_by_newton(problem, start) if name == "newton" else solve_by_lemke(problem)
+            if solution.status != "solved" and name == "newton" and start is not None:
+                solution = solve_by_newton(problem)
+        except NotSolvedError as error:
+            failures.append(f"{name}: {error}")
+            continue
+        if solution.status == "solved":
+            note = f"the contact problem was solved by {name} after {failures[-1]}" if failures else ""
+            return solution, note
+        residual = complementarity_residual(problem, solution.unknowns)
+        failures.append(
+            f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
+        )
+    raise NotSolvedError(
+        f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
+        f"try a coarser contact spacing or a softer contact stiffness{_advice(problem)}"
+    )
+
+
+def _advice(problem: ContactProblem) -> str:
+    """Advice where friction or dilation is large enough to be what the solvers fail at."""
+    n, A = problem.n_points, problem.compliance
+    coupling, normal = np.abs(A[n:, :n].diagonal()), A.diagonal()[:n]
+    steep = problem.dilation * coupling >= normal
+    if steep.any():
+        return (
+            f", or a smaller dilation angle: pressing {steep.sum()} of the points makes them slip and open by dilation "
+            "more than it closes them"
+        )
+    wedged = problem.friction * coupling >= normal
+    if not wedged.any():
+        return ""
+    return f", or less friction: of {problem.friction.max():.3g} it may leave several solutions, or none"
+
+
+def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, cohesion: Floats) -> Ints:
+    """The states (k,): of `coulomb`, but for what round-off makes of points nearly open.
 
     Each is weighed by the terms that its own jumps are the sums of, whatever goes on elsewhere.
     """
-    problem, solution = answer.problem, answer.solution
-    assert problem is not None
-    assert solution is not None
+    n = problem.n_points
     terms = np.abs(problem.compliance) @ np.abs(solution.traction) + np.abs(problem.free)
-    terms = terms.reshape(-1, len(rows)).max(axis=0)
-    unpressed = answer.normal[rows] >= -UNPRESSED * terms / problem.scale[: len(rows)]
-    apart = answer.gap[rows] > UNPRESSED * terms
-    held = np.where(np.abs(answer.tangential[rows]) < (1.0 - AT_LIMIT) * cohesion, STICK, SLIP)
-    return np.where(unpressed, np.where((cohesion > 0.0) & ~apart, held, OPEN), solution.state)
+    terms = terms.reshape(2, n).max(axis=0)
+    unpressed = solution.traction[:n] >= -UNPRESSED * terms / problem.scale[:n]
+    held = np.where(np.abs(solution.traction[n:]) < (1.0 - AT_LIMIT) * cohesion, STICK, SLIP)
+    touches = (cohesion > 0.0) & (gap <= UNPRESSED * terms)
+    return np.where(unpressed, np.where(touches, held, OPEN), solution.state)
+
+
+def _missing(contact: ContactSystem, free: Floats, state: PointStates, u: Floats) -> tuple[Floats, float]:
+    """Jumps (2 n,) m of the displacements `u` (n_dofs,) less those by the compliance; relative to the jumps, the most.
+
+    The compliance is good to the round-off of one elimination, the displacements are refined. Raises NotSolvedError
+    where the compliance is wrong altogether.
+    """
+    jumps = np.concatenate([state.gap + state.dilation, state.slip])
+    more = contact.operator @ u - jumps
+    off, farthest = float(np.abs(more).max()), float(np.abs(np.concatenate([jumps, free])).max())
+    if not off <= SPOILT * farthest:
+        raise spoilt(f"wrong by {off / farthest:.1g} of the jumps")
+    return more, off / farthest if farthest > 0.0 else 0.0

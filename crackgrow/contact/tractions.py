@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.contact.coulomb import SLIP, STICK
+from crackgrow.contact.coulomb import SLIP, STICK, ContactLaw
 from crackgrow.contact.faces import ContactFaces, neighbours, points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.contact.law import ContactLaw
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.cover.cover import Cover
 

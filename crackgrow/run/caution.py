@@ -38,12 +38,6 @@ class Cause(Enum):
         "work, strain energy, dissipation and what bonds set free miss each other by {percent:.2g} % of the largest: "
         "the energies are off by as much; apply the loads in smaller steps (loading.history)",
     )  # fmt: skip
-    SECOND_SOLUTION = (
-        0.0, "", "friction leaves more than one solution, and the run is one of them",
-        "friction leaves more than one solution (certainly not where it is below {below:.2g}): in another one the "
-        "point ({x:.4g}, {y:.4g}) m of {place}, which {here}, {there}, its faces moved by {change:.2g} m; apply the "
-        "loads in steps (loading.history), or lower the friction there",
-    )  # fmt: skip
     SHARP_KINK = (
         75.0, "degrees", "open: K within 5 % of the larger K below, off by half of it (see `cautions`)",
         "{crack} turns by {turn:.0f} degrees less than {near:g} spacings from its {end}: so sharp a corner is not "

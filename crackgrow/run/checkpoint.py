@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.case.model import Case
-from crackgrow.contact.law import ContactMemory
+from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.increments import FROM_REST, Origin, Remembered, Start
 from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_record
@@ -50,14 +50,11 @@ def packed(state: RunState) -> Checkpoint:
         "notes": list(state.notes),
         "guess": origin.guess,
         "tips": [[g.crack.tip_at_start, g.crack.tip_at_end] for g in state.cracks],
-        "n_batches": len(origin.batches),
         "start": None,
     }
     arrays: dict[str, NDArray[Any]] = {}
     for number, growing in enumerate(state.cracks):
         arrays[f"points{number}"], arrays[f"steps{number}"] = growing.crack.points, growing.steps
-    for number, (rows, sliding) in enumerate(origin.batches):
-        arrays[f"gap{number}"], arrays[f"slip{number}"] = rows, sliding
     if origin.start is not None:
         start = origin.start
         values["start"] = {
@@ -78,13 +75,12 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         for number, (crack, tips) in enumerate(zip(case.cracks, values["tips"], strict=True))
     )
     start = None if values["start"] is None else _start(values["start"], arrays)
-    batches = tuple((arrays[f"gap{number}"], arrays[f"slip{number}"]) for number in range(values["n_batches"]))
     return RunState(
         checkpoint.step,
         cracks,
         tuple(event_of(record) for record in values["events"]),
         values["n_pieces"],
-        Origin(values["guess"], start, batches),
+        Origin(values["guess"], start),
         values["factorizations"],
         tuple(values["notes"]),
     )

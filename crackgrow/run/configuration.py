@@ -5,21 +5,22 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
 from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.contact.coulomb import OPEN, STICK
+from crackgrow.case.model import LoadHistory
+from crackgrow.contact.coulomb import OPEN, STICK, ContactLaw, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces
 from crackgrow.contact.hold import check_can_hold
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.law import ContactLaw, ContactMemory
 from crackgrow.contact.mortar import mortar_faces
-from crackgrow.contact.solve import ContactOutcome, solve_contact
+from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
@@ -49,21 +50,37 @@ UNSTRESSED = 1e-6
 WORST_RESIDUAL = 1e-5
 """Relative equilibrium residual beyond which a solution is refused."""
 
+SIGNS = np.array([1.0, 1.0, -1.0])
+"""Of works: loads do work on displacements; what supports are given does it on forces of theirs, which resist."""
+
 LOST_DIGITS = 1e-9
 """Of the terms of a force: what round-off leaves of them at worst."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Equilibrium:
-    """Displacements and tractions under some loads, and what the products with the stiffness tell of them."""
+    """Displacements and tractions under some loads."""
 
     outcome: ContactOutcome
     residual: float  # relative
-    strain: float  # J/m, strain energy u K u / 2 of the rock
-    strain_terms: float  # J/m, the same of absolute values: the terms that it is the sum of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Units:
+    """The rock without contact tractions, per unit of the scaled loads, of the held ones, of given displacements.
+
+    Of reciprocal rock the displacements along a load that tractions make are the work of these on the jumps that the
+    load makes.
+    """
+
+    u: Floats  # (n_dofs, 3) m
+    multipliers: Floats  # (m, 3)
+    jumps: Floats  # (2 n, 3) m: gaps, then slips
+    conjugates: Floats  # (3, 3) m N/m: displacement along each of the loads, of each; the third: the force of supports
+    pull: Floats  # (l, 3) N/m: what they do on each rigid motion that supports leave free
+
+
+@dataclass(frozen=True, eq=False)
 class Configuration:
     """Everything that depends on where the cracks lie, and not on how much they are loaded."""
 
@@ -76,7 +93,6 @@ class Configuration:
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
     seconds: dict[str, float]
-    solved: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)  # without contact, per unit
 
     @property
     def matrix(self) -> SymmetricMatrix:
@@ -87,40 +103,66 @@ class Configuration:
         """Loads (n_dofs,) N/m at a load factor, with a share of the held ones."""
         return holding * self.constant + factor * self.scaled
 
-    def equilibrium(self, factor: float, memory: ContactMemory | None, holding: float = 1.0) -> Equilibrium:
-        """Displacements and tractions at a load factor after an increment from `memory` on.
+    def increment(self, factor: float, memory: ContactMemory, holding: float) -> tuple[Increment, Floats]:
+        """An increment from `memory` on to a load factor, and the jumps (2 n,) m without tractions at its end.
 
-        `holding` is the share of the held loads. Raises SolveError where they can't be found to a small residual.
+        `holding` is the share of the held loads.
         """
-        loads, given = self.loads(factor, holding), factor * self.held.given
-        farthest = LARGEST_STRAIN * self.scene.lattice.spacing
-        check_magnitude("loads", loads, LARGEST, "N/m")
-        check_magnitude("prescribed displacements", given, farthest, "m")
-        outcome = self._solved(loads, given, memory, self._without_contact(factor, holding))
-        check_magnitude("displacements", outcome.u, farthest, "m")
-        check_magnitude("contact tractions", outcome.normal_traction, LARGEST, "Pa")
-        check_magnitude("contact tractions", outcome.tangential_traction, LARGEST, "Pa")
-        internal, terms = self.matrix @ outcome.u, self.matrix.sizes(outcome.u)
-        residual, place, part = _residual(self.contact, loads, outcome, internal, terms)
-        if not residual <= WORST_RESIDUAL:
-            raise NotSolvedError(self._not_balanced(residual, place, part))
-        strain, strain_terms = 0.5 * float(outcome.u @ internal), 0.5 * float(np.abs(outcome.u) @ terms)
-        return Equilibrium(outcome, residual, strain, strain_terms)
+        units, share = self._units, np.array([factor, holding, factor])
+        along, size = units.conjugates[:2] @ share, float(np.abs(self.loads(factor, holding)).sum())
+        length = abs(float(along @ share[:2])) / size if size > 0.0 else 0.0
+        length = max(length, float(np.abs(factor * self.held.given).max(initial=0.0)))
+        return Increment(self.contact, memory, units.pull @ share, OVERLAP * length), units.jumps @ share
 
-    def _solved(
-        self, loads: Floats, given: Floats, memory: ContactMemory | None, without: tuple[Floats, Floats]
-    ) -> ContactOutcome:
-        """The outcome of contact, where contact holds all pieces; FreePieceError says which it does not hold."""
-        if self.contact.loose is None:
-            return solve_contact(self.contact, loads, given, memory, without)
+    def states(self, factor: float, memory: ContactMemory, holding: float) -> PointStates:
+        """States of the contact points at a load factor after an increment. Raises SolveError where there are none.
+
+        FreePieceError says which piece contact does not hold.
+        """
+        check_magnitude("loads", self.loads(factor, holding), LARGEST, "N/m")
+        check_magnitude("prescribed displacements", factor * self.held.given, self._farthest, "m")
+        increment, free = self.increment(factor, memory, holding)
         try:
-            outcome = solve_contact(self.contact, loads, given, memory, without)
+            found = increment.solved(free)
         except NotSolvedError as error:
+            if self.contact.loose is None:
+                raise
             names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
-            check_can_hold(self.contact, names, loads, memory)
+            check_can_hold(self.contact, names, self.loads(factor, holding), memory)
             pieces = ", ".join(str(piece) for piece in self.contact.loose.pieces)
             raise NotSolvedError(f"contact alone holds {pieces}, perhaps only just: {error}") from error
-        return replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
+        check_magnitude("contact tractions", found.tractions, LARGEST, "Pa")
+        return found
+
+    def conjugates(self, factor: float, holding: float, states: PointStates) -> Floats:
+        """(3,): displacement under the loads per load factor, m N/m; under held loads; support force."""
+        units, share = self._units, np.array([factor, holding, factor])
+        forces = np.tile(self.contact.weights, 2) * states.tractions
+        found = units.conjugates @ share - SIGNS * (units.jumps.T @ forces)
+        motion = np.zeros(len(units.pull)) if states.solution is None else states.solution.motion
+        return np.asarray(found + units.pull.T @ motion)
+
+    def equilibrium(
+        self, factor: float, memory: ContactMemory | None, holding: float = 1.0, states: PointStates | None = None
+    ) -> Equilibrium:
+        """Displacements and tractions at a load factor after an increment from `memory` on.
+
+        `holding` is the share of the held loads; `states` are those at the end where they are known. Raises SolveError
+        where they can't be found to a small residual.
+        """
+        memory = memory or ContactMemory.fresh(self.faces.n)
+        states = states or self.states(factor, memory, holding)
+        increment, free = self.increment(factor, memory, holding)
+        loads, share = self.loads(factor, holding), np.array([factor, holding, factor])
+        without = (self._units.u @ share, self._units.multipliers @ share)
+        outcome = increment.formed(states, free, (loads, factor * self.held.given), without)
+        check_magnitude("displacements", outcome.u, self._farthest, "m")
+        if self.contact.loose is not None:
+            outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
+        residual, place, part = _residual(self.matrix, self.contact, loads, outcome)
+        if not residual <= WORST_RESIDUAL:
+            raise NotSolvedError(self._not_balanced(residual, place, part))
+        return Equilibrium(outcome, residual)
 
     def _not_balanced(self, residual: float, dof: int, terms: float) -> str:
         """What to say of a residual that is largest at an unknown, where forces are sums of `terms` their size."""
@@ -133,23 +175,26 @@ class Configuration:
             "close together (a tip, a crack, an outline, a lattice line) a little, or change numerics.spacing"
         )
 
-    def solve_loads(self) -> None:
-        """Solve for the loads without contact before anything else is: what comes later then finds the same bits."""
-        self._without_contact(1.0, 1.0)
+    @property
+    def _farthest(self) -> float:
+        """No displacement is larger than this, m."""
+        return LARGEST_STRAIN * self.scene.lattice.spacing
 
-    def _without_contact(self, factor: float, holding: float) -> tuple[Floats, Floats]:
-        """Displacements (n_dofs,) m and multipliers (m,) where faces carry nothing; each load is solved once."""
-        system, given = self.contact.system, self.held.given
-        u, multipliers = np.zeros(len(self.scaled)), np.zeros(len(given))
-        parts = ((factor, self.scaled, given), (holding, self.constant, np.zeros(len(given))))
-        for kind, (share, loads, displacements) in enumerate(parts):
-            if share == 0.0 or not (loads.any() or displacements.any()):
-                continue
-            if kind not in self.solved:
-                self.solved[kind] = system.solve(loads, displacements)
-            u += share * self.solved[kind][0]
-            multipliers += share * self.solved[kind][1]
-        return u, multipliers
+    @cached_property
+    def _units(self) -> _Units:
+        """What each of the loads does without contact tractions, all of them solved for together."""
+        none, m, loose = np.zeros(len(self.scaled)), len(self.held.given), self.contact.loose
+        loads = np.stack([self.scaled, self.constant, none], axis=1)
+        given = np.stack([np.zeros(m), np.zeros(m), self.held.given], axis=1)
+        u, multipliers = np.zeros(loads.shape), np.zeros(given.shape)
+        some = loads.any(axis=0) | given.any(axis=0)
+        if some.any():
+            u[:, some], multipliers[:, some] = self.contact.system.solve(loads[:, some], given[:, some])
+        conjugates = np.vstack([loads[:, :2].T @ u, -self.held.given @ multipliers])
+        mirrored = np.outer(SIGNS, SIGNS) * conjugates.T  # the same of reciprocal rock, but for round-off
+        conjugates = 0.5 * (conjugates + mirrored)
+        pull = np.zeros((0, 3)) if loose is None else np.stack([loose.along(load) for load in loads.T], axis=1)
+        return _Units(u, multipliers, self.contact.operator @ u, conjugates, pull)
 
 
 def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:
@@ -185,7 +230,9 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors)
     weights = faces.weights * scene.lattice.spacing
     law = _law(scene, faces, growing)
-    contact = ContactSystem(system, *operators, weights, law, case.numerics.contact.solver, loose)
+    n_states = len(case.loading.factors) if case.growth is None and isinstance(case.loading, LoadHistory) else 1
+    solver = case.numerics.contact.solver
+    contact = ContactSystem(system, *operators, weights, law, solver, loose, n_states > 2 * faces.n)
     return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, seconds)
 
 
@@ -285,13 +332,14 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
 
 
 def _residual(
-    contact: ContactSystem, loads: Floats, outcome: ContactOutcome, internal: Floats, terms: Floats
+    matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, outcome: ContactOutcome
 ) -> tuple[float, int, float]:
     """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts, and the unknown it is at.
 
-    K u is `internal`, `terms` (n_dofs,) N/m are those that it is the sum of: the third is that at the unknown, relative
-    as well. Where nothing is stressed all parts are round-off, and the terms give the size.
+    The third are the terms that K u is the sum of at the unknown, relative as well. Where nothing is stressed all parts
+    are round-off, and the terms give the size.
     """
+    internal, terms = matrix @ outcome.u, matrix.sizes(outcome.u)
     reactions = contact.system.constraints.T @ outcome.multipliers
     tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
     tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)

@@ -17,20 +17,20 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.contact.law import ContactMemory
-from crackgrow.contact.solve import ContactOutcome
+from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Surface
-from crackgrow.run.configuration import Configuration
+from crackgrow.run.configuration import Configuration, Equilibrium
 from crackgrow.run.result import BALANCED, Energy
 
 ON_OLD_FACES = 1e-6
@@ -62,15 +62,15 @@ class Remembered:
     dilation: Floats  # (n,) m
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class LoadState:
     """A configuration under its loads."""
 
     configuration: Configuration
     factor: float
     holding: float  # how much of the loads that are held acts
-    outcome: ContactOutcome
-    residual: float
+    before: ContactMemory  # what points remembered when the increment began
+    states: PointStates  # of the condensed model
     energy: Energy
     good_to: float  # J/m, of the energies: round-off
     conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
@@ -78,12 +78,29 @@ class LoadState:
     seconds: float  # of all increments
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
+    formed: Equilibrium | None = None  # None: displacements are formed when they are asked for
+
+    @cached_property
+    def equilibrium(self) -> Equilibrium:
+        """Displacements and tractions. Raises SolveError where they don't balance."""
+        return self.formed or self.configuration.equilibrium(self.factor, self.before, self.holding, self.states)
 
     @property
+    def outcome(self) -> ContactOutcome:
+        """Displacements and tractions."""
+        return self.equilibrium.outcome
+
+    @property
+    def residual(self) -> float:
+        """Relative equilibrium residual."""
+        return self.equilibrium.residual
+
+    @cached_property
     def remembered(self) -> Remembered:
-        """What the next increment on this configuration needs."""
-        outcome = self.outcome
-        return Remembered(outcome.memory, outcome.normal_traction, outcome.tangential_traction, outcome.dilation)
+        """What the next part of an increment needs."""
+        increment, _ = self.configuration.increment(self.factor, self.before, self.holding)
+        states = self.states
+        return Remembered(increment.remembered(states), states.normal, states.tangential, states.dilation)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,7 +123,6 @@ class Origin:
 
     guess: float = 1.0  # load factor that a search for the critical one tries first
     start: Start | None = None  # None: the case's loads come one after the other, from the unloaded state on
-    batches: tuple[tuple[Ints, Ints], ...] = ()  # `_Columns.batches` of a configuration that others were loaded on
 
 
 FROM_REST = Origin()
@@ -123,7 +139,16 @@ def unloaded(configuration: Configuration) -> Start:
 
 def from_state(state: LoadState) -> Start:
     """Go on from a state of the same configuration."""
-    sticks = state.outcome.state == STICK
+    outcome = state.outcome
+    return replace(
+        _on_from(state),
+        remembered=Remembered(outcome.memory, outcome.normal_traction, outcome.tangential_traction, outcome.dilation),
+    )
+
+
+def _on_from(state: LoadState) -> Start:
+    """Go on from a state on the way, of which displacements are not formed."""
+    sticks = state.states.state == STICK
     return Start(
         state.factor, state.holding, state.remembered, state.energy, state.conjugates, False, sticks, state.rate
     )
@@ -171,8 +196,7 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     """The state at a load factor, with all held loads. Raises SolveError where there is none."""
     began = time.perf_counter()
     if start.grown:
-        state = _booked(_part(configuration, start, factor, 1.0), start)
-        return replace(state, seconds=time.perf_counter() - began)
+        return _told(_booked(_part(configuration, start, factor, 1.0), start), began)
     at = start
     reached: list[LoadState] = []
     size, passed_over = (
@@ -184,9 +208,11 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         end, holding, halvings = ends[-1]
         state = _part(configuration, at, end, holding)
         size = max(size, abs(state.energy.work), state.energy.strain, abs(state.energy.dissipated))
-        breaks = state.outcome.memory.broken & ~at.remembered.memory.broken & configuration.contact.law.breakable
+        breaks = state.remembered.memory.broken & ~at.remembered.memory.broken & configuration.contact.law.breakable
         missing = abs(_missing(state.energy) - _missing(at.energy))
-        changes = missing + _at_stake(configuration, at.remembered, state.outcome, breaks) > OF_A_PART * BALANCED * size
+        changes = (
+            missing + _at_stake(configuration, at.remembered, state.remembered, breaks) > OF_A_PART * BALANCED * size
+        )
         if changes and halvings < MOST_HALVINGS and len(reached) < MOST_PARTS:
             limit = _foreseen(configuration, at, end, holding)
             if limit is None:
@@ -198,11 +224,17 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         ends.pop()
         passed_over += changes and len(reached) >= MOST_PARTS
         reached.append(_booked(state, at) if breaks.any() else state)
-        at = from_state(reached[-1])
+        at = _on_from(reached[-1])
     *via, last = reached
     notes = tuple(_doubts(passed_over, [start.energy, *(state.energy for state in reached)], size))
-    passed = tuple(replace(state, outcome=replace(state.outcome, problem=None)) for state in via)  # these are large
-    return replace(last, seconds=time.perf_counter() - began, via=passed, notes=notes)
+    passed = tuple(replace(state, states=replace(state.states, problem=None)) for state in via)  # these are large
+    return _told(replace(last, via=passed, notes=notes), began)
+
+
+def _told(state: LoadState, began: float) -> LoadState:
+    """The state with its displacements and the time (s) that it took. Raises SolveError where there are none."""
+    formed = state.equilibrium
+    return replace(state, formed=formed, seconds=time.perf_counter() - began)
 
 
 def _doubts(passed_over: int, energies: Sequence[Energy], size: float) -> Iterator[str]:
@@ -232,24 +264,38 @@ def held_loads(configuration: Configuration) -> Start:
 
 def _part(configuration: Configuration, start: Start, factor: float, holding: float) -> LoadState:
     """The state after one implicit increment: a point that slips at its end has slipped in all of it."""
-    found = configuration.equilibrium(factor, start.remembered.memory, holding)
-    outcome = found.outcome
-    support_force = -float(outcome.multipliers @ configuration.held.given)
-    conjugates = np.array([configuration.scaled @ outcome.u, configuration.constant @ outcome.u, support_force])
-    before, change, mean = start.energy, conjugates - start.conjugates, 0.5 * (start.conjugates + conjugates)
-    step = factor - start.factor
+    was = start.remembered
+    states = configuration.states(factor, was.memory, holding)
+    conjugates = configuration.conjugates(factor, holding, states)
+    none = Energy(start.energy.work, 0.0, start.energy.dissipated, start.energy.released, 0.0)
+    state = LoadState(configuration, factor, holding, was.memory, states, none, 0.0, conjugates, None, 0.0)
+    change, mean, step = conjugates - start.conjugates, 0.5 * (start.conjugates + conjugates), factor - start.factor
     work = 0.5 * (start.factor + factor) * change[0] + 0.5 * (start.holding + holding) * change[1] + mean[2] * step
-    strain, good_to = found.strain + _elastic_energy(configuration, outcome), ROUND_OFF * found.strain_terms
-    dissipated = before.dissipated + _dissipated(configuration, start.remembered, outcome)
-    energy = _checked(Energy(before.work + float(work), strain, dissipated, before.released, 0.0), good_to)
+    strain, terms = _strain(state)
+    dissipated = none.dissipated + _dissipated(configuration, was, state)
+    energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), terms)
     rate = None
     if not start.grown and step != 0.0 and holding == start.holding:
-        was, sticks = start.remembered, outcome.state == STICK
+        sticks = states.state == STICK
         stuck = sticks if start.sticks is None else start.sticks  # under no load at all the states say nothing
-        same = np.array_equal(outcome.memory.broken, was.memory.broken) and np.array_equal(sticks, stuck)
-        changes = (outcome.normal_traction - was.normal, outcome.tangential_traction - was.tangential)
+        same = np.array_equal(state.remembered.memory.broken, was.memory.broken) and np.array_equal(sticks, stuck)
+        changes = (states.normal - was.normal, states.tangential - was.tangential)
         rate = (changes[0] / step, changes[1] / step) if same else None
-    return LoadState(configuration, factor, holding, outcome, found.residual, energy, good_to, conjugates, rate, 0.0)
+    return replace(state, energy=energy, good_to=terms, rate=rate)
+
+
+def _strain(state: LoadState) -> tuple[float, float]:
+    """Strain energy of rock and elastic contact, J/m, and what it is good to.
+
+    u K u = u'(f - C'm - G'W p): the work of all that acts on the rock.
+    """
+    contact, states = state.configuration.contact, state.states
+    loads = state.conjugates * (state.factor, state.holding, state.factor)
+    jumps = np.concatenate([states.gap + states.dilation, states.slip])
+    elastic = np.tile(contact.law.compliance, 2) * states.tractions
+    tractions = np.tile(contact.weights, 2) * states.tractions
+    terms = float(np.abs(loads).sum() + np.abs(tractions * jumps).sum())
+    return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)), ROUND_OFF * terms
 
 
 def _foreseen(configuration: Configuration, at: Start, end: float, holding: float) -> tuple[float, float, int] | None:
@@ -278,33 +324,29 @@ def _foreseen(configuration: Configuration, at: Start, end: float, holding: floa
     return (behind, holding, MOST_HALVINGS) if abs(end - behind) > beside else None
 
 
-def _elastic_energy(configuration: Configuration, outcome: ContactOutcome) -> float:
-    """Strain energy of elastic contact, J/m."""
-    weights, law = configuration.contact.weights, configuration.contact.law
-    tractions = outcome.normal_traction**2 + outcome.tangential_traction**2
-    return 0.5 * float(weights @ (law.compliance * tractions))
-
-
-def _dissipated(configuration: Configuration, was: Remembered, outcome: ContactOutcome) -> float:
-    """What friction and dilation take between two states, by the law, J/m."""
-    weights, law = configuration.contact.weights, configuration.contact.law
-    friction, cohesion = law.bound_of(outcome.memory.broken)
-    bounds = [np.maximum(cohesion - friction * normal, 0.0) for normal in (was.normal, outcome.normal_traction)]
-    by_slip = (bounds[0] + bounds[1]) * np.abs(outcome.memory.slip - was.memory.slip)
-    by_dilation = (was.normal + outcome.normal_traction) * (outcome.dilation - was.dilation)
-    return 0.5 * float(
-        weights @ (np.where(outcome.state == SLIP, by_slip, 0.0) + np.where(outcome.state != OPEN, by_dilation, 0.0))
+def _dissipated(configuration: Configuration, was: Remembered, state: LoadState) -> float:
+    """What friction and dilation take from what `was` to a state, by the law, J/m."""
+    weights, law, now, kinds = (
+        configuration.contact.weights,
+        configuration.contact.law,
+        state.remembered,
+        state.states.state,
     )
+    friction, cohesion = law.bound_of(now.memory.broken)
+    bounds = [np.maximum(cohesion - friction * normal, 0.0) for normal in (was.normal, now.normal)]
+    by_slip = (bounds[0] + bounds[1]) * np.abs(now.memory.slip - was.memory.slip)
+    by_dilation = (was.normal + now.normal) * (now.dilation - was.dilation)
+    return 0.5 * float(weights @ (np.where(kinds == SLIP, by_slip, 0.0) + np.where(kinds != OPEN, by_dilation, 0.0)))
 
 
-def _at_stake(configuration: Configuration, was: Remembered, outcome: ContactOutcome, breaks: Bools) -> float:
+def _at_stake(configuration: Configuration, was: Remembered, now: Remembered, breaks: Bools) -> float:
     """What bonds that break (n,) would take of their slip between two states, J/m, if they still held."""
     law = configuration.contact.law
     lost = np.zeros(len(breaks))
-    for normal in (was.normal, outcome.normal_traction):
+    for normal in (was.normal, now.normal):
         limits = (np.maximum(c - mu * normal, 0.0) for mu, c in map(law.bound_of, (np.zeros_like(breaks), breaks)))
         lost += np.subtract(*limits)
-    slipped = np.abs(outcome.memory.slip - was.memory.slip)
+    slipped = np.abs(now.memory.slip - was.memory.slip)
     return 0.5 * float(configuration.contact.weights[breaks] @ (lost * slipped)[breaks])
 
 

@@ -35,12 +35,9 @@ def load_history(
     """The cracks at every factor of the case's history, in turn, from number `first` on, whose `origin` is given."""
     assert isinstance(scene.case.loading, LoadHistory)
     configuration = assemble(scene, cracks)
-    configuration.solve_loads()
-    contact, start = configuration.contact, None if origin is None else origin.start
-    for rows, sliding in () if origin is None else origin.batches:
-        contact.columns.of(rows, sliding)
+    start = None if origin is None else origin.start
     for number, factor in enumerate(scene.case.loading.factors[first:], first):
-        origin = Origin(start=start, batches=contact.columns.batches)
+        origin = Origin(start=start)
         state = increment(configuration, held_loads(configuration) if start is None else start, factor)
         solution = replace(judged(state), origin=origin)
         if number:  # the configuration was paid for by the first state

@@ -21,8 +21,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.contact.faces import FacePoints
-from crackgrow.contact.solve import ContactMemory, ContactOutcome
+from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.run.configuration import Configuration, Equilibrium
@@ -61,14 +62,18 @@ class Increment:
 
 @contextmanager
 def recorded() -> Iterator[list[Increment]]:
-    """Every increment that is solved inside of the block, trials of load factors and directions included."""
+    """Every increment whose displacements are formed inside of the block, trials of factors and directions included."""
     found: list[Increment] = []
     solve = Configuration.equilibrium
 
     def equilibrium(
-        configuration: Configuration, factor: float, memory: ContactMemory | None, holding: float = 1.0
+        configuration: Configuration,
+        factor: float,
+        memory: ContactMemory | None,
+        holding: float = 1.0,
+        states: PointStates | None = None,
     ) -> Equilibrium:
-        state = solve(configuration, factor, memory, holding)
+        state = solve(configuration, factor, memory, holding, states)
         before = memory or ContactMemory.fresh(configuration.faces.n)
         found.append(Increment(configuration, factor, holding, before, state.outcome, state.residual))
         return state

@@ -14,8 +14,8 @@ import pytest
 from numpy.typing import NDArray
 
 from crackgrow.case import load_case
-from crackgrow.contact.coulomb import SLIP, STICK, ContactProblem, ContactSolution
-from crackgrow.contact.law import ContactMemory
+from crackgrow.contact.coulomb import SLIP, STICK, ContactMemory
+from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.errors import CaseError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
@@ -243,7 +243,7 @@ def test_a_failed_increment_leaves_everything_as_it_was(monkeypatch: pytest.Monk
     for _ in range(2):
         with monkeypatch.context() as patch:
             for name in ("newton", "lemke"):
-                patch.setattr(f"crackgrow.contact.condensed.solve_by_{name}", gives_up)
+                patch.setattr(f"crackgrow.contact.solve.solve_by_{name}", gives_up)
             with pytest.raises(SolveError) as error:
                 system.equilibrium(1.0, memory)
         messages.append(str(error.value))

@@ -40,9 +40,7 @@ def last_step(name: str, settings: tuple[str, ...]) -> StepResult:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("few_numbers", [0, np.inf], ids=["by elimination", "by solutions"])
-def test_rough_factorization_changes_no_result(scene: str, few_numbers: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("crackgrow.contact.system.FEW_NUMBERS", few_numbers)
+def test_rough_factorization_changes_no_result(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = last_step(*SCENES[scene])
     exact, exact_products = Multifrontal.solve, Multifrontal.products
     n_solves = 0

@@ -335,6 +335,13 @@ def test_what_the_system_refuses_is_no_bug(scene: Path, capsys: pytest.CaptureFi
     assert summary(scene / "outputs" / "block")["n_solves"] == 2
 
 
+def test_check_tells_of_other_solutions_where_it_is_asked(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["check", "block.yaml"]) == 0
+    assert "solutions of the contact" not in capsys.readouterr().out
+    assert cli.main(["check", "block.yaml", "--unique"]) == 0
+    assert "solutions of the contact\n  at load factor 1: no faces touch" in capsys.readouterr().out
+
+
 def test_check_says_what_is_modelled(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["check", "block.yaml"]) == 0
     assert "body rock" in capsys.readouterr().out

@@ -7,10 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from crackgrow.contact import system as module
-from crackgrow.contact.condensation import ByCompliance, BySolutions, Rock
-from crackgrow.contact.coulomb import SLIP
-from crackgrow.contact.law import ContactLaw
+from crackgrow.contact.coulomb import SLIP, ContactLaw
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
@@ -32,12 +29,8 @@ def contact_of(block: Block, **law: float) -> ContactSystem:
     return ContactSystem(block.system, *block.operators(), block.faces.weights, laws, "newton")
 
 
-def solve(block: Block, monkeypatch: pytest.MonkeyPatch, by: type, **law: float) -> ContactOutcome:
-    """The block's contact, condensed by one way or the other."""
-    monkeypatch.setattr(module, "FEW_NUMBERS", 0 if by is ByCompliance else np.inf)
-    contact, points = contact_of(block, **law), np.arange(1)
-    assert type(contact.onto(points, points)) is by
-    return solve_contact(contact, block.loads, block.given)
+def solve(block: Block, **law: float) -> ContactOutcome:
+    return solve_contact(contact_of(block, **law), block.loads, block.given)
 
 
 def assert_alike(one: ContactOutcome, other: ContactOutcome, tolerance: float = 1e-10) -> None:
@@ -63,9 +56,10 @@ LAWS = {
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("loading", ["sliding", "tilting"])
-def test_both_ways_lead_to_the_same_state(build, monkeypatch: pytest.MonkeyPatch, loading: str, law: str) -> None:
-    block = by_fronts(tilting(build) if loading == "tilting" else uniform(build, compression(2.0), 25.0))
-    one, other = (solve(block, monkeypatch, by, **LAWS[law]) for by in (ByCompliance, BySolutions))
+def test_both_ways_lead_to_the_same_state(build, loading: str, law: str) -> None:
+    """Without fronts the compliance comes from displacements per unit traction."""
+    block = tilting(build) if loading == "tilting" else uniform(build, compression(2.0), 25.0)
+    one, other = solve(by_fronts(block), **LAWS[law]), solve(block, **LAWS[law])
     assert len(one.rows)
     assert_alike(one, other)
     size = np.abs(one.u).max()
@@ -75,13 +69,12 @@ def test_both_ways_lead_to_the_same_state(build, monkeypatch: pytest.MonkeyPatch
     assert one.penetration < 1e-14 * size
 
 
-def test_unloaded_faces_keep_what_slip_has_locked_in(build, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unloaded_faces_keep_what_slip_has_locked_in(build) -> None:
     """Nothing is loaded, so that the jumps without tractions are zero; cohesion holds a part of the slip."""
-    block = by_fronts(uniform(build, np.array([[0.0, 0.5], [0.5, -2.0]]), 0.0, slip=0.004))
+    block = uniform(build, np.array([[0.0, 0.5], [0.5, -2.0]]), 0.0, slip=0.004)
     found = []
-    for few in (0, np.inf):
-        monkeypatch.setattr(module, "FEW_NUMBERS", few)
-        contact = contact_of(block, cohesion=0.4, kept=True)
+    for one in (block, by_fronts(block)):
+        contact = contact_of(one, cohesion=0.4, kept=True)
         slipped = solve_contact(contact, block.loads, block.given)
         assert (slipped.state == SLIP).all()
         found.append(solve_contact(contact, 0.0 * block.loads, 0.0 * block.given, slipped.memory))
@@ -89,22 +82,28 @@ def test_unloaded_faces_keep_what_slip_has_locked_in(build, monkeypatch: pytest.
     assert_alike(*found)
 
 
-def test_condensations_are_the_same_operator(build, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Compliance, jumps at all points, displacements and multipliers under tractions at some points."""
-    block = by_fronts(uniform(build, compression(2.0), 25.0))
-    rng, n = np.random.default_rng(50), block.faces.n
-    rows, sliding = np.array([1, 4, 5]), np.array([0, 5])
-    u, multipliers = block.system.solve(block.loads, block.given)
-    gap_of, slip_of = block.operators()
-    free, t = Rock(u, multipliers, gap_of @ u, slip_of @ u), rng.normal(size=5)
+def test_condensations_are_the_same_operator(build) -> None:
+    """Compliance between some points and all, displacements and multipliers under tractions."""
+    block = uniform(build, compression(2.0), 25.0)
+    t = np.random.default_rng(50).normal(size=2 * block.faces.n)
     found = []
-    for few in (0, np.inf):
-        monkeypatch.setattr(module, "FEW_NUMBERS", few)
-        onto = contact_of(block).onto(rows, sliding)
-        found.append((onto.compliance, *onto.jumps(free, t), *onto.displacements(free, block.loads, block.given, t)))
-    assert found[0][1].shape == (n,)
-    for one, other in zip(*found, strict=True):
+    for one, often in ((by_fronts(block), False), (block, False), (by_fronts(block), True)):
+        contact = replace(contact_of(one), often=often)
+        without = one.system.solve(block.loads, block.given)
+        moved = contact.displacements((block.loads, block.given), without, t, np.zeros(0))
+        found.append((contact.compliance(np.array([1, 4, 5]), np.array([True, False, True])), contact.rock, *moved))
+    for one, other, third in zip(*found, strict=True):
         np.testing.assert_allclose(one, other, atol=1e-11 * np.abs(other).max())
+        np.testing.assert_allclose(third, other, atol=1e-11 * np.abs(other).max())
+
+
+def test_what_was_asked_for_first_changes_no_bit(build) -> None:
+    block = by_fronts(tilting(build))
+    first, other = (contact_of(block, friction=0.4) for _ in range(2))
+    solve_contact(other, -2.0 * block.loads, -0.5 * block.given)
+    one, two = (solve_contact(contact, block.loads, block.given) for contact in (first, other))
+    for name in ("u", "multipliers", "normal_traction", "tangential_traction", "gap", "slip"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(two, name), err_msg=name)
 
 
 def test_all_points_cost_two_solves(build, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -117,7 +116,7 @@ def test_all_points_cost_two_solves(build, monkeypatch: pytest.MonkeyPatch) -> N
         return exact(self, loads, given)
 
     monkeypatch.setattr(ConstrainedSystem, "solve", counted)
-    outcome = solve(by_fronts(uniform(build, compression(2.0), 25.0)), monkeypatch, ByCompliance, friction=0.2)
+    outcome = solve(by_fronts(uniform(build, compression(2.0), 25.0)), friction=0.2)
     assert len(outcome.rows) > 5
     assert solved == [1, 1]
 
@@ -127,14 +126,14 @@ def test_a_compliance_spoilt_by_round_off_is_refused(build, monkeypatch: pytest.
     exact = ConstrainedSystem.compliance
     monkeypatch.setattr(ConstrainedSystem, "compliance", lambda self, rows: 1.1 * exact(self, rows))
     with pytest.raises(SolveError, match=r"ill conditioned.*wrong by 0\.0.*numerics\.spacing"):
-        solve(block, monkeypatch, ByCompliance, friction=0.2)
+        solve(block, friction=0.2)
 
 
 @pytest.mark.parametrize("size", [1e-5, 5e-3])
 def test_corrections_go_on_while_they_gain(build, monkeypatch: pytest.MonkeyPatch, size: float) -> None:
     """Each leaves of the difference about as much as the compliance is off: of 5e-3 more than three leave 1e-9."""
     block = by_fronts(tilting(build))
-    plain = solve(block, monkeypatch, ByCompliance, friction=0.4)
+    plain = solve(block, friction=0.4)
     exact = ConstrainedSystem.compliance
 
     def rough(self, rows):
@@ -143,7 +142,7 @@ def test_corrections_go_on_while_they_gain(build, monkeypatch: pytest.MonkeyPatc
         return found * (1.0 + size * (off + off.T))
 
     monkeypatch.setattr(ConstrainedSystem, "compliance", rough)
-    found = solve(block, monkeypatch, ByCompliance, friction=0.4)
+    found = solve(block, friction=0.4)
     assert_alike(found, plain)
     assert found.complementarity < 1e-11
     assert found.notes == ()
@@ -158,7 +157,7 @@ def test_jumps_that_corrections_cannot_mend_are_told(build, monkeypatch: pytest.
         return u + 1e-7 * np.abs(u).max() * rng.uniform(-1.0, 1.0, u.shape), multipliers
 
     monkeypatch.setattr(ConstrainedSystem, "solve", noisy)
-    found = solve(block, monkeypatch, ByCompliance, friction=0.4)
+    found = solve(block, friction=0.4)
     (note,) = found.notes
     assert "jumps of the faces are off by" in note
     assert "ill conditioned" in note

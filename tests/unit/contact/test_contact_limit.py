@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import ContactProblem, Motions, complementarity_residual, jump
+from crackgrow.contact.coulomb import complementarity_residual
 from crackgrow.contact.limit import least_unbalanced
 from crackgrow.contact.newton import solve_by_newton
+from crackgrow.contact.problem import ContactProblem, Motions
 
 WEIGHT, LENGTH = 3.0, 2.0
 
@@ -102,7 +103,7 @@ def test_supports_that_hold_a_block_once_do_not_matter(friction: float, pull: tu
     )
     one, two = solve_by_newton(problem), solve_by_newton(other)
     np.testing.assert_allclose(two.traction, one.traction, atol=1e-9)
-    np.testing.assert_allclose(jump(other, two.unknowns), jump(problem, one.unknowns), atol=1e-9)
+    np.testing.assert_allclose(other.jump(two.unknowns), problem.jump(one.unknowns), atol=1e-9)
 
 
 @pytest.mark.parametrize("pull", [(-3.0, 1.3, 0.0), (3.0, 0.0, 0.0), (-3.0, 0.0, 3.1)])
@@ -115,13 +116,7 @@ def test_a_block_that_contact_does_not_hold_has_no_solution(pull: tuple) -> None
 
 def test_a_motion_that_nothing_sees_stays_where_it_is() -> None:
     """A smooth level base: along it nothing acts and nothing holds."""
-    rough = block_on_points(0.0, (-3.0, 0.0, 0.5))
-    problem = ContactProblem(
-        rough.compliance[:5, :5],
-        rough.free[:5],
-        motions=Motions(rough.motions.jump[:5], rough.motions.force[:, :5], rough.motions.pull),
-    )
-    for found in (solve_by_newton(problem), solve_by_lemke(problem)):
-        assert found.status == "solved"
-        assert found.traction.sum() * 0.4 == pytest.approx(-3.0)
-        assert abs(found.motion[1]) < 1e-12
+    found = solve_by_newton(block_on_points(0.0, (-3.0, 0.0, 0.5)))
+    assert found.status == "solved"
+    assert found.traction.sum() * 0.4 == pytest.approx(-3.0)
+    assert abs(found.motion[1]) < 1e-12

@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 from scipy.sparse import block_diag, csc_array, csr_array, diags_array
 
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK
-from crackgrow.contact.law import ContactLaw
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactLaw
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.sparse import csc_array, csr_array
 
-import crackgrow.contact.condensed as module
+import crackgrow.contact.solve as module
 from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
-from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactSolution
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactLaw
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.contact.jump import contact_operators, gap_and_slip
-from crackgrow.contact.law import ContactLaw
 from crackgrow.contact.mortar import mortar_faces
-from crackgrow.contact.newton import solve_by_newton
+from crackgrow.contact.problem import ContactSolution
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
@@ -256,8 +254,8 @@ def tilting(build) -> Block:
     return make(build, supports, {}, 0.0)
 
 
-def test_open_faces_cost_no_solve_and_smooth_ones_one_a_pressed_point(build, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Right-hand sides that the rock is solved for: the load, and those of the tractions that are unknown."""
+def test_open_faces_cost_no_solve(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others cost that of the compliance, once a system, and one for the displacements."""
     solved: list[int] = []
     solve = ConstrainedSystem.solve
 
@@ -266,16 +264,10 @@ def test_open_faces_cost_no_solve_and_smooth_ones_one_a_pressed_point(build, mon
         return solve(self, loads, given)
 
     monkeypatch.setattr(ConstrainedSystem, "solve", counted)
-    for block, friction, per_point in (
-        (pressed(build, -0.02), 0.4, 0),
-        (pressed(build, 0.02), 0.0, 1),
-        (pressed(build, 0.02), 0.4, 2),
-        (tilting(build), 0.0, 1),
-        (tilting(build), 0.4, 2),
-    ):
+    for block, friction in ((pressed(build, -0.02), 0.4), (pressed(build, 0.02), 0.0), (tilting(build), 0.4)):
         solved.clear()
         outcome = block.solve(friction)
-        assert sum(solved) == 1 + outcome.n_unknowns == 1 + per_point * len(outcome.rows)
+        assert solved == ([1] if outcome.status == "none" else [1, 2 * outcome.state.size, 1])
         assert set(np.flatnonzero(outcome.state != OPEN)) <= set(outcome.rows)
         assert outcome.iterations <= 2
 
@@ -352,7 +344,7 @@ def test_solving_leaves_no_trace(build) -> None:
     np.testing.assert_array_equal(block.system.stiffness.tocsc().indices, before.indices)
 
 
-@pytest.mark.parametrize(("noise", "words"), [(0.003, "unsymmetric by 0."), (30.0, "not positive")])
+@pytest.mark.parametrize(("noise", "words"), [(0.001, "unsymmetric by 0."), (30.0, "not positive")])
 def test_columns_spoilt_by_round_off_are_told_from_contact_that_does_not_solve(
     build, monkeypatch, noise: float, words: str
 ) -> None:
@@ -394,31 +386,3 @@ def test_the_other_solver_steps_in_and_says_so(build, monkeypatch, solver: str, 
     assert expected.notes == ()
     assert [f"by {other} after {solver}: status 'limit'" in note for note in outcome.notes] == [True]
     np.testing.assert_allclose(outcome.normal_traction, expected.normal_traction, rtol=1e-9)
-
-
-@pytest.mark.parametrize("solver", ["newton", "lemke"])
-def test_newton_goes_on_from_where_lemke_ends_without_a_solution(build, monkeypatch, solver: str) -> None:
-    """Close to it: Newton's own first guess does not lead there."""
-    expected, by_newton, by_lemke = pressed(build, 0.02).solve(friction=0.3), solve_by_newton, solve_by_lemke
-    starts: list[np.ndarray] = []
-
-    def ends_early(problem):
-        solution = by_lemke(problem)
-        return replace(solution, status="ray", traction=(1.0 + 1e-4) * solution.traction)
-
-    def from_close_by(problem, start=None):
-        if start is None:
-            return ContactSolution(
-                np.zeros(problem.free.size), "limit", 100, np.zeros(problem.n_points, dtype=np.int64)
-            )
-        starts.append(start)
-        return by_newton(problem, start)
-
-    monkeypatch.setattr(module, "solve_by_lemke", ends_early)
-    monkeypatch.setattr(module, "solve_by_newton", from_close_by)
-    outcome = pressed(build, 0.02).solve(friction=0.3, solver=solver)
-    assert len(starts) == 1
-    (note,) = outcome.notes
-    assert "solved by newton after lemke: status 'ray'" in note
-    np.testing.assert_allclose(outcome.normal_traction, expected.normal_traction, rtol=1e-9)
-    np.testing.assert_array_equal(outcome.state, expected.state)

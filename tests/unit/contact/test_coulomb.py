@@ -5,22 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import (
-    OPEN,
-    SLIP,
-    STICK,
-    ActiveSet,
-    ContactProblem,
-    active_set,
-    complementarity_residual,
-    jump,
-    project,
-)
-from crackgrow.contact.newton import solve_by_newton
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set, complementarity_residual, project
+from crackgrow.contact.newton import solve_active, solve_by_newton
+from crackgrow.contact.problem import ContactProblem
 from crackgrow.errors import NotSolvedError
-from tests.contact_problems import random_problem
+from tests.contact_problems import random_problem, smooth
 
 ROUND_OFF = 1e-14
 
@@ -49,9 +39,9 @@ def test_solution_by_hand_has_no_residual(free_n, free_t, friction, cohesion, p_
     problem = one_point(free_n, free_t, friction, cohesion)
     p = np.array([p_n, p_t])
     assert complementarity_residual(problem, p) <= ROUND_OFF
-    assert active_set(problem, p, jump(problem, p)).states().tolist() == [state]
-    np.testing.assert_allclose(project(problem, p, jump(problem, p)), p, rtol=ROUND_OFF, atol=ROUND_OFF)
-    exact = solve_active(problem, active_set(problem, p, jump(problem, p)))
+    assert active_set(problem, p, problem.jump(p)).states().tolist() == [state]
+    np.testing.assert_allclose(project(problem, p, problem.jump(p)), p, rtol=ROUND_OFF, atol=ROUND_OFF)
+    exact = solve_active(problem, active_set(problem, p, problem.jump(p)))
     np.testing.assert_allclose(exact, p, rtol=ROUND_OFF, atol=ROUND_OFF)
 
 
@@ -88,9 +78,9 @@ def test_each_violation_alone_is_detected(free_n, free_t, p_n, p_t, violation):
 
 
 def test_singular_active_set_gets_the_least_tractions():
-    problem = ContactProblem(np.ones((3, 3)), np.array([-1.0, -1.0, -1.0]))
+    problem = smooth(np.ones((3, 3)), np.array([-1.0, -1.0, -1.0]))
     p = solve_active(problem, ActiveSet(np.ones(3, dtype=bool), np.ones(3, dtype=np.int64)))
-    np.testing.assert_allclose(p, np.full(3, -1.0 / 3.0), rtol=1e-13)
+    np.testing.assert_allclose(p[:3], np.full(3, -1.0 / 3.0), rtol=1e-13)
 
 
 @pytest.mark.parametrize("traction_unit", [1e-9, 1.0, 1e8])
@@ -114,7 +104,7 @@ def test_solve_active_imposes_each_branch():
     problem = ContactProblem(A, rng.normal(size=2 * n), friction, cohesion)
     active = ActiveSet(np.array([1, 1, 1, 0, 0, 0], dtype=bool), np.array([0, 1, -1, 0, 1, -1]))
     p = solve_active(problem, active)
-    du = jump(problem, p)
+    du = problem.jump(p)
     assert np.abs(du[:3]).max() < 1e-12
     assert p[3:6].tolist() == [0.0, 0.0, 0.0]
     assert np.abs(du[[6, 9]]).max() < 1e-12
@@ -130,8 +120,8 @@ def test_residual_and_law_change_nothing():
     before = A.copy(), free.copy(), p.copy()
     first = complementarity_residual(problem, p)
     complementarity_residual(problem, other)
-    project(problem, p, jump(problem, p))
-    solve_active(problem, active_set(problem, p, jump(problem, p)))
+    project(problem, p, problem.jump(p))
+    solve_active(problem, active_set(problem, p, problem.jump(p)))
     assert complementarity_residual(problem, p) == first
     for array, copy in zip((A, free, p), before, strict=True):
         np.testing.assert_array_equal(array, copy)
@@ -175,7 +165,7 @@ def test_traction_that_is_not_finite_is_refused():
 
 
 def test_no_points_at_all():
-    problem = ContactProblem(np.zeros((0, 0)), np.zeros(0))
+    problem = ContactProblem(np.zeros((0, 0)), np.zeros(0), np.zeros(0))
     assert complementarity_residual(problem, np.zeros(0)) == 0.0
     assert active_set(problem, np.zeros(0), np.zeros(0)).states().size == 0
 
@@ -195,10 +185,10 @@ def test_the_equations_of_a_branch_are_the_derivative_of_the_projection():
         p = np.append(-rng.random(4), rng.normal(size=4)) * 0.7
 
         def change(p: np.ndarray, problem: ContactProblem = problem) -> np.ndarray:
-            return project(problem, p, jump(problem, p)) - p
+            return project(problem, p, problem.jump(p)) - p
 
-        active = active_set(problem, p, jump(problem, p))
-        if (active.sense != np.sign(problem.slipped + jump(problem, p)[4:])).any():
+        active = active_set(problem, p, problem.jump(p))
+        if (active.sense != np.sign(problem.slipped + problem.jump(p)[4:])).any():
             continue  # where slip is about to end, faces dilate as they will then
         step = 1e-7
         J = np.stack([(change(p + step * e) - change(p - step * e)) / (2.0 * step) for e in np.eye(8)], axis=1)
@@ -217,7 +207,7 @@ def test_newton_and_lemke_agree_on_faces_that_dilate(seed: int):
     newton, lemke = solve_by_newton(problem), solve_by_lemke(problem)
     assert newton.status == "solved"
     assert complementarity_residual(problem, newton.traction) < 1e-11
-    through = ((problem.slipped + jump(problem, newton.traction)[4:]) * problem.slipped < -1e-12).any()
+    through = ((problem.slipped + problem.jump(newton.traction)[4:]) * problem.slipped < -1e-12).any()
     if not through:
         assert lemke.status == "solved"
         np.testing.assert_allclose(lemke.traction, newton.traction, atol=1e-9)

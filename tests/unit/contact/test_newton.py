@@ -6,18 +6,10 @@ import numpy as np
 import pytest
 
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import (
-    OPEN,
-    SLIP,
-    STICK,
-    ActiveSet,
-    ContactProblem,
-    complementarity_residual,
-    jump,
-    project,
-)
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, complementarity_residual, project
 from crackgrow.contact.newton import _through_stick, solve_by_newton, sweep
-from tests.contact_problems import crack_problem, random_problem
+from crackgrow.contact.problem import ContactProblem
+from tests.contact_problems import crack_problem, random_problem, smooth
 
 AGREEMENT = 1e-8  # of two solvers, relative; Lemke accumulates round-off until its last solve
 EXACT = 1e-10  # complementarity residual of a solution
@@ -89,22 +81,22 @@ def test_more_iterations_never_end_with_worse_tractions():
     changes = []
     for limit in range(1, 7):
         p = solve_by_newton(problem, start, max_iterations=limit).traction
-        projected = project(problem, p, jump(problem, p))
+        projected = project(problem, p, problem.jump(p))
         changes.append(np.abs(projected - p).max() / max(np.abs(projected).max(), np.abs(p).max()))
     assert changes == sorted(changes, reverse=True)
     assert changes[-1] < 0.1 * changes[0]
 
 
-def test_without_friction_rows():
+def test_without_friction_slip_does_not_matter():
     full = crack_problem(40, 0.0, 0.0, 1e6, 0.0, 3)
-    normal = ContactProblem(full.compliance[:40, :40], full.free[:40])
+    normal = smooth(full.compliance[:40, :40], full.free[:40])
     newton, other = solve_by_newton(normal), solve_by_lemke(normal)
     assert newton.status == other.status == "solved"
     expected = solve_by_newton(full).traction[:40]
     for solution in (newton, other):
         assert complementarity_residual(normal, solution.traction) < EXACT
         assert set(solution.state.tolist()) == {OPEN, SLIP}
-        np.testing.assert_allclose(solution.traction, expected, atol=1e-12 * np.abs(expected).max())
+        np.testing.assert_allclose(solution.traction[:40], expected, atol=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4, 1.0])
@@ -150,12 +142,12 @@ def test_limit_is_reported_with_the_best_tractions():
 
 def test_problem_without_solution_ends_at_the_limit():
     A = np.array([[1.0, -2.0], [-2.0, 1.0]])  # pressure on one point closes the other: the overlap has no cure
-    solution = solve_by_newton(ContactProblem(A, np.array([-1.0, -1.0])))
+    solution = solve_by_newton(smooth(A, np.array([-1.0, -1.0])))
     assert solution.status == "limit"
 
 
 def test_redundant_points_of_rigid_contact_share_the_load():
-    problem = ContactProblem(np.ones((3, 3)), np.array([-1.0, -1.0, -1.0]))
+    problem = smooth(np.ones((3, 3)), np.array([-1.0, -1.0, -1.0]))
     solution = solve_by_newton(problem)
     assert solution.status == "solved"
     assert solution.traction.sum() == pytest.approx(-1.0)
@@ -165,7 +157,7 @@ def test_free_of_load_and_no_points():
     unloaded = solve_by_newton(ContactProblem(np.eye(4), np.zeros(4), np.full(2, 0.3), np.zeros(2)))
     assert unloaded.status == "solved"
     assert not unloaded.traction.any()
-    assert solve_by_newton(ContactProblem(np.zeros((0, 0)), np.zeros(0))).status == "solved"
+    assert solve_by_newton(ContactProblem(np.zeros((0, 0)), np.zeros(0), np.zeros(0))).status == "solved"
 
 
 def test_sweeps_approach_the_solution():
@@ -181,4 +173,4 @@ def test_sweeps_approach_the_solution():
 @pytest.mark.parametrize("start", [np.zeros(3), np.array([np.nan, 0.0])])
 def test_wrong_start_is_refused(start):
     with pytest.raises(ValueError, match="contact start"):
-        solve_by_newton(ContactProblem(np.eye(2), np.zeros(2)), start)
+        solve_by_newton(ContactProblem(np.eye(2), np.zeros(2), np.zeros(1)), start)

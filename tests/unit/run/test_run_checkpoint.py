@@ -88,12 +88,6 @@ def test_every_step_can_be_gone_on_from(name: str) -> None:
         assert_same(end, same_end, f"{name}, end from {number}")
 
 
-@pytest.mark.parametrize("name", ["loaded throughout", "critical load", "cyclic friction"])
-def test_so_it_is_where_contact_is_condensed_by_elimination(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("crackgrow.contact.system.FEW_NUMBERS", 0)
-    test_every_step_can_be_gone_on_from(name)
-
-
 def test_a_finished_run_goes_on_where_more_steps_are_asked_for() -> None:
     short, long = (load_case(CASES / "compression30.yaml", [*COARSE, f"growth.steps={n}"]) for n in (1, 3))
     results, _ = run(short)

@@ -7,13 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import crackgrow.run.contact_cautions as module
 from crackgrow.case import load_case
-from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.ripple import worst_ripple
-from crackgrow.contact.second_solution import SecondSolution
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.caution import Cause
 from crackgrow.run.contact_cautions import contact_cautions
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
@@ -29,20 +25,6 @@ def flaw(*overrides: str) -> StepSolution:
 
 def test_nothing_is_said_of_the_flaw() -> None:
     assert not list(contact_cautions(flaw("cracks.flaw.contact.friction=0.3")))
-
-
-def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
-    solution = flaw("cracks.flaw.contact.friction=0.3")
-    last = solution.faces.n - 1
-    found = SecondSolution(0.25, np.array([last, 0]), np.array([3e-5, 1e-6]), np.array([STICK, STICK]))
-    monkeypatch.setattr(module, "second_solution", lambda contact, outcome: found)
-    (told,) = contact_cautions(solution)
-    text = told.words
-    assert told.cause is Cause.SECOND_SOLUTION
-    x, y = solution.cover.lattice.to_metres(solution.faces.nodes.points[[last]])[0]
-    assert f"the point ({x:.4g}, {y:.4g}) m of 'flaw', which slips, sticks" in text
-    assert "below 0.25" in text
-    assert "3e-05 m" in text
 
 
 def test_the_ripple_of_a_surface_is_held_against_its_own_pressure() -> None:

@@ -29,10 +29,10 @@ from scipy.linalg import solve_triangular
 from scipy.linalg.lapack import dpotrf, dpotrs
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.active_solver import solve_active
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import ActiveSet, ContactProblem, ContactSolution
-from crackgrow.contact.newton import solve_by_newton
+from crackgrow.contact.coulomb import ActiveSet
+from crackgrow.contact.newton import solve_active, solve_by_newton
+from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.errors import NotSolvedError
 
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions

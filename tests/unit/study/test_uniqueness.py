@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.sparse import csc_array, csr_array
 
-from crackgrow.contact.active_solver import solve_active
-from crackgrow.contact.condensed import solved
+from crackgrow.case import load_case
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import (
-    OPEN,
-    SLIP,
-    ActiveSet,
-    ContactProblem,
-    ContactSolution,
-    complementarity_residual,
-)
-from crackgrow.contact.law import ContactLaw, ContactMemory
-from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.second_solution import second_solution
-from crackgrow.contact.solve import solve_contact
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactLaw, ContactMemory, complementarity_residual
+from crackgrow.contact.newton import solve_active, solve_by_newton
+from crackgrow.contact.problem import ContactProblem, ContactSolution
+from crackgrow.contact.solve import solve_contact, solved
 from crackgrow.contact.system import ContactSystem
-from crackgrow.contact.uniqueness import below_friction_limit, friction_limit, other_solutions
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.study.second_solution import SecondSolution, second_solution, unique_text
+from crackgrow.study.uniqueness import below_friction_limit, friction_limit, other_solutions
+from tests.contact_problems import smooth
 
 ONE = np.ones(1)
 C = 0.5
@@ -81,7 +75,7 @@ def test_one_point_has_the_solutions_found_by_hand(friction: float) -> None:
     for free_n, free_t in itertools.product((-1.0, 1.0), (-7.3, -2.1, -0.4, 0.3, 1.9, 4.7, 5.3, 11.0, 23.0)):
         problem, known = one_point(friction, free_n, free_t), by_hand(friction, free_n, free_t)
         numbers.add(len(known))
-        found, _ = solved(problem, ONE, "newton")
+        found, _ = solved(problem, "newton")
         assert close(found.traction, known)
         others = list(other_solutions(problem, found.traction))
         assert all(close(p, known) for p in others)
@@ -172,7 +166,7 @@ def test_two_points_that_wedge_each_other(c: float) -> None:
         problem = ContactProblem(compliance, free, np.full(2, friction))
         alike = [np.repeat(p, 2) for p in by_hand(friction, 1.0, 1e2, c)]
         assert len(alike) == number
-        found, _ = solved(problem, np.ones(2), "newton")
+        found, _ = solved(problem, "newton")
         others = list(other_solutions(problem, found.traction))
         assert bool(others) == (number > 1)
         for p in (found.traction, *others):
@@ -187,7 +181,7 @@ def test_two_points_that_know_nothing_of_each_other_have_nine_solutions() -> Non
     compliance = np.kron(part, np.eye(2))
     problem = ContactProblem(compliance, np.array([1.0, 1.0, 8.0, 8.0]), np.full(2, 3.0))
     assert len(every_solution(problem)) == 9
-    found, _ = solved(problem, np.ones(2), "newton")
+    found, _ = solved(problem, "newton")
     assert list(other_solutions(problem, found.traction))
 
 
@@ -199,8 +193,8 @@ def test_lemke_is_not_asked_of_many_points(monkeypatch: pytest.MonkeyPatch, most
         asked.append(problem.n_points)
         return solve_by_lemke(problem)
 
-    monkeypatch.setattr("crackgrow.contact.uniqueness.solve_by_lemke", counted)
-    monkeypatch.setattr("crackgrow.contact.uniqueness.LEMKE_POINTS", most)
+    monkeypatch.setattr("crackgrow.study.uniqueness.solve_by_lemke", counted)
+    monkeypatch.setattr("crackgrow.study.uniqueness.LEMKE_POINTS", most)
     problem = random_problem(2, 0.3, 1)
     list(other_solutions(problem, solve_by_newton(problem).traction))
     assert len(asked) == times
@@ -224,7 +218,7 @@ def test_no_solution_is_an_error_that_names_the_friction(solver: str) -> None:
     with pytest.raises(
         SolveError, match=r"newton: status.*less friction: of 3 it may leave several solutions"
     ) as error:
-        solved(one_point(3.0, -1.0, 0.0, 2.0), ONE, solver)
+        solved(one_point(3.0, -1.0, 0.0, 2.0), solver)
     assert "lemke: status" in str(error.value)
 
 
@@ -256,10 +250,10 @@ def test_newton_fails_and_lemke_steps_in() -> None:
 
 
 def test_lemke_refuses_and_newton_steps_in() -> None:
-    problem = ContactProblem(np.ones((2, 2)), -np.ones(2))
+    problem = smooth(np.ones((2, 2)), -np.ones(2))
     with pytest.raises(SolveError, match="condition number"):
         solve_by_lemke(problem)
-    solution, note = solved(problem, np.ones(2), "lemke")
+    solution, note = solved(problem, "lemke")
     assert solution.traction.sum() == pytest.approx(-1.0)
     assert note.startswith("the contact problem was solved by newton after lemke: contact compliance: condition number")
 
@@ -292,7 +286,7 @@ def test_below_the_limit_nothing_is_searched(monkeypatch: pytest.MonkeyPatch) ->
     def searched(problem: ContactProblem, known: np.ndarray) -> None:
         raise AssertionError("other starts were tried")
 
-    monkeypatch.setattr("crackgrow.contact.second_solution.other_solutions", searched)
+    monkeypatch.setattr("crackgrow.study.second_solution.other_solutions", searched)
     contact, loads = rock_of(one_point(1.7, -1.0, 3.0))
     assert second_solution(contact, solve_contact(contact, loads, np.zeros(1))) is None
     contact, loads = rock_of(one_point(1.8, -1.0, 3.0))
@@ -318,7 +312,7 @@ def test_a_trial_that_fails_leaves_the_memory_alone(monkeypatch: pytest.MonkeyPa
     before = solve_contact(contact, loads, np.zeros(1), memory)
     with monkeypatch.context() as patch:
         for name in ("newton", "lemke"):
-            patch.setattr(f"crackgrow.contact.condensed.solve_by_{name}", gives_up)
+            patch.setattr(f"crackgrow.contact.solve.solve_by_{name}", gives_up)
         with pytest.raises(SolveError, match="was not solved"):
             solve_contact(contact, 3.0 * loads, np.zeros(1), memory)
     assert memory.slip.tolist() == [0.25]
@@ -332,3 +326,38 @@ def test_a_trial_that_fails_leaves_the_memory_alone(monkeypatch: pytest.MonkeyPa
 
 def gives_up(problem: ContactProblem, start: np.ndarray | None = None) -> ContactSolution:
     return ContactSolution(np.zeros(problem.free.size), "limit", 17, np.zeros(problem.n_points, dtype=np.int64))
+
+
+FLAW = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+
+
+def told_of_the_flaw(*settings: str) -> list[str]:
+    return list(unique_text(load_case(FLAW, ["numerics.spacing=3", "growth.steps=0", *settings])))
+
+
+def test_every_load_factor_of_a_case_is_told_of() -> None:
+    told = told_of_the_flaw("cracks.flaw.contact.friction=0.3", "loading.history=[0.5, -1, 1]")
+    assert told == [
+        "  at load factor 0.5: there is exactly one solution",
+        "  at load factor -1: no faces touch: there is exactly one solution",
+        "  at load factor 1: there is exactly one solution",
+    ]
+    (smooth_faces,) = told_of_the_flaw("cracks.flaw.contact.friction=0")
+    assert "there is no friction" in smooth_faces
+    (dilating,) = told_of_the_flaw("cracks.flaw.contact.friction=0.3", "cracks.flaw.contact.dilation_angle=5")
+    assert "not known: faces that dilate" in dilating
+
+
+def test_friction_beyond_the_bound_is_no_proof_of_a_second_solution() -> None:
+    (told,) = told_of_the_flaw("cracks.flaw.contact.friction=50")
+    assert "no second solution was found, which is no proof that there is none" in told
+    assert "only where friction is below" in told
+
+
+def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = SecondSolution(0.25, np.array([2, 0]), np.array([3e-5, 1e-6]), np.array([STICK, STICK]))
+    monkeypatch.setattr("crackgrow.study.second_solution.second_solution", lambda contact, outcome: found)
+    monkeypatch.setattr("crackgrow.study.second_solution.proven_limit", lambda contact, outcome: 0.25)
+    (told,) = told_of_the_flaw("cracks.flaw.contact.friction=0.3")
+    assert "more than one solution (it is certain only where friction is below 0.25)" in told
+    assert "of 'flaw', which slips, sticks, its faces moved by 3e-05 m" in told
