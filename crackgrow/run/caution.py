@@ -79,9 +79,14 @@ class Cause(Enum):
     )  # fmt: skip
     OVERLAP = (
         0.05, "largest jump of the faces", "opening, slip and K beside it are off by up to as much",
-        "the faces of {place} overlap by {overlap:.2g} m between contact points, {percent:.3g} % of their largest jump"
+        "the faces of {place} {how} by {overlap:.2g} m between contact points, {percent:.3g} % of their largest jump"
         "{of_flat}: contact holds on average over a spacing, and opening, slip and pressure there can be off by as "
         "much; use a smaller spacing",
+    )  # fmt: skip
+    JUMP = (
+        1e-6, "strength", "bonds that break let the tip stress jump past the strength: no load factor just meets it",
+        "the stress at {place} jumps to {size:.4g} times its strength at the critical load factor, where contact gives "
+        "way: growth begins with more than it needs",
     )  # fmt: skip
     RIPPLE = (
         0.1, "mean pressure", "waves of contact tractions that no rock makes, and K_I with them",

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from crackgrow.case.model import Gravity, PointSupport
+from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.cover.closeness import tip_name
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
@@ -53,6 +53,16 @@ def _overlap(law: SurfaceLaw, face: CrackFaces) -> float:
     return abs(float((face.opening - law.compliance * face.normal_traction).min(initial=0.0)))
 
 
+def _apart(law: SurfaceLaw, face: CrackFaces) -> float:
+    """Largest gap (m) along the pressed parts of a surface, beyond what its stiffness and its dilation explain."""
+    if law.contact is None:
+        return 0.0
+    closed = face.state != OPEN
+    within = closed[1:-1] & closed[:-2] & closed[2:]
+    risen = np.tan(np.deg2rad(law.contact.dilation_angle)) * np.abs(face.slip) + law.compliance * face.normal_traction
+    return float((face.opening - risen)[1:-1][within].max(initial=0.0))
+
+
 def cautions(
     scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], shares: list[float], step: int
 ) -> tuple[Caution, ...]:
@@ -72,6 +82,7 @@ def _all_cautions(
         yield from settings_cautions(scene, solution.cover, solution.faces.n)
     yield from _passing_through(scene, solution, faces)
     yield from _overlapping(scene, solution, faces, shares)
+    yield from _jumps(scene, solution)
     yield from _sawing(scene, solution)
     yield from contact_cautions(solution)
     for state, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
@@ -115,14 +126,17 @@ def _passing_through(scene: Scene, solution: StepSolution, faces: tuple[CrackFac
 
 
 def overlap_shares(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[float]:
-    """Overlap of each surface over what is small beside its jump and what pressure does to rock: beyond 1 it warns."""
+    """Overlap, or gap under pressure, of each surface over what is small there: beyond 1 it warns.
+
+    Small is what is small beside the surface's jump, or beside what pressure does to rock.
+    """
     flat = _pressed_flat(scene, solution, faces)
     shares = []
     for law, face in zip(scene.laws, faces, strict=True):
         small = Cause.OVERLAP.limit * _largest_jump(face)
         small = max(small, (PRESSED_FLAT if law.kind == "crack" else AT_CORNERS) * flat)
-        overlap = _overlap(law, face)
-        shares.append(overlap / small if overlap > 0.0 else 0.0)
+        off = max(_overlap(law, face), _apart(law, face))
+        shares.append(off / small if off > 0.0 else 0.0)
     return shares
 
 
@@ -133,16 +147,17 @@ def _largest_jump(face: CrackFaces) -> float:
 def _overlapping(
     scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], shares: list[float]
 ) -> Iterator[Caution]:
-    """Surfaces whose faces overlap by more than is small."""
+    """Surfaces whose faces overlap, or stand apart where they are pressed, by more than is small."""
     flat = _pressed_flat(scene, solution, faces)
     for law, face, share in zip(scene.laws, faces, shares, strict=True):
         if share <= 1.0:
             continue
-        overlap, of_flat = _overlap(law, face), ""
+        overlap, apart, of_flat = _overlap(law, face), _apart(law, face), ""
+        how, overlap = ("overlap", overlap) if overlap >= apart else ("stand apart under pressure", apart)
         if flat:
             of_flat = f" and {100.0 * overlap / flat:.3g} % of what a spacing of rock gives way to the pressure"
         percent = 100.0 * overlap / _largest_jump(face)
-        yield Cause.OVERLAP.at(f"'{face.crack}'", share, overlap=overlap, percent=percent, of_flat=of_flat)
+        yield Cause.OVERLAP.at(f"'{face.crack}'", share, how=how, overlap=overlap, percent=percent, of_flat=of_flat)
 
 
 def _pressed_flat(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> float:
@@ -154,6 +169,17 @@ def _pressed_flat(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces,
     softest, area = min(m.young_prime for m in scene.materials), sum(region.area for region in scene.regions)
     mean = np.sqrt(2.0 * max(solution.state.energy.strain, 0.0) * softest / area)
     return float(scene.lattice.spacing * max(pressure, mean) / softest)
+
+
+def _jumps(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
+    """Tips that can grow whose stress is beyond the strength at the critical load factor."""
+    if not isinstance(scene.case.loading, CriticalLoad):
+        return
+    for state, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True):
+        crack, verdict = scene.case.cracks[index], state.verdict
+        grows = crack.tip_at_end if at_end else crack.tip_at_start
+        if grows and verdict is not None and verdict.criticality - 1.0 > Cause.JUMP.limit:
+            yield Cause.JUMP.at(_tip_name(solution, index, at_end), verdict.criticality)
 
 
 def _tip_name(solution: StepSolution, crack: int, at_end: bool) -> str:

@@ -11,8 +11,8 @@ from tests.stability.judge.written import WrittenRun
 
 _K = r"\bK\b|K_I"
 TELLS = {
-    "overlap": r"overlap",
-    "open under pressure": r"overlap|unsure|oscillate|ripple",
+    "overlap": r"overlap|stand apart",
+    "open under pressure": r"overlap|stand apart|unsure|oscillate|ripple",
     "slip against friction": r"several solutions|leads elsewhere",
     "K_I of a closed straight tip": _K,
     "K of a stuck crack": _K,
