@@ -19,7 +19,7 @@ from crackgrow.cover.patches import Patches, physical_patches, without_specks
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
 from crackgrow.geometry.arrangement import on_grid
-from crackgrow.ragged import Ragged, by_row
+from crackgrow.ragged import Ragged, starts_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,9 +91,11 @@ class Cover:
         which, pair = enrichment.tips.places(elements)
         of_pair, place = enrichment.place.places(pair)
         numbers = enrichment.first[place, None] + np.arange(N_TIP_FUNCTIONS)
-        owner = np.concatenate([plain.row, np.repeat(which[of_pair], N_TIP_FUNCTIONS)])
-        order = np.argsort(owner, kind="stable")
-        return by_row(owner[order], np.concatenate([plain.values, numbers.ravel()])[order], len(elements))
+        n_tip = N_TIP_FUNCTIONS * np.bincount(which[of_pair], minlength=len(elements))
+        is_tip = np.repeat(np.arange(2 * len(elements)) % 2 == 1, np.stack([plain.counts, n_tip], axis=1).ravel())
+        values = np.empty(len(is_tip), dtype=np.int64)
+        values[~is_tip], values[is_tip] = plain.values, numbers.ravel()
+        return Ragged(starts_of(plain.counts + n_tip), values)
 
 
 def build_cover(
