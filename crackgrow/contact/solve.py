@@ -22,8 +22,8 @@ import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactMemory, complementarity_residual
-from crackgrow.contact.newton import solve_by_newton
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
+from crackgrow.contact.newton import solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.system import ContactSystem, spoilt
 from crackgrow.errors import NotSolvedError
@@ -115,6 +115,7 @@ class PointStates:
     state: Ints  # (n,)
     coheres: Bools  # (n,)
     solution: ContactSolution | None = None  # None: no point has to be dealt with
+    active: ActiveSet | None = None  # the branches of the law that taken points are on
     problem: ContactProblem | None = None  # that it is of, while it is kept: it is large
     n_unknowns: int = 0
     complementarity: float = 0.0  # relative
@@ -210,6 +211,28 @@ class Increment:
 
     def _tried(self, trial: Trial, free: Floats, start: PointStates) -> PointStates:
         """Tractions and jumps of a trial, looked for from those of another one on."""
+        problem, known = self._problem(trial, free), None
+        if start.solution is not None:
+            rows = np.flatnonzero(np.tile(trial.taken, 2))
+            known = np.concatenate([start.tractions[rows], start.solution.motion])
+        solution, note = solved(problem, self.contact.solver, known)
+        active = active_set(problem, solution.traction, problem.jump(solution.unknowns))
+        found = self._with(trial, free, problem, (solution, active))
+        notes = start.notes | ({note} if note else set())
+        return replace(found, iterations=start.iterations + solution.iterations, notes=notes)
+
+    def on_branch(self, like: PointStates, free: Floats) -> PointStates:
+        """The states where every point is on the branch that it has in others, whether the law holds or not."""
+        if like.active is None:
+            return self._untouched(free)
+        problem = self._problem(like.trial, free)
+        x, m = solve_active(problem, like.active), problem.free.size
+        solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:])
+        found = self._with(like.trial, free, problem, (solution, like.active))
+        return replace(found, iterations=like.iterations, notes=like.notes)
+
+    def _problem(self, trial: Trial, free: Floats) -> ContactProblem:
+        """The problem of a trial, with the jumps `free` (2 n,) m without tractions."""
         contact, law, before = self.contact, self.contact.law, self.memory.slip
         friction, cohesion = law.bound_of(trial.broken)
         cohesion[trial.opened] = 0.0
@@ -218,23 +241,25 @@ class Increment:
         counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
         jumps = np.where(counts, free[at] - np.concatenate([np.zeros(len(rows)), before[rows]]), 0.0)
         laws = (friction[rows], cohesion[rows], law.dilating[rows], before[rows])
-        compliance = contact.compliance(rows, resists[rows])
-        problem = ContactProblem(compliance, jumps, *laws, self._motions(at, counts))
-        known = None
-        if start.solution is not None:
-            known = np.concatenate([start.tractions[at], start.solution.motion])
-        solution, note = solved(problem, contact.solver, known)
+        return ContactProblem(contact.compliance(rows, resists[rows]), jumps, *laws, self._motions(at, counts))
+
+    def _with(
+        self, trial: Trial, free: Floats, problem: ContactProblem, found: tuple[ContactSolution, ActiveSet]
+    ) -> PointStates:
+        """The states of all points with a solution of a trial's problem."""
+        contact, law, (solution, active) = self.contact, self.contact.law, found
+        rows, n = np.flatnonzero(trial.taken), len(trial.taken)
         p = np.zeros(2 * n)
-        p[at] = solution.traction
+        p[np.concatenate([rows, n + rows])] = solution.traction
         p_n, p_t = np.split(p, 2)
         gap, slip = np.split(free - contact.rock @ p + contact.moving @ solution.motion, 2)
         dilation = law.opening(slip - law.compliance * p_t)
-        state = np.full(n, OPEN)
-        state[rows] = _states(problem, solution, (gap - dilation)[rows], cohesion[rows])
+        state, coheres = np.full(n, OPEN), np.zeros(n, dtype=bool)
+        coheres[rows] = problem.cohesion > 0.0
+        state[rows] = _states(problem, solution, (gap - dilation)[rows], problem.cohesion)
         return PointStates(
-            trial, p_n, p_t, gap - dilation, slip, dilation, state, cohesion > 0.0, solution, problem,
+            trial, p_n, p_t, gap - dilation, slip, dilation, state, coheres, solution, active, problem,
             problem.n_unknowns, complementarity_residual(problem, solution.unknowns),
-            start.iterations + solution.iterations, start.notes | ({note} if note else set()),
         )  # fmt: skip
 
     def _motions(self, at: Ints, counts: Bools) -> Motions | None:

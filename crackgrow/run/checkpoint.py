@@ -89,7 +89,6 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
 def _arrays(start: Start) -> dict[str, NDArray[Any] | None]:
     """The arrays of a start by name."""
     remembered = start.remembered
-    normal_rate, tangential_rate = start.rate or (None, None)
     return {
         "slip": remembered.memory.slip,
         "broken": remembered.memory.broken,
@@ -98,9 +97,6 @@ def _arrays(start: Start) -> dict[str, NDArray[Any] | None]:
         "tangential": remembered.tangential,
         "dilation": remembered.dilation,
         "conjugates": start.conjugates,
-        "sticks": start.sticks,
-        "normal_rate": normal_rate,
-        "tangential_rate": tangential_rate,
     }
 
 
@@ -108,9 +104,6 @@ def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
     slip, broken, normal, tangential, dilation, conjugates = (
         arrays[f"start_{name}"] for name in ("slip", "broken", "normal", "tangential", "dilation", "conjugates")
     )
-    rate = None
-    if "start_normal_rate" in arrays:
-        rate = (arrays["start_normal_rate"], arrays["start_tangential_rate"])
     return Start(
         values["factor"],
         values["holding"],
@@ -118,6 +111,4 @@ def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
         Energy(**values["energy"]),
         conjugates,
         values["grown"],
-        arrays.get("start_sticks"),
-        rate,
     )

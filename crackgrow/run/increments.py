@@ -1,15 +1,12 @@
-"""Loads in increments on one configuration, followed from change to change of its contact points.
+"""Loads in increments on one configuration: the states on the path, and what the loads do on the way.
 
-Between two states everything is linear in the loads as long as no contact point changes between stick, slip and open.
-Then these are exact (trapezoidal rule):
+Within a piece of the path (`path`) everything is linear in the loads, so that these are exact (trapezoidal rule):
 
     work        = (f_0 + f_1)/2 . (u_1 - u_0) + (m_0 + m_1)/2 . (g_1 - g_0)    of loads f and prescribed displacements g
     dissipation = int (b_0 + b_1)/2 |s_1 - s_0| + (p_n0 + p_n1)/2 (d_1 - d_0) ds    of slip s and dilation d
 
-with b the shear that the law of friction allows, and the strain energy is u K u / 2, with that of elastic contact. What
-they miss of each other tells of changes on the way: the increment is then taken in parts, that end where a sticking
-point is foreseen to come to its limit, else in halves. So is one in which points break: friction does not take all that
-the loads and the rock give then, and the rest is released.
+with b the shear that the law of friction allows, and the strain energy is u K u / 2, with that of elastic contact.
+Where points break friction does not take all that the loads and the rock give, and the rest is released.
 """
 
 from __future__ import annotations
@@ -23,30 +20,22 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactMemory
+from crackgrow.arrays import Floats, Ints
+from crackgrow.contact.coulomb import OPEN, SLIP, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Surface
 from crackgrow.run.configuration import Configuration, Equilibrium
+from crackgrow.run.path import Load, next_piece
 from crackgrow.run.result import BALANCED, Energy
 
 ON_OLD_FACES = 1e-6
 """Spacings: points closer than this to the crack as it was lie on it."""
 
-OF_A_PART = 0.2
-"""Share of it that a part of an increment may miss: several points change in one."""
-
-MOST_HALVINGS = 12
-"""Times that an increment is halved."""
-
-MOST_PARTS = 100
-"""Parts of an increment, after which the rest of it is not divided."""
-
-BESIDE = 1e-10
-"""So far before and behind the factor at which a point should slip, as a fraction of it, a part ends."""
+MOST_PIECES = 2000
+"""Pieces of an increment, after which the rest of it is taken at once."""
 
 ROUND_OFF = 1e-12
 """Of the terms that the strain energy is the sum of: what it is good to."""
@@ -74,7 +63,6 @@ class LoadState:
     energy: Energy
     good_to: float  # J/m, of the energies: round-off
     conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
-    rate: tuple[Floats, Floats] | None  # (n,) Pa per load factor: change of tractions where everything was linear
     seconds: float  # of all increments
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
@@ -113,8 +101,6 @@ class Start:
     energy: Energy
     conjugates: Floats
     grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
-    sticks: Bools | None = None  # (n,) which contact points stick, None where nothing is loaded
-    rate: tuple[Floats, Floats] | None = None  # as of a `LoadState`
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,10 +134,7 @@ def from_state(state: LoadState) -> Start:
 
 def _on_from(state: LoadState) -> Start:
     """Go on from a state on the way, of which displacements are not formed."""
-    sticks = state.states.state == STICK
-    return Start(
-        state.factor, state.holding, state.remembered, state.energy, state.conjugates, False, sticks, state.rate
-    )
+    return Start(state.factor, state.holding, state.remembered, state.energy, state.conjugates)
 
 
 def carried(state: LoadState, configuration: Configuration) -> Start:
@@ -196,37 +179,22 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     """The state at a load factor, with all held loads. Raises SolveError where there is none."""
     began = time.perf_counter()
     if start.grown:
-        return _told(_booked(_part(configuration, start, factor, 1.0), start), began)
-    at = start
+        return _told(_booked(_part(configuration, start, (factor, 1.0)), start), began)
+    at, end = start, (factor, 1.0)
     reached: list[LoadState] = []
-    size, passed_over = (
-        0.0,
-        0,
-    )  # of the largest energy so far; parts that are not divided although points change in them
-    ends = [(factor, 1.0, 0)]  # of the parts, the next one last: load factor, share of the held loads, halvings
-    while ends:
-        end, holding, halvings = ends[-1]
-        state = _part(configuration, at, end, holding)
-        size = max(size, abs(state.energy.work), state.energy.strain, abs(state.energy.dissipated))
+    while not reached or (at.factor, at.holding) != end:
+        if len(reached) < MOST_PIECES:
+            was = at.remembered
+            tractions = np.concatenate([was.normal, was.tangential])
+            states, load = next_piece(configuration, was.memory, tractions, (at.factor, at.holding), end)
+            state = _stated(configuration, at, states, load)
+        else:
+            state = _part(configuration, at, end)
         breaks = state.remembered.memory.broken & ~at.remembered.memory.broken & configuration.contact.law.breakable
-        missing = abs(_missing(state.energy) - _missing(at.energy))
-        changes = (
-            missing + _at_stake(configuration, at.remembered, state.remembered, breaks) > OF_A_PART * BALANCED * size
-        )
-        if changes and halvings < MOST_HALVINGS and len(reached) < MOST_PARTS:
-            limit = _foreseen(configuration, at, end, holding)
-            if limit is None:
-                ends[-1] = (end, holding, halvings + 1)
-                ends.append((0.5 * (at.factor + end), 0.5 * (at.holding + holding), halvings + 1))
-            else:
-                ends.append(limit)
-            continue
-        ends.pop()
-        passed_over += changes and len(reached) >= MOST_PARTS
         reached.append(_booked(state, at) if breaks.any() else state)
         at = _on_from(reached[-1])
     *via, last = reached
-    notes = tuple(_doubts(passed_over, [start.energy, *(state.energy for state in reached)], size))
+    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)]))
     passed = tuple(replace(state, states=replace(state.states, problem=None)) for state in via)  # these are large
     return _told(replace(last, via=passed, notes=notes), began)
 
@@ -237,14 +205,15 @@ def _told(state: LoadState, began: float) -> LoadState:
     return replace(state, formed=formed, seconds=time.perf_counter() - began)
 
 
-def _doubts(passed_over: int, energies: Sequence[Energy], size: float) -> Iterator[str]:
-    """What is given up of parts with these energies, whose largest is `size`, in words for the user."""
+def _doubts(energies: Sequence[Energy]) -> Iterator[str]:
+    """What is given up of pieces between these energies, in words for the user."""
     smaller = "apply the load in smaller steps (loading.history)"
-    if passed_over:
+    if len(energies) - 1 > MOST_PIECES:
         yield (
-            f"the load came in {len(energies) - 1} parts, in {passed_over} of which contact points change although "
-            f"they are not divided further: which of them break or slip, and where, is only as good as these; {smaller}"
+            f"contact points change {MOST_PIECES} times in one load, and how they change in the rest of it was not "
+            f"followed: which of them break or slip, and where, is only as good as that; {smaller}"
         )
+    size = max(max(abs(energy.work), energy.strain, abs(energy.dissipated)) for energy in energies)
     fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))
     if fallen > BALANCED * size:
         yield f"what friction dissipates falls by {fallen:.2g} J/m in a part of the load; {smaller}"
@@ -262,26 +231,23 @@ def held_loads(configuration: Configuration) -> Start:
     return start
 
 
-def _part(configuration: Configuration, start: Start, factor: float, holding: float) -> LoadState:
+def _part(configuration: Configuration, start: Start, load: Load) -> LoadState:
     """The state after one implicit increment: a point that slips at its end has slipped in all of it."""
-    was = start.remembered
-    states = configuration.states(factor, was.memory, holding)
+    return _stated(configuration, start, configuration.states(load[0], start.remembered.memory, load[1]), load)
+
+
+def _stated(configuration: Configuration, start: Start, states: PointStates, load: Load) -> LoadState:
+    """The state with its energies, of the states of contact points at a load."""
+    was, (factor, holding) = start.remembered, load
     conjugates = configuration.conjugates(factor, holding, states)
     none = Energy(start.energy.work, 0.0, start.energy.dissipated, start.energy.released, 0.0)
-    state = LoadState(configuration, factor, holding, was.memory, states, none, 0.0, conjugates, None, 0.0)
+    state = LoadState(configuration, factor, holding, was.memory, states, none, 0.0, conjugates, 0.0)
     change, mean, step = conjugates - start.conjugates, 0.5 * (start.conjugates + conjugates), factor - start.factor
     work = 0.5 * (start.factor + factor) * change[0] + 0.5 * (start.holding + holding) * change[1] + mean[2] * step
     strain, terms = _strain(state)
     dissipated = none.dissipated + _dissipated(configuration, was, state)
     energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), terms)
-    rate = None
-    if not start.grown and step != 0.0 and holding == start.holding:
-        sticks = states.state == STICK
-        stuck = sticks if start.sticks is None else start.sticks  # under no load at all the states say nothing
-        same = np.array_equal(state.remembered.memory.broken, was.memory.broken) and np.array_equal(sticks, stuck)
-        changes = (states.normal - was.normal, states.tangential - was.tangential)
-        rate = (changes[0] / step, changes[1] / step) if same else None
-    return replace(state, energy=energy, good_to=terms, rate=rate)
+    return replace(state, energy=energy, good_to=terms)
 
 
 def _strain(state: LoadState) -> tuple[float, float]:
@@ -298,56 +264,18 @@ def _strain(state: LoadState) -> tuple[float, float]:
     return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)), ROUND_OFF * terms
 
 
-def _foreseen(configuration: Configuration, at: Start, end: float, holding: float) -> tuple[float, float, int] | None:
-    """Where the next part ends: just before a sticking point comes to Coulomb's limit, or just behind; None if unknown.
-
-    The point comes to its limit on the line that its tractions have followed to the start.
-    """
-    if at.rate is None or at.sticks is None or holding != at.holding:
-        return None
-    was, (normal, tangential) = at.remembered, at.rate
-    friction, cohesion = configuration.contact.law.bound_of(was.memory.broken)
-    way = end - at.factor
-    nearest = np.inf
-    for sense in (-1.0, 1.0):
-        left = sense * was.tangential + friction * was.normal - cohesion  # negative: it sticks
-        rise = way * (sense * tangential + friction * normal)
-        rising = at.sticks & (rise > 0.0) & (left < 0.0)
-        nearest = min(nearest, float(np.min(-left[rising] / rise[rising], initial=np.inf)))
-    if not nearest < 1.0:
-        return None
-    limit = at.factor + nearest * way
-    beside = BESIDE * max(abs(limit), abs(way))
-    if nearest * abs(way) > 2.0 * beside:
-        return limit - np.copysign(beside, way), holding, 0
-    behind = limit + np.copysign(beside, way)
-    return (behind, holding, MOST_HALVINGS) if abs(end - behind) > beside else None
-
-
 def _dissipated(configuration: Configuration, was: Remembered, state: LoadState) -> float:
     """What friction and dilation take from what `was` to a state, by the law, J/m."""
-    weights, law, now, kinds = (
-        configuration.contact.weights,
-        configuration.contact.law,
-        state.remembered,
-        state.states.state,
-    )
+    weights, law = configuration.contact.weights, configuration.contact.law
+    now, states = state.remembered, state.states
+    kinds = states.state.copy()
+    if states.active is not None:  # at the end of a piece points are about to leave these branches
+        kinds[states.trial.taken] = states.active.states()
     friction, cohesion = law.bound_of(now.memory.broken)
     bounds = [np.maximum(cohesion - friction * normal, 0.0) for normal in (was.normal, now.normal)]
     by_slip = (bounds[0] + bounds[1]) * np.abs(now.memory.slip - was.memory.slip)
     by_dilation = (was.normal + now.normal) * (now.dilation - was.dilation)
     return 0.5 * float(weights @ (np.where(kinds == SLIP, by_slip, 0.0) + np.where(kinds != OPEN, by_dilation, 0.0)))
-
-
-def _at_stake(configuration: Configuration, was: Remembered, now: Remembered, breaks: Bools) -> float:
-    """What bonds that break (n,) would take of their slip between two states, J/m, if they still held."""
-    law = configuration.contact.law
-    lost = np.zeros(len(breaks))
-    for normal in (was.normal, now.normal):
-        limits = (np.maximum(c - mu * normal, 0.0) for mu, c in map(law.bound_of, (np.zeros_like(breaks), breaks)))
-        lost += np.subtract(*limits)
-    slipped = np.abs(now.memory.slip - was.memory.slip)
-    return 0.5 * float(configuration.contact.weights[breaks] @ (lost * slipped)[breaks])
 
 
 def _missing(energy: Energy) -> float:

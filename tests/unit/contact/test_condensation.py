@@ -10,7 +10,6 @@ import pytest
 from crackgrow.contact.coulomb import SLIP, ContactLaw
 from crackgrow.contact.solve import ContactOutcome, solve_contact
 from crackgrow.contact.system import ContactSystem
-from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.places import places_of_unknowns
 from tests.unit.contact.test_contact_solve import Block, compression, tilting, uniform
@@ -106,8 +105,8 @@ def test_what_was_asked_for_first_changes_no_bit(build) -> None:
         np.testing.assert_array_equal(getattr(one, name), getattr(two, name), err_msg=name)
 
 
-def test_all_points_cost_two_solves(build, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One without the tractions and one with them."""
+def test_all_points_cost_three_solves(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One without the tractions, one that the compliance is held against, and one with the tractions."""
     solved: list[int] = []
     exact = ConstrainedSystem.solve
 
@@ -118,20 +117,12 @@ def test_all_points_cost_two_solves(build, monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(ConstrainedSystem, "solve", counted)
     outcome = solve(by_fronts(uniform(build, compression(2.0), 25.0)), friction=0.2)
     assert len(outcome.rows) > 5
-    assert solved == [1, 1]
+    assert solved == [1, 1, 1]
 
 
-def test_a_compliance_spoilt_by_round_off_is_refused(build, monkeypatch: pytest.MonkeyPatch) -> None:
-    block = by_fronts(uniform(build, compression(2.0), 25.0))
-    exact = ConstrainedSystem.compliance
-    monkeypatch.setattr(ConstrainedSystem, "compliance", lambda self, rows: 1.1 * exact(self, rows))
-    with pytest.raises(SolveError, match=r"ill conditioned.*wrong by 0\.0.*numerics\.spacing"):
-        solve(block, friction=0.2)
-
-
-@pytest.mark.parametrize("size", [1e-5, 5e-3])
-def test_corrections_go_on_while_they_gain(build, monkeypatch: pytest.MonkeyPatch, size: float) -> None:
-    """Each leaves of the difference about as much as the compliance is off: of 5e-3 more than three leave 1e-9."""
+@pytest.mark.parametrize("size", [1e-8, 1e-5, 5e-3, 0.1])
+def test_a_rough_compliance_is_solved_for(build, monkeypatch: pytest.MonkeyPatch, size: float) -> None:
+    """Elimination that is off leaves no trace."""
     block = by_fronts(tilting(build))
     plain = solve(block, friction=0.4)
     exact = ConstrainedSystem.compliance

@@ -311,15 +311,13 @@ def test_loads_move_by_their_work_over_their_force_even_if_a_tip_is_close_to_the
     assert 0.5 * force * result.load_displacement == pytest.approx(result.energy.strain, rel=1e-9)
 
 
-def test_a_load_that_is_not_divided_further_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Bonds that break one after the other take more parts than are allowed here."""
+def test_a_load_that_is_not_followed_to_its_end_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bonds that break one after the other take more pieces than are allowed here."""
     settings = ("cracks.flaw.contact.cohesion=10", "growth.steps=0", "output.frames=none", "output.figures=false")
     case = load_case(CASES / "compression30.yaml", [*FRICTION, *settings])
-    assert not any("parts, in" in warning for warning in next(grow(case)).warnings)
-    monkeypatch.setattr(increments, "MOST_PARTS", 1)
-    warnings = [
-        warning for warning in next(grow(case)).warnings if "parts, in 1 of which contact points change" in warning
-    ]
+    assert not any("was not followed" in warning for warning in next(grow(case)).warnings)
+    monkeypatch.setattr(increments, "MOST_PIECES", 1)
+    warnings = [warning for warning in next(grow(case)).warnings if "change 1 times in one load" in warning]
     assert len(warnings) == 1
 
 

@@ -1,0 +1,112 @@
+"""The path of the contact points under a load that changes: straight pieces, from event to event.
+
+Everything is linear in the loads as long as each point stays on its branch of the law (`coulomb.Branches`). A piece
+sets out from a state on the branches that an increment to its end has, if these lead back to the state; else on those
+of a much shorter increment. It ends at the first event: a closed point is not pressed any more, an open one closes, a
+sticking one comes to its limit, or slip that dilates comes back to where it began.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from crackgrow.arrays import Bools, Floats
+from crackgrow.contact.coulomb import ContactMemory
+from crackgrow.contact.solve import PointStates
+from crackgrow.run.configuration import Configuration
+
+SHARES = (1.0, 1e-3, 1e-6, 1e-8)
+"""Of the rest of the way, the increments that are looked at for the branches of the next piece.
+
+Where even the shortest does not lead back points jump at this load: bonds break, or several events are nearly one.
+"""
+
+ON_PATH = 1e-9
+"""Branches lead back to a state if they miss its tractions and slips by less, relative to the largest ones."""
+
+Load = tuple[float, float]
+"""The load factor, and the share of the held loads."""
+
+
+def next_piece(
+    configuration: Configuration, memory: ContactMemory, tractions: Floats, first: Load, last: Load
+) -> tuple[PointStates, Load]:
+    """States of the contact points at the end of the next piece from a state on, and the load there.
+
+    The state is that of `tractions` (2 n,) Pa and `memory` at the load `first`; `last` is the end of the way. Raises
+    SolveError where there are none.
+    """
+
+    def load(share: float) -> Load:
+        if share == 1.0:
+            return last
+        return first[0] + share * (last[0] - first[0]), first[1] + share * (last[1] - first[1])
+
+    def on_branch(like: PointStates, share: float) -> PointStates:
+        factor, holding = load(share)
+        increment, free = configuration.increment(factor, memory, holding)
+        return increment.on_branch(like, free)
+
+    for share in SHARES:
+        factor, holding = load(share)
+        states = configuration.states(factor, memory, holding)
+        begin = on_branch(states, 0.0)
+        if _leads_back(configuration, begin, states, memory, tractions):
+            break
+    else:
+        return states, load(share)
+    if share == 1.0:
+        return states, last
+    event = max(_first_event(configuration, begin, on_branch(states, 1.0)), share)
+    return on_branch(states, event), load(event)
+
+
+def _leads_back(
+    configuration: Configuration, begin: PointStates, states: PointStates, memory: ContactMemory, tractions: Floats
+) -> bool:
+    """Whether the branches of some `states` lead back to those that a memory and tractions (2 n,) are of.
+
+    `begin` are the states on these branches at the load of the memory.
+    """
+    law = configuration.contact.law
+    if bool((states.trial.broken & ~memory.broken & law.breakable).any()):
+        return False
+    size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
+    length = size * float(configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
+    length = max(length, float(np.abs(memory.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
+    moved = np.where(states.trial.taken, begin.slip - law.compliance * begin.tangential - memory.slip, 0.0)
+    off = float(np.abs(begin.tractions - tractions).max(initial=0.0))
+    return off <= ON_PATH * size and float(np.abs(moved).max(initial=0.0)) <= ON_PATH * length
+
+
+def _first_event(configuration: Configuration, begin: PointStates, end: PointStates) -> float:
+    """The share of the way from one state to another on the same branches at which a point leaves its branch."""
+    nearest = 1.0
+    for which, first, last in _rooms(configuration, begin, end):
+        leaving = which & (last < 0.0) & (last < first)
+        share = np.maximum(first[leaving], 0.0) / (first - last)[leaving]
+        nearest = min(nearest, float(np.min(share, initial=1.0)))
+    return nearest
+
+
+def _rooms(
+    configuration: Configuration, begin: PointStates, end: PointStates
+) -> Iterator[tuple[Bools, Floats, Floats]]:
+    """What is left until points leave their branches: which it is asked of, and two times (n,), at begin and end."""
+    law, trial, n = configuration.contact.law, begin.trial, len(begin.gap)
+    friction, cohesion = law.bound_of(trial.broken)
+    cohesion = np.where(trial.opened, 0.0, cohesion)
+    closed, sticks, sense = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros(n)
+    if begin.active is not None:
+        closed[trial.taken], sticks[trial.taken] = begin.active.closed, begin.active.slip == 0
+        if begin.active.sense is not None:
+            sense[trial.taken] = begin.active.sense
+    yield closed, -begin.normal, -end.normal
+    yield ~closed, begin.gap, end.gap
+    for way in (-1.0, 1.0):
+        left, there = (cohesion - friction * some.normal - way * some.tangential for some in (begin, end))
+        yield sticks, left, there
+    slips = [sense * (some.slip - law.compliance * some.tangential) for some in (begin, end)]
+    yield closed & ~sticks & (law.dilating > 0.0), slips[0], slips[1]
