@@ -39,7 +39,6 @@ class ContactSystem:
     law: ContactLaw
     solver: Literal["newton", "lemke"]
     loose: RigidMotions | None = None  # of pieces that contact alone holds; `system` holds each of them just once
-    often: bool = False  # whether displacements are wanted of more states than there are tractions
 
     @cached_property
     def operator(self) -> csr_array:
@@ -87,23 +86,12 @@ class ContactSystem:
         compliance[np.ix_(rows, rows)] = rock
         return compliance
 
-    @cached_property
-    def _per_traction(self) -> tuple[Floats, Floats]:
-        """Displacements (n_dofs, 2 n) m and multipliers (m, 2 n) per unit traction."""
-        return self.system.solve((self.operator.T * np.tile(self.weights, 2)).toarray())
-
-    def displacements(
-        self, loads: tuple[Floats, Floats], without: tuple[Floats, Floats], tractions: Floats, motion: Floats
-    ) -> tuple[Floats, Floats]:
+    def displacements(self, loads: tuple[Floats, Floats], tractions: Floats, motion: Floats) -> tuple[Floats, Floats]:
         """Displacements (n_dofs,) m and multipliers (m,) under loads (n_dofs,) N/m, and given (m,) m at supports.
 
-        `without` are those without tractions. These are all normals, then all tangentials (2 n,) Pa, `motion` (l,) the
-        amplitudes of rigid motions: supports that follow pieces carry nothing. Under single tractions pieces turn much
-        farther than under all.
+        Tractions are all normals, then all tangentials (2 n,) Pa, `motion` (l,) the amplitudes of rigid motions:
+        supports that follow pieces carry nothing. Under single tractions pieces turn much farther than under all.
         """
-        if self.often and self.loose is None:
-            u, multipliers = (free - per @ tractions for free, per in zip(without, self._per_traction, strict=True))
-            return u, multipliers
         force = loads[0] - self.operator.T @ (np.tile(self.weights, 2) * tractions)
         return self.system.solve(force if self.loose is None else force + self.loose.carrying(motion), loads[1])
 

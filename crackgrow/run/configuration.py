@@ -13,7 +13,6 @@ import shapely
 from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import LoadHistory
 from crackgrow.contact.coulomb import OPEN, STICK, ContactLaw, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces
@@ -230,9 +229,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors)
     weights = faces.weights * scene.lattice.spacing
     law = _law(scene, faces, growing)
-    n_states = len(case.loading.factors) if case.growth is None and isinstance(case.loading, LoadHistory) else 1
     solver = case.numerics.contact.solver
-    contact = ContactSystem(system, *operators, weights, law, solver, loose, n_states > 2 * faces.n)
+    contact = ContactSystem(system, *operators, weights, law, solver, loose)
     return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, seconds)
 
 

@@ -1,7 +1,7 @@
 """The load factor at which the criterion is just met.
 
-The load rises from the held loads alone; contact points remember on the way, and the increments between end where they
-change (`increments`). The first state that meets the criterion, and the one before it, enclose the critical factor: the
+The load rises from the held loads alone; contact points remember on the way, and follow a path of straight pieces
+(`path`). The first state on it that meets the criterion, and the one before it, enclose the critical factor: the
 stresses are linear between the two, so that the criterion, whose limits are convex in stress, is met once there. Where
 contact that breaks makes the criticality jump past 1, the critical factor is the one behind the jump. Of a trial only
 what the criterion goes by is evaluated.
@@ -30,9 +30,6 @@ STRIDE = 4.0
 
 MOST_TRIALS = 60
 """Increments of one step."""
-
-LAZY = 3
-"""An interval is halved after the line has moved one of its ends so many times in turn."""
 
 MET = 1e-9
 """The criterion is just met where the criticality differs from 1 by less than this."""
@@ -74,15 +71,13 @@ def critically_loaded(configuration: Configuration, cracks: Sequence[GrowingCrac
         factor = search.beyond(before, below)
     else:
         raise SolveError(f"no critical load factor found up to {below.factor:.12g}")
-    halved = 0  # times that one end has been replaced in turn, negative for the upper one
+    tries = 0
     while not above.meets and above.factor - below.factor > NARROW * above.factor:
         if search.n_increments >= MOST_TRIALS:
             raise SolveError(f"no critical load factor found between {below.factor:.12g} and {above.factor:.12g}")
-        share = search.share_met(below, above) if abs(halved) < LAZY else 0.5
-        lower, upper = _enclosing(below, search.path(below, below.factor + share * (above.factor - below.factor)))
-        halved = min(halved, 0) - 1 if lower is below else max(halved, 0) + 1
-        halved = 0 if abs(halved) > LAZY else halved
-        below, above = lower, upper or above
+        share = search.share_met(below, above) if tries % 3 < 2 else 0.5  # in a jump the line leads nowhere
+        below, upper = _enclosing(below, search.path(below, below.factor + share * (above.factor - below.factor)))
+        above, tries = upper or above, tries + 1
     return search.found(above)
 
 

@@ -86,14 +86,12 @@ def test_condensations_are_the_same_operator(build) -> None:
     block = uniform(build, compression(2.0), 25.0)
     t = np.random.default_rng(50).normal(size=2 * block.faces.n)
     found = []
-    for one, often in ((by_fronts(block), False), (block, False), (by_fronts(block), True)):
-        contact = replace(contact_of(one), often=often)
-        without = one.system.solve(block.loads, block.given)
-        moved = contact.displacements((block.loads, block.given), without, t, np.zeros(0))
+    for one in (by_fronts(block), block):
+        contact = contact_of(one)
+        moved = contact.displacements((block.loads, block.given), t, np.zeros(0))
         found.append((contact.compliance(np.array([1, 4, 5]), np.array([True, False, True])), contact.rock, *moved))
-    for one, other, third in zip(*found, strict=True):
+    for one, other in zip(*found, strict=True):
         np.testing.assert_allclose(one, other, atol=1e-11 * np.abs(other).max())
-        np.testing.assert_allclose(third, other, atol=1e-11 * np.abs(other).max())
 
 
 def test_what_was_asked_for_first_changes_no_bit(build) -> None:
