@@ -159,7 +159,7 @@ class Increment:
         """
         contact, rock, off, last_off = self.contact, without, 0.0, np.inf
         while state.solution is not None:
-            rock = contact.displacements(loads, state.tractions, state.solution.motion)
+            rock = contact.displacements(loads, without, state.tractions, state.solution.motion)
             more, off = _missing(contact, free, state, rock[0])
             if off <= ROUND_OFF or off > GAIN * last_off:
                 break

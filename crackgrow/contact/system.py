@@ -1,4 +1,4 @@
-"""The rock as its contact points see it: condensed by one elimination to the compliance between all of them.
+"""The rock as its contact points see it: condensed to the compliance between all of them.
 
 Gap and slip are free - A p + B a, with A = G K0^-1 G' W between all points and B the jumps in the rigid motions a of
 pieces that contact alone holds (traction form of paper eqs. (15), (16): no penalty enters K, and k = infinity is
@@ -20,6 +20,12 @@ from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.errors import NotSolvedError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.rigid_modes import RigidMotions
+
+FEW_NUMBERS = 1_000_000
+"""Up to so many numbers the displacements per unit traction are solved for and kept: each state then costs no solve.
+
+Beyond that one elimination gives the compliance alone. Measured: one load costs about the same either way.
+"""
 
 ROUGH = 1e-10
 """Jumps under some tractions that elimination misses by more, relative to the largest, are solved for, and refined."""
@@ -48,16 +54,26 @@ class ContactSystem:
     @cached_property
     def rock(self) -> Floats:
         """G K0^-1 G' W (2 n, 2 n) m/Pa: gap and slip that unit tractions take away."""
+        if self._few:
+            return np.asarray(self.operator @ self._per_traction[0])
         compliance, weights = self.system.compliance(self.operator), np.tile(self.weights, 2)
         if compliance is not None:  # else there are too many constraints, or fronts that could not factorize
             push = weights * np.random.default_rng(0).choice([-1.0, 1.0], len(weights))
             refined = self.operator @ self.system.solve(self.operator.T @ push)[0]
             off = float(np.abs(compliance @ push - refined).max(initial=0.0))
-            if off > ROUGH * float(np.abs(refined).max(initial=0.0)):
-                compliance = None
-        if compliance is None:
-            compliance = self.operator @ self.system.solve(self.operator.T.toarray())[0]
-        return np.asarray(compliance * weights)
+            if off <= ROUGH * float(np.abs(refined).max(initial=0.0)):
+                return np.asarray(compliance * weights)
+        return np.asarray(self.operator @ self._per_traction[0])
+
+    @property
+    def _few(self) -> bool:
+        """Whether displacements per unit traction are few numbers: what to find is the same whatever is asked for."""
+        return self.loose is None and self.operator.shape[0] * self.operator.shape[1] <= FEW_NUMBERS
+
+    @cached_property
+    def _per_traction(self) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs, 2 n) m and multipliers (m, 2 n) per unit traction."""
+        return self.system.solve((self.operator.T * np.tile(self.weights, 2)).toarray())
 
     @cached_property
     def moving(self) -> Floats:
@@ -86,12 +102,18 @@ class ContactSystem:
         compliance[np.ix_(rows, rows)] = rock
         return compliance
 
-    def displacements(self, loads: tuple[Floats, Floats], tractions: Floats, motion: Floats) -> tuple[Floats, Floats]:
+    def displacements(
+        self, loads: tuple[Floats, Floats], without: tuple[Floats, Floats], tractions: Floats, motion: Floats
+    ) -> tuple[Floats, Floats]:
         """Displacements (n_dofs,) m and multipliers (m,) under loads (n_dofs,) N/m, and given (m,) m at supports.
 
-        Tractions are all normals, then all tangentials (2 n,) Pa, `motion` (l,) the amplitudes of rigid motions:
-        supports that follow pieces carry nothing. Under single tractions pieces turn much farther than under all.
+        `without` are those without tractions. These are all normals, then all tangentials (2 n,) Pa, `motion` (l,) the
+        amplitudes of rigid motions: supports that follow pieces carry nothing. Under single tractions pieces turn much
+        farther than under all.
         """
+        if self._few:
+            u, multipliers = (free - per @ tractions for free, per in zip(without, self._per_traction, strict=True))
+            return u, multipliers
         force = loads[0] - self.operator.T @ (np.tile(self.weights, 2) * tractions)
         return self.system.solve(force if self.loose is None else force + self.loose.carrying(motion), loads[1])
 
