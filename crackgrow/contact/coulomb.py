@@ -60,6 +60,12 @@ class ContactLaw:
         return np.asarray(self.dilating * np.abs(slip))
 
     @property
+    def resists(self) -> Bools:
+        """At which points (n,) something can resist slip: others carry no shear in any state."""
+        laws = [np.maximum(*self.bound_of(np.full(len(self.friction), broken))) for broken in (False, True)]
+        return np.asarray((laws[0] > 0.0) | (laws[1] > 0.0) | (self.dilating > 0.0))
+
+    @property
     def breakable(self) -> Bools:
         """Which points (n,) have something to lose."""
         friction, cohesion = self.bound_of(np.ones(len(self.friction), dtype=bool))

@@ -72,8 +72,12 @@ class ContactSystem:
 
     @cached_property
     def _per_traction(self) -> tuple[Floats, Floats]:
-        """Displacements (n_dofs, 2 n) m and multipliers (m, 2 n) per unit traction."""
-        return self.system.solve((self.operator.T * np.tile(self.weights, 2)).toarray())
+        """Displacements (n_dofs, 2 n) m and multipliers (m, 2 n) per unit traction; zero for those that can't be."""
+        can_be = np.concatenate([np.ones(len(self.weights), dtype=bool), self.law.resists])
+        u, multipliers = (np.zeros((rows, len(can_be))) for rows in self.system.constraints.shape[::-1])
+        some = (self.operator[can_be].T * np.tile(self.weights, 2)[can_be]).toarray()
+        u[:, can_be], multipliers[:, can_be] = self.system.solve(some)
+        return u, multipliers
 
     @cached_property
     def moving(self) -> Floats:
