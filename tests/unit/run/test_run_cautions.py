@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
+from crackgrow.contact.coulomb import OPEN
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow, report
@@ -276,3 +277,34 @@ def test_energies_that_miss_each_other_are_told_with_the_size(missed: float, tol
     words = [caution.words for caution in found if caution.cause is Cause.ENERGY]
     assert len(words) == told
     assert all("miss each other by 2 % of the largest" in text for text in words)
+
+
+def test_pressed_faces_that_stand_apart_are_told() -> None:
+    """As far as faces that overlap, where three contact points in turn are pressed; not beside one that is open."""
+    scene = make_scene(load_case(CASES / "compression30.yaml", ["numerics.spacing=3"]))
+    solution, (face, *_) = solve_first(scene), first_step("compression30", "numerics.spacing=3").faces
+    assert (face.state != OPEN).all()
+    opening = np.zeros(len(face.s))
+    opening[3] = 0.3 * np.abs(face.slip).max()
+    apart = replace(face, opening=opening)
+    shares = overlap_shares(scene, solution, (apart,))
+    (told,) = _overlapping(scene, solution, (apart,), shares)
+    assert shares[0] > 1.0
+    assert f"stand apart under pressure by {opening[3]:.2g} m" in told.words
+    state = face.state.copy()
+    state[4] = OPEN
+    assert overlap_shares(scene, solution, (replace(apart, state=state),)) == [0.0]
+
+
+@pytest.mark.parametrize(("cohesion", "told"), [("0", 0), ("5", 2)])
+def test_a_stress_that_jumps_past_the_strength_is_told(cohesion: str, told: int) -> None:
+    """The flaw's bonds break at a load that is more than enough for its tips: none just meets the criterion."""
+    result = first_step(
+        "compression30",
+        "loading=critical",
+        "growth.criterion=directional_strength",
+        f"cracks.flaw.contact={{friction: 0.3, cohesion: {cohesion}}}",
+    )
+    jumps = told_of(Cause.JUMP, result)
+    assert len(jumps) == told
+    assert all(jump.size > 1.5 and "jumps to" in jump.words for jump in jumps)
