@@ -123,6 +123,14 @@ class PointStates:
     notes: frozenset[str] = frozenset()
 
     @property
+    def touching(self) -> Floats:
+        """Gaps (n,) m up to which faces that cohere touch."""
+        gaps = np.zeros(len(self.gap))
+        if self.problem is not None and self.solution is not None:
+            gaps[self.trial.taken] = _nothing(self.problem, self.solution)
+        return gaps
+
+    @property
     def tractions(self) -> Floats:
         """(2 n,) Pa, all normals, then all tangentials."""
         return np.concatenate([self.normal, self.tangential])
@@ -333,13 +341,17 @@ def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, coh
 
     Each is weighed by the terms that its own jumps are the sums of, whatever goes on elsewhere.
     """
-    n = problem.n_points
-    terms = np.abs(problem.compliance) @ np.abs(solution.traction) + np.abs(problem.free)
-    terms = terms.reshape(2, n).max(axis=0)
-    unpressed = solution.traction[:n] >= -UNPRESSED * terms / problem.scale[:n]
+    n, nothing = problem.n_points, _nothing(problem, solution)
+    unpressed = solution.traction[:n] >= -nothing / problem.scale[:n]
     held = np.where(np.abs(solution.traction[n:]) < (1.0 - AT_LIMIT) * cohesion, STICK, SLIP)
-    touches = (cohesion > 0.0) & (gap <= UNPRESSED * terms)
+    touches = (cohesion > 0.0) & (gap <= nothing)
     return np.where(unpressed, np.where(touches, held, OPEN), solution.state)
+
+
+def _nothing(problem: ContactProblem, solution: ContactSolution) -> Floats:
+    """Gaps (k,) m that are none beside the terms that the jumps of each point are the sums of."""
+    terms = np.abs(problem.compliance) @ np.abs(solution.traction) + np.abs(problem.free)
+    return np.asarray(UNPRESSED * terms.reshape(2, problem.n_points).max(axis=0))
 
 
 def _missing(contact: ContactSystem, free: Floats, state: PointStates, u: Floats) -> tuple[Floats, float]:

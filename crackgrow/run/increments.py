@@ -6,7 +6,8 @@ Within a piece of the path (`path`) everything is linear in the loads, so that t
     dissipation = int (b_0 + b_1)/2 |s_1 - s_0| + (p_n0 + p_n1)/2 (d_1 - d_0) ds    of slip s and dilation d
 
 with b the shear that the law of friction allows, and the strain energy is u K u / 2, with that of elastic contact.
-Where points break friction does not take all that the loads and the rock give, and the rest is released.
+Where points jump, since bonds break or let go, friction does not take all that the loads and the rock give, and the
+rest is released.
 """
 
 from __future__ import annotations
@@ -186,12 +187,11 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         if len(reached) < MOST_PIECES:
             was = at.remembered
             tractions = np.concatenate([was.normal, was.tangential])
-            states, load = next_piece(configuration, was.memory, tractions, (at.factor, at.holding), end)
+            states, load, jumps = next_piece(configuration, was.memory, tractions, (at.factor, at.holding), end)
             state = _stated(configuration, at, states, load)
         else:
-            state = _part(configuration, at, end)
-        breaks = state.remembered.memory.broken & ~at.remembered.memory.broken & configuration.contact.law.breakable
-        reached.append(_booked(state, at) if breaks.any() else state)
+            state, jumps = _part(configuration, at, end), True
+        reached.append(_booked(state, at) if jumps else state)
         at = _on_from(reached[-1])
     *via, last = reached
     notes = tuple(_doubts([start.energy, *(state.energy for state in reached)]))
@@ -272,6 +272,7 @@ def _dissipated(configuration: Configuration, was: Remembered, state: LoadState)
     if states.active is not None:  # at the end of a piece points are about to leave these branches
         kinds[states.trial.taken] = states.active.states()
     friction, cohesion = law.bound_of(now.memory.broken)
+    cohesion[states.trial.opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
     bounds = [np.maximum(cohesion - friction * normal, 0.0) for normal in (was.normal, now.normal)]
     by_slip = (bounds[0] + bounds[1]) * np.abs(now.memory.slip - was.memory.slip)
     by_dilation = (was.normal + now.normal) * (now.dilation - was.dilation)

@@ -2,8 +2,8 @@
 
 Everything is linear in the loads as long as each point stays on its branch of the law (`coulomb.Branches`). A piece
 sets out from a state on the branches that an increment to its end has, if these lead back to the state; else on those
-of a much shorter increment. It ends at the first event: a closed point is not pressed any more, an open one closes, a
-sticking one comes to its limit, or slip that dilates comes back to where it began.
+of a much shorter increment. It ends at the first event: a closed point is not pressed any more, an open one closes, one
+that only its bond holds opens, a sticking one comes to its limit, or slip that dilates comes back to where it began.
 """
 
 from __future__ import annotations
@@ -26,14 +26,17 @@ Where even the shortest does not lead back points jump at this load: bonds break
 ON_PATH = 1e-9
 """Branches lead back to a state if they miss its tractions and slips by less, relative to the largest ones."""
 
+BEYOND = 2.0
+"""Times the gap up to which faces that cohere touch: there a point that only its bond holds has opened for certain."""
+
 Load = tuple[float, float]
 """The load factor, and the share of the held loads."""
 
 
 def next_piece(
     configuration: Configuration, memory: ContactMemory, tractions: Floats, first: Load, last: Load
-) -> tuple[PointStates, Load]:
-    """States of the contact points at the end of the next piece from a state on, and the load there.
+) -> tuple[PointStates, Load, bool]:
+    """States of the contact points at the end of the next piece from a state on, the load there, and whether they jump.
 
     The state is that of `tractions` (2 n,) Pa and `memory` at the load `first`; `last` is the end of the way. Raises
     SolveError where there are none.
@@ -56,11 +59,11 @@ def next_piece(
         if _leads_back(configuration, begin, states, memory, tractions):
             break
     else:
-        return states, load(share)
+        return states, load(share), True
     if share == 1.0:
-        return states, last
+        return states, last, False
     event = max(_first_event(configuration, begin, on_branch(states, 1.0)), share)
-    return on_branch(states, event), load(event)
+    return on_branch(states, event), load(event), False
 
 
 def _leads_back(
@@ -105,6 +108,8 @@ def _rooms(
             sense[trial.taken] = begin.active.sense
     yield closed, -begin.normal, -end.normal
     yield ~closed, begin.gap, end.gap
+    held = trial.taken & ~closed & (cohesion > 0.0)
+    yield held, BEYOND * begin.touching - begin.gap, BEYOND * end.touching - end.gap
     for way in (-1.0, 1.0):
         left, there = (cohesion - friction * some.normal - way * some.tangential for some in (begin, end))
         yield sticks, left, there

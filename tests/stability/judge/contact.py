@@ -12,6 +12,9 @@ from tests.stability.judge.written import WrittenRun
 ROUND_OFF = 1e-6
 """Of the largest traction of a step."""
 
+UNLOADED = 1e-9
+"""Of the largest traction of a run: a step with less has no load, and its tractions are round-off."""
+
 BETWEEN = 0.05
 """Of the largest jump of a surface: what opening and slip at a point may be off, since the law holds for their averages
 round the points."""
@@ -33,8 +36,11 @@ ON_PATH = 1e-6
 def judge_contact(court: Court) -> None:
     """All steps and surfaces."""
     run, before = court.run, pd.DataFrame()
+    tractions = run.tables["contact"][["normal_traction", "tangential_traction"]]
+    least = UNLOADED * float(np.abs(tractions.to_numpy()).max(initial=0.0))
     for step, rows in run.tables["contact"].groupby("step", sort=True):
-        size = float(np.abs(rows[["normal_traction", "tangential_traction"]].to_numpy()).max())
+        size = float(np.abs(rows[tractions.columns].to_numpy()).max())
+        size = 0.0 if size <= least else size
         for name, law in run.laws().items():
             points = rows[rows["crack"] == name]
             if len(points) and size > 0.0:

@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.contact.coulomb import ContactMemory
+from crackgrow.contact.coulomb import OPEN, ContactMemory
+from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import LoadState, from_state, held_loads, increment
 from crackgrow.run.scene import make_scene
+from tests.stability.growing_scenes import growing_scene
+from tests.stability.random_scenes import text_of
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 COARSE = "numerics.spacing=5"
@@ -98,3 +101,19 @@ def test_the_way_that_was_followed_leaves_what_was_remembered_alone() -> None:
     np.testing.assert_array_equal(one.outcome.u, two.outcome.u)
     np.testing.assert_array_equal(start.remembered.memory.slip, kept.slip)
     np.testing.assert_array_equal(start.remembered.memory.broken, kept.broken)
+
+
+@pytest.mark.parametrize("seed", [25, 138])
+def test_what_only_its_bond_has_held_lets_go_when_it_opens(tmp_path: Path, seed: int) -> None:
+    """Cohesion that is kept holds faces only while they touch; what a point lets go of is released."""
+    file = tmp_path / "scene.yaml"
+    file.write_text(text_of(growing_scene(seed)), encoding="utf-8")
+    n_open = 0
+    for result in grow(load_case(file)):
+        contact = result.contact
+        is_open = contact.state == OPEN
+        n_open += is_open.sum()
+        assert not contact.tangential_traction[is_open].any()
+        assert result.energy.error < 1e-6
+        assert result.energy.released > -1e-9 * abs(result.energy.work)
+    assert n_open > 0
