@@ -29,7 +29,7 @@ from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Surface
 from crackgrow.run.configuration import Configuration, Equilibrium
-from crackgrow.run.path import Load, next_piece
+from crackgrow.run.path import MOST_JUMPS, Load, next_piece
 from crackgrow.run.result import BALANCED, Energy
 
 ON_OLD_FACES = 1e-6
@@ -183,18 +183,21 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         return _told(_booked(_part(configuration, start, (factor, 1.0)), start), began)
     at, end = start, (factor, 1.0)
     reached: list[LoadState] = []
+    in_turn = 0  # jumps
     while not reached or (at.factor, at.holding) != end:
         if len(reached) < MOST_PIECES:
             was = at.remembered
             tractions = np.concatenate([was.normal, was.tangential])
-            states, load, jumps = next_piece(configuration, was.memory, tractions, (at.factor, at.holding), end)
+            way = ((at.factor, at.holding), end)
+            states, load, jumps = next_piece(configuration, was.memory, tractions, way, in_turn)
             state = _stated(configuration, at, states, load)
         else:
             state, jumps = _part(configuration, at, end), True
+        in_turn = in_turn + 1 if jumps else 0
         reached.append(_booked(state, at) if jumps else state)
         at = _on_from(reached[-1])
     *via, last = reached
-    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)]))
+    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], in_turn > MOST_JUMPS))
     passed = tuple(replace(state, states=replace(state.states, problem=None)) for state in via)  # these are large
     return _told(replace(last, via=passed, notes=notes), began)
 
@@ -205,13 +208,13 @@ def _told(state: LoadState, began: float) -> LoadState:
     return replace(state, formed=formed, seconds=time.perf_counter() - began)
 
 
-def _doubts(energies: Sequence[Energy]) -> Iterator[str]:
-    """What is given up of pieces between these energies, in words for the user."""
+def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:
+    """What is given up of pieces between these energies, of which the last one is taken `at_once`, in words."""
     smaller = "apply the load in smaller steps (loading.history)"
-    if len(energies) - 1 > MOST_PIECES:
+    if at_once or len(energies) - 1 > MOST_PIECES:
         yield (
-            f"contact points change {MOST_PIECES} times in one load, and how they change in the rest of it was not "
-            f"followed: which of them break or slip, and where, is only as good as that; {smaller}"
+            f"contact points change in {len(energies) - 1} pieces of one load, and how they change in the rest of it "
+            f"was not followed: which of them break or slip, and where, is only as good as that; {smaller}"
         )
     size = max(max(abs(energy.work), energy.strain, abs(energy.dissipated)) for energy in energies)
     fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))

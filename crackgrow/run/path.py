@@ -23,6 +23,10 @@ SHARES = (1.0, 1e-3, 1e-6, 1e-8)
 Where even the shortest does not lead back points jump at this load: bonds break, or several events are nearly one.
 """
 
+MOST_JUMPS = 8
+"""In turn, each ten times as long as the one before, after which the rest of the way is one. Where pieces of rock may
+lie anywhere no branches lead back."""
+
 ON_PATH = 1e-9
 """Branches lead back to a state if they miss its tractions and slips by less, relative to the largest ones."""
 
@@ -34,13 +38,14 @@ Load = tuple[float, float]
 
 
 def next_piece(
-    configuration: Configuration, memory: ContactMemory, tractions: Floats, first: Load, last: Load
+    configuration: Configuration, memory: ContactMemory, tractions: Floats, way: tuple[Load, Load], jumps: int
 ) -> tuple[PointStates, Load, bool]:
-    """States of the contact points at the end of the next piece from a state on, the load there, and whether they jump.
+    """States of the contact points at the end of the next piece of a way, the load there, and whether they jump.
 
-    The state is that of `tractions` (2 n,) Pa and `memory` at the load `first`; `last` is the end of the way. Raises
-    SolveError where there are none.
+    It sets out from the state of `tractions` (2 n,) Pa and `memory` at the first load; `jumps` are those in turn that
+    have led there. Raises SolveError where there are no states.
     """
+    first, last = way
 
     def load(share: float) -> Load:
         if share == 1.0:
@@ -52,7 +57,8 @@ def next_piece(
         increment, free = configuration.increment(factor, memory, holding)
         return increment.on_branch(like, free)
 
-    for share in SHARES:
+    least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
+    for share in (*(share for share in SHARES if share > least), least):
         factor, holding = load(share)
         states = configuration.states(factor, memory, holding)
         begin = on_branch(states, 0.0)

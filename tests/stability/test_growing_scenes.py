@@ -17,8 +17,8 @@ from tests.stability.judge.verdict import judged, outcome
 from tests.stability.judge.written import WrittenRun, run_case
 from tests.stability.random_scenes import text_of
 
-JUDGED = (1, 16, 10, 31)
-"""Seeds: growth in tension, of edge cracks, with fluid pressure, of a block on a base."""
+JUDGED = (1, 16, 10, 31, 4)
+"""Seeds: growth in tension, of edge cracks, with fluid pressure, of a block on a base, of pieces that lie anywhere."""
 
 CHANGED = 1
 MANY = range(400)
