@@ -107,7 +107,7 @@ def test_the_floor_is_the_solver_of_the_step(case: str, setting: str) -> None:
 
 
 def test_the_condensation_is_the_response_of_the_rock() -> None:
-    step = configuration("compression30", "numerics.spacing=1")
+    step = configuration("compression30", "cracks.flaw.contact.friction=0.3")
     _, jumps = condensation(step)
     n = step.faces.n
     assert jumps.shape == (2 * n, 2 * n)
