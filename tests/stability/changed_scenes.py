@@ -215,7 +215,7 @@ def deviations(first: WrittenRun, other: WrittenRun, change: Change) -> Deviatio
 def _K_deviation(first: WrittenRun, other: WrittenRun, change: Change) -> pd.Series:
     """By step, of the largest K of the first run."""
     tables = [run.tables["tips"].copy() for run in (first, other)]
-    size = float(np.nanmax(np.abs(tables[0][["K_I", "K_II"]].to_numpy()), initial=0.0))
+    size = float(np.nanmax(np.abs(tables[0][["K_I", "K_II"]].to_numpy(dtype=float)), initial=0.0))
     by = change.stress * np.sqrt(change.size)
     tables[1]["K_I"] /= by
     tables[1]["K_II"] /= by * np.linalg.det(change.turn)
