@@ -1,15 +1,38 @@
-"""One configuration of the cracks solved, without the loop over the steps."""
+"""One configuration of the cracks solved, without the loop over the steps; one contact system, without that."""
 
 from __future__ import annotations
 
+import numpy as np
+
+from crackgrow.arrays import Floats
+from crackgrow.contact.coulomb import ContactMemory
+from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment
+from crackgrow.contact.system import ContactSystem
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import assemble
 from crackgrow.run.increments import increment, unloaded
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import Scene
+from crackgrow.solid.linear_solver import displacement_size
 
 
 def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: float) -> StepSolution:
     """Solve one configuration, loaded in one increment. Raises GeometryError or SolveError where that can't be done."""
     configuration = assemble(scene, growing)
     return judged(increment(configuration, unloaded(configuration), load_factor))
+
+
+def solve_contact(
+    contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory | None = None
+) -> ContactOutcome:
+    """Displacements and contact tractions under `loads` (n_dofs,), with support displacements `given` (m,).
+
+    `memory` is that of the increment before, None for the first. Raises NotSolvedError where the contact solver finds
+    no solution.
+    """
+    without = contact.system.solve(loads, given)
+    memory = memory or ContactMemory.fresh(len(contact.weights))
+    pull = np.zeros(0) if contact.loose is None else contact.loose.along(loads)
+    increment = Increment(contact, memory, pull, OVERLAP * displacement_size(loads, without[0], given))
+    free = contact.operator @ without[0]
+    return increment.formed(increment.solved(free), free, (loads, given), without)

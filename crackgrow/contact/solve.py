@@ -27,7 +27,6 @@ from crackgrow.contact.newton import solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.system import ContactSystem, spoilt
 from crackgrow.errors import NotSolvedError
-from crackgrow.solid.linear_solver import displacement_size
 
 OVERLAP = 1e-10
 """A gap above minus this fraction of the displacement's size is no overlap but round-off."""
@@ -75,22 +74,6 @@ class ContactOutcome:
     notes: tuple[str, ...]  # what the user should know of how it was solved
     rows: Ints  # (k,) points that the solver had to deal with: all others stay open
     problem: ContactProblem | None  # what it solved for them last
-
-
-def solve_contact(
-    contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory | None = None
-) -> ContactOutcome:
-    """Displacements and contact tractions under `loads` (n_dofs,), with support displacements `given` (m,).
-
-    `memory` is that of the increment before, None for the first. Raises NotSolvedError where the contact solver finds
-    no solution.
-    """
-    without = contact.system.solve(loads, given)
-    memory = memory or ContactMemory.fresh(len(contact.weights))
-    pull = np.zeros(0) if contact.loose is None else contact.loose.along(loads)
-    increment = Increment(contact, memory, pull, OVERLAP * displacement_size(loads, without[0], given))
-    free = contact.operator @ without[0]
-    return increment.formed(increment.solved(free), free, (loads, given), without)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

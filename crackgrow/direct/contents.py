@@ -16,6 +16,7 @@ from scipy.sparse import csc_array, csr_array
 from crackgrow.arrays import Floats, Ints
 from crackgrow.direct.fronts import MULTIPLIER, Fronts
 from crackgrow.direct.matrix import EqualElements, SymmetricMatrix
+from crackgrow.ragged import spans, starts_of
 
 Int32s = NDArray[np.int32]
 
@@ -162,9 +163,8 @@ def _places(first: Ints, second: Ints, p: int, b: int) -> Ints:
 def _lower_columns(matrix: csc_array, fronts: Fronts) -> csc_array:
     """The lower triangle (n, n) of a symmetric matrix in the order of elimination, the rows of a column ascending."""
     n_entries = np.diff(matrix.indptr)[fronts.order]
-    ends = np.cumsum(n_entries)
-    entry = np.arange(matrix.nnz) + np.repeat(matrix.indptr[fronts.order] - ends + n_entries, n_entries)
-    row, column = np.repeat(np.arange(len(ends)), n_entries), fronts.position[matrix.indices[entry]]
+    entry = spans(matrix.indptr[fronts.order], n_entries)
+    row, column = np.repeat(np.arange(len(n_entries)), n_entries), fronts.position[matrix.indices[entry]]
     lower = np.flatnonzero(column <= row)
-    starts = np.searchsorted(lower, np.append(0, ends))
+    starts = np.searchsorted(lower, starts_of(n_entries))
     return csc_array(csr_array((matrix.data[entry[lower]], column[lower], starts), shape=matrix.shape))

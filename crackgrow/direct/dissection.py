@@ -62,9 +62,11 @@ def dissect(places: Places, low: Ints, high: Ints, weight: Ints) -> Dissection:
     first = places.first - over
     levels = [_Level(np.array([-1]), first[None], (first + n_periods * period)[None])]
     part, moving, begin = np.zeros(len(low), dtype=np.int64), np.arange(len(low)), 0
+    axes: list[Ints] = []
     while True:
         level, mine = levels[-1], part[moving] - begin
         across, at = level.cut(places.cell, period)
+        axes.append(across)
         cut = (np.bincount(mine, weight[moving], level.n) > LEAF) & (at > level.low[np.arange(level.n), across])
         moving, mine = moving[cut[mine]], mine[cut[mine]]
         right = low[moving, across[mine]] >= at[mine]
@@ -77,7 +79,7 @@ def dissect(places: Places, low: Ints, high: Ints, weight: Ints) -> Dissection:
             break
         levels.append(level.divided(np.flatnonzero(there), across, at, begin - level.n))
     parent = np.concatenate([level.parent for level in levels])
-    along = 1 - np.concatenate([level.cut(places.cell, period)[0] for level in levels])[part]
+    along = 1 - np.concatenate(axes)[part]
     number, below = _children_first(parent)
     by_number, rows = np.argsort(number), np.arange(len(low))
     order = np.lexsort((low[rows, 1 - along], low[rows, along], number[part]))

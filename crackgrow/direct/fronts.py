@@ -14,6 +14,7 @@ from scipy.sparse import csr_array
 from crackgrow.arrays import Bools, Ints
 from crackgrow.direct.dissection import Dissection, Places, dissect
 from crackgrow.errors import SolveError
+from crackgrow.ragged import spans
 
 WITHIN = 1 << 12
 """More than the unknowns at one place."""
@@ -194,7 +195,7 @@ def _boundaries(rings: list[Ints], before: Ints, shift: Ints, front_of: Ints) ->
     ranks = np.concatenate([np.sort(ring) for ring in rings])
     length = before[ranks + 1] - before[ranks]
     ends = np.append(0, np.cumsum(length))
-    placed = _ranges(before[ranks], length)
+    placed = spans(before[ranks], length)
     positions = placed + shift[front_of[placed]]
     return np.split(positions, ends[np.cumsum([len(ring) for ring in rings])][:-1])
 
@@ -204,9 +205,3 @@ def _inverse(permutation: Ints) -> Ints:
     places = np.empty(len(permutation), dtype=np.int64)
     places[permutation] = np.arange(len(permutation))
     return places
-
-
-def _ranges(start: Ints, length: Ints) -> Ints:
-    """The numbers start, start + 1, ... of each of several ranges, one after another."""
-    end = np.cumsum(length)
-    return np.asarray(np.repeat(start - end + length, length) + np.arange(end[-1] if len(end) else 0))

@@ -63,6 +63,12 @@ def _apart(law: SurfaceLaw, face: CrackFaces) -> float:
     return float((face.opening - risen)[1:-1][within].max(initial=0.0))
 
 
+def _off(law: SurfaceLaw, face: CrackFaces) -> tuple[str, float]:
+    """How the faces of a surface miss its contact law between contact points, in words, and by how much, m."""
+    ways = (("overlap", _overlap(law, face)), ("stand apart under pressure", _apart(law, face)))
+    return max(ways, key=lambda way: way[1])
+
+
 def cautions(
     scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], shares: list[float], step: int
 ) -> tuple[Caution, ...]:
@@ -135,7 +141,7 @@ def overlap_shares(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces
     for law, face in zip(scene.laws, faces, strict=True):
         small = Cause.OVERLAP.limit * _largest_jump(face)
         small = max(small, (PRESSED_FLAT if law.kind == "crack" else AT_CORNERS) * flat)
-        off = max(_overlap(law, face), _apart(law, face))
+        _, off = _off(law, face)
         shares.append(off / small if off > 0.0 else 0.0)
     return shares
 
@@ -152,8 +158,7 @@ def _overlapping(
     for law, face, share in zip(scene.laws, faces, shares, strict=True):
         if share <= 1.0:
             continue
-        overlap, apart, of_flat = _overlap(law, face), _apart(law, face), ""
-        how, overlap = ("overlap", overlap) if overlap >= apart else ("stand apart under pressure", apart)
+        (how, overlap), of_flat = _off(law, face), ""
         if flat:
             of_flat = f" and {100.0 * overlap / flat:.3g} % of what a spacing of rock gives way to the pressure"
         percent = 100.0 * overlap / _largest_jump(face)
@@ -194,7 +199,7 @@ def _sawing(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
     for index, at_end in solution.cover.tip_ends:
         crack = solution.cover.cracks[index]
         given = scene.lattice.to_lattice(scene.case.cracks[index].points[-1 if at_end else 0])
-        points = crack.points[::-1] if at_end else crack.points
+        points = crack.seen_from(at_end)
         n_grown = int(np.argmin(np.hypot(*(points - given).T)))  # segments that growth has added
         turns = np.rad2deg(kink_angles(points))[: max(n_grown - 1, 0)][:SAW_TEETH]
         if len(turns) < SAW_TEETH or np.abs(turns).min() < Cause.SAWING.limit or (turns[1:] * turns[:-1]).max() > 0.0:
@@ -207,7 +212,7 @@ def _kinks(solution: StepSolution) -> Iterator[Caution]:
     """Tips behind a kink whose field, which has no functions of its own, disturbs theirs."""
     for index, at_end in solution.cover.tip_ends:
         crack = solution.cover.cracks[index]
-        points = crack.points[::-1] if at_end else crack.points
+        points = crack.seen_from(at_end)
         turns, distance = np.rad2deg(np.abs(kink_angles(points))), arc_lengths(points)[1:-1]
         closed = _pressed(solution, index, at_end)
         cause, near = (Cause.CLOSED_KINK, NEAR_CLOSED_KINK) if closed else (Cause.SHARP_KINK, NEAR_SHARP_KINK)

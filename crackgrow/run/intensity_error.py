@@ -51,7 +51,7 @@ def intensity_errors(scene: Scene, solution: StepSolution, faces: tuple[CrackFac
     found = []
     for state, (index, at_end) in zip(solution.tips, cover.tip_ends, strict=True):
         intensity, face = state.intensity, faces[index]
-        points = cover.cracks[index].points[::-1] if at_end else cover.cracks[index].points
+        points = cover.cracks[index].seen_from(at_end)
         length = float(arc_lengths(points)[-1])
         stiff = scene.materials[scene.crack_bodies[index]].young_prime
         jump = float(np.hypot(face.opening, face.slip).max())

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from crackgrow.contact.coulomb import SLIP, ContactLaw
-from crackgrow.contact.solve import ContactOutcome, solve_contact
+from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.places import places_of_unknowns
+from tests.solving import solve_contact
 from tests.unit.contact.test_contact_solve import Block, compression, tilting, uniform
 
 

@@ -16,10 +16,11 @@ import pytest
 from scipy.sparse import block_diag, csc_array, csr_array, diags_array
 
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactLaw
-from crackgrow.contact.solve import ContactOutcome, solve_contact
+from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from tests.solving import solve_contact
 from tests.unit.contact.test_contact_solve import Block, uniform
 
 N = 3

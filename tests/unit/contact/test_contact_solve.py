@@ -16,11 +16,12 @@ from crackgrow.contact.faces import ContactFaces
 from crackgrow.contact.jump import contact_operators, gap_and_slip
 from crackgrow.contact.mortar import mortar_faces
 from crackgrow.contact.problem import ContactSolution
-from crackgrow.contact.solve import ContactOutcome, solve_contact
+from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
+from tests.solving import solve_contact
 
 WIDTH, HEIGHT = 8.0, 10.0
 SPACING = 1.0

@@ -14,13 +14,14 @@ from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactLaw, ContactMemory, complementarity_residual
 from crackgrow.contact.newton import solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
-from crackgrow.contact.solve import solve_contact, solved
+from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.study.second_solution import SecondSolution, second_solution, unique_text
 from crackgrow.study.uniqueness import below_friction_limit, friction_limit, other_solutions
 from tests.contact_problems import smooth
+from tests.solving import solve_contact
 
 ONE = np.ones(1)
 C = 0.5
