@@ -6,7 +6,13 @@ import errno
 from dataclasses import dataclass
 from typing import Final
 
-NO_ROOM: Final = ("failed to map segment", "annot allocate memory", "without exception set", "without setting an")
+NO_ROOM: Final = (
+    "failed to map segment",
+    "annot allocate memory",
+    "without exception set",
+    "without setting an",
+    "Failed to load vtk",  # whose own reason it keeps to itself
+)
 LESS_MEMORY: Final = (
     "a larger numerics.spacing takes less, twice it about a quarter; so do growth.steps that end earlier, "
     "output.figures=false and output.frames=none"

@@ -37,6 +37,7 @@ from crackgrow.results.summary import Tally, error_line, peak_memory_mb, program
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
 RUNNING = RunEnd("running", "the run goes on, or was broken off without a word", ())
+SPARE = 2**23  # bytes: what the last files of a run take, and more
 
 
 def complete_run(case: Case, folder: Path) -> None:
@@ -86,6 +87,7 @@ class RunWriter:
         self._frames: list[tuple[int, str]] = []
         self._cracks: list[tuple[int, str]] = []
         self._memory = 0.0  # MB, of the processes before
+        self._spare = bytes(SPARE)  # given back when the run breaks off: memory may have run out
         self._resumed: list[int] = []
 
     @contextlib.contextmanager
@@ -213,7 +215,11 @@ class RunWriter:
 
     def _break_off(self, status: Literal["failed", "interrupted"], reason: str) -> None:
         cracks = self._last.cracks if self._last is not None else ()
-        self.finish(RunEnd(status, reason, cracks))
+        end = RunEnd(status, reason, cracks)
+        self._spare = b""
+        with self._lock.held():
+            self._write_summary(end)  # before figures and frames, which may take all that is left
+            self._finish(end)
 
     def _write_summary(self, end: RunEnd) -> None:
         memory = max(self._memory, peak_memory_mb())
