@@ -58,6 +58,7 @@ class Cover:
     surfaces: tuple[Surface, ...]  # the cracks, then the interfaces, then the foundations
     elements: Elements
     patches: Patches
+    sizes: Floats  # (elements,) side of the cell that each lies in, spacings
     tips: tuple[Tip, ...]
     enrichment: Enrichment  # which tips act on which elements
     touching: Bools  # (e,) which edges of the arrangement lie on a surface
@@ -131,6 +132,7 @@ def build_cover(
         surfaces=surfaces,
         elements=elements,
         patches=patches,
+        sizes=np.ones(elements.n),
         tips=tips,
         enrichment=enrichment,
         touching=touching,

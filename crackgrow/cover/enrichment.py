@@ -58,7 +58,7 @@ def make_tips(
             singular = singular[carrying_nodes(view, patches.nodes[singular])]
             body = int(elements.body[beside[0]])
             seen = (view.point, view.rotation, view.path, view.radii, view.fade)
-            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, singular, n_functions))
+            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, singular, n_functions, 1.0))
             n_functions += N_TIP_FUNCTIONS * len(singular)
     return tuple(tips)
 

@@ -52,6 +52,7 @@ class Tip(TipView):
     body: int
     patches: Ints  # (k,) the singular patches that carry its functions, ascending
     first_function: int  # four functions for each of these from this number on
+    size: float  # side of the cells round it, spacings: of the largest patch that carries its functions
 
     @property
     def functions(self) -> Ints:
