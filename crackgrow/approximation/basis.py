@@ -14,12 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from crackgrow.approximation.mls import mls, mls_values
+from crackgrow.approximation.mls import mls, mls_round, mls_values
 from crackgrow.approximation.tip_functions import tip_functions, tip_values
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.crumbs import barycentric
+from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
+from crackgrow.cover.windows import REGULAR
 from crackgrow.ragged import Ragged, starts_of
 
 
@@ -117,6 +119,21 @@ def of_component(rows: csr_array, component: int) -> csr_array:
     return csr_array((rows.data, 2 * rows.indices + component, rows.indptr), shape=(m, 2 * n))
 
 
+def functions_in_window(lattice: Lattice, window: Ints, local: Floats, derivatives: bool = True) -> Floats:
+    """Functions (1, k, n), or with their derivatives (3, k, n) by sides of a cell, of the k nodes of windows (n,).
+
+    The windows are all the regular one, or none is. `local` (n, 2) are points in their cells, as parts of the side.
+    """
+    if len(window) and window[0] != REGULAR:
+        windows = lattice.windows
+        nodes, half = windows.nodes[window].transpose(1, 0, 2), windows.half[window].T
+        return mls_round(local, nodes, half, derivatives)
+    if not derivatives:
+        return mls_values(local, lattice.support, lattice.reach).T[None]
+    phi, dphi = mls(local, lattice.support, lattice.reach)
+    return np.stack([phi.T, *dphi.transpose(2, 1, 0)])
+
+
 def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> Basis:
     patches, phi = _of_patches(cover, points, elements, derivatives)
     enrichment = cover.enrichment
@@ -137,23 +154,26 @@ def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> B
 
 def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> tuple[Ragged, Floats]:
     """The physical patches of points, and the functions phi_i of all of them, (components, patches)."""
-    lattice, of_element = cover.lattice, cover.patches.of_element
-    local = points - cover.elements.cell[elements]
-    if derivatives:
-        phi, dphi = mls(local, lattice.support, lattice.reach)
-        tables = [phi.T, *dphi.transpose(2, 1, 0)]
-    else:
-        tables = [mls_values(local, lattice.support, lattice.reach).T]
+    of_element, size = cover.patches.of_element, cover.elements.size[elements]
+    local = (points - cover.elements.cell[elements]) / size[:, None]
     which, place = of_element.places(elements)
-    at = cover.patches.slot[place] * len(points) + which
-    found = np.stack([table.ravel().take(at) for table in tables])
+    slot = cover.patches.slot[place]
+    window = cover.lattice.windows.of_tile[cover.elements.tile[elements]]
     patches = Ragged(starts_of(of_element.counts[elements]), of_element.values[place])
+    found = np.empty((3 if derivatives else 1, len(place)))
+    regular = window == REGULAR
+    for mine in (np.flatnonzero(regular), np.flatnonzero(~regular)):
+        if len(mine):
+            table = functions_in_window(cover.lattice, window[mine], local[mine], derivatives)
+            row, at = patches.places(mine)
+            found[:, at] = table.reshape(len(table), -1).take(slot[at] * len(mine) + row, axis=1)
+    found[1:] /= (cover.lattice.spacing * size)[which]
     crumbs = np.flatnonzero(cover.patches.in_crumb[elements])
     if len(crumbs):
         _, on = patches.places(crumbs)
         linear = barycentric(points[crumbs], cover.patch_nodes[patches.values[on]].reshape(-1, 3, 2))
+        linear[1:] /= cover.lattice.spacing
         found[:, on] = linear[: len(found)].reshape(len(found), -1)
-    found[1:] /= lattice.spacing
     return patches, found
 
 

@@ -1,8 +1,8 @@
-"""Moving least squares on the uniform lattice, linear basis.
+"""Moving least squares with a linear basis: round any nodes, and round those of a lattice with cells of one size.
 
 phi_i(x) = b(x) . p_i w_i with p_i = (1, xi_i, eta_i), (xi_i, eta_i) = x_i - x, A = sum w_i p_i p_i', A b = (1, 0, 0)
-(Belytschko, Lu, Gu 1994, eqs. 5 to 14, with the basis moved to x). The weight is a tensor product, so the moments
-in A are products of one-dimensional sums.
+(Belytschko, Lu, Gu 1994, eqs. 5 to 14, with the basis moved to x). The weight is a tensor product; on the lattice the
+moments in A are products of one-dimensional sums as well.
 
 Arrays inside run over the points last, so that every operation is one long loop; the results are views of such arrays.
 """
@@ -46,6 +46,36 @@ def mls_values(local: Floats, support: float, reach: int) -> Floats:
     (x0, y0), (x1, y1), (x2, y2) = _moments(distance, w)
     b = _inverse(x0 * y0, x1 * y0, x0 * y1, x2 * y0, x1 * y1, x0 * y2)[:3]
     return _by_point(w[0][:, None] * w[1][None] * _along(b, distance))
+
+
+def mls_round(local: Floats, nodes: Floats, half: Floats, derivatives: bool = True) -> Floats:
+    """Functions (1, k, n), or with their derivatives (3, k, n), of k nodes for each of n points.
+
+    local: points (n, 2); nodes: (k, n, 2) with half widths (k, n), all in one unit of length
+    """
+    xi, eta = nodes.transpose(2, 0, 1) - local.T[:, None, :]
+    (wx, dx), (wy, dy) = (cubic_spline(np.abs(distance) / half) for distance in (xi, eta))
+    weight = wx * wy
+    first, second = weight * xi, weight * eta
+    moments = [np.sum(a, axis=0) for a in (weight, first, second, first * xi, first * eta, second * eta)]
+    inverse = _inverse(*moments)
+    b = inverse[:3]
+    value = b[0] + b[1] * xi + b[2] * eta
+    found = np.empty((3 if derivatives else 1, *weight.shape))
+    found[0] = weight * value
+    if not derivatives:
+        return found
+    by_x, by_y = -dx * np.sign(xi) / half * wy, -dy * np.sign(eta) / half * wx
+    for axis, slope in enumerate((by_x, by_y)):
+        along, across = slope * xi, slope * eta
+        sums = [np.sum(a, axis=0) for a in (slope, along, across, along * xi, along * eta, across * eta)]
+        moving = (0.0, moments[0], 0.0, 2.0 * moments[1], moments[2], 0.0) if axis == 0 else (
+            0.0, 0.0, moments[0], 0.0, moments[1], 2.0 * moments[2]
+        )
+        db = -_times(inverse, _times(tuple(total - part for total, part in zip(sums, moving, strict=True)), b))
+        db[0] -= b[1 + axis]  # the basis moves with x
+        found[1 + axis] = weight * (db[0] + db[1] * xi + db[2] * eta) + value * slope
+    return found
 
 
 def _weights(local: Floats, support: float, reach: int) -> tuple[Floats, Floats, Floats]:

@@ -58,11 +58,10 @@ class Cover:
     surfaces: tuple[Surface, ...]  # the cracks, then the interfaces, then the foundations
     elements: Elements
     patches: Patches
-    sizes: Floats  # (elements,) side of the cell that each lies in, spacings
     tips: tuple[Tip, ...]
     enrichment: Enrichment  # which tips act on which elements
     touching: Bools  # (e,) which edges of the arrangement lie on a surface
-    plain: Bools  # (elements,) rectangles with four edges, none on a surface, no crumbs and without tip functions
+    plain: Bools  # (elements,) whole tiles and rectangles with four edges, none on a surface, no crumbs and without tip functions
     crack_tree: shapely.STRtree  # over the cracks
     outline_tree: shapely.STRtree  # over the edges of `elements.outlines`
 
@@ -75,6 +74,11 @@ class Cover:
     def n_functions(self) -> int:
         """Number of functions."""
         return len(self.patches.nodes) + N_TIP_FUNCTIONS * sum(len(tip.patches) for tip in self.tips)
+
+    @property
+    def sizes(self) -> Floats:
+        """Side (elements,) of the cell that each element lies in, spacings."""
+        return self.elements.size
 
     @property
     def patch_nodes(self) -> Floats:
@@ -115,11 +119,11 @@ def build_cover(
     bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings), body.name) for body in bodies]
     lines = with_junctions(_on_grid(cracks), _on_grid(interfaces))
     cracks = lines[: len(cracks)]
-    known = before.elements if before is not None and _same_bodies(before, lattice, bodies) else None
+    known = before.elements if before is not None and _same_bodies(before, bodies) else None
     elements = cut_elements(lattice, bodies, lines, known)
     surfaces = _surfaces(elements, bodies, lines, foundations)
     patches = without_specks(lattice, elements, physical_patches(lattice, elements))
-    patches = with_crumbs(lattice, elements, patches, cracks)
+    patches = with_crumbs(elements, patches, cracks)
     tips = make_tips(lattice, elements, cracks, patches)
     enrichment = enrichment_of(patches.of_element, tips)
     touching = np.zeros(len(elements.edges.a), dtype=bool)
@@ -132,7 +136,6 @@ def build_cover(
         surfaces=surfaces,
         elements=elements,
         patches=patches,
-        sizes=np.ones(elements.n),
         tips=tips,
         enrichment=enrichment,
         touching=touching,
@@ -156,17 +159,17 @@ def _surfaces(
     )
 
 
-def _same_bodies(before: Cover, lattice: Lattice, bodies: Sequence[BodyGeometry]) -> bool:
-    """Whether a cover has the same lattice and bodies."""
+def _same_bodies(before: Cover, bodies: Sequence[BodyGeometry]) -> bool:
+    """Whether a cover has the same bodies."""
     known, wanted = ([[ring.tobytes() for ring in body.rings] for body in some] for some in (before.bodies, bodies))
-    return before.lattice is lattice and known == wanted
+    return known == wanted
 
 
 def _plain(elements: Elements, touching: Bools, patches: Patches, enrichment: Enrichment) -> Bools:
     """Which elements (n,) are plain."""
     step = elements.vertices[elements.ring_end] - elements.vertices[elements.ring_start]
     slanted = np.all(step != 0.0, axis=1)
-    plain = np.bincount(elements.ring_element, minlength=elements.n) == 4
+    plain = (np.arange(elements.n) < elements.n_whole) | (np.bincount(elements.ring_element, minlength=elements.n) == 4)
     plain[elements.ring_element[slanted]] = False
     beside = np.concatenate([elements.edges.left[touching], elements.edges.right[touching]])
     plain[beside[beside >= 0]] = False

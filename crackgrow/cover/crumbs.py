@@ -1,4 +1,4 @@
-"""Crumbs: pieces of rock, cut out by cracks, that are no larger than a spacing.
+"""Crumbs: pieces of rock, cut out by cracks, that are no larger than a cell there.
 
 All functions of the lattice look alike on such a piece, up to what is linear: the stiffness would be singular to
 working precision. A crumb has three functions instead, the barycentric coordinates of a triangle round it. They add up
@@ -11,9 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.elements import Elements
-from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches, with_those
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.arrangement import connected
@@ -21,7 +20,7 @@ from crackgrow.ragged import Ragged, starts_of
 from crackgrow.vectors import cross
 
 LARGEST_CRUMB = 1.0
-"""Spacings: side of the box round a crumb."""
+"""Side of the box round a crumb, over that of the largest cell that it has a part of."""
 
 AROUND = np.array([(-1.0, -0.6), (1.0, -0.6), (0.0, 1.2)])
 """Corners of a triangle round a box of side 1 about the origin."""
@@ -35,14 +34,14 @@ def barycentric(points: Floats, corners: Floats) -> Floats:
     return np.stack([values, slopes[..., 0], slopes[..., 1]])
 
 
-def with_crumbs(lattice: Lattice, elements: Elements, patches: Patches, cracks: Sequence[CrackGeometry]) -> Patches:
+def with_crumbs(elements: Elements, patches: Patches, cracks: Sequence[CrackGeometry]) -> Patches:
     """The patches, those of crumbs replaced by three each; `cracks` are the first lines of the elements.
 
     A piece that holds a tip is no crumb: linear functions don't see a tip.
     """
     ends = zip(cracks, elements.lines, strict=False)
     at_tips = [edges.beside(at_end)[0] for crack, edges in ends for at_end in crack.tips()]
-    crumb, corners = _crumbs(lattice, elements, np.array(at_tips, dtype=np.int64))
+    crumb, corners = _crumbs(elements, np.array(at_tips, dtype=np.int64))
     inside = crumb >= 0
     if not inside.any():
         return patches
@@ -59,44 +58,29 @@ def with_crumbs(lattice: Lattice, elements: Elements, patches: Patches, cracks: 
     values[linear] = (rest.n_of_lattice + 3 * crumb[inside, None] + np.arange(3)).ravel()
     slot[linear] = np.tile(np.arange(3), int(inside.sum()))
     nodes = np.concatenate([rest.nodes, corners.reshape(-1, 2)])
-    return Patches(Ragged(start, values), slot, nodes, rest.n_of_lattice, inside)
+    half = np.concatenate([rest.half, np.repeat(np.ptp(corners[:, :, 0], axis=1) / 2.0, 3)])
+    return Patches(Ragged(start, values), slot, nodes, half, rest.n_of_lattice, inside)
 
 
-def _crumbs(lattice: Lattice, elements: Elements, at_tips: Ints) -> tuple[Ints, Floats]:
+def _crumbs(elements: Elements, at_tips: Ints) -> tuple[Ints, Floats]:
     """The crumb that each element belongs to (elements,), -1 for none, and the triangle round each (n, 3, 2)."""
-    large = np.zeros(elements.n + 1, dtype=bool)  # the last entry serves the index -1
-    large[elements.whole_of_tile[_in_long_rows(lattice, elements.whole_of_tile >= 0)]] = True
-    number = np.where(large[:-1], 0, np.cumsum(~large[:-1]))
     edges = elements.edges
-    links = np.flatnonzero(~(large[edges.left] & large[edges.right]) & elements.passable)
-    label = connected(int(number.max(initial=0)) + 1, number[edges.left[links]], number[edges.right[links]])[number]
+    links = np.flatnonzero(elements.passable)
+    label = connected(elements.n, edges.left[links], edges.right[links])
     n = int(label.max(initial=-1)) + 1
     low, high = np.full((2, 2, n), np.inf)
-    high = -high
-    corner = np.flatnonzero(~large[elements.ring_element])
-    points, piece = elements.vertices[elements.ring_start[corner]], label[elements.ring_element[corner]]
+    high, cell = -high, np.zeros(n)
+    points, piece = elements.vertices[elements.ring_start], label[elements.ring_element]
     for axis in range(2):
         np.minimum.at(low[axis], piece, points[:, axis])
         np.maximum.at(high[axis], piece, points[:, axis])
+    np.maximum.at(cell, label, elements.size)
     size = (high - low).max(axis=0)
-    small = size <= LARGEST_CRUMB
-    small[0] = False  # that of all large ones
+    small = size <= LARGEST_CRUMB * cell
     small[label[at_tips]] = False
     number = np.where(small, np.cumsum(small) - 1, -1)
     corners = 0.5 * (low[:, small] + high[:, small]).T[:, None] + AROUND * size[small, None, None]
     return number[label], corners.reshape(-1, 3, 2)
-
-
-def _in_long_rows(lattice: Lattice, whole: Bools) -> Bools:
-    """Which whole tiles (tiles x, tiles y) are one of a row, or of a column, of whole tiles longer than a spacing."""
-    n = len(lattice.breaks)  # as many parts as a cell has, and one more
-    found = np.zeros(whole.shape, dtype=bool)
-    for tiles, marks in ((whole, found), (whole.T, found.T)):
-        n_starts = max(len(tiles) + 1 - n, 0)
-        starts = np.logical_and.reduce([tiles[k : k + n_starts] for k in range(n)])
-        for k in range(n):
-            marks[k : k + n_starts] |= starts
-    return found
 
 
 def _turned(v: Floats) -> Floats:

@@ -20,13 +20,18 @@ from crackgrow.cover.extensions import extensions_of
 from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_on_lines, edges_on_outlines
 from crackgrow.cover.junctions import sides_through_junctions
 from crackgrow.cover.lattice import Lattice
-from crackgrow.cover.numbering import corners_of_tiles, number_edges, number_vertices
+from crackgrow.cover.numbering import number_edges, number_vertices
 from crackgrow.cover.pieces import Pieces, cut_in_pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.tiles import tiles_at, touched_tiles
+from crackgrow.cover.squares import QUANTA, Squares
 from crackgrow.geometry.arrangement import Edges, ring_vertices
-from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.geometry.tolerance import ON_LINE, TOUCH
 from crackgrow.ragged import starts_of
+
+_TOUCHING = TOUCH * np.array([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)])
+
+_ROUND_TIP = np.array([(x, y) for x in (-1, 1, 3, 5, 7, 9) for y in (-1, 1, 3, 5, 7, 9)])
+"""Places in and round a tile, in eighths of its side: neighbours are no smaller than a quarter of a tile."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,8 +39,9 @@ class Elements:
     """All manifold elements: first the whole tiles that nothing touches, then the polygons cut from the others."""
 
     n_whole: int
-    cell: Ints  # (n, 2) node at the lower left corner of the lattice's cell
-    part: Ints  # (n,) number of the part of the cell that it lies in
+    tile: Ints  # (n,) tile of the lattice that it is, or is a piece of
+    cell: Floats  # (n, 2) lower left corner of the tile's cell
+    size: Floats  # (n,) side of the cell
     body: Ints  # (n,)
     polygons: NDArray[np.object_]  # (n - n_whole,) shapely polygons
     reference: Floats  # (n, 2) a point inside
@@ -48,8 +54,8 @@ class Elements:
     lines: tuple[FaceEdges, ...]  # crack by crack, then interface by interface
     outlines: OutlineEdges
     tree: shapely.STRtree  # over `polygons`
-    whole_of_tile: Ints  # (tiles x, tiles y) element of a whole tile, -1 elsewhere
-    body_of_tile: Ints  # (tiles x, tiles y) body at the middle of a tile, -1 for none
+    whole_of_tile: Ints  # (tiles,) element of a whole tile, -1 elsewhere
+    body_of_tile: Ints  # (tiles,) body at the middle of a tile, -1 for none
     cut: CutTiles  # where `polygons` come from
 
     @property
@@ -69,41 +75,45 @@ def cut_elements(
 ) -> Elements:
     """Cut bodies, cracks and interfaces (lines without tips between two bodies) into manifold elements.
 
-    What the elements `before`, of the same lattice and bodies, share with them is taken over.
+    What the elements `before`, of the same bodies, share with them is taken over.
     """
     cutting = _cutting_lines(lattice, bodies, lines)
-    x, y = lattice.tile_lines
+    tiles, tiling = lattice.tiles.squares, lattice.tiling
     regions = [body.region for body in bodies]
     shapely.prepare(regions)
-    body_of_tile = _bodies_of_tiles(x, y, regions) if before is None else before.body_of_tile
+    body_of_tile = bodies_at(regions, lattice.tile_low + 0.5 * lattice.tile_size[:, None])
     touched, cut = _cut(lattice, cutting, regions, NOTHING if before is None else before.cut)
-    whole = np.argwhere(~touched & (body_of_tile >= 0))
+    whole = np.flatnonzero(~touched & (body_of_tile >= 0))
     n_whole = len(whole)
     points, ends, polygon = ring_vertices(cut.polygons)
-    corners = corners_of_tiles(whole, len(y))
-    vertices, ids = number_vertices(x, y, points)
-    edges, numbers = number_edges(vertices, corners, ids, ids[ends], polygon + n_whole)
+    vertices, ids = number_vertices(tiling, points)
+    of_whole, place = tiling.ring.places(whole)
+    ring_start = np.concatenate([tiling.ring.values[place], ids])
+    ring_end = np.concatenate([tiling.following[place], ids[ends]])
+    ring_element = np.concatenate([of_whole, polygon + n_whole])
+    edges, numbers = number_edges(vertices, ring_start, ring_end, ring_element)
     every, places = vertices.points, vertices.at(cutting.pieces.points)
     edge = numbers.between(places[cutting.pieces.first], places[cutting.pieces.first + 1])
     on_sides, on_lines = ([(edge[at], part) for at, part in traces] for traces in (cutting.sides, cutting.lines))
     line_edges, is_crack = edges_on_lines(lines, on_lines, every, edges, n_whole)
-    whole_of_tile = np.full(touched.shape, -1, dtype=np.int64)
-    whole_of_tile[tuple(whole.T)] = np.arange(n_whole)
-    body = np.concatenate([body_of_tile[tuple(whole.T)], cut.body])
-    tile = np.concatenate([whole, np.stack(np.divmod(cut.tile, len(y) - 1), axis=1)])
-    n_parts = len(lattice.breaks) - 1
-    cell, part = np.divmod(tile, n_parts)
+    whole_of_tile = np.full(tiles.n, -1, dtype=np.int64)
+    whole_of_tile[whole] = np.arange(n_whole)
+    body = np.concatenate([body_of_tile[whole], cut.body])
+    tile = np.concatenate([whole, cut.tile])
+    cell = lattice.tiles.cell[tile]
+    middles = lattice.tile_low[whole] + 0.5 * lattice.tile_size[whole, None]
     return Elements(
         n_whole=n_whole,
-        cell=cell,
-        part=part @ np.array([n_parts, 1]),
+        tile=tile,
+        cell=lattice.cells.low[cell] / QUANTA,
+        size=lattice.cells.size[cell] / QUANTA,
         body=body,
         polygons=cut.polygons,
-        reference=np.concatenate([0.5 * (every[corners[:, 0]] + every[corners[:, 2]]), cut.reference]),
+        reference=np.concatenate([middles, cut.reference]),
         vertices=every,
-        ring_start=np.concatenate([corners.ravel(), ids]),
-        ring_end=np.concatenate([corners[:, [1, 2, 3, 0]].ravel(), ids[ends]]),
-        ring_element=np.concatenate([np.repeat(np.arange(n_whole), 4), polygon + n_whole]),
+        ring_start=ring_start,
+        ring_end=ring_end,
+        ring_element=ring_element,
         edges=edges,
         is_crack=is_crack,
         lines=line_edges,
@@ -132,7 +142,7 @@ def _cutting_lines(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequ
         *(np.stack([line.points[:-1], line.points[1:]], axis=1) for line in lines),
     ]
     extensions = [extension for line in lines for extension in extensions_of(lattice, line)]
-    pieces = cut_in_pieces(np.concatenate([*segments, *extensions]), *lattice.tile_lines)
+    pieces = cut_in_pieces(np.concatenate([*segments, *extensions]), lattice.tiles.squares)
     start = starts_of(np.array([len(part) for part in segments], dtype=np.int64))
     limits = pairwise(np.searchsorted(pieces.segment, start).tolist())
     traces = [(np.arange(i, j), pieces.segment[i:j] - first) for (i, j), first in zip(limits, start[:-1], strict=True)]
@@ -142,27 +152,33 @@ def _cutting_lines(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequ
     return _CuttingLines(pieces, on_sides, traces[n:], np.array(tips).reshape(-1, 2))
 
 
-def _bodies_of_tiles(x: Floats, y: Floats, regions: Sequence[shapely.Polygon]) -> Ints:
-    """The body (tiles x, tiles y) at the middle of each tile, -1 for none."""
-    middles = np.stack(np.meshgrid(0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1]), indexing="ij"), axis=-1)
-    return bodies_at(regions, middles.reshape(-1, 2)).reshape(middles.shape[:2])
-
-
 def _cut(
     lattice: Lattice, cutting: _CuttingLines, regions: Sequence[shapely.Polygon], before: CutTiles
 ) -> tuple[Bools, CutTiles]:
-    """The touched tiles (tiles x, tiles y) and the polygons that they are cut into.
+    """The touched tiles (tiles,) and the polygons that they are cut into.
 
-    Where lines meet within rounding of a tile line, both tiles beside it get that point, and are cut again.
+    Where lines meet within rounding of a tile's side, both tiles beside it get that point, and are cut again.
     """
-    x, y = lattice.tile_lines
+    tiles = lattice.tiles.squares
     ends, points = cutting.pieces.ends, cutting.pieces.points
     while True:
-        touched = touched_tiles(lattice, np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])]), cutting.tips)
-        cut, extra = cut_tiles(content_of(touched, x, y, ends, points), x, y, regions, before)
+        touched = _touched(tiles, np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])]), cutting.tips)
+        cut, extra = cut_tiles(content_of(touched, lattice, ends, points), tiles, regions, before)
         if len(extra) == 0:
             return touched, cut
         points = np.concatenate([points, extra])
+
+
+def _touched(tiles: Squares, samples: Floats, tips: Floats) -> Bools:
+    """Which tiles (tiles,) one of `samples` (n, 2) touches, those round the tile of each tip (k, 2) included."""
+    touched = np.zeros(tiles.n + 1, dtype=bool)  # the last entry serves the number -1
+    near = (samples + _TOUCHING[:, None]).reshape(-1, 2)
+    tip = tiles.around(tips)[:, -1]
+    tip = tip[tip >= 0]
+    beside = tiles.low[tip] + (tiles.size[tip, None] * _ROUND_TIP[:, None]) // 8
+    places = np.concatenate([np.floor(near * QUANTA).astype(np.int64), beside.reshape(-1, 2)])
+    touched[tiles.at(places)] = True
+    return touched[:-1]
 
 
 def locate(lattice: Lattice, elements: Elements, points: Floats, body: int | Ints | None = None) -> Ints:
@@ -171,9 +187,9 @@ def locate(lattice: Lattice, elements: Elements, points: Floats, body: int | Int
     body: the one that it must belong to, for all points or point by point (n,); any if None
     """
     found = np.full(len(points), -1, dtype=np.int64)
-    tile = tiles_at(lattice, points)
-    inside = np.all((tile >= 0) & (tile < elements.whole_of_tile.shape), axis=1)
-    found[inside] = elements.whole_of_tile[tuple(tile[inside].T)]
+    tile = lattice.tiles_at(points)
+    inside = tile >= 0
+    found[inside] = elements.whole_of_tile[tile[inside]]
     rest = np.flatnonzero(inside & (found < 0))
     which, polygon = elements.tree.query(shapely.points(points[rest]), predicate="dwithin", distance=ON_LINE)
     if body is not None:

@@ -18,8 +18,15 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches
 from crackgrow.cover.pieces import cut_in_pieces
 from crackgrow.cover.shapes import CrackGeometry
-from crackgrow.cover.tiles import tiles_at
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, beyond_far_end, carrying_nodes, reach_of_tips, seen_from_tip
+from crackgrow.cover.tips import (
+    N_TIP_FUNCTIONS,
+    Tip,
+    beyond_far_end,
+    carrying_nodes,
+    largest_cell_at,
+    reach_of_tips,
+    seen_from_tip,
+)
 from crackgrow.ragged import Ragged, by_row, from_lists
 
 
@@ -44,21 +51,23 @@ def make_tips(
     lattice: Lattice, elements: Elements, cracks: Sequence[CrackGeometry], patches: Patches
 ) -> tuple[Tip, ...]:
     """The tips of all cracks, which are the first lines of the elements; their functions follow the patches."""
-    reach, n_functions = reach_of_tips(lattice.support), len(patches.nodes)
+    n_functions = len(patches.nodes)
     tips: list[Tip] = []
     for index, crack in enumerate(cracks):
         for at_end in crack.tips():
             points, beside = crack.seen_from(at_end), elements.lines[index].beside(at_end)
+            size = largest_cell_at(lattice, points[0])
+            reach = reach_of_tips(lattice.support) * size
             other_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
-            singular = _singular_patches(lattice, patches, beside, points[0])
+            singular = _singular_patches(patches, beside, points[0])
             ends_inside = other_is_tip or _leads_through(
                 lattice, elements, patches, singular, beyond_far_end(points, reach)
             )
             view = seen_from_tip(points, reach, ends_inside)
-            singular = singular[carrying_nodes(view, patches.nodes[singular])]
+            singular = singular[carrying_nodes(view, patches.nodes[singular], size)]
             body = int(elements.body[beside[0]])
             seen = (view.point, view.rotation, view.path, view.radii, view.fade)
-            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, singular, n_functions, 1.0))
+            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, singular, n_functions, size))
             n_functions += N_TIP_FUNCTIONS * len(singular)
     return tuple(tips)
 
@@ -91,19 +100,18 @@ def _by_patch(patches_of_tip: Ragged) -> tuple[Ragged, Ints]:
     return by_row(patch, patches_of_tip.row[order], int(patch.max(initial=-1)) + 1), order
 
 
-def _singular_patches(lattice: Lattice, patches: Patches, beside: tuple[int, int], tip: Floats) -> Ints:
+def _singular_patches(patches: Patches, beside: tuple[int, int], tip: Floats) -> Ints:
     """Physical patches that a tip ends in: the elements `beside` it, on both faces, belong to the same piece."""
     plus, minus = (patches.of_element.of(element) for element in beside)
     candidates: Ints = np.intersect1d(plus, minus)
-    return np.asarray(candidates[np.abs(patches.nodes[candidates] - tip).max(axis=1) < lattice.support])
+    return np.asarray(candidates[np.abs(patches.nodes[candidates] - tip).max(axis=1) < patches.half[candidates]])
 
 
 def _leads_through(lattice: Lattice, elements: Elements, patches: Patches, some: Ints, segment: Floats) -> bool:
     """Whether a segment (2, 2) leads through an element with one of `some` patches."""
     cut = elements.tree.query(shapely.linestrings(segment), predicate="intersects") + elements.n_whole
-    pieces = cut_in_pieces(segment[None], *lattice.tile_lines)
-    tiles = tiles_at(lattice, np.concatenate([pieces.points, pieces.ends.mean(axis=1)]))
-    tiles = tiles[np.all((tiles >= 0) & (tiles < elements.whole_of_tile.shape), axis=1)]
-    whole = elements.whole_of_tile[tuple(tiles.T)]
+    pieces = cut_in_pieces(segment[None], lattice.tiles.squares)
+    tiles = lattice.tiles_at(np.concatenate([pieces.points, pieces.ends.mean(axis=1)]))
+    whole = elements.whole_of_tile[tiles[tiles >= 0]]
     through = np.concatenate([cut, whole[whole >= 0]])
     return bool(np.isin(patches.of_element.taken(through).values, some).any())

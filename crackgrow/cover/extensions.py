@@ -8,14 +8,15 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.cover.lattice import Lattice
+from crackgrow.cover.pieces import cut_in_pieces
 from crackgrow.cover.shapes import CrackGeometry
-from crackgrow.cover.tips import n_outward, reach_of_tips
+from crackgrow.cover.tips import largest_cell_at, n_outward, reach_of_tips
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.polyline import tip_direction
 from crackgrow.geometry.tolerance import ON_LINE, TOUCH
 
 DIAGONAL = 2.0**0.5
-"""No two points of an element are further apart, spacings."""
+"""No two points of an element are further apart, sides of its cell."""
 
 
 def extensions_of(lattice: Lattice, crack: CrackGeometry) -> list[Floats]:
@@ -32,8 +33,8 @@ def extensions_of(lattice: Lattice, crack: CrackGeometry) -> list[Floats]:
         least.setdefault((numbers[1], numbers[0]), 0.0)
         from_tip = crack.seen_from(at_end)
         last = n_outward(from_tip)
-        if np.hypot(*(from_tip[last] - from_tip[0])) < reach_of_tips(lattice.support):
-            least[numbers[last - 1], numbers[last]] = DIAGONAL
+        if np.hypot(*(from_tip[last] - from_tip[0])) < reach_of_tips(lattice.support) * largest_cell_at(lattice, from_tip[0]):
+            least[numbers[last - 1], numbers[last]] = DIAGONAL * largest_cell_at(lattice, from_tip[last])
     found = []
     for segment, length in least.items():
         extension = _extension(lattice, crack.points[list(segment)], length)
@@ -45,28 +46,37 @@ def extensions_of(lattice: Lattice, crack: CrackGeometry) -> list[Floats]:
 
 
 def _extension(lattice: Lattice, segment: Floats, least: float) -> Floats | None:
-    """The straight extension of a segment (2, 2) to the first tile line further than `least` from its end.
+    """The straight extension of a segment (2, 2) to the first side of a tile further than `least` from its end.
 
-    Where the lattice ends before, to its last tile line; None if there is none. It comes in pieces (n, 2, 2) that end
-    on tile lines exactly, and on the corners of tiles that it only just misses, since a speck would be cut off there.
+    Where the lattice ends before, to its last tile; None if there is none. It comes in pieces (n, 2, 2) that end on
+    sides of tiles exactly, and on the corners of tiles that it only just misses, since a speck would be cut off there.
     """
-    start, direction = segment[1].tolist(), tip_direction(segment, at_end=True).tolist()
-    exits = []
-    for axis, lines, others in zip((0, 1), lattice.tile_lines, lattice.tile_lines[::-1], strict=True):
-        low, high = sorted((start[axis], start[axis] + (least + 2.0) * direction[axis]))
-        begin, end = lines.searchsorted(low, side="right"), lines.searchsorted(high, side="left")
-        for line in lines[begin:end].tolist():
-            length = (line - start[axis]) / direction[axis]
-            across = start[1 - axis] + length * direction[1 - axis]
-            if length > ON_LINE and others[0] <= across <= others[-1]:
-                place = others.searchsorted(across)
-                near = min(others[max(place - 1, 0) : place + 1].tolist(), key=lambda other: abs(other - across))
-                across = near if abs(near - across) < TOUCH else across
-                exits.append((length, (across, line) if axis else (line, across)))
-    if not exits:
+    start, direction = segment[1], tip_direction(segment, at_end=True)
+    far = start + min(least + 2.0, _to_edge(lattice, start, direction)) * direction
+    pieces = cut_in_pieces(np.stack([start, far])[None], lattice.tiles.squares)
+    ends = pieces.points[1:]
+    length = (ends - start) @ direction
+    if not (length > ON_LINE).any():
         return None
-    exits.sort(key=lambda found: found[0])
-    last = next((k for k, (length, _) in enumerate(exits) if length > least), len(exits) - 1)
-    places = [(start[0], start[1])]
-    places.extend(end for _, end in exits[: last + 1])
-    return np.array([pair for pair in pairwise(places) if pair[0] != pair[1]]).reshape(-1, 2, 2)
+    last = int(np.argmax(length > max(least, ON_LINE))) if length[-1] > max(least, ON_LINE) else len(length) - 1
+    on_sides = [_at_corner(lattice, end) for end in ends[: last + 1][length[: last + 1] > ON_LINE]]
+    places = [start, *on_sides]
+    return np.array([pair for pair in pairwise(places) if (pair[0] != pair[1]).any()]).reshape(-1, 2, 2)
+
+
+def _to_edge(lattice: Lattice, start: Floats, direction: Floats) -> float:
+    """How far the edge of the lattice is from a point (2,) inside, in a direction (2,)."""
+    limits = np.where(direction > 0.0, np.array(lattice.shape, dtype=float), 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.where(direction == 0.0, np.inf, (limits - start) / direction)
+    return max(float(distance.min()), 0.0)
+
+
+def _at_corner(lattice: Lattice, point: Floats) -> Floats:
+    """A corner of a tile that touches a point (2,), if one is within rounding of it; else the point itself."""
+    tiles = lattice.tiles.squares
+    around = tiles.around(point[None])[0]
+    around = around[around >= 0]
+    corners = lattice.tiling.points[lattice.tiling.ring.taken(around).values]
+    distance = np.abs(corners - point).max(axis=1)
+    return corners[np.argmin(distance)] if distance.min() < TOUCH else point

@@ -1,4 +1,4 @@
-"""The uniform lattice of mathematical nodes; it matches no boundary."""
+"""The lattice of mathematical nodes; it matches no boundary."""
 
 from __future__ import annotations
 
@@ -8,34 +8,53 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.geometry.arrangement import on_grid
+from crackgrow.cover.cells import Nodes, Tiles, nodes_of, tiles_of
+from crackgrow.cover.squares import QUANTA, Squares, squares_of
+from crackgrow.cover.tiling import Tiling, tiling_of
+from crackgrow.cover.windows import Windows, windows_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lattice:
-    """Nodes at integer lattice coordinates; a mathematical patch is the square of half width `support` round its node.
+    """Square cells with nodes at their corners; a mathematical patch is a square round its node.
 
-    Lattice coordinates are (x - origin) / spacing. The edges of all patches cut every unit cell into tiles, so that
-    a tile lies wholly inside or outside of any patch.
+    Lattice coordinates are (x - origin) / spacing. The edges of all patches cut the cells into tiles, so that a tile
+    lies wholly inside or outside of any patch.
     """
 
-    spacing: float  # m
-    support: float  # half width of a patch, in spacings
-    origin: Floats  # (2,) m, position of node (0, 0)
-    shape: tuple[int, int]  # number of cells in x and y; nodes are one more
-    breaks: Floats  # (k + 1,) tile lines inside a unit cell, from 0 to 1
-    tile_lines: tuple[Floats, Floats]  # lattice coordinates of all tile lines in x and in y, on the arrangement's grid
+    spacing: float  # m, side of the largest cells
+    support: float  # half width of a patch, in sides of the largest cell at its node
+    origin: Floats  # (2,) m, position of the lower left corner
+    shape: tuple[int, int]  # spacings in x and y
+    cells: Squares
+    nodes: Nodes
+    tiles: Tiles
+    tiling: Tiling
+    windows: Windows  # of the tiles
 
     @property
     def reach(self) -> int:
-        """Nodes on each side of a point, per axis, that can cover it."""
+        """Nodes on each side of a point, per axis, that can cover it where all cells are of one size."""
         return math.ceil(self.support)
 
     @property
-    def offsets(self) -> Ints:
-        """Nodes that can cover a point, relative to its cell's lower left node: ((2 reach)^2, 2)."""
-        steps = np.arange(1 - self.reach, self.reach + 1)
-        return np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+    def node_points(self) -> Floats:
+        """Nodes (n, 2), lattice coordinates."""
+        return np.asarray(self.nodes.places / QUANTA)
+
+    @property
+    def tile_low(self) -> Floats:
+        """Lower left corners (tiles, 2)."""
+        return np.asarray(self.tiles.squares.low / QUANTA)
+
+    @property
+    def tile_size(self) -> Floats:
+        """Sides (tiles,) of the tiles, spacings."""
+        return np.asarray(self.tiles.squares.size / QUANTA)
+
+    def tiles_at(self, points: Floats) -> Ints:
+        """The tile (n,) that each of `points` (n, 2) lies in, the upper right one of several; -1 for none."""
+        return self.tiles.squares.at(np.floor(points * QUANTA).astype(np.int64))
 
     def to_lattice(self, points: Floats) -> Floats:
         """Lattice coordinates of points (..., 2) in metres."""
@@ -61,8 +80,21 @@ def place_lattice(
     below = np.ceil(half - centre_offset).astype(int) + reach  # whole cells from the box's centre to the lattice's edge
     cells = 2 * below + (2 * centre_offset).astype(int)
     origin = 0.5 * (lower + upper) - (below + centre_offset - np.array(offset)) * spacing
-    fraction = support % 1.0
-    breaks = np.unique([0.0, fraction, 1.0 - fraction if fraction else 0.0, 1.0])
-    shape = (int(cells[0]), int(cells[1]))
-    x, y = (on_grid(np.append((np.arange(n)[:, None] + breaks[:-1]).ravel(), float(n))) for n in shape)
-    return Lattice(spacing, support, origin, shape, breaks, (x, y))
+    return lattice_of(spacing, support, origin, _largest_cells(int(cells[0]), int(cells[1])))
+
+
+def lattice_of(spacing: float, support: float, origin: Floats, cells: Squares) -> Lattice:
+    """The lattice of cells whose lower left corner is `origin` (2,) m."""
+    nodes = nodes_of(cells, support)
+    tiles = tiles_of(cells, nodes, support)
+    width, height = ((cells.low + cells.size[:, None]).max(axis=0) // QUANTA).tolist()
+    windows = windows_of(cells, nodes, tiles, support)
+    return Lattice(
+        spacing, support, origin, (width, height), cells, nodes, tiles, tiling_of(tiles.squares), windows
+    )
+
+
+def _largest_cells(width: int, height: int) -> Squares:
+    """Cells of one spacing."""
+    places = np.stack(np.meshgrid(np.arange(width), np.arange(height), indexing="ij"), axis=-1).reshape(-1, 2)
+    return squares_of(QUANTA * places, np.full(len(places), QUANTA))

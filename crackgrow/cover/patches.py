@@ -12,14 +12,15 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
+from crackgrow.cover.squares import QUANTA
 from crackgrow.geometry.arrangement import connected
-from crackgrow.ragged import Ragged, from_lists, starts_of
+from crackgrow.ragged import Ragged, starts_of
 
 SPECK = 1e-15
 """A patch whose weight is nowhere larger than this contributes less than round-off."""
 
 PEEK, PEEK_WEIGHT = 0.03, 1e-10
-"""Nor has a patch functions whose rock is smaller than `PEEK` spacings, with no larger weight times size than this.
+"""Nor has a patch functions whose rock is smaller than `PEEK` cells, with no larger weight times size than this.
 Such patches a kink cuts off at their edge, where it peeks over a tile line, and they nearly depend on each other: the
 compliance of contact lost its symmetry or was singular. Of 135 random kinks 2e-6 is the worst left."""
 
@@ -29,8 +30,9 @@ class Patches:
     """All physical patches, and which of them are over each element."""
 
     of_element: Ragged  # elements -> their patches, ascending
-    slot: Ints  # (q,) which of the nodes round the element's cell each of these belongs to; which corner of a crumb
+    slot: Ints  # (q,) which place of the tile's window each of these has; which corner of a crumb
     nodes: Floats  # (p, 2) node of every patch; crumbs follow with their corners
+    half: Floats  # (p,) half width of every patch, spacings; of a crumb that of its triangle
     n_of_lattice: int  # patches of the lattice's nodes: all but those of crumbs
     in_crumb: Bools  # (elements,) which elements belong to crumbs
 
@@ -42,16 +44,12 @@ def physical_patches(lattice: Lattice, elements: Elements) -> Patches:
     to the other without crossing a crack or leaving the body. Patches are numbered along the lattice, those of one node
     by their first elements.
     """
+    over = lattice.tiles.over
     plain = _uncut_nodes(lattice, elements)
-    rows = plain.shape[1]
-    covering = _covering(lattice)
-    owner, place = covering.places(elements.part)
-    slot = covering.values[place]
-    per_step = np.array([rows, 1])
-    offset = (lattice.offsets + lattice.reach - 1) @ per_step
-    node = (elements.cell @ per_step)[owner] + offset[slot]
-    cut = ~plain.ravel()[node]
-    start = starts_of(covering.counts[elements.part])
+    _, place = over.places(elements.tile)
+    node, slot = over.values[place], lattice.windows.slot[place]
+    cut = ~plain[node]
+    start = starts_of(over.counts[elements.tile])
     piece = _pieces_in_patches(elements, Ragged(start, node).kept(cut))
 
     is_first = np.diff(np.maximum.accumulate(piece), prepend=-1) > 0  # pieces are numbered in order of their first ones
@@ -61,39 +59,38 @@ def physical_patches(lattice: Lattice, elements: Elements) -> Patches:
     first_piece = starts_of(n_pieces)
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order)) - first_piece[node_of_piece[order]]
-    n_patches = n_pieces + plain.ravel()
+    n_patches = n_pieces + plain
     first = starts_of(n_patches)
     patch = first[node]
     patch[cut] = (first[node_of_piece] + rank)[piece]
-    nodes = np.stack(np.divmod(np.repeat(np.arange(plain.size), n_patches), rows), axis=1) + 1.0 - lattice.reach
-    return Patches(Ragged(start, patch), slot, nodes, len(nodes), np.zeros(elements.n, dtype=bool))
+    of_node = np.repeat(np.arange(plain.size), n_patches)
+    nodes, half = lattice.node_points[of_node], lattice.nodes.half[of_node] / QUANTA
+    return Patches(Ragged(start, patch), slot, nodes, half, len(nodes), np.zeros(elements.n, dtype=bool))
 
 
 def without_specks(lattice: Lattice, elements: Elements, patches: Patches) -> Patches:
     """Leave out physical patches that would give rows of zeros, or rows that depend on others but for round-off.
 
     The weight of a patch grows as the cube of the depth inside of the patch, per axis. Patches that hold a whole tile
-    are none of them, if tiles are not too small.
+    are none of them: a tile is no smaller than an eighth of the cells of a node.
     """
-    of_element, nodes = patches.of_element, patches.nodes
-    tile = np.diff(lattice.breaks).min(keepdims=True)
-    skipped = elements.n_whole if _is_kept((tile / lattice.support) ** 6, tile) else 0
+    of_element, nodes, skipped = patches.of_element, patches.nodes, elements.n_whole
     sure = np.zeros(len(nodes), dtype=bool)
     sure[of_element.values[: of_element.start[skipped]]] = True
-    ring = slice(4 * skipped, None)
+    ring = slice(int(np.searchsorted(elements.ring_element, skipped)), None)
     owner = np.concatenate([elements.ring_element[ring], np.arange(skipped, elements.n)])
     points = np.concatenate([elements.vertices[elements.ring_start[ring]], elements.reference[skipped:]])
     unsure = of_element.kept(~sure[of_element.values])
     which, place = unsure.places(owner)
     used = unsure.values[place]
-    from_node = points[which] - nodes[used]
+    from_node = (points[which] - nodes[used]) / patches.half[used, None]
     low, high = np.full((2, 2, len(nodes)), np.inf)
     high, deepest = -high, np.zeros(len(nodes))
-    np.maximum.at(deepest, used, np.prod(np.maximum(1.0 - np.abs(from_node) / lattice.support, 0.0), axis=1) ** 3)
+    np.maximum.at(deepest, used, np.prod(np.maximum(1.0 - np.abs(from_node), 0.0), axis=1) ** 3)
     for axis in range(2):
         np.minimum.at(low[axis], used, from_node[:, axis])
         np.maximum.at(high[axis], used, from_node[:, axis])
-    return with_those(patches, sure | _is_kept(deepest, (high - low).max(axis=0, initial=0.0)))
+    return with_those(patches, sure | _is_kept(deepest, lattice.support * (high - low).max(axis=0, initial=0.0)))
 
 
 def with_those(patches: Patches, kept: Bools) -> Patches:
@@ -107,48 +104,26 @@ def with_those(patches: Patches, kept: Bools) -> Patches:
         of_element=Ragged(left.start, number[left.values]),
         slot=patches.slot[on],
         nodes=patches.nodes[kept],
+        half=patches.half[kept],
         n_of_lattice=int(kept.sum()),
     )
 
 
 def _is_kept(weight: Floats, size: Floats) -> Bools:
-    """Whether patches with these largest weights, and sizes in spacings, are no specks."""
+    """Whether patches with these largest weights, and sizes in cells, are no specks."""
     return np.asarray((weight > SPECK) & ((weight * size > PEEK_WEIGHT) | (size > PEEK)))
 
 
-def _covering(lattice: Lattice) -> Ragged:
-    """For each part of a cell the places, among the nodes round the cell, of those whose patches hold it."""
-    along = _near_parts(lattice)
-    n = len(along)
-    covers = (along[:, None, :, None] & along[None, :, None, :]).reshape(n * n, -1)
-    return from_lists([np.flatnonzero(row) for row in covers])
-
-
-def _near_parts(lattice: Lattice) -> Bools:
-    """Which patches hold each part of a cell, along an axis: (parts, nodes round a cell)."""
-    middle = 0.5 * (lattice.breaks[1:] + lattice.breaks[:-1])
-    return np.asarray(np.abs(np.arange(1 - lattice.reach, lattice.reach + 1) - middle[:, None]) < lattice.support)
-
-
 def _uncut_nodes(lattice: Lattice, elements: Elements) -> Bools:
-    """Which nodes have patches of whole tiles only, `reach` - 1 rows round the lattice included: (nodes x, nodes y).
+    """Which nodes (n,) have patches of whole tiles only.
 
     Whole tiles beside each other belong to the same body: where bodies meet tiles are cut.
     """
+    over, size = lattice.tiles.over, lattice.tiles.squares.size
     whole = elements.whole_of_tile >= 0
-    count = np.zeros((whole.shape[0] + 1, whole.shape[1] + 1), dtype=np.int64)
-    count[1:, 1:] = whole.cumsum(axis=0).cumsum(axis=1)
-    parts = len(lattice.breaks) - 1
-    part, place = np.nonzero(_near_parts(lattice))
-    tile = part - (place + 1 - lattice.reach) * parts  # of a patch, along an axis, from that right above its node on
-    n_tiles = int(np.ptp(tile)) + 1
-    ends = []
-    for cells, tiles in zip(lattice.shape, whole.shape, strict=True):
-        start = np.arange(1 - lattice.reach, cells + lattice.reach) * parts + tile.min()
-        ends.append(np.minimum(np.maximum([start, start + n_tiles], 0), tiles))
-    (x0, x1), (y0, y1) = ends
-    along = count[x1] - count[x0]
-    return np.asarray(along[:, y1] - along[:, y0] == n_tiles**2)
+    half = lattice.nodes.half
+    area = np.bincount(over.values, np.repeat(whole * size.astype(float) ** 2, over.counts), len(half))
+    return np.asarray(area == 4.0 * half.astype(float) ** 2)
 
 
 def _pieces_in_patches(elements: Elements, cut: Ragged) -> Ints:

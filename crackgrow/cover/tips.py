@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.cover.lattice import Lattice
+from crackgrow.cover.squares import QUANTA
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import TOUCH
 
@@ -20,13 +22,13 @@ N_TIP_FUNCTIONS = 4
 """Tip functions on a singular patch, paper eq. (1)."""
 
 SHORT_FADE = 1.5
-"""Spacings: tip functions that fade out sooner see too little of their patches to tell all of them apart."""
+"""Sides of cells: tip functions that fade out sooner see too little of their patches to tell all of them apart."""
 
 NEAR = 0.5
-"""Spacings on top of the fade: of so short functions only those of nodes this near to the tip are kept."""
+"""Sides of cells on top of the fade: of so short functions only those of nodes this near to the tip are kept."""
 
 POINT_FADE = 0.25
-"""Spacings: where they fade out sooner, the patches are as good as constant, and one node's are kept."""
+"""Sides of cells: where they fade out sooner, the patches are as good as constant, and one node's are kept."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +54,7 @@ class Tip(TipView):
     body: int
     patches: Ints  # (k,) the singular patches that carry its functions, ascending
     first_function: int  # four functions for each of these from this number on
-    size: float  # side of the cells round it, spacings: of the largest patch that carries its functions
+    size: float  # side of the cells round it, spacings: the largest of those at nodes whose patches hold it
 
     @property
     def functions(self) -> Ints:
@@ -64,8 +66,14 @@ class Tip(TipView):
         return np.asarray(arc_lengths(self.points[::-1])[-1] - arc if self.at_end else arc)
 
 
+def largest_cell_at(lattice: Lattice, point: Floats) -> float:
+    """The side (spacings) of the largest cell at a node whose patch holds a point (2,)."""
+    tile = lattice.tiles_at(point[None])
+    return float(lattice.nodes.largest[lattice.tiles.over.taken(tile).values].max() / QUANTA)
+
+
 def reach_of_tips(support: float) -> float:
-    """Distance (spacings) from a tip to the farthest point of a patch that holds it: tip functions end there."""
+    """Distance (sides of cells) from a tip to the farthest point of a patch that holds it: tip functions end there."""
     return float(2.0 * np.sqrt(2.0) * support)
 
 
@@ -104,17 +112,17 @@ def seen_from_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> T
     )
 
 
-def carrying_nodes(tip: TipView, nodes: Floats) -> Bools:
-    """Which `nodes` (n, 2) of singular patches carry the tip's functions.
+def carrying_nodes(tip: TipView, nodes: Floats, size: float) -> Bools:
+    """Which `nodes` (n, 2) of singular patches carry the tip's functions; `size` is the side of the cells there.
 
     Within a small disc the functions phi_i of the patches are polynomials of a low degree, up to a small rest: with all
     patches the tip functions would depend on each other, at a fade of half a spacing to working precision.
     """
     distance = np.abs(nodes - tip.point).max(axis=1, initial=0.0)
-    if tip.fade >= SHORT_FADE:
+    if tip.fade >= SHORT_FADE * size:
         return np.ones(len(nodes), dtype=bool)
-    if tip.fade >= POINT_FADE:
-        return np.asarray(distance < tip.fade + NEAR)
+    if tip.fade >= POINT_FADE * size:
+        return np.asarray(distance < tip.fade + NEAR * size)
     return np.asarray(np.arange(len(nodes)) == np.argmin(distance))
 
 

@@ -83,7 +83,7 @@ def error_estimate(
     blocks = [_free(cover, materials, u, some, singular, acting) for some in rest]
     free, norm = [part for parts, _ in blocks for part in parts], sum(squares for _, squares in blocks)
     for some in regular:
-        norm += float(np.einsum("qw,qec->", some.weights, some.values**2))
+        norm += float(some.areas @ np.einsum("qw,qec->e", some.weights, some.values**2))
     coefficients = fit(n_patches, regular, free)
     parts = misfits(coefficients, regular, free, cover.elements.n)
     area = cover.lattice.spacing**2
@@ -99,16 +99,21 @@ def _regular(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, chos
         mine, patches = some.elements, some.patches(cover)
         if len(mine) == 0:
             continue
-        phi, dphi = some.functions(lattice, share)
+        local = some.at(share)
+        phi, dphi = some.functions(lattice, local)
         own = u.reshape(-1, 2)[patches].transpose(1, 0, 2).reshape(patches.shape[1], -1)
-        by = dphi.transpose(2, 0, 1).reshape(-1, patches.shape[1]) / lattice.spacing @ own  # (q d, e c)
+        by = dphi.transpose(2, 0, 1).reshape(-1, patches.shape[1]) @ own  # (q d, e c)
+        side = cover.elements.size[mine]
         gradient = by.reshape(len(share), 2, len(mine), 2).transpose(0, 2, 3, 1)
+        gradient = gradient / (lattice.spacing * side)[:, None, None]
         body = np.tile(cover.elements.body[mine], len(share))
         values = energy_components(materials, stress_of(materials, gradient.reshape(-1, 2, 2), body), body)
         area = weights * kind.size.prod()
-        distance = (kind.low + share * kind.size)[:, None] - lattice.offsets[kind.slots]
+        nodes, half = lattice.windows.nodes[kind.window][kind.slots], lattice.windows.half[kind.window][kind.slots]
+        distance = (local[:, None] - nodes) * (lattice.support / half)[:, None]
         of_points = values.reshape(len(share), len(mine), 3)
-        found.append(RegularSamples(mine, patches, distance, area[:, None] * np.maximum(phi.T, 0.0), of_points))
+        of_area = area[:, None] * np.maximum(phi.T, 0.0)
+        found.append(RegularSamples(mine, patches, distance, of_area, side**2, of_points))
     return found
 
 
@@ -142,7 +147,8 @@ def _free(
         sees = np.flatnonzero(in_patches[patches.values])
         mine, back = np.unique(point[sees], return_inverse=True)
         less[sees] += energy_components(materials, part.at(points[mine], element[mine]), body[mine])[back]
-    distance = points[point] - cover.patch_nodes[patches.values]
+    half = cover.patches.half[patches.values] / cover.lattice.support
+    distance = (points[point] - cover.patch_nodes[patches.values]) / half[:, None]
     owner, area, own = element[point], weights[point] * phi, values[point] - less
     some = [slice(start, start + AT_ONCE) for start in range(0, len(point), AT_ONCE)]
     samples = [FreeSamples(owner[at], patches.values[at], distance[at], area[at], own[at]) for at in some]

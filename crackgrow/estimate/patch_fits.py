@@ -28,8 +28,9 @@ class RegularSamples:
 
     elements: Ints  # (e,)
     patches: Ints  # (e, k), each at most once in a column
-    distance: Floats  # (q, k, 2) from the nodes to the points, spacings
-    weights: Floats  # (q, k) area, in squared spacings, times phi_i
+    distance: Floats  # (q, k, 2) from the nodes to the points, in the largest cells at the nodes
+    weights: Floats  # (q, k) area, as a part of the cell, times phi_i
+    areas: Floats  # (e,) of the cells, squared spacings
     values: Floats  # (q, e, 3)
 
 
@@ -39,7 +40,7 @@ class FreeSamples:
 
     elements: Ints  # (p,)
     patches: Ints  # (p,)
-    distance: Floats  # (p, 2) from the node to the point, spacings
+    distance: Floats  # (p, 2) from the node to the point, in the largest cells at the node
     weights: Floats  # (p,) area, in squared spacings, times phi_i
     values: Floats  # (p, 3)
 
@@ -62,7 +63,7 @@ def fit(n_patches: int, regular: list[RegularSamples], free: list[FreeSamples]) 
             of_elements[..., :N_MONOMIALS] = weighted @ p.T
             by_values = weighted @ some.values.reshape(q, 3 * e)
             of_elements[..., N_MONOMIALS:] = by_values.reshape(-1, e, 3).transpose(1, 0, 2)
-            sums[patch] += of_elements
+            sums[patch] += some.areas[:, None, None] * of_elements
     number = np.zeros(n_patches, dtype=np.int64)
     for block in free:
         seen = np.flatnonzero(np.bincount(block.patches, minlength=n_patches))
@@ -82,7 +83,7 @@ def misfits(coefficients: Floats, regular: list[RegularSamples], free: list[Free
             own = coefficients[patch].transpose(1, 0, 2).reshape(N_MONOMIALS, -1)
             fitted = monomials(some.distance[:, slot]).T @ own
             squares = np.sum((fitted.reshape(some.values.shape) - some.values) ** 2, axis=2)
-            found[some.elements] += some.weights[:, slot] @ squares
+            found[some.elements] += some.areas * (some.weights[:, slot] @ squares)
     by_patch = np.ascontiguousarray(coefficients.transpose(1, 2, 0))
     for block in free:
         fitted = np.sum(monomials(block.distance)[:, None] * by_patch.take(block.patches, axis=2), axis=0)

@@ -16,7 +16,8 @@ def all_points(cover: Cover, n: int) -> ElementPoints:
     points, weights, elements = [cut.points], [cut.weights], [cut.element]
     local, weight = square(n)
     for kind in plain_kinds(cover):
-        points.append(((cover.elements.cell[kind.elements] + kind.low)[:, None] + local * kind.size).reshape(-1, 2))
-        weights.append(np.tile(weight * kind.size.prod(), len(kind.elements)))
+        cell, size = cover.elements.cell[kind.elements], cover.elements.size[kind.elements]
+        points.append((cell[:, None] + kind.at(local) * size[:, None, None]).reshape(-1, 2))
+        weights.append(np.outer(size**2, weight * kind.size.prod()).ravel())
         elements.append(np.repeat(kind.elements, len(weight)))
     return ElementPoints(np.concatenate(points), np.concatenate(weights), np.concatenate(elements))

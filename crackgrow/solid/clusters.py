@@ -19,13 +19,14 @@ from crackgrow import ragged
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import TipView, reach_of_tips
+from crackgrow.cover.windows import REGULAR
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.ragged import Ragged, by_row, starts_of
 from crackgrow.solid.elasticity import PlaneElasticity
 
 BLOCK = 4
-"""Cells: elements without tip functions make one cluster in each square of this side."""
+"""Cells: elements without tip functions make one cluster in each square of this side, of cells of one size."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,8 +97,10 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     _, pair = enrichment.tips.places(elements)
     singular = enrichment.place.taken(pair)
     over = patches.of_element.taken(elements)
-    cell, reference, in_crumb = cover.elements.cell[elements], cover.elements.reference[elements], patches.in_crumb
-    geometry = [_geometry(tip, reach_of_tips(lattice.support)) for tip in cover.tips]
+    cell = np.column_stack([cover.elements.cell, cover.elements.size])[elements]
+    reference, in_crumb = cover.elements.reference[elements], patches.in_crumb
+    geometry = [_geometry(tip, reach_of_tips(lattice.support) * tip.size) for tip in cover.tips]
+    window = lattice.windows.of_tile[cover.elements.tile[elements]]
     inside, rim = clusters.inside, clusters.rim
     found = []
     for cluster in range(clusters.elements.n):
@@ -111,7 +114,9 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
             cell[mine],
             reference[mine],
             over.counts[mine],
-            patches.nodes[over.values[owned]],
+            np.column_stack([patches.nodes, patches.half])[over.values[owned]],
+            *(lattice.windows.nodes[number] for number in window[mine] if number != REGULAR),
+            *(lattice.windows.half[number] for number in window[mine] if number != REGULAR),
             in_crumb[elements[mine]],
             clusters.local_of(cluster),
             singular.counts[pairs],
@@ -132,7 +137,8 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
 def _gathered(cover: Cover) -> Ragged:
     """The elements of all clusters. Their order is that of their places: it is the same in every configuration."""
     cut = np.flatnonzero(~cover.plain)
-    block = (cover.elements.cell[cut] // BLOCK).tolist()
+    size = cover.elements.size[cut]
+    block = np.column_stack([cover.elements.cell[cut] // (BLOCK * size[:, None]), size]).tolist()
     ends = cover.enrichment.tips.start.tolist()
     x, y = cover.elements.reference[cut].T
     numbers: dict[tuple[object, ...], int] = {}

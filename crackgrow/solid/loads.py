@@ -69,9 +69,9 @@ def _volume_of_functions(cover: Cover, body: int, n: int) -> Floats:
     local, weights = square(n)
     for kind in plain_kinds(cover):
         if kind.body == body:
-            phi, _ = kind.functions(lattice, local)
-            functions = kind.patches(cover)
-            np.add.at(total, functions, np.broadcast_to(phi @ weights * kind.size.prod(), functions.shape))
+            phi, _ = kind.functions(lattice, kind.at(local))
+            area = cover.elements.size[kind.elements] ** 2
+            np.add.at(total, kind.patches(cover), np.outer(area, phi @ weights * kind.size.prod()))
     points = element_points(cover, n)
     mine = cover.elements.body[points.element] == body
     values = values_at(cover, points.points[mine], points.element[mine])

@@ -5,21 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.squares import QUANTA
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
 from crackgrow.direct import Places
-
-QUARTERS = 4
-"""Supports are whole numbers of quarters of a spacing: the unit of places."""
 
 
 def places_of_unknowns(cover: Cover) -> Places:
     """Boxes of the displacement unknowns: those of their patches; those of a crumb share the node next to it."""
-    lattice = cover.lattice
-    patch_nodes, first = cover.patch_nodes.copy(), cover.patches.n_of_lattice
-    patch_nodes[first:] = np.repeat(patch_nodes[first:].reshape(-1, 3, 2).mean(axis=1), 3, axis=0)
-    of_patch = np.clip(np.rint(patch_nodes).astype(np.int64), 0, np.array(lattice.shape))
-    of_tips = [np.repeat(of_patch[tip.patches], N_TIP_FUNCTIONS, axis=0) for tip in cover.tips]
-    nodes = np.concatenate([of_patch, *of_tips])
-    middle, half = np.repeat(QUARTERS * nodes, 2, axis=0), round(QUARTERS * lattice.support)
-    last = QUARTERS * np.array(lattice.shape)
-    return Places(middle - half, middle + half, np.array([-half, -half]), last + half, QUARTERS)
+    lattice, first = cover.lattice, cover.patches.n_of_lattice
+    nodes = np.rint(QUANTA * cover.patch_nodes).astype(np.int64)
+    half = np.rint(QUANTA * cover.patches.half).astype(np.int64)
+    middles = QUANTA * cover.patch_nodes[first:].reshape(-1, 3, 2).mean(axis=1)
+    for crumb, middle in enumerate(middles):
+        near = np.argmin(np.abs(lattice.nodes.places - middle).max(axis=1))
+        mine = slice(first + 3 * crumb, first + 3 * crumb + 3)
+        nodes[mine], half[mine] = lattice.nodes.places[near], lattice.nodes.half[near]
+    patch = np.concatenate([np.arange(len(half)), *(np.repeat(t.patches, N_TIP_FUNCTIONS) for t in cover.tips)])
+    cell, widest = int(lattice.cells.size.min()), int(lattice.nodes.half.max())
+    unit = int(np.gcd.reduce(np.concatenate([nodes.ravel(), half, [cell, widest]])))
+    middle, reach = np.repeat(nodes[patch] // unit, 2, axis=0), np.repeat(half[patch] // unit, 2)[:, None]
+    last = (QUANTA * np.array(lattice.shape) + widest) // unit
+    return Places(middle - reach, middle + reach, np.full(2, -widest // unit), last, cell // unit)

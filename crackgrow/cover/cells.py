@@ -1,0 +1,111 @@
+"""Cells of several sizes: their corners are the nodes, and the edges of patches cut them into tiles.
+
+A node's patch is the square round it with `support` times the side of the largest cell that touches the node as its
+half width: with the smallest one there would be gaps between patches.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
+from crackgrow.ragged import Ragged, by_row
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nodes:
+    """Nodes from left to right and upwards, in quanta."""
+
+    places: Ints  # (n, 2)
+    half: Ints  # (n,) half widths of their patches
+    largest: Ints  # (n,) the largest cell that touches each
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tiles:
+    """Tiles: squares that no edge of a patch crosses."""
+
+    squares: Squares
+    cell: Ints  # (tiles,) the cell that each is a part of
+    over: Ragged  # tiles -> the nodes, ascending, whose patches hold them
+
+
+def nodes_of(cells: Squares, support: float) -> Nodes:
+    """The nodes of cells."""
+    corners = (cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (0, 1), (1, 0), (1, 1)])).reshape(-1, 2)
+    base = int(corners.max()) + 1
+    x, y = np.divmod(np.unique(corners[:, 0] * base + corners[:, 1]), base)
+    nodes = np.stack([x, y], axis=1)
+    around = cells.around(nodes / QUANTA)
+    largest = np.where(around >= 0, cells.size[around], 0).max(axis=1)
+    return Nodes(nodes, np.rint(support * largest).astype(np.int64), largest)
+
+
+def tiles_of(cells: Squares, nodes: Nodes, support: float) -> Tiles:
+    """The tiles of cells with these nodes."""
+    parts = np.full(cells.n, QUANTA // math.gcd(round(QUANTA * support), QUANTA), dtype=np.int64)
+    if len(np.unique(cells.size)) > 1:
+        cell, off = _crossings(cells, nodes)
+        np.maximum.at(parts, cell, cells.size[cell] // np.gcd(off, cells.size[cell]))
+    low, size, number = cells.low, cells.size, np.arange(cells.n)
+    done = []
+    while len(size):
+        whole = parts[number] * size == cells.size[number]
+        done.append((low[whole], size[whole], number[whole]))
+        (low, size), number = quarters_of(low[~whole], size[~whole]), np.repeat(number[~whole], 4)
+    low, size, number = (np.concatenate(arrays) for arrays in zip(*done, strict=True))
+    order = np.lexsort((low[:, 1], low[:, 0]))
+    tiles = squares_of(low, size)
+    return Tiles(tiles, number[order], _covering(tiles, nodes))
+
+
+def _covering(tiles: Squares, nodes: Nodes) -> Ragged:
+    """The nodes, ascending, whose patches hold each tile.
+
+    A patch is made of squares as large as fit to the tree; of these the tiles are found, or the one they lie in.
+    """
+    low, width = nodes.places - nodes.half[:, None], 2 * nodes.half
+    side = np.gcd(np.gcd(low[:, 0], low[:, 1]), width)
+    side &= -side
+    tile, node = [], []
+    for part in np.unique(side):
+        mine = np.flatnonzero(side == part)
+        for n in np.unique(width[mine] // part).tolist():
+            some = mine[width[mine] == n * part]
+            steps = part * np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), axis=-1).reshape(-1, 2)
+            corners = (low[some][:, None] + steps).reshape(-1, 2)
+            owner = np.repeat(some, n * n)
+            inside = tiles.within(corners, np.full(len(corners), part))
+            none = np.flatnonzero(inside.counts == 0)
+            holding = tiles.at(corners[none])
+            there = holding >= 0
+            tile += [inside.values, holding[there]]
+            node += [owner[inside.row], owner[none[there]]]
+    keys = np.unique(np.concatenate(tile) * len(width) + np.concatenate(node))
+    of_tile, of_node = np.divmod(keys, len(width))
+    return by_row(of_tile, of_node, tiles.n)
+
+
+def _crossings(cells: Squares, nodes: Nodes) -> tuple[Ints, Ints]:
+    """Cells (m,) that edges of patches cross, and how far (m,) from their lower left corners, quanta."""
+    half, step = nodes.half, np.gcd(nodes.half, nodes.largest // 2)
+    found = []
+    for n in np.unique(2 * half // step).tolist():
+        mine = np.flatnonzero(2 * half == n * step)
+        along = (nodes.places[mine] - half[mine, None])[:, None] + step[mine, None, None] * np.arange(n)[:, None]  # (k, n, 2)
+        for axis in range(2):
+            for side in (-1, 1):
+                places = along.copy()
+                places[:, :, axis] = (nodes.places[mine, axis] + side * half[mine])[:, None]
+                places = places.reshape(-1, 2)
+                cell = cells.at(places)
+                off = places[:, axis] - cells.low[cell, axis]
+                crossed = (cell >= 0) & (off > 0)
+                found.append((cell[crossed], off[crossed]))
+    cell, off = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
+    return cell, off
+

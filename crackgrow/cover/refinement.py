@@ -1,0 +1,75 @@
+"""Which cells are divided: those near a place that asks for smaller ones, then neighbours, until none is more than
+twice as large as another that it touches.
+
+A quadtree balanced so keeps patches of like size beside each other: all nodes over a point have half widths within a
+factor of four.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.cover.lattice import Lattice, lattice_of
+from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
+
+MOST_LEVELS = 9
+"""Halvings of the largest cells: `QUANTA` leaves room for the halves of hanging nodes and quarters of supports."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Focus:
+    """Places that ask for small cells."""
+
+    shapes: NDArray[np.object_]  # (n,) points or lines, lattice coordinates
+    size: Floats  # (n,) the largest cells that they allow at the place, spacings
+
+
+def refined(lattice: Lattice, focus: Focus, rings: float) -> Lattice:
+    """The lattice with cells divided where `focus` asks for that, `rings` cells of each size round every place.
+
+    A cell is divided if a place nearer than `rings` of its sides, along both axes, asks for smaller ones.
+    """
+    cells, tree = lattice.cells, shapely.STRtree(focus.shapes)
+    fixed: list[tuple[Ints, Ints]] = []
+    low, size = cells.low, cells.size
+    least = max(float(focus.size.min(initial=np.inf)) * QUANTA, QUANTA / 2**MOST_LEVELS)
+    while len(size):
+        side = size / QUANTA
+        x, y = (low / QUANTA).T
+        room = rings * side
+        cell, place = tree.query(shapely.box(x - room, y - room, x + side + room, y + side + room), "intersects")
+        asked = np.zeros(len(size), dtype=bool)
+        asked[cell[focus.size[place] < side[cell]]] = True
+        asked &= size > least
+        fixed.append((low[~asked], size[~asked]))
+        low, size = quarters_of(low[asked], size[asked])
+    divided = squares_of(*(np.concatenate(arrays) for arrays in zip(*fixed, strict=True)))
+    if divided.n == cells.n:
+        return lattice
+    return lattice_of(lattice.spacing, lattice.support, lattice.origin, balanced(divided))
+
+
+def balanced(cells: Squares) -> Squares:
+    """The cells, divided where one is more than twice as large as another that it touches, corners included."""
+    while True:
+        around = _around(cells.low, cells.size)
+        neighbour = cells.at(around.reshape(-1, 2)).reshape(around.shape[:2])
+        large = (neighbour >= 0) & (cells.size[neighbour] > 2 * cells.size[:, None])
+        if not large.any():
+            return cells
+        is_large = np.zeros(cells.n, dtype=bool)
+        is_large[neighbour[large]] = True
+        quarters = quarters_of(cells.low[is_large], cells.size[is_large])
+        cells = squares_of(*(np.concatenate([a[~is_large], b]) for a, b in zip((cells.low, cells.size), quarters, strict=True)))
+
+
+def _around(low: Ints, size: Ints) -> Ints:
+    """Places (n, 8, 2) in the neighbours of squares (n,)."""
+    steps = np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if (x, y) != (0, 0)])
+    beyond = np.where(steps > 0, size[:, None, None], steps)
+    return np.asarray(low[:, None] + beyond, dtype=np.int64)

@@ -1,0 +1,93 @@
+"""Squares of a quadtree: they do not overlap, and each side is a power of two and divides the square's place.
+
+Places are whole numbers of a quantum. Along the Morton curve all squares inside of a larger one follow each other
+(Morton 1966), so a square is found by one search.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.ragged import Ragged, spans, starts_of
+
+QUANTA = 2**13
+"""Quanta a spacing: ten levels of cells, and patches that end in quarters of half a cell."""
+
+_HALVINGS = ((16, 0x0000FFFF0000FFFF), (8, 0x00FF00FF00FF00FF), (4, 0x0F0F0F0F0F0F0F0F), (2, 0x3333333333333333))
+_EVERY_OTHER = 0x5555555555555555
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Squares:
+    """The squares, by their lower left corners from left to right and upwards."""
+
+    low: Ints  # (n, 2) quanta
+    size: Ints  # (n,) quanta
+    curve: Ints  # (n,) the squares along the Morton curve
+    codes: Ints  # (n,) their places on it, ascending
+
+    @property
+    def n(self) -> int:
+        """Number of squares."""
+        return len(self.size)
+
+    def at(self, places: Ints) -> Ints:
+        """The square (m,) that holds the quantum right above each of `places` (m, 2); -1 for none."""
+        last = np.searchsorted(self.codes, _codes(np.maximum(places, 0)), side="right") - 1
+        found = self.curve[np.maximum(last, 0)]
+        above = places - self.low[found]
+        inside = ((above >= 0) & (above < self.size[found, None])).all(axis=1)
+        return np.where(inside, found, -1)
+
+    def around(self, points: Floats) -> Ints:
+        """The squares (n, 4) that touch points (n, 2), lattice coordinates: below left, above left, below, above right.
+
+        Inside of a square all four are the same; -1 for none.
+        """
+        scaled = points * QUANTA
+        below, above = np.ceil(scaled).astype(np.int64) - 1, np.floor(scaled).astype(np.int64)
+        x, y = np.stack([below, above], axis=1)[:, [0, 0, 1, 1], 0], np.stack([below, above], axis=1)[:, [0, 1, 0, 1], 1]
+        return self.at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(-1, 4)
+
+    def within(self, low: Ints, size: Ints) -> Ragged:
+        """All squares inside of larger or equal ones (m,), which need not belong to these; none where a smaller does."""
+        begin = _codes(np.maximum(low, 0))
+        first = np.searchsorted(self.codes, begin)
+        counts = np.searchsorted(self.codes, begin + size * size) - first
+        counts[(low < 0).any(axis=1)] = 0
+        return Ragged(starts_of(counts), self.curve[spans(first, counts)])
+
+
+def squares_of(low: Ints, size: Ints) -> Squares:
+    """The squares with these corners (n, 2) and sizes (n,)."""
+    order = np.lexsort((low[:, 1], low[:, 0]))
+    low, size = low[order], size[order]
+    codes = _codes(low)
+    curve = np.argsort(codes)
+    return Squares(low, size, curve, codes[curve])
+
+
+def quarters_of(low: Ints, size: Ints) -> tuple[Ints, Ints]:
+    """The four quarters of each square (n,): corners (4 n, 2) and sizes (4 n,)."""
+    half = size // 2
+    steps = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+    corners = low[:, None] + steps * half[:, None, None]
+    return np.asarray(corners, dtype=np.int64).reshape(-1, 2), np.repeat(half, 4)
+
+
+def _codes(places: Ints) -> Ints:
+    """Places (n,) on the Morton curve of corners (n, 2): the bits of both coordinates in turn."""
+    x, y = (_spread(places[:, axis]) for axis in range(2))
+    return np.asarray(2 * x + y)
+
+
+def _spread(values: Ints) -> NDArray[np.int64]:
+    """Values (n,) below 2^31 with a zero between every two bits."""
+    spread = values.astype(np.int64)
+    for shift, mask in _HALVINGS:
+        spread = (spread | (spread << shift)) & mask
+    return np.asarray((spread | (spread << 1)) & _EVERY_OTHER)
