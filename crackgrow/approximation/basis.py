@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -21,8 +22,11 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.crumbs import barycentric
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
-from crackgrow.cover.windows import REGULAR
+from crackgrow.cover.windows import REGULAR, Windows
 from crackgrow.ragged import Ragged, starts_of
+
+AT_ONCE = 40_000
+"""Values of functions in irregular windows taken together: more do not fit into a cache."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,19 +123,28 @@ def of_component(rows: csr_array, component: int) -> csr_array:
     return csr_array((rows.data, 2 * rows.indices + component, rows.indptr), shape=(m, 2 * n))
 
 
-def functions_in_window(lattice: Lattice, window: Ints, local: Floats, derivatives: bool = True) -> Floats:
-    """Functions (1, k, n), or with their derivatives (3, k, n) by sides of a cell, of the k nodes of windows (n,).
+Tables = Iterator[tuple[Ints, Floats]]  # points (m,) and the functions (components, k, m) of the nodes round them
 
-    The windows are all the regular one, or none is. `local` (n, 2) are points in their cells, as parts of the side.
-    """
-    if len(window) and window[0] != REGULAR:
-        windows = lattice.windows
-        nodes, half = windows.nodes[window].transpose(1, 0, 2), windows.half[window].T
-        return mls_round(local, nodes, half, derivatives)
-    if not derivatives:
-        return mls_values(local, lattice.support, lattice.reach).T[None]
-    phi, dphi = mls(local, lattice.support, lattice.reach)
-    return np.stack([phi.T, *dphi.transpose(2, 1, 0)])
+
+def _in_regular_windows(lattice: Lattice, some: Ints, local: Floats, derivatives: bool) -> Tables:
+    """The functions at `some` points among cells of one size, by sides of cells; `local` (n, 2) are places in cells."""
+    if len(some) and derivatives:
+        phi, dphi = mls(local[some], lattice.support, lattice.reach)
+        yield some, np.stack([phi.T, *dphi.transpose(2, 1, 0)])
+    elif len(some):
+        yield some, mls_values(local[some], lattice.support, lattice.reach).T[None]
+
+
+def _in_irregular_windows(windows: Windows, number: Ints, some: Ints, local: Floats, derivatives: bool) -> Tables:
+    """The same at `some` points beside cells of another size, in parts; `number` (n,) are those of the windows."""
+    counts = windows.counts[number[some]]
+    for k in np.unique(counts).tolist():
+        mine = some[counts == k]
+        step = max(1, AT_ONCE // k)
+        for start in range(0, len(mine), step):
+            part = mine[start : start + step]
+            nodes, half = windows.nodes[number[part], :k].transpose(2, 1, 0), windows.half[number[part], :k].T
+            yield part, mls_round(local[part], nodes, half, derivatives)
 
 
 def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> Basis:
@@ -161,12 +174,13 @@ def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool)
     window = cover.lattice.windows.of_tile[cover.elements.tile[elements]]
     patches = Ragged(starts_of(of_element.counts[elements]), of_element.values[place])
     found = np.empty((3 if derivatives else 1, len(place)))
-    regular = window == REGULAR
-    for mine in (np.flatnonzero(regular), np.flatnonzero(~regular)):
-        if len(mine):
-            table = functions_in_window(cover.lattice, window[mine], local[mine], derivatives)
-            row, at = patches.places(mine)
-            found[:, at] = table.reshape(len(table), -1).take(slot[at] * len(mine) + row, axis=1)
+    regular, irregular = np.flatnonzero(window == REGULAR), np.flatnonzero(window != REGULAR)
+    for mine, table in chain(
+        _in_regular_windows(cover.lattice, regular, local, derivatives),
+        _in_irregular_windows(cover.lattice.windows, window, irregular, local, derivatives),
+    ):
+        row, at = patches.places(mine)
+        found[:, at] = table.reshape(len(table), -1).take(slot[at] * len(mine) + row, axis=1)
     found[1:] /= (cover.lattice.spacing * size)[which]
     crumbs = np.flatnonzero(cover.patches.in_crumb[elements])
     if len(crumbs):

@@ -51,13 +51,12 @@ def mls_values(local: Floats, support: float, reach: int) -> Floats:
 def mls_round(local: Floats, nodes: Floats, half: Floats, derivatives: bool = True) -> Floats:
     """Functions (1, k, n), or with their derivatives (3, k, n), of k nodes for each of n points.
 
-    local: points (n, 2); nodes: (k, n, 2) with half widths (k, n), all in one unit of length
+    local: points (n, 2); nodes: (2, k, n) with half widths (k, n), all in one unit of length
     """
-    xi, eta = nodes.transpose(2, 0, 1) - local.T[:, None, :]
+    xi, eta = nodes - local.T[:, None, :]
     (wx, dx), (wy, dy) = (cubic_spline(np.abs(distance) / half) for distance in (xi, eta))
     weight = wx * wy
-    first, second = weight * xi, weight * eta
-    moments = [np.sum(a, axis=0) for a in (weight, first, second, first * xi, first * eta, second * eta)]
+    moments = _sums(weight, xi, eta)
     inverse = _inverse(*moments)
     b = inverse[:3]
     value = b[0] + b[1] * xi + b[2] * eta
@@ -65,17 +64,28 @@ def mls_round(local: Floats, nodes: Floats, half: Floats, derivatives: bool = Tr
     found[0] = weight * value
     if not derivatives:
         return found
-    by_x, by_y = -dx * np.sign(xi) / half * wy, -dy * np.sign(eta) / half * wx
-    for axis, slope in enumerate((by_x, by_y)):
-        along, across = slope * xi, slope * eta
-        sums = [np.sum(a, axis=0) for a in (slope, along, across, along * xi, along * eta, across * eta)]
-        moving = (0.0, moments[0], 0.0, 2.0 * moments[1], moments[2], 0.0) if axis == 0 else (
-            0.0, 0.0, moments[0], 0.0, moments[1], 2.0 * moments[2]
-        )
-        db = -_times(inverse, _times(tuple(total - part for total, part in zip(sums, moving, strict=True)), b))
-        db[0] -= b[1 + axis]  # the basis moves with x
+    none, (a00, a10, a01, *_) = np.zeros(len(local)), moments
+    moving = ((none, a00, none, 2.0 * a10, a01, none), (none, none, a00, none, a10, 2.0 * a01))  # p moves with x
+    slopes = (-dx * np.sign(xi) / half * wy, -dy * np.sign(eta) / half * wx)
+    for axis, (slope, shift) in enumerate(zip(slopes, moving, strict=True)):
+        matrix = tuple(a - c for a, c in zip(_sums(slope, xi, eta), shift, strict=True))
+        db = -_times(inverse, _times(matrix, b))
+        db[0] -= b[1 + axis]  # so does the basis
         found[1 + axis] = weight * (db[0] + db[1] * xi + db[2] * eta) + value * slope
     return found
+
+
+def _sums(weight: Floats, xi: Floats, eta: Floats) -> tuple[Floats, ...]:
+    """Sums (n,) over the nodes of weights (k, n) times 1, xi, eta, xi^2, xi eta, eta^2."""
+    first, second = weight * xi, weight * eta
+    return (
+        weight.sum(axis=0),
+        first.sum(axis=0),
+        second.sum(axis=0),
+        np.einsum("kn,kn->n", first, xi),
+        np.einsum("kn,kn->n", first, eta),
+        np.einsum("kn,kn->n", second, eta),
+    )
 
 
 def _weights(local: Floats, support: float, reach: int) -> tuple[Floats, Floats, Floats]:

@@ -9,8 +9,7 @@ from crackgrow.arrays import Floats
 
 def cubic_spline(q: Floats) -> tuple[Floats, Floats]:
     """Cubic spline w(q) and its derivative dw/dq at q >= 0, zero from q = 1 on (Belytschko, Lu, Gu 1994, eq. 25)."""
-    inner = q <= 0.5
-    rest = np.maximum(1.0 - q, 0.0)
-    w = np.where(inner, 2.0 / 3.0 - 4.0 * q**2 + 4.0 * q**3, 4.0 / 3.0 * rest**3)
-    dw = np.where(inner, -8.0 * q + 12.0 * q**2, -4.0 * rest**2)
-    return w, dw
+    whole, inner = np.maximum(1.0 - q, 0.0), np.maximum(0.5 - q, 0.0)
+    whole_squared, inner_squared = whole * whole, inner * inner
+    w = (4.0 / 3.0) * (whole_squared * whole - 4.0 * inner_squared * inner)
+    return w, 4.0 * (4.0 * inner_squared - whole_squared)

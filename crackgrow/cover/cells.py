@@ -36,7 +36,9 @@ class Tiles:
 
 def nodes_of(cells: Squares, support: float) -> Nodes:
     """The nodes of cells."""
-    corners = (cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (0, 1), (1, 0), (1, 1)])).reshape(-1, 2)
+    corners = (cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (0, 1), (1, 0), (1, 1)])).reshape(
+        -1, 2
+    )
     base = int(corners.max()) + 1
     x, y = np.divmod(np.unique(corners[:, 0] * base + corners[:, 1]), base)
     nodes = np.stack([x, y], axis=1)
@@ -96,7 +98,9 @@ def _crossings(cells: Squares, nodes: Nodes) -> tuple[Ints, Ints]:
     found = []
     for n in np.unique(2 * half // step).tolist():
         mine = np.flatnonzero(2 * half == n * step)
-        along = (nodes.places[mine] - half[mine, None])[:, None] + step[mine, None, None] * np.arange(n)[:, None]  # (k, n, 2)
+        along = (nodes.places[mine] - half[mine, None])[:, None] + step[mine, None, None] * np.arange(n)[
+            :, None
+        ]  # (k, n, 2)
         for axis in range(2):
             for side in (-1, 1):
                 places = along.copy()
@@ -108,4 +112,3 @@ def _crossings(cells: Squares, nodes: Nodes) -> tuple[Ints, Ints]:
                 found.append((cell[crossed], off[crossed]))
     cell, off = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
     return cell, off
-

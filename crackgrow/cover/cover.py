@@ -18,6 +18,7 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches, physical_patches, without_specks
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
+from crackgrow.cover.windows import REGULAR
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.ragged import Ragged, starts_of
 
@@ -61,7 +62,7 @@ class Cover:
     tips: tuple[Tip, ...]
     enrichment: Enrichment  # which tips act on which elements
     touching: Bools  # (e,) which edges of the arrangement lie on a surface
-    plain: Bools  # (elements,) whole tiles and rectangles with four edges, none on a surface, no crumbs and without tip functions
+    plain: Bools  # (elements,) rectangles with four edges in regular windows, none on a surface, no crumbs, no tip functions
     crack_tree: shapely.STRtree  # over the cracks
     outline_tree: shapely.STRtree  # over the edges of `elements.outlines`
 
@@ -139,7 +140,7 @@ def build_cover(
         tips=tips,
         enrichment=enrichment,
         touching=touching,
-        plain=_plain(elements, touching, patches, enrichment),
+        plain=_plain(lattice, elements, touching, patches, enrichment),
         crack_tree=shapely.STRtree([shapely.LineString(crack.points) for crack in cracks]),
         outline_tree=shapely.STRtree(shapely.linestrings(elements.outlines.points)),
     )
@@ -165,11 +166,12 @@ def _same_bodies(before: Cover, bodies: Sequence[BodyGeometry]) -> bool:
     return known == wanted
 
 
-def _plain(elements: Elements, touching: Bools, patches: Patches, enrichment: Enrichment) -> Bools:
+def _plain(lattice: Lattice, elements: Elements, touching: Bools, patches: Patches, enrichment: Enrichment) -> Bools:
     """Which elements (n,) are plain."""
     step = elements.vertices[elements.ring_end] - elements.vertices[elements.ring_start]
     slanted = np.all(step != 0.0, axis=1)
-    plain = (np.arange(elements.n) < elements.n_whole) | (np.bincount(elements.ring_element, minlength=elements.n) == 4)
+    plain = np.bincount(elements.ring_element, minlength=elements.n) == 4
+    plain &= lattice.windows.of_tile[elements.tile] == REGULAR
     plain[elements.ring_element[slanted]] = False
     beside = np.concatenate([elements.edges.left[touching], elements.edges.right[touching]])
     plain[beside[beside >= 0]] = False

@@ -33,7 +33,9 @@ def extensions_of(lattice: Lattice, crack: CrackGeometry) -> list[Floats]:
         least.setdefault((numbers[1], numbers[0]), 0.0)
         from_tip = crack.seen_from(at_end)
         last = n_outward(from_tip)
-        if np.hypot(*(from_tip[last] - from_tip[0])) < reach_of_tips(lattice.support) * largest_cell_at(lattice, from_tip[0]):
+        if np.hypot(*(from_tip[last] - from_tip[0])) < reach_of_tips(lattice.support) * largest_cell_at(
+            lattice, from_tip[0]
+        ):
             least[numbers[last - 1], numbers[last]] = DIAGONAL * largest_cell_at(lattice, from_tip[last])
     found = []
     for segment, length in least.items():

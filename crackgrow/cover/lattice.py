@@ -89,9 +89,7 @@ def lattice_of(spacing: float, support: float, origin: Floats, cells: Squares) -
     tiles = tiles_of(cells, nodes, support)
     width, height = ((cells.low + cells.size[:, None]).max(axis=0) // QUANTA).tolist()
     windows = windows_of(cells, nodes, tiles, support)
-    return Lattice(
-        spacing, support, origin, (width, height), cells, nodes, tiles, tiling_of(tiles.squares), windows
-    )
+    return Lattice(spacing, support, origin, (width, height), cells, nodes, tiles, tiling_of(tiles.squares), windows)
 
 
 def _largest_cells(width: int, height: int) -> Squares:

@@ -65,7 +65,9 @@ def balanced(cells: Squares) -> Squares:
         is_large = np.zeros(cells.n, dtype=bool)
         is_large[neighbour[large]] = True
         quarters = quarters_of(cells.low[is_large], cells.size[is_large])
-        cells = squares_of(*(np.concatenate([a[~is_large], b]) for a, b in zip((cells.low, cells.size), quarters, strict=True)))
+        cells = squares_of(
+            *(np.concatenate([a[~is_large], b]) for a, b in zip((cells.low, cells.size), quarters, strict=True))
+        )
 
 
 def _around(low: Ints, size: Ints) -> Ints:

@@ -50,7 +50,10 @@ class Squares:
         """
         scaled = points * QUANTA
         below, above = np.ceil(scaled).astype(np.int64) - 1, np.floor(scaled).astype(np.int64)
-        x, y = np.stack([below, above], axis=1)[:, [0, 0, 1, 1], 0], np.stack([below, above], axis=1)[:, [0, 1, 0, 1], 1]
+        x, y = (
+            np.stack([below, above], axis=1)[:, [0, 0, 1, 1], 0],
+            np.stack([below, above], axis=1)[:, [0, 1, 0, 1], 1],
+        )
         return self.at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(-1, 4)
 
     def within(self, low: Ints, size: Ints) -> Ragged:

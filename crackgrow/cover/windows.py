@@ -30,6 +30,7 @@ class Windows:
     slot: Ints  # (q,) which place of the window each of the nodes over each tile has
     nodes: Floats  # (windows, k, 2)
     half: Floats  # (windows, k) half widths of their patches
+    counts: Ints  # (windows,) number of nodes; what follows them is far away
 
 
 def regular_window(support: float) -> Floats:
@@ -62,7 +63,8 @@ def windows_of(cells: Squares, nodes: Nodes, tiles: Tiles, support: float) -> Wi
     different = found[np.unique(number, return_index=True)[1]]
     of_tile = np.full(over.n, REGULAR)
     of_tile[some] = number[1:]
-    return Windows(of_tile, slot, different[:, :, :2], different[:, :, 2])
+    counts = np.count_nonzero(different[:, :, 0] < FAR, axis=1)
+    return Windows(of_tile, slot, different[:, :, :2], different[:, :, 2], counts)
 
 
 def _of_regular(cells: Squares, tiles: Tiles, support: float) -> Ints:

@@ -21,6 +21,7 @@ import numpy as np
 from crackgrow.approximation.basis import basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.windows import REGULAR
 from crackgrow.estimate.energy_norm import energy_components
 from crackgrow.estimate.patch_fits import FreeSamples, RegularSamples, fit, misfits
 from crackgrow.quadrature.elements import ElementPoints
@@ -99,8 +100,7 @@ def _regular(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, chos
         mine, patches = some.elements, some.patches(cover)
         if len(mine) == 0:
             continue
-        local = some.at(share)
-        phi, dphi = some.functions(lattice, local)
+        phi, dphi = some.functions(lattice, share)
         own = u.reshape(-1, 2)[patches].transpose(1, 0, 2).reshape(patches.shape[1], -1)
         by = dphi.transpose(2, 0, 1).reshape(-1, patches.shape[1]) @ own  # (q d, e c)
         side = cover.elements.size[mine]
@@ -109,8 +109,7 @@ def _regular(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, chos
         body = np.tile(cover.elements.body[mine], len(share))
         values = energy_components(materials, stress_of(materials, gradient.reshape(-1, 2, 2), body), body)
         area = weights * kind.size.prod()
-        nodes, half = lattice.windows.nodes[kind.window][kind.slots], lattice.windows.half[kind.window][kind.slots]
-        distance = (local[:, None] - nodes) * (lattice.support / half)[:, None]
+        distance = (kind.low + share * kind.size)[:, None] - lattice.windows.nodes[REGULAR, kind.slots]
         of_points = values.reshape(len(share), len(mine), 3)
         of_area = area[:, None] * np.maximum(phi.T, 0.0)
         found.append(RegularSamples(mine, patches, distance, of_area, side**2, of_points))

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.arrangement import as_numbers, ring_vertices
-from crackgrow.quadrature.plain_kinds import rectangles
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
 from crackgrow.ragged import Ragged
 from crackgrow.vectors import cross
@@ -51,6 +50,7 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     owner = cut[owner] + n_whole
     more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
     parts = [_on_tiles(cover, np.flatnonzero(enriched[:n_whole]), n + more)]
+    parts += _on_irregular_tiles(cover, np.flatnonzero(~(cover.plain | enriched)[:n_whole]), n)
     smooth = ~enriched[owner]
     parts.append(_on_corners(corners[smooth], owner[smooth], n))
     corners, owner = corners[~smooth], owner[~smooth]
@@ -93,9 +93,16 @@ def _triangles(polygons: NDArray[np.object_]) -> tuple[Floats, Ints]:
 
 def _on_tiles(cover: Cover, elements: Ints, n: int) -> tuple[Floats, Floats, Ints]:
     local, weights = square(n)
-    low, size = rectangles(cover, elements)
-    points = low[:, None] + size[:, None] * local
-    return _flat(points, np.prod(size, axis=1)[:, None] * weights, elements)
+    tile = cover.elements.tile[elements]
+    low, size = cover.lattice.tile_low[tile], cover.lattice.tile_size[tile]
+    points = low[:, None] + size[:, None, None] * local
+    return _flat(points, size[:, None] ** 2 * weights, elements)
+
+
+def _on_irregular_tiles(cover: Cover, elements: Ints, n: int) -> list[tuple[Floats, Floats, Ints]]:
+    """Points of whole tiles beside cells of another size: one less per direction in parts of cells."""
+    is_part = cover.lattice.tile_size[cover.elements.tile[elements]] < cover.elements.size[elements]
+    return [_on_tiles(cover, elements[~is_part], n), _on_tiles(cover, elements[is_part], max(n - 1, 1))]
 
 
 def _on_corners(corners: Floats, owner: Ints, n: int) -> tuple[Floats, Floats, Ints]:

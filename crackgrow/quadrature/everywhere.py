@@ -17,7 +17,7 @@ def all_points(cover: Cover, n: int) -> ElementPoints:
     local, weight = square(n)
     for kind in plain_kinds(cover):
         cell, size = cover.elements.cell[kind.elements], cover.elements.size[kind.elements]
-        points.append((cell[:, None] + kind.at(local) * size[:, None, None]).reshape(-1, 2))
+        points.append((cell[:, None] + (kind.low + local * kind.size) * size[:, None, None]).reshape(-1, 2))
         weights.append(np.outer(size**2, weight * kind.size.prod()).ravel())
         elements.append(np.repeat(kind.elements, len(weight)))
     return ElementPoints(np.concatenate(points), np.concatenate(weights), np.concatenate(elements))

@@ -1,7 +1,7 @@
-"""Plain elements, rectangles without singular patches, by their kinds.
+"""Plain elements, rectangles without singular patches among cells of one size, by their kinds.
 
-Those alike in shape, in rim, in window and the patches there, and in place in their cell have the same functions at
-the same points, hence the same element matrix: it is integrated once, in the unit cell.
+Those alike in shape, in the patches over them and in place in their cell have the same functions at the same points,
+whatever the size of the cell, hence the same element matrix: it is integrated once, in the unit cell.
 """
 
 from __future__ import annotations
@@ -10,26 +10,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crackgrow.approximation.basis import functions_in_window
+from crackgrow.approximation.mls import mls
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.lattice import Lattice
-from crackgrow.ragged import Ragged, spans, starts_of
+from crackgrow.cover.squares import QUANTA
 
 
 def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:
     """Lower left corners (n, 2) and sizes (n, 2) of plain elements (n,)."""
-    ring = ring_places(cover, elements)
-    corners, which = cover.elements.vertices[cover.elements.ring_start[ring.values]], ring.start[:-1]
-    low, high = np.minimum.reduceat(corners, which, axis=0), np.maximum.reduceat(corners, which, axis=0)
-    return low, high - low
-
-
-def ring_places(cover: Cover, elements: Ints) -> Ragged:
-    """The edges round elements (n,): places among all ring edges."""
-    start = np.searchsorted(cover.elements.ring_element, np.arange(cover.elements.n + 1))
-    counts = np.diff(start)[elements]
-    return Ragged(starts_of(counts), spans(start[elements], counts))
+    ring = np.searchsorted(cover.elements.ring_element, elements)
+    corners = cover.elements.vertices[cover.elements.ring_start[ring[:, None] + np.arange(4)]]
+    low = corners.min(axis=1)
+    return low, corners.max(axis=1) - low
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,24 +31,18 @@ class PlainKind:
 
     elements: Ints  # (n,)
     body: int
-    low: Floats  # (2,) lower left corner
+    low: Floats  # (2,) lower left corner in the unit cell
     size: Floats  # (2,)
-    rim: Floats  # (e, 2) vertices round it, counter-clockwise
-    window: int
-    slots: Ints  # (k,) which nodes of the window have a patch here
+    slots: Ints  # (k,) which of the nodes round the cell have a patch here
 
     def patches(self, cover: Cover) -> Ints:
         """Their physical patches (n, k)."""
         return cover.patches.of_element.taken(self.elements).values.reshape(-1, len(self.slots))
 
-    def functions(self, lattice: Lattice, local: Floats) -> tuple[Floats, Floats]:
-        """Functions (k, m) and their gradients (2, k, m) per side of the cell at points `local` (m, 2) of the cell."""
-        found = functions_in_window(lattice, np.full(len(local), self.window), local)
-        return found[0, self.slots], found[1:, self.slots]
-
-    def at(self, share: Floats) -> Floats:
-        """Points in the cell (m, 2) by their `share` (m, 2) of the size."""
-        return np.asarray(self.low + share * self.size)
+    def functions(self, lattice: Lattice, share: Floats) -> tuple[Floats, Floats]:
+        """Functions (k, m) and their gradients (2, k, m) per side of a cell at points by their `share` (m, 2) of the size."""
+        phi, dphi = mls(self.low + share * self.size, lattice.support, lattice.reach)
+        return phi.T[self.slots], dphi.transpose(2, 1, 0)[:, self.slots]
 
 
 def plain_kinds(cover: Cover) -> list[PlainKind]:
@@ -63,27 +50,39 @@ def plain_kinds(cover: Cover) -> list[PlainKind]:
     elements = np.flatnonzero(cover.plain)
     if not len(elements):
         return []
-    of_element, every = cover.patches.of_element, cover.elements
-    ring = ring_places(cover, elements)
-    cell, size = every.cell[elements], every.size[elements]
-    rim = (every.vertices[every.ring_start[ring.values]] - cell[ring.row]) / size[ring.row, None]
-    _, place = of_element.places(elements)
-    slots, n_slots = cover.patches.slot[place], of_element.counts[elements]
-    window, body = cover.lattice.windows.of_tile[every.tile[elements]], every.body[elements]
-    numbers: dict[tuple[object, ...], int] = {}
-    number = np.empty(len(elements), dtype=np.int64)
-    slot_start, raw_slots, raw_rim = starts_of(n_slots), slots.tobytes(), rim.tobytes()
-    heads = zip(body.tolist(), window.tolist(), slot_start.tolist(), ring.start.tolist(), strict=False)
-    ends = zip(slot_start[1:].tolist(), ring.start[1:].tolist(), strict=True)
-    for k, ((of_body, of_window, i, m), (j, n)) in enumerate(zip(heads, ends, strict=False)):
-        key = (of_body, of_window, raw_slots[8 * i : 8 * j], raw_rim[16 * m : 16 * n])
-        number[k] = numbers.setdefault(key, len(numbers))
-    first = np.unique(number, return_index=True)[1]
-    members = np.split(elements[np.argsort(number, kind="stable")], np.cumsum(np.bincount(number))[:-1])
-    found = []
-    for mine, at in zip(members, first.tolist(), strict=True):
-        round_it = rim[ring.start[at] : ring.start[at + 1]]
-        low, high = round_it.min(axis=0), round_it.max(axis=0)
-        nodes = slots[slot_start[at] : slot_start[at + 1]]
-        found.append(PlainKind(mine, int(body[at]), low, high - low, round_it, int(window[at]), nodes))
-    return found
+    pattern, slots = _patterns(cover, elements)
+    body, part = cover.elements.body[elements], _parts(cover.lattice)[cover.elements.tile[elements]]
+    whole = int(np.searchsorted(elements, cover.elements.n_whole))  # those before are alike in one part of their cells
+    alike = np.concatenate([part[:whole], int(part.max()) + 1 + np.arange(len(elements) - whole)])
+    alike = (alike * (int(body.max()) + 1) + body) * len(slots) + pattern
+    _, first, group = np.unique(alike, return_index=True, return_inverse=True)
+    low, size = rectangles(cover, elements[first])
+    cell = cover.elements.size[elements[first], None]
+    low, size = (low - cover.elements.cell[elements[first]]) / cell, size / cell
+    kinds = np.column_stack([low, size, body[first], pattern[first]])
+    _, example, kind = np.unique(kinds, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(kind.ravel()[group], kind="stable")
+    ends = np.cumsum(np.bincount(kind.ravel()[group]))
+    members = np.split(elements[order], ends[:-1])
+    return [
+        PlainKind(mine, int(body[first[at]]), low[at], size[at], slots[pattern[first[at]]])
+        for mine, at in zip(members, example.tolist(), strict=True)
+    ]
+
+
+def _patterns(cover: Cover, elements: Ints) -> tuple[Ints, list[Ints]]:
+    """Which nodes round their cells have a patch over elements (n,): numbers (n,) of the patterns, and all of them."""
+    which, place = cover.patches.of_element.places(elements)
+    covered = np.zeros((len(elements), 4 * cover.lattice.reach**2), dtype=bool)
+    covered[which, cover.patches.slot[place]] = True
+    packed = np.packbits(covered, axis=1)
+    _, first, number = np.unique(packed.view(f"V{packed.shape[1]}"), return_index=True, return_inverse=True)
+    return number.ravel(), [np.flatnonzero(covered[example]) for example in first.tolist()]
+
+
+def _parts(lattice: Lattice) -> Ints:
+    """Which part of its cell each tile (n,) is: equal numbers for equal parts."""
+    tiles, cell = lattice.tiles, lattice.tiles.cell
+    of_cell = lattice.cells.size[cell] // tiles.squares.size
+    place = (tiles.squares.low - lattice.cells.low[cell]) // tiles.squares.size[:, None]
+    return np.asarray((of_cell * QUANTA + place[:, 0]) * QUANTA + place[:, 1])

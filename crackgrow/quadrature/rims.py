@@ -63,12 +63,13 @@ def rim_points(cover: Cover) -> RimPoints:
     return RimPoints(points[order], normals[order], element[order])
 
 
-def round_polygon(vertices: Floats) -> tuple[Floats, Floats]:
-    """Points (n, 2) on the rim of a polygon with `vertices` (e, 2), counter-clockwise, and normals times lengths."""
-    position, weights = on_edges(len(vertices), POINTS_PER_EDGE)
-    step = np.roll(vertices, -1, axis=0) - vertices
-    points = vertices[:, None] + position[:, :, None] * step[:, None]
-    normals = weights[:, :, None] * np.stack([step[:, 1], -step[:, 0]], axis=1)[:, None]
+def rectangle_rim(size: Floats) -> tuple[Floats, Floats]:
+    """Points (n, 2) on the rim of a rectangle of `size` (2,), as shares of it from a corner, and normals (n, 2)."""
+    corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)])
+    position, weights = on_edges(4, POINTS_PER_EDGE)
+    step = np.diff(corners, axis=0)
+    points = corners[:-1, None] + position[:, :, None] * step[:, None]
+    normals = weights[:, :, None] * (np.stack([step[:, 1], -step[:, 0]], axis=1) * size[::-1])[:, None]
     return points.reshape(-1, 2), normals.reshape(-1, 2)
 
 

@@ -69,7 +69,7 @@ def _volume_of_functions(cover: Cover, body: int, n: int) -> Floats:
     local, weights = square(n)
     for kind in plain_kinds(cover):
         if kind.body == body:
-            phi, _ = kind.functions(lattice, kind.at(local))
+            phi, _ = kind.functions(lattice, local)
             area = cover.elements.size[kind.elements] ** 2
             np.add.at(total, kind.patches(cover), np.outer(area, phi @ weights * kind.size.prod()))
     points = element_points(cover, n)

@@ -22,7 +22,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, half, sum_of
 from crackgrow.quadrature.plain_kinds import PlainKind, plain_kinds
-from crackgrow.quadrature.rims import round_polygon
+from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square
 from crackgrow.ragged import starts_of
 from crackgrow.solid.clusters import Clusters, clusters_of, keys
@@ -102,18 +102,15 @@ def _elastic(material: PlaneElasticity, xx: Floats, xy: Floats, yx: Floats, yy: 
 def plain_key(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> bytes:
     """All that the matrix of a kind of plain elements depends on."""
     moduli = (material.c11, material.c12, material.c33)
-    windows = cover.lattice.windows
-    nodes, half = windows.nodes[kind.window][kind.slots], windows.half[kind.window]
-    shape = np.concatenate([kind.rim.ravel(), nodes.ravel(), half])
-    return np.concatenate([[*moduli, n, len(kind.rim), len(nodes)], shape]).tobytes()
+    return np.array([cover.lattice.support, *moduli, n, *kind.low, *kind.size, *kind.slots]).tobytes()
 
 
 def _plain(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> Floats:
     """The element matrix (2 k, 2 k) of a kind of plain elements, function by function."""
     share, weights = square(n)
     area = weights * kind.size.prod()
-    _, gradients = kind.functions(cover.lattice, kind.at(share))
-    rim, normals = round_polygon(kind.rim)
+    _, gradients = kind.functions(cover.lattice, share)
+    rim, normals = rectangle_rim(kind.size)
     rim_values, _ = kind.functions(cover.lattice, rim)
     matrix = element_matrix(material, consistent(gradients, area, rim_values, normals), area)
     return matrix.reshape(2 * len(matrix), -1)
