@@ -22,6 +22,7 @@ class CellLengths:
 
     s: Floats  # (k,) arc lengths of both ends, and between them of the places where h changes, lattice units
     cells: Floats  # (k,) xi there
+    mean_size: float  # mean of h, lattice units
 
     @property
     def total(self) -> float:
@@ -51,6 +52,6 @@ def cell_lengths(cover: Cover, surface: int) -> CellLengths:
     edges = cover.surfaces[surface].edges
     size = np.maximum(cover.sizes[edges.plus], np.where(edges.minus >= 0, cover.sizes[edges.minus], 0.0))
     first = np.concatenate([[0], np.flatnonzero(np.diff(size)) + 1])  # edges of each part with cells of one size
-    length = arc_lengths(cover.surfaces[surface].points)[-1]
-    s = np.concatenate([[0.0], edges.s[first[1:], 0], [length]])
-    return CellLengths(s, np.concatenate([[0.0], np.cumsum(np.diff(s) / size[first])]))
+    s = np.concatenate([[0.0], edges.s[first[1:], 0], arc_lengths(cover.surfaces[surface].points)[-1:]])
+    cells = np.concatenate([[0.0], np.cumsum(np.diff(s) / size[first])])
+    return CellLengths(s, cells, float(np.diff(s) @ size[first] / s[-1]))

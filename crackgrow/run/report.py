@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import FacePoints, joined, points_at
 from crackgrow.contact.jump import gap_and_slip
@@ -184,6 +185,7 @@ def _faces(solution: StepSolution, scene: Scene, index: int, samples: FacePoints
         normal_traction=normal,
         tangential_traction=tangential,
         state=np.append(outcome.state, OPEN)[nearest],  # the last entry serves the index -1
+        cell_size=cell_lengths(solution.cover, index).size(s) * scene.lattice.spacing,
     )
 
 

@@ -93,6 +93,7 @@ class CrackFaces:
     normal_traction: Floats  # (n,) Pa
     tangential_traction: Floats  # (n,) Pa
     state: Ints  # (n,) index into STATE_NAMES
+    cell_size: Floats  # (n,) m, side of the cells there
 
 
 @dataclass(frozen=True, slots=True, eq=False)

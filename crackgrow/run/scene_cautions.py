@@ -11,6 +11,7 @@ from crackgrow.case.features import Length, feature_lengths, line_length, part_l
 from crackgrow.case.meetings import scene_size
 from crackgrow.case.model import Case, EdgeTraction, Gravity, PointSupport
 from crackgrow.case.snapping import SNAP
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths
@@ -27,10 +28,11 @@ THINNEST_LAYER = 1e-4
 
 def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Caution]:
     """What holds for all steps."""
-    case, spacing = scene.case, scene.case.numerics.spacing
+    case = scene.case
     growth, support, contact = case.growth, case.numerics.support, case.numerics.contact
-    if growth is not None and growth.tip_radius < Cause.SMALL_RADIUS.limit * spacing:
-        yield Cause.SMALL_RADIUS.at(radius=growth.tip_radius, spacing=spacing)
+    at_tips = max((tip.size for tip in cover.tips), default=1.0) * scene.lattice.spacing
+    if growth is not None and growth.tip_radius < Cause.SMALL_RADIUS.limit * at_tips:
+        yield Cause.SMALL_RADIUS.at(radius=growth.tip_radius, spacing=at_tips)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
     if growth is not None and growth.steps > 0 and not growing:
         yield Cause.NO_TIPS.at(steps=growth.steps)
@@ -44,8 +46,8 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     for crack in case.cracks:
         if crack.left_out:
             yield Cause.LEFT_OUT.at(f"crack '{crack.name}'", crack.left_out)
-    for shape in cover.cracks:
-        length = float(arc_lengths(shape.points)[-1])
+    for index, shape in enumerate(cover.cracks):
+        length = cell_lengths(cover, index).total
         if length < Cause.SHORT_CRACK.limit and not ends_on(shape, cover.cracks):
             yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
     yield from _unresolved(scene)
@@ -96,9 +98,9 @@ def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:
     if stiffness is None:
         return
     softest, limit = min(material.young_prime for material in scene.materials), Cause.SOFT_CONTACT.limit
-    for surface, law in zip(cover.surfaces, scene.laws, strict=True):
-        length = float(arc_lengths(surface.points)[-1]) * scene.lattice.spacing
-        ratio = 0.0 if law.contact is None else 0.5 * law.compliance * softest / length
+    for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
+        share = cell_lengths(cover, index).mean_size / float(arc_lengths(surface.points)[-1])
+        ratio = 0.0 if law.contact is None else 0.5 * share * softest / law.stiffness
         if ratio > limit:
             told = {"stiffness": stiffness, "percent": 100.0 / (1.0 + ratio), "enough": stiffness * ratio / limit}
             yield Cause.SOFT_CONTACT.at(f"'{surface.name}'", ratio, **told)
@@ -117,7 +119,7 @@ def _contact_layers(scene: Scene) -> Iterator[Caution]:
         least, most, points, much = THINNEST_LAYER * contact.spacing, contact.spacing, "mortar nodes", "their distance"
         other = "numerics.contact.discretization gauss with "
     for body, law in zip(scene.crack_bodies, scene.laws[: len(scene.crack_bodies)], strict=True):
-        layer = 0.5 * scene.materials[body].young_prime * law.compliance / scene.lattice.spacing
+        layer = 0.5 * scene.materials[body].young_prime / law.stiffness  # cells
         if least < layer < most:
             yield Cause.CONTACT_LAYER.at(points=points, much=much, other=other)
             return
@@ -161,8 +163,8 @@ def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
 
 def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Short cracks that lead from a tip to another crack, and cracks and tips that lie close to other things."""
-    for crack in cover.cracks:
-        length = float(arc_lengths(crack.points)[-1])
+    for index, crack in enumerate(cover.cracks):
+        length = cell_lengths(cover, index).total
         if length < Cause.SHORT_ARM.limit and (others := ends_on(crack, cover.cracks)):
             yield Cause.SHORT_ARM.at(f"crack '{crack.name}'", 1.0 / length, others=" and ".join(others))
     for first, second in close_pairs(cover, scene.interfaces, Cause.CLOSE.limit):
