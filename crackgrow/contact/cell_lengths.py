@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.cover.closeness import sizes_beside
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths
 
@@ -49,8 +50,7 @@ class CellLengths:
 
 def cell_lengths(cover: Cover, surface: int) -> CellLengths:
     """Lengths along a surface of the cover."""
-    edges = cover.surfaces[surface].edges
-    size = np.maximum(cover.sizes[edges.plus], np.where(edges.minus >= 0, cover.sizes[edges.minus], 0.0))
+    edges, size = cover.surfaces[surface].edges, sizes_beside(cover, surface)
     first = np.concatenate([[0], np.flatnonzero(np.diff(size)) + 1])  # edges of each part with cells of one size
     s = np.concatenate([[0.0], edges.s[first[1:], 0], arc_lengths(cover.surfaces[surface].points)[-1:]])
     cells = np.concatenate([[0.0], np.cumsum(np.diff(s) / size[first])])

@@ -134,6 +134,7 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error
         K_II_faces=state.K_faces[1],
         K_I_spread=state.intensity.K_I_spread,
         K_II_spread=state.intensity.K_II_spread,
+        cell_size=cover.tips[tip].size * scene.lattice.spacing,
     )
 
 

@@ -63,6 +63,7 @@ class TipResult:
     K_II_faces: float  # Pa sqrt(m)
     K_I_spread: float  # Pa sqrt(m), between discs of integration: a part of the error, often a small one
     K_II_spread: float  # Pa sqrt(m)
+    cell_size: float  # m, side of the cells round the tip
 
 
 @dataclass(frozen=True, slots=True, eq=False)

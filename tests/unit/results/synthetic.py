@@ -139,6 +139,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
             -1e6,
             np.nan,
             np.nan,
+            3e-3,
         ),
         TipResult(
             "flaw",
@@ -160,6 +161,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
             1e3,
             2e3,
             1e3,
+            1.5e-3,
         ),
     )
     result = StepResult(
