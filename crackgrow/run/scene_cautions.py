@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import shapely
 
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
@@ -15,6 +16,7 @@ from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
 from crackgrow.solid.loads import load_vector
@@ -50,18 +52,29 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
         length = cell_lengths(cover, index).total
         if length < Cause.SHORT_CRACK.limit and not ends_on(shape, cover.cracks):
             yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
-    yield from _unresolved(scene)
+    yield from _unresolved(scene, cover)
     yield from _moved(scene)
 
 
-def _unresolved(scene: Scene) -> Iterator[Caution]:
+def _unresolved(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Holes, corners, bridges of rock, and parts of edges that a lattice given by hand does not resolve."""
-    draft, spacing = PRESETS["draft"], scene.lattice.spacing
+    draft, limit, spacing = PRESETS["draft"], Cause.UNRESOLVED.limit, scene.lattice.spacing
     for length in _lengths(scene.case):
         needed, metres = length.metres / draft.parts(length.kind), length.metres
-        if needed < Cause.UNRESOLVED.limit * spacing:
-            told = {"metres": metres, "spacings": metres / spacing, "needed": needed}
-            yield Cause.UNRESOLVED.at(length.what, spacing / needed, **told)
+        if needed >= limit * spacing:
+            continue  # the largest cells resolve it
+        cell = _largest_cell(cover, length.where) * spacing
+        if needed < limit * cell:
+            told = {"metres": metres, "spacings": metres / cell, "needed": needed}
+            yield Cause.UNRESOLVED.at(length.what, cell / needed, **told)
+
+
+def _largest_cell(cover: Cover, rim: shapely.Geometry | None) -> float:
+    """Side (lattice units) of the largest cell along some parts of rims (m)."""
+    parts = shapely.get_parts(shapely.transform(rim, cover.lattice.to_lattice))
+    _, off = cover.outline_tree.query_nearest(parts, all_matches=False, return_distance=True)
+    _, edges = cover.outline_tree.query(parts, predicate="dwithin", distance=off + SAME_PLACE)
+    return float(cover.sizes[cover.elements.outlines.element[edges]].max())
 
 
 def _lengths(case: Case) -> list[Length]:
@@ -73,8 +86,9 @@ def _lengths(case: Case) -> list[Length]:
     lengths += part_lengths("load", case.bodies, loads, "loaded")
     for interface in case.interfaces:
         between = " and ".join(f"'{name}'" for name in interface.bodies)
-        shortest = min(line_length(line) for line in interface.lines)
-        lengths.append(Length("support", shortest, f"interface between bodies {between}"))
+        shortest = min(interface.lines, key=line_length)
+        what, where = f"interface between bodies {between}", shapely.LineString(shortest)
+        lengths.append(Length("support", line_length(shortest), what, where))
     return lengths
 
 
