@@ -13,6 +13,7 @@ from typing import Final, Literal, Protocol
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely.ops import substring
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import EdgeRegion
@@ -27,13 +28,14 @@ SAME_PLACE: Final = 1e-9  # over the length of a ring: parts of it that are no f
 IN_ROCK: Final = 0.99  # part of a bridge that must lie in rock: its ends lie on the boundary but for rounding
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Length:
     """A length that the lattice must resolve."""
 
     kind: Kind
     metres: float
     what: str  # in words, such as "length of crack 'flaw'"
+    where: shapely.Geometry | None = None  # m, parts of rims that it is of; None where it is of no rim
 
 
 class Ring(Protocol):
@@ -65,10 +67,11 @@ def feature_lengths(body: Outlined) -> Iterator[Length]:
     lines = np.array([shapely.LinearRing(ring) for ring in rings], dtype=object)
     widths = [_width(line) for line in lines]
     for number, width in enumerate(widths[1:]):
-        yield Length("feature", width, f"width of hole{number} of body '{body.name}'")
+        yield Length("feature", width, f"width of hole{number} of body '{body.name}'", lines[number + 1])
     if len(lines) > 1:
         apart, pair = _nearest_rings(lines)
-        yield Length("bridge", apart, f"rock between {' and '.join(map(_ring_name, pair))} of body '{body.name}'")
+        what = f"rock between {' and '.join(map(_ring_name, pair))} of body '{body.name}'"
+        yield Length("bridge", apart, what, _ends(shapely.shortest_line(*lines[list(pair)])))
     region = shapely.Polygon(rings[0], rings[1:])
     shapely.prepare(region)
     for number, (line, width) in enumerate(zip(lines, widths, strict=True)):
@@ -93,13 +96,26 @@ def part_lengths(kind: Kind, bodies: Iterable[Outlined], regions: Sequence[EdgeR
             first_side += len(lengths)
             covered = _united(sorted(places), float(lengths.sum()))
             if covered:
-                shortest = min(end - start for start, end in covered)
-                yield Length(kind, shortest, f"{verb} part of {_ring_name(number)} of body '{body.name}'")
+                shortest, start = min((end - start, start) for start, end in covered)
+                what = f"{verb} part of {_ring_name(number)} of body '{body.name}'"
+                yield Length(kind, shortest, what, _part(ring.points, start, shortest))
 
 
 def line_length(line: Floats) -> float:
     """Length (m) of a polyline (n, 2), 0 of fewer than two points."""
     return float(np.hypot(*np.diff(line, axis=0).T).sum())
+
+
+def _ends(link: shapely.LineString) -> shapely.MultiPoint:
+    """Both ends of a line between two rims."""
+    return shapely.MultiPoint(shapely.get_coordinates(link))
+
+
+def _part(ring: Floats, start: float, length: float) -> shapely.Geometry:
+    """A part of a ring (n, 2) from an arc length on: a negative one where it leads past the first corner."""
+    twice = shapely.LineString(np.concatenate([ring, ring, ring[:1]]))
+    begin = start + 0.5 * twice.length
+    return substring(twice, begin, begin + length)
 
 
 def _ring_name(number: int) -> str:
@@ -165,7 +181,8 @@ def _corner_lengths(points: Floats, least: float, where: str) -> Iterator[Length
     if len(inward):
         diameters = 2.0 * smaller[inward] / -turns[inward]
         x, y = points[inward[np.argmin(diameters)]]
-        yield Length("feature", float(diameters.min()), f"corner or curve at ({x:g} m, {y:g} m) of {where}")
+        what = f"corner or curve at ({x:g} m, {y:g} m) of {where}"
+        yield Length("feature", float(diameters.min()), what, shapely.Point(x, y))
 
 
 def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) -> Iterator[Length]:
@@ -174,7 +191,7 @@ def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) 
     sharp = np.flatnonzero(np.abs(turns) > SHARP)
     sides = shapely.linestrings(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
     stretch = np.searchsorted(sharp, np.arange(len(points)), side="right") % max(len(sharp), 1)  # of each side
-    best, place = np.inf, points[0]
+    best, place, ends = np.inf, points[0], None
     for number, corner in enumerate(sharp.tolist()):
         if turns[corner] > 0.0:
             continue
@@ -186,10 +203,10 @@ def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) 
             if not least <= lengths[link] < best:
                 break
             if _is_in_rock(links[link], region):
-                best, place = float(lengths[link]), points[corner]
+                best, place, ends = float(lengths[link]), points[corner], _ends(links[link])
                 break
     if np.isfinite(best):
-        yield Length("bridge", best, f"rock beside the corner ({place[0]:g} m, {place[1]:g} m) of {where}")
+        yield Length("bridge", best, f"rock beside the corner ({place[0]:g} m, {place[1]:g} m) of {where}", ends)
 
 
 def _is_in_rock(link: shapely.LineString, region: shapely.Polygon) -> bool:

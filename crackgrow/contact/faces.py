@@ -12,7 +12,8 @@ import numpy as np
 from scipy.sparse import block_diag, csr_array
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.cover.cover import Cover, Surface
+from crackgrow.contact.cell_lengths import cell_lengths
+from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
 from crackgrow.quadrature.lines import on_edges_with_tips
 from crackgrow.quadrature.rules import gauss
@@ -21,12 +22,13 @@ STRETCH_KINK = np.deg2rad(10.0)
 """A kink sharper than this ends a stretch: hat functions do not reach round it, since the normal turns there."""
 
 SHORTEST_STRETCH = 0.1
-"""Spacings: kinks leave no shorter stretch. A contact point of its own would say what its neighbours say already, and
-its traction could be anything: behind a kink of 30 degrees at 1e-3 spacings 4000 times the pressure, and K_I 100 times
+"""Cells: kinks leave no shorter stretch. A contact point of its own would say what its neighbours say already, and
+its traction could be anything: behind a kink of 30 degrees at 1e-3 cells 4000 times the pressure, and K_I 100 times
 K_II. From here on its K_I is no worse than without."""
 
 BESIDE_END = 1e-6
-"""Spacings from the end of a stretch at which a place is on it for certain; edges begin there but for rounding."""
+"""Lattice units from the end of a stretch at which a place is on it for certain; edges begin there but for rounding,
+which is the same on cells of all sizes."""
 
 POINTS_PER_EDGE = 8
 """Gauss points between two neighbouring mortar nodes, lattice crossings or kinks."""
@@ -82,18 +84,20 @@ class ContactFaces:
         return np.asarray(self.functions @ self.lengths)
 
 
-def stretch_ends(surface: Surface) -> Floats:
+def stretch_ends(cover: Cover, index: int) -> Floats:
     """Arc lengths (m + 1,) at which the m stretches of a surface begin and end: its ends, sharp kinks and junctions.
 
     Of a stretch that would be too short the less sharp of its kinks is passed over.
     """
+    surface = cover.surfaces[index]
     s = arc_lengths(surface.points)
+    xi = cell_lengths(cover, index).at(s)
     turns = np.concatenate([[np.inf], np.abs(kink_angles(surface.points)), [np.inf]])  # of what may end a stretch
     turns[surface.junctions] = np.inf
     ends = np.flatnonzero(turns > STRETCH_KINK)
     while True:
         sharpness = np.minimum(turns[ends[:-1]], turns[ends[1:]])  # of the less sharp end of each stretch
-        short = np.flatnonzero((np.diff(s[ends]) < SHORTEST_STRETCH) & np.isfinite(sharpness))
+        short = np.flatnonzero((np.diff(xi[ends]) < SHORTEST_STRETCH) & np.isfinite(sharpness))
         if len(short) == 0:
             return np.asarray(s[ends])
         first = short[np.argmin(sharpness[short])]
@@ -103,7 +107,7 @@ def stretch_ends(surface: Surface) -> Floats:
 def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
     """The paper's contact points: Gauss points on ten parts of each straight stretch of surfaces `touching`."""
     parts = []
-    ends = {surface: stretch_ends(cover.surfaces[surface]) for surface in touching}
+    ends = {surface: stretch_ends(cover, surface) for surface in touching}
     x, w = gauss(GAUSS_POINTS)
     for surface in touching:
         path = cover.surfaces[surface].points

@@ -1,12 +1,14 @@
-"""Mortar nodes: contact points about a spacing apart, for averages over the faces weighted with functions N_k.
+"""Mortar nodes: contact points about a cell apart, for averages over the faces weighted with functions N_k.
 
-Along a stretch of length L the nodes are equally far apart, d, with a constant piece f_0 d and f_1 d long at its ends:
+Along a stretch of length L, in cells (`cell_lengths`), the nodes are equally far apart, d, with a constant piece f_0 d
+and f_1 d long at its ends:
 
     n = floor(L / d_min - f_0 - f_1) + 1,    d = L / (n - 1 + f_0 + f_1).
 
-The functions are hats. Only between a rim and the node next to it they are the biorthogonal pair 2 - 3 x and 3 x - 1
-(x from 0 to 1 along the piece; Wohlmuth 2000, SIAM J. Numer. Anal. 38, 989-1012): the force of the node on the rim then
-acts at the rim, and a block topples when its weight passes over its edge. Of a hat it would act a third of d inside.
+The functions are hats, linear in the arc length, so that a linear pressure is met. Only between a rim and the node next
+to it they are the biorthogonal pair 2 - 3 x and 3 x - 1 (x from 0 to 1 along the piece; Wohlmuth 2000, SIAM J. Numer.
+Anal. 38, 989-1012): the force of the node on the rim then acts at the rim, and a block topples when its weight passes
+over its edge. Of a hat it would act a third of d inside.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.faces import (
     ContactFaces,
     Part,
@@ -29,7 +32,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths
 
 TIE = 1e-6
-"""What a length may lack, in spacings or pieces, and counts all the same: rounding never decides."""
+"""What a length may lack, in cells or pieces, and counts all the same: rounding never decides."""
 
 RIM, KINK, JUNCTION, TIP, BARE_KINK = range(5)
 """What a stretch can end at: a bare kink is one without a node."""
@@ -38,11 +41,11 @@ END_PIECE = np.array([0.0, 0.0, 0.5, 1.0, 1.0])
 """Length of the constant piece over the distance of the nodes; at junctions of cracks, unlike at tips, faces move."""
 
 KINK_ROOM = 2.0
-"""Spacings: a stretch has a node on its kink with a neighbour that is at least this long.
+"""Cells: a stretch has a node on its kink with a neighbour that is at least this long.
 
-Closed faces on both sides of a kink can hardly move there: without the node K_I of a closed wing of 2 to 5 spacings is
+Closed faces on both sides of a kink can hardly move there: without the node K_I of a closed wing of 2 to 5 cells is
 off by 30 to 40 % of the flaw's K, with it by 2 to 10 %. Next to a shorter wing that opens, the node would keep the flaw
-closed farther than the lattice can follow: K_II of a wing of half a spacing would be off by 6 % instead of 0.2 %.
+closed farther than the lattice can follow: K_II of a wing of half a cell would be off by 6 % instead of 0.2 %.
 """
 
 FEW_NODES = 5
@@ -55,24 +58,27 @@ CLOSEST = 0.55
 """They are too close below this part of the distance that is asked for: then tractions say nothing for themselves."""
 
 THREE_NODES = 1.0
-"""Spacings: from here on a stretch with a node on a kink has three, however close. Shorter ones are not resolved."""
+"""Cells: from here on a stretch with a node on a kink has three, however close. Shorter ones are not resolved."""
 
 
 def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
-    """Mortar nodes at least `spacing` (lattice spacings) apart along each stretch of the surfaces `touching` (indices).
+    """Mortar nodes at least `spacing` (cells) apart along each stretch of the surfaces `touching` (indices).
 
     A node lies on every end of a surface that lies on a rim, and on kinks between stretches that are long enough. At
     tips and junctions, and at other kinks, the end pieces are constant: no node lies there. Short stretches have closer
     nodes where they would have less than `FEW_NODES`.
     """
-    ends = {surface: stretch_ends(cover.surfaces[surface]) for surface in touching}
+    ends = {surface: stretch_ends(cover, surface) for surface in touching}
     return joined_faces(cover, ends, [_on_surface(cover, index, spacing, ends[index]) for index in touching])
 
 
 def _on_surface(cover: Cover, index: int, spacing: float, ends: Floats) -> Part:
     """Integration points, lengths, functions, and arc lengths and stretches of the nodes of one surface."""
-    kinds = _kinds(cover, index, ends)
-    nodes = [_places(*limits, spacing, kinds[number]) for number, limits in enumerate(pairwise(ends.tolist()))]
+    along = cell_lengths(cover, index)
+    in_cells = along.at(ends)
+    kinds = _kinds(cover, index, ends, in_cells)
+    limits = enumerate(pairwise(in_cells.tolist()))
+    nodes = [along.place(_places(*stretch, spacing, kinds[number])) for number, stretch in limits]
     stretch = np.repeat(np.arange(len(nodes)), [len(places) for places in nodes])
     s = np.concatenate(nodes)
     points, lengths = integration_points(cover, index, np.concatenate([ends[1:-1], s]))
@@ -89,20 +95,23 @@ def _on_surface(cover: Cover, index: int, spacing: float, ends: Floats) -> Part:
     return points, lengths, csr_array((values, (rows, columns)), shape=(len(s), len(points.s))), s, stretch
 
 
-def _kinds(cover: Cover, index: int, ends: Floats) -> Ints:
-    """What both ends (m, 2) of each of the m stretches of a surface are."""
+def _kinds(cover: Cover, index: int, ends: Floats, in_cells: Floats) -> Ints:
+    """What both ends (m, 2) of each of the m stretches of a surface are, which lie at `ends` (m + 1,): arc lengths.
+
+    `in_cells` (m + 1,) are the same in cells.
+    """
     surface, m = cover.surfaces[index], len(ends) - 1
     kind = np.full(m + 1, KINK)
     kind[[0, -1]] = [TIP if at_tip else RIM for at_tip in (surface.tip_at_start, surface.tip_at_end)]
     at_junction = np.isin(ends, arc_lengths(surface.points)[surface.junctions])
     kind[at_junction] = JUNCTION if index < len(cover.cracks) else TIP
     of_stretch = kind[np.arange(m)[:, None] + np.arange(2)]
-    neighbour = np.concatenate([[np.inf], np.diff(ends), [np.inf]])[np.arange(m)[:, None] + np.array([0, 2])]
+    neighbour = np.concatenate([[np.inf], np.diff(in_cells), [np.inf]])[np.arange(m)[:, None] + np.array([0, 2])]
     return np.where((of_stretch == KINK) & (neighbour < KINK_ROOM - TIE), BARE_KINK, of_stretch)
 
 
 def _places(start: float, end: float, spacing: float, kinds: Ints) -> Floats:
-    """Arc lengths of the nodes of a stretch between two ends of these kinds (2,)."""
+    """Lengths to the nodes of a stretch between two ends of these kinds (2,); all lengths in cells."""
     free, on_kink = END_PIECE[kinds], KINK in kinds
 
     def most(distance: float) -> int:

@@ -2,7 +2,7 @@
 
 Where contact points are denser than the functions of the displacement, some tractions do next to no work on it. Stiff
 contact leaves their size to round-off and to the smallest terms of the jump. They show as waves shorter than two
-spacings, the shortest that values one spacing apart can carry; no wave of the rock's stress is that short.
+cells, the shortest that values one cell apart can carry; no wave of the rock's stress is that short.
 """
 
 from __future__ import annotations
@@ -13,10 +13,12 @@ from typing import Final
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.faces import ContactFaces
+from crackgrow.cover.cover import Cover
 
 SHORTEST_WAVE: Final = 2.0
-"""Spacings: length of the shortest wave that a lattice can carry."""
+"""Cells: length of the shortest wave that they can carry."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,11 +26,10 @@ class Ripple:
     """The largest short wave of the tractions on a surface."""
 
     surface: int
-    s: float  # arc length of its middle, spacings
     part: float  # its swing as a part of the mean pressure where the surface is pressed
 
 
-def worst_ripple(faces: ContactFaces, normal: Floats, tangential: Floats) -> Ripple | None:
+def worst_ripple(cover: Cover, faces: ContactFaces, normal: Floats, tangential: Floats) -> Ripple | None:
     """The largest short wave of normal or tangential tractions (contact points,) Pa, by the pressure of its surface."""
     found: list[Ripple] = []
     for surface in np.unique(faces.surface).tolist():
@@ -36,29 +37,29 @@ def worst_ripple(faces: ContactFaces, normal: Floats, tangential: Floats) -> Rip
         if not pressed.any():
             continue
         pressure = -float(np.average(normal[pressed], weights=faces.weights[pressed]))
+        along = cell_lengths(cover, surface)
         for stretch in np.unique(faces.stretch[pressed]).tolist():
             mine = np.flatnonzero((faces.surface == surface) & (faces.stretch == stretch))
             mine = mine[np.argsort(faces.s[mine])]
             for traction in (normal, tangential):
-                swing, s = ripple(faces.s[mine], traction[mine])
-                found.append(Ripple(surface, s, swing / pressure))
+                swing = ripple(along.at(faces.s[mine]), traction[mine])
+                found.append(Ripple(surface, swing / pressure))
     return max(found, key=lambda r: r.part, default=None)
 
 
-def ripple(s: Floats, p: Floats) -> tuple[float, float]:
-    """Largest swing of a traction p (n,) up, down and up again within short waves, and the place s of its middle.
+def ripple(xi: Floats, p: Floats) -> float:
+    """Largest swing of a traction p (n,) up, down and up again within short waves.
 
-    `s` (n,) are arc lengths in lattice spacings, increasing. The swing is the least of the three, so that neither a
+    `xi` (n,) are lengths along the surface in cells, increasing. The swing is the least of the three, so that neither a
     steep end, nor a step, nor a lone peak or trough is one; zero without such waves.
     """
     at = turning_points(p)
     swing = np.abs(np.diff(p[at]))
-    short = s[at[2:]] - s[at[:-2]] < SHORTEST_WAVE
+    short = xi[at[2:]] - xi[at[:-2]] < SHORTEST_WAVE
     if len(at) < 4:
-        return 0.0, 0.0
+        return 0.0
     least = np.where(short[:-1] & short[1:], np.minimum(np.minimum(swing[:-2], swing[1:-1]), swing[2:]), 0.0)
-    k = int(np.argmax(least))
-    return float(least[k]), float(0.5 * (s[at[k + 1]] + s[at[k + 2]]))
+    return float(least.max())
 
 
 def turning_points(p: Floats) -> Ints:

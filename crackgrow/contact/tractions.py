@@ -56,8 +56,9 @@ def elastic_tractions(
         return np.zeros(len(s)), np.zeros(len(s))
     nearest = nearest_contact_point(faces, crack, s)
     gap, slip = gap_and_slip(cover, points_at(cover, crack, s), outcome.u)
-    normal, tangential = between_contact_points(faces, crack, s, outcome.normal_traction, outcome.tangential_traction)
-    compliance, broken = law.compliance[nearest], outcome.memory.broken
+    known = (outcome.normal_traction, outcome.tangential_traction, law.compliance)
+    normal, tangential, compliance = between_contact_points(faces, crack, s, *known)
+    broken = outcome.memory.broken
     if law.dilation is not None:
         gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - compliance * tangential)
     p_n = np.where(normal < 0.0, np.minimum(gap, 0.0) / compliance, 0.0)

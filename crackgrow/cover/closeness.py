@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 import shapely
 
+from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.tolerance import ON_LINE
@@ -26,22 +28,38 @@ def ends_on(crack: CrackGeometry, cracks: Sequence[CrackGeometry]) -> list[str]:
 
 
 def close_pairs(cover: Cover, interfaces: Sequence[CrackGeometry], within: float) -> list[tuple[str, str]]:
-    """Pairs of cracks, and tips and what they lie near, that are closer than `within` (spacings).
+    """Pairs of cracks, and tips and what they lie near, that are closer than `within`, in cells as there are there.
 
     Cracks that meet are close to each other there: of them only tips count.
     """
     lines = [shapely.LineString(crack.points) for crack in cover.cracks]
     names = [f"crack '{crack.name}'" for crack in cover.cracks]
-    found = cover.crack_tree.query(cover.crack_tree.geometries, predicate="dwithin", distance=within).T.tolist()
+    largest = within * float(cover.sizes.max())
+    found = cover.crack_tree.query(cover.crack_tree.geometries, predicate="dwithin", distance=largest).T.tolist()
     near = sorted((i, j) for i, j in found if j < i)
     meeting = [pair for pair in near if shapely.dwithin(lines[pair[0]], lines[pair[1]], ON_LINE)]
-    pairs = [(names[i], names[j]) for i, j in sorted(set(near) - set(meeting))]
+    apart = sorted(set(near) - set(meeting))
+    apart = [(i, j) for i, j in apart if _near(cover, i, lines[j], within) or _near(cover, j, lines[i], within)]
+    pairs = [(names[i], names[j]) for i, j in apart]
     outline = shapely.multilinestrings(shapely.linestrings(cover.elements.outlines.points))
     for tip, (index, at_end) in zip(cover.tips, cover.tip_ends, strict=True):
-        name, place = tip_name(cover.cracks[index].name, at_end), shapely.Point(tip.point)
+        name, place, reach = tip_name(cover.cracks[index].name, at_end), shapely.Point(tip.point), within * tip.size
         others = [i if j == index else j for i, j in meeting if index in (i, j)]
-        pairs.extend((name, names[other]) for other in others if shapely.dwithin(lines[other], place, within))
-        if shapely.dwithin(outline, place, within):
-            there = [x.name for x in interfaces if shapely.dwithin(shapely.LineString(x.points), place, within)]
+        pairs.extend((name, names[other]) for other in others if shapely.dwithin(lines[other], place, reach))
+        if shapely.dwithin(outline, place, reach):
+            there = [x.name for x in interfaces if shapely.dwithin(shapely.LineString(x.points), place, reach)]
             pairs.append((name, f"interface '{there[0]}'" if there else "the outline"))
     return pairs
+
+
+def _near(cover: Cover, crack: int, line: shapely.LineString, within: float) -> bool:
+    """Whether any part of a crack is closer to a line than `within` of the cells beside it."""
+    edges, reach = cover.surfaces[crack].edges, within * sizes_beside(cover, crack)
+    return bool(shapely.dwithin(shapely.linestrings(edges.points), line, reach + ON_LINE).any())
+
+
+def sizes_beside(cover: Cover, surface: int) -> Floats:
+    """Side (n,) of the cells beside each edge of a surface, lattice units: of the larger on its two faces."""
+    edges = cover.surfaces[surface].edges
+    minus = np.where(edges.minus >= 0, cover.sizes[edges.minus], 0.0)  # a foundation has none
+    return np.maximum(cover.sizes[edges.plus], minus)

@@ -56,7 +56,7 @@ def _fit() -> tuple[Floats, Floats]:
 def _samples(cover: Cover, tip: int, x: Floats) -> tuple[float, FacePoints]:
     """Length (spacings) of the fit of a tip, and points on the faces at fractions x (n,) of it from the tip."""
     crack, at_end = cover.tip_ends[tip]
-    ends = stretch_ends(cover.surfaces[crack])
+    ends = stretch_ends(cover, crack)
     total = ends[-1]
     length = float(min(ends[-1] - ends[-2] if at_end else ends[1] - ends[0], FIT_SPACINGS, 0.5 * total))
     r = length * x

@@ -28,7 +28,7 @@ COLUMNS = {
     "events.csv": tables.EVENTS,
 }
 # Columns that runs of earlier versions lack.
-LATER = {"tips.csv": ("K_I_spread", "K_II_spread"), "contact.csv": ("mean_opening", "mean_slip")}
+LATER = {"tips.csv": ("K_I_spread", "K_II_spread", "cell_size"), "contact.csv": ("mean_opening", "mean_slip")}
 SUMMARY_KEYS = ("case", "title", "status", "stop_reason", "n_solves", "version", "git_commit", "git_modified", "n_dofs",
                 "wall_seconds", "peak_memory_mb", "error_estimate", "warnings")  # fmt: skip
 

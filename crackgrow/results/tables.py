@@ -13,7 +13,7 @@ Value = str | bool | int | float
 
 TIPS = ("step", "crack", "tip", "x", "y", "K_I", "K_II", "sigma_1", "sigma_3", "criterion", "kink_deg", "advanced",
         "load_factor", "K_I_error", "K_II_error", "K_radius", "K_note", "K_I_faces", "K_II_faces", "K_I_spread",
-        "K_II_spread")  # fmt: skip
+        "K_II_spread", "cell_size")  # fmt: skip
 PATHS = ("crack", "vertex", "x", "y", "step")
 CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state",
            "mean_opening", "mean_slip")  # fmt: skip
@@ -106,6 +106,7 @@ def tip_rows(result: StepResult) -> list[tuple[Value, ...]]:
             float(tip.K_II_faces),
             float(tip.K_I_spread),
             float(tip.K_II_spread),
+            float(tip.cell_size),
         )
         for tip in result.tips
     ]

@@ -6,7 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.cover.closeness import tip_name
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
@@ -20,53 +22,56 @@ from crackgrow.run.scene import Scene, SurfaceLaw
 from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
 
 NEAR_SHARP_KINK = 8.0
-"""Spacings: behind open kinks of 90, 120 and 150 degrees K is off by 5, 8 and 26 % of the K of the crack without a kink
-at 3 spacings, by 2, 4 and 6 % at 5."""
+"""Cells: behind open kinks of 90, 120 and 150 degrees K is off by 5, 8 and 26 % of the K of the crack without a kink
+at 3 cells, by 2, 4 and 6 % at 5."""
 
 NEAR_CLOSED_KINK = 2.0
-"""Spacings: behind closed kinks of 18 to 150 degrees K is off by up to 50 % of the K of the crack without a kink at
-half a spacing, by 15 % at one, by 10 % from two on and by 2 % from five on;
-where both arms are 1.7 spacings long, by 41 %."""
+"""Cells: behind closed kinks of 18 to 150 degrees K is off by up to 50 % of the K of the crack without a kink at half a
+cell, by 15 % at one, by 10 % from two on and by 2 % from five on; where both arms are 1.7 cells long, by 41 %."""
 
 SAW_TEETH = 2
 """Kinks in turn, to and fro, from which on a path is a saw."""
 
 PRESSED_FLAT = 0.03
-"""Overlap of a crack's faces, over what the rock of a spacing gives way to the largest pressure, that is
-small: a stuck flaw under a gradient of pressure has 0.05 at 5 spacings, where K is felt, 0.02 at 10. Where faces stick
+"""Overlap of a crack's faces, over what the rock of a cell gives way to the largest pressure, that is small:
+a stuck flaw under a gradient of pressure has 0.05 at 5 cells, where K is felt, 0.02 at 10. Where faces stick
 their jump is next to nothing, and no measure of what overlaps."""
 
 AT_CORNERS = 0.25
 """The same on interfaces and foundations: blocks at rest have 0.14 to 0.2 at their corners on any lattice, and sticking
-between two corners next to nothing; two spacings a block 0.3."""
+between two corners next to nothing; two cells a block 0.3."""
 
 
 def largest_overlap(scene: Scene, faces: tuple[CrackFaces, ...]) -> float:
     """Largest overlap (m) anywhere along surfaces that have a contact law: conditions hold on average only."""
-    return max((_overlap(law, face) for law, face in zip(scene.laws, faces, strict=True)), default=0.0)
+    return max((float(_overlap(law, face).max()) for law, face in zip(scene.laws, faces, strict=True)), default=0.0)
 
 
-def _overlap(law: SurfaceLaw, face: CrackFaces) -> float:
-    """Largest overlap (m) along a surface, beyond what its stiffness explains."""
+def _overlap(law: SurfaceLaw, face: CrackFaces) -> Floats:
+    """Overlap (n,) m along a surface, beyond what its stiffness explains."""
     if law.contact is None:
-        return 0.0
-    return abs(float((face.opening - law.compliance * face.normal_traction).min(initial=0.0)))
+        return np.zeros(len(face.s))
+    gap = face.opening - law.compliance(face.cell_size) * face.normal_traction
+    return np.abs(np.minimum(gap, 0.0))
 
 
-def _apart(law: SurfaceLaw, face: CrackFaces) -> float:
-    """Largest gap (m) along the pressed parts of a surface, beyond what its stiffness and its dilation explain."""
+def _apart(law: SurfaceLaw, face: CrackFaces) -> Floats:
+    """Gap (n,) m along the pressed parts of a surface, beyond what its stiffness and its dilation explain."""
+    apart = np.zeros(len(face.s))
     if law.contact is None:
-        return 0.0
+        return apart
     closed = face.state != OPEN
     within = closed[1:-1] & closed[:-2] & closed[2:]
-    risen = np.tan(np.deg2rad(law.contact.dilation_angle)) * np.abs(face.slip) + law.compliance * face.normal_traction
-    return float((face.opening - risen)[1:-1][within].max(initial=0.0))
+    elastic = law.compliance(face.cell_size) * face.normal_traction
+    risen = np.tan(np.deg2rad(law.contact.dilation_angle)) * np.abs(face.slip) + elastic
+    apart[1:-1][within] = np.maximum(face.opening - risen, 0.0)[1:-1][within]
+    return apart
 
 
-def _off(law: SurfaceLaw, face: CrackFaces) -> tuple[str, float]:
-    """How the faces of a surface miss its contact law between contact points, in words, and by how much, m."""
+def _off(law: SurfaceLaw, face: CrackFaces) -> tuple[str, Floats]:
+    """How the faces of a surface miss its contact law between contact points, in words, and by how much (n,) m."""
     ways = (("overlap", _overlap(law, face)), ("stand apart under pressure", _apart(law, face)))
-    return max(ways, key=lambda way: way[1])
+    return max(ways, key=lambda way: float(way[1].max()))
 
 
 def cautions(
@@ -122,12 +127,14 @@ def _on_points(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
 
 def _passing_through(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> Iterator[Caution]:
     """Cracks whose faces never touch, and lie in each other."""
-    flat = _pressed_flat(scene, solution, faces)
+    strain = _pressed_strain(scene, solution, faces)
     for law, face in zip(scene.laws, faces, strict=True):
-        depth, jump = -float(face.opening.min(initial=0.0)), _largest_jump(face)
         if law.contact is not None or law.bonded:
             continue
-        if depth > max(Cause.CONTACT_NONE.limit * jump, PRESSED_FLAT * flat):
+        jump = _largest_jump(face)
+        deep = -face.opening > np.maximum(Cause.CONTACT_NONE.limit * jump, PRESSED_FLAT * strain * face.cell_size)
+        if deep.any():
+            depth = -float(face.opening[deep].min())
             yield Cause.CONTACT_NONE.at(f"'{face.crack}'", depth, depth=depth, percent=100.0 * depth / jump)
 
 
@@ -136,14 +143,19 @@ def overlap_shares(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces
 
     Small is what is small beside the surface's jump, or beside what pressure does to rock.
     """
-    flat = _pressed_flat(scene, solution, faces)
+    strain = _pressed_strain(scene, solution, faces)
     shares = []
     for law, face in zip(scene.laws, faces, strict=True):
-        small = Cause.OVERLAP.limit * _largest_jump(face)
-        small = max(small, (PRESSED_FLAT if law.kind == "crack" else AT_CORNERS) * flat)
         _, off = _off(law, face)
-        shares.append(off / small if off > 0.0 else 0.0)
+        shares.append(float(_over_small(law, face, off, strain).max()))
     return shares
+
+
+def _over_small(law: SurfaceLaw, face: CrackFaces, off: Floats, strain: float) -> Floats:
+    """What the faces of a surface miss its law by (n,), over what is small there."""
+    part = PRESSED_FLAT if law.kind == "crack" else AT_CORNERS
+    small = np.maximum(Cause.OVERLAP.limit * _largest_jump(face), part * strain * face.cell_size)
+    return np.divide(off, small, out=np.zeros(len(off)), where=off > 0.0)
 
 
 def _largest_jump(face: CrackFaces) -> float:
@@ -154,26 +166,29 @@ def _overlapping(
     scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...], shares: list[float]
 ) -> Iterator[Caution]:
     """Surfaces whose faces overlap, or stand apart where they are pressed, by more than is small."""
-    flat = _pressed_flat(scene, solution, faces)
+    strain = _pressed_strain(scene, solution, faces)
     for law, face, share in zip(scene.laws, faces, shares, strict=True):
         if share <= 1.0:
             continue
-        (how, overlap), of_flat = _off(law, face), ""
-        if flat:
-            of_flat = f" and {100.0 * overlap / flat:.3g} % of what a spacing of rock gives way to the pressure"
+        (how, off), of_flat = _off(law, face), ""
+        worst = int(np.argmax(_over_small(law, face, off, strain)))
+        overlap = float(off[worst])
+        if strain:
+            percent = 100.0 * overlap / (strain * float(face.cell_size[worst]))
+            of_flat = f" and {percent:.3g} % of what a spacing of rock gives way to the pressure"
         percent = 100.0 * overlap / _largest_jump(face)
         yield Cause.OVERLAP.at(f"'{face.crack}'", share, how=how, overlap=overlap, percent=percent, of_flat=of_flat)
 
 
-def _pressed_flat(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> float:
-    """What the rock of a spacing gives way to the largest pressure on any face, or to its own mean stress if larger, m.
+def _pressed_strain(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> float:
+    """Strain of the rock under the largest pressure on any face, or under its own mean stress if larger.
 
-    A length that neither the size of the specimen nor its rigid motion changes.
+    Times the side of the cells a length that neither the size of the specimen nor its rigid motion changes.
     """
     pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
     softest, area = min(m.young_prime for m in scene.materials), sum(region.area for region in scene.regions)
     mean = np.sqrt(2.0 * max(solution.state.energy.strain, 0.0) * softest / area)
-    return float(scene.lattice.spacing * max(pressure, mean) / softest)
+    return float(max(pressure, mean) / softest)
 
 
 def _jumps(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
@@ -212,8 +227,10 @@ def _kinks(solution: StepSolution) -> Iterator[Caution]:
     """Tips behind a kink whose field, which has no functions of its own, disturbs theirs."""
     for index, at_end in solution.cover.tip_ends:
         crack = solution.cover.cracks[index]
-        points = crack.seen_from(at_end)
-        turns, distance = np.rad2deg(np.abs(kink_angles(points))), arc_lengths(points)[1:-1]
+        turns = np.rad2deg(np.abs(kink_angles(crack.seen_from(at_end))))
+        along = cell_lengths(solution.cover, index)
+        cells = along.at(arc_lengths(crack.points)[1:-1])
+        distance = along.total - cells[::-1] if at_end else cells
         closed = _pressed(solution, index, at_end)
         cause, near = (Cause.CLOSED_KINK, NEAR_CLOSED_KINK) if closed else (Cause.SHARP_KINK, NEAR_SHARP_KINK)
         found = np.flatnonzero((turns > cause.limit) & (distance < near - ON_LINE))

@@ -13,6 +13,7 @@ import shapely
 from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN, STICK, ContactLaw, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces
@@ -228,7 +229,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         factors = None if before is None else before.contact.system.factors
         system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors)
     weights = faces.weights * scene.lattice.spacing
-    law = _law(scene, faces, growing)
+    law = _law(scene, cover, faces, growing)
     solver = case.numerics.contact.solver
     contact = ContactSystem(system, *operators, weights, law, solver, loose)
     return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, seconds)
@@ -310,7 +311,7 @@ def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
     return np.unique(cover.patches.of_element.taken(elements[elements >= 0]).values)
 
 
-def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -> ContactLaw:
+def _law(scene: Scene, cover: Cover, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
     friction, cohesion, compliance, residual, dilation = np.zeros((5, faces.n))
     kept = np.zeros(faces.n, dtype=bool)
@@ -318,7 +319,9 @@ def _law(scene: Scene, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -
         if law.contact is None:
             continue
         mine = faces.surface == index
-        friction[mine], cohesion[mine], compliance[mine] = law.contact.friction, law.contact.cohesion, law.compliance
+        friction[mine], cohesion[mine] = law.contact.friction, law.contact.cohesion
+        size = cell_lengths(cover, index).size(faces.s[mine])
+        compliance[mine] = law.compliance(size * scene.lattice.spacing)
         residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
         dilation[mine] = np.tan(np.deg2rad(law.contact.dilation_angle))
         if index < len(growing):

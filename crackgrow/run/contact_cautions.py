@@ -11,8 +11,8 @@ from crackgrow.run.judging import StepSolution
 
 def contact_cautions(solution: StepSolution) -> Iterator[Caution]:
     """What the user should know of the contact of a step."""
-    outcome, faces, surfaces = solution.outcome, solution.faces, solution.cover.surfaces
-    worst = worst_ripple(faces, outcome.normal_traction, outcome.tangential_traction)
+    outcome, cover = solution.outcome, solution.cover
+    worst = worst_ripple(cover, solution.faces, outcome.normal_traction, outcome.tangential_traction)
     if worst is not None and worst.part > Cause.RIPPLE.limit:
-        place = f"'{surfaces[worst.surface].name}'"
+        place = f"'{cover.surfaces[worst.surface].name}'"
         yield Cause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part)

@@ -4,20 +4,21 @@ The spread over discs of different radii tells of the integral alone; the displa
 part of the error. With the K of two displacements,
 
     K_slip    = E' w sqrt(pi / a) / 4      of a straight crack as long as this one, a = L/2, with its largest jump w
-    K_overlap = E' o sqrt(pi / h) / 4      of a crack as long as two spacings that opens by what the faces overlap, o
+    K_overlap = E' o sqrt(pi / h) / 4      of a crack as long as two cells that opens by what the faces overlap, o
 
 the bound is
 
     spread + q K_overlap + (0.005 + max(k h / l) + 0.02 (h / L)^2) max(K_slip, K) + 0.03 sqrt(h / d) K
 
 q: 6, and 1 at a tip that is well open, K_I > 8 K_overlap, where what overlaps lies beside the kink behind it.
-o: largest overlap of the faces, that s > 5 spacings h from the tip times (5 h / s)^2: there contact, which holds on
+h: side of the cells there: round the tip, at a kink, where the faces overlap.
+o: overlap of the faces where it is worst, that s > 5 h from the tip times (5 h / s)^2: there contact, which holds on
 average, is not resolved (short closed stretches, kinks, faces that stick).
 l: at each kink of more than 20 degrees the longer of the two stretches that meet there; k: 0.25 where one of them is
 pressed, else 0.05. Kinks have no functions of their own.
 
-The square is of cracks below three spacings. The last term is there where something lies closer than a spacing, d, to
-the tip.
+The square is of cracks below three cells. The last term is there where something lies closer than a cell, d, to the
+tip.
 
 Fitted and checked in tests/verification/test_intensity_error.py: it holds for 95 % of tips; the median of bound over
 error is 3 there, and 12 on random scenes. It is no estimate for one tip.
@@ -27,8 +28,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.arrays import Floats
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
+from crackgrow.cover.tips import Tip
 from crackgrow.fracture.tip_disc import KEPT_CLEAR
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.run.judging import StepSolution
@@ -39,7 +41,7 @@ AT_CLOSED_TIP, AT_OPEN_TIP, WELL_OPEN = 6.0, 1.0, 8.0
 CLOSED_KINK, OPEN_KINK = 0.25, 0.05
 LEAST, OF_LENGTH, OF_CROWDING = 0.005, 0.02, 0.03
 NEAR = 5.0
-"""Spacings from the tip along the crack from which on overlap is felt less."""
+"""Cells from the tip along the crack from which on overlap is felt less."""
 
 KINK = 20.0
 """Degrees."""
@@ -47,24 +49,18 @@ KINK = 20.0
 
 def intensity_errors(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[tuple[float, float]]:
     """Bounds (Pa sqrt(m)) of the errors of K_I and K_II, tip by tip; nan where K is."""
-    cover, h = solution.cover, scene.lattice.spacing
+    cover = solution.cover
     found = []
-    for state, (index, at_end) in zip(solution.tips, cover.tip_ends, strict=True):
-        intensity, face = state.intensity, faces[index]
-        points = cover.cracks[index].seen_from(at_end)
-        length = float(arc_lengths(points)[-1])
-        stiff = scene.materials[scene.crack_bodies[index]].young_prime
+    for state, tip in zip(solution.tips, cover.tips, strict=True):
+        intensity, face = state.intensity, faces[tip.crack]
+        h = tip.size * scene.lattice.spacing
+        length = float(arc_lengths(tip.points)[-1])
+        stiff = scene.materials[scene.crack_bodies[tip.crack]].young_prime
         jump = float(np.hypot(face.opening, face.slip).max())
-        slip = 0.25 * stiff * jump * np.sqrt(np.pi / (0.5 * length * h))
+        slip = 0.25 * stiff * jump * np.sqrt(np.pi / (0.5 * length * scene.lattice.spacing))
         largest = max(abs(intensity.K_I), abs(intensity.K_II))
-        from_tip = length - face.s / h if at_end else face.s / h
-        closed = scene.laws[index].contact is not None
-        pressed = solution.faces.s[(solution.faces.surface == index) & (solution.outcome.state != OPEN)]
-        gap = face.opening - scene.laws[index].compliance * face.normal_traction
-        felt = np.minimum(1.0, NEAR / np.maximum(from_tip, NEAR)) ** 2
-        overlap = -float((felt * gap).min(initial=0.0)) if closed else 0.0
-        share = LEAST + _kinks(points, length - pressed if at_end else pressed) + OF_LENGTH / length**2
-        of_overlap = 0.25 * stiff * overlap * np.sqrt(np.pi / h)
+        share = LEAST + _kinks(solution, tip) + OF_LENGTH * (tip.size / length) ** 2
+        of_overlap = 0.25 * stiff * _overlap(scene, face, tip)
         weight = AT_OPEN_TIP if WELL_OPEN * of_overlap < intensity.K_I else AT_CLOSED_TIP
         bound = weight * of_overlap + share * max(slip, largest)
         clear = intensity.radius / (KEPT_CLEAR * h)
@@ -74,16 +70,32 @@ def intensity_errors(scene: Scene, solution: StepSolution, faces: tuple[CrackFac
     return found
 
 
-def _kinks(points: Floats, pressed: Floats) -> float:
-    """Largest weight of a kink of a crack (n, 2), spacings, times h / l; `pressed` (m,) are closed points from the tip.
+def _overlap(scene: Scene, face: CrackFaces, tip: Tip) -> float:
+    """o sqrt(pi / h), root of m, where it is worst for a tip."""
+    law, h = scene.laws[tip.crack], face.cell_size
+    if law.contact is None:
+        return 0.0
+    gap = face.opening - law.compliance(h) * face.normal_traction
+    spacing = scene.lattice.spacing
+    cells = tip.from_start(face.s / spacing) * spacing / h
+    felt = np.minimum(1.0, NEAR / np.maximum(cells, NEAR)) ** 2
+    return -float((felt * gap * np.sqrt(np.pi / h)).min(initial=0.0))
+
+
+def _kinks(solution: StepSolution, tip: Tip) -> float:
+    """Largest weight of a kink of a tip's crack, times h / l.
 
     A kink with closed faces on either side is a pressed corner; an open one bends faces that are free.
     """
-    sharp = np.abs(np.rad2deg(kink_angles(points))) > KINK
-    lengths = arc_lengths(points)
+    sharp = np.abs(np.rad2deg(kink_angles(tip.points))) > KINK
+    lengths = arc_lengths(tip.points)
+    closed = (solution.faces.surface == tip.crack) & (solution.outcome.state != OPEN)
+    pressed = tip.from_start(solution.faces.s[closed])  # from the tip: each of the two lengths gives the other so
     ends = np.concatenate([[0.0], lengths[1:-1][sharp], lengths[-1:]])
+    sizes = cell_lengths(solution.cover, tip.crack).size(tip.from_start(ends))
     worst = 0.0
-    for before, at, behind in zip(ends[:-2], ends[1:-1], ends[2:], strict=True):
-        closed = bool(np.any((pressed >= before) & (pressed <= behind)))
-        worst = max(worst, (CLOSED_KINK if closed else OPEN_KINK) / max(at - before, behind - at))
+    for k in range(1, len(ends) - 1):
+        any_closed = bool(np.any((pressed >= ends[k - 1]) & (pressed <= ends[k + 1])))
+        longer = max(ends[k] - ends[k - 1], ends[k + 1] - ends[k])
+        worst = max(worst, (CLOSED_KINK if any_closed else OPEN_KINK) * float(sizes[k] / longer))
     return worst

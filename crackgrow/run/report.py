@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import FacePoints, joined, points_at
 from crackgrow.contact.jump import gap_and_slip
@@ -133,6 +134,7 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error
         K_II_faces=state.K_faces[1],
         K_I_spread=state.intensity.K_I_spread,
         K_II_spread=state.intensity.K_II_spread,
+        cell_size=cover.tips[tip].size * scene.lattice.spacing,
     )
 
 
@@ -184,6 +186,7 @@ def _faces(solution: StepSolution, scene: Scene, index: int, samples: FacePoints
         normal_traction=normal,
         tangential_traction=tangential,
         state=np.append(outcome.state, OPEN)[nearest],  # the last entry serves the index -1
+        cell_size=cell_lengths(solution.cover, index).size(s) * scene.lattice.spacing,
     )
 
 

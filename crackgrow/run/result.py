@@ -63,6 +63,7 @@ class TipResult:
     K_II_faces: float  # Pa sqrt(m)
     K_I_spread: float  # Pa sqrt(m), between discs of integration: a part of the error, often a small one
     K_II_spread: float  # Pa sqrt(m)
+    cell_size: float  # m, side of the cells round the tip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,6 +94,7 @@ class CrackFaces:
     normal_traction: Floats  # (n,) Pa
     tangential_traction: Floats  # (n,) Pa
     state: Ints  # (n,) index into STATE_NAMES
+    cell_size: Floats  # (n,) m, side of the cells there
 
 
 @dataclass(frozen=True, slots=True, eq=False)

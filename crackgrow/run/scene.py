@@ -24,7 +24,11 @@ class SurfaceLaw:
     kind: Literal["crack", "interface", "foundation"]
     contact: CoulombContact | None  # None: they never touch
     bonded: bool
-    compliance: float  # m/Pa: 1/k, zero for rigid contact
+    stiffness: float  # Pa: kappa E, of which k = kappa E / h; infinite for rigid contact
+
+    def compliance(self, size: Floats) -> Floats:
+        """1/k (n,) m/Pa beside cells of these sizes h (n,) m; zero for rigid contact."""
+        return np.asarray(size / self.stiffness)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +86,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     lattice = place_lattice(*box, numerics.spacing, numerics.support, offset)
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
-    laws = [SurfaceLaw("crack", c.contact, False, _compliance(case, (c.body,))) for c in case.cracks]
+    laws = [SurfaceLaw("crack", c.contact, False, _stiffness(case, (c.body,))) for c in case.cracks]
     interfaces = []
     for interface in case.interfaces:
         bonded = interface.contact == "bonded"
@@ -91,7 +95,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
             suffix = f".{number}" if len(interface.lines) > 1 else ""
             name = "/".join(interface.bodies) + suffix
             interfaces.append(CrackGeometry(name, lattice.to_lattice(line), False, False))
-            laws.append(SurfaceLaw("interface", contact, bonded, _compliance(case, interface.bodies)))
+            laws.append(SurfaceLaw("interface", contact, bonded, _stiffness(case, interface.bodies)))
     foundations: list[Foundation] = []
     on_edge = [f"{s.region.body}.{s.region.edge}" for s in case.supports if isinstance(s, ContactSupport)]
     for support in case.supports:
@@ -100,7 +104,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
             suffix = f".{on_edge[:number].count(on_edge[number])}" if on_edge.count(on_edge[number]) > 1 else ""
             index = body_index(case.bodies, region.body)
             foundations.append(Foundation(on_edge[number] + suffix, index, region.sides, region.limits))
-            laws.append(SurfaceLaw("foundation", support.contact, False, _compliance(case, (region.body,))))
+            laws.append(SurfaceLaw("foundation", support.contact, False, _stiffness(case, (region.body,))))
     return Scene(
         case=case,
         lattice=lattice,
@@ -114,10 +118,10 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     )
 
 
-def _compliance(case: Case, bodies: tuple[str, ...]) -> float:
-    """1/k (m/Pa) of contact with k = kappa E / h, E of the softer body; zero for rigid contact."""
+def _stiffness(case: Case, bodies: tuple[str, ...]) -> float:
+    """kappa E (Pa) of contact, E of the softer body; infinite for rigid contact."""
     kappa = case.numerics.contact.stiffness
     if kappa is None:
-        return 0.0
+        return np.inf
     young = min(body.material.young for body in case.bodies if body.name in bodies)
-    return case.numerics.spacing / (kappa * young)
+    return kappa * young

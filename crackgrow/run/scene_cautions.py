@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import shapely
 
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
 from crackgrow.case.meetings import scene_size
 from crackgrow.case.model import Case, EdgeTraction, Gravity, PointSupport
 from crackgrow.case.snapping import SNAP
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
 from crackgrow.solid.loads import load_vector
@@ -27,10 +30,11 @@ THINNEST_LAYER = 1e-4
 
 def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Caution]:
     """What holds for all steps."""
-    case, spacing = scene.case, scene.case.numerics.spacing
+    case = scene.case
     growth, support, contact = case.growth, case.numerics.support, case.numerics.contact
-    if growth is not None and growth.tip_radius < Cause.SMALL_RADIUS.limit * spacing:
-        yield Cause.SMALL_RADIUS.at(radius=growth.tip_radius, spacing=spacing)
+    at_tips = max((tip.size for tip in cover.tips), default=1.0) * scene.lattice.spacing
+    if growth is not None and growth.tip_radius < Cause.SMALL_RADIUS.limit * at_tips:
+        yield Cause.SMALL_RADIUS.at(radius=growth.tip_radius, spacing=at_tips)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
     if growth is not None and growth.steps > 0 and not growing:
         yield Cause.NO_TIPS.at(steps=growth.steps)
@@ -44,22 +48,33 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     for crack in case.cracks:
         if crack.left_out:
             yield Cause.LEFT_OUT.at(f"crack '{crack.name}'", crack.left_out)
-    for shape in cover.cracks:
-        length = float(arc_lengths(shape.points)[-1])
+    for index, shape in enumerate(cover.cracks):
+        length = cell_lengths(cover, index).total
         if length < Cause.SHORT_CRACK.limit and not ends_on(shape, cover.cracks):
             yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
-    yield from _unresolved(scene)
+    yield from _unresolved(scene, cover)
     yield from _moved(scene)
 
 
-def _unresolved(scene: Scene) -> Iterator[Caution]:
+def _unresolved(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Holes, corners, bridges of rock, and parts of edges that a lattice given by hand does not resolve."""
-    draft, spacing = PRESETS["draft"], scene.lattice.spacing
+    draft, limit, spacing = PRESETS["draft"], Cause.UNRESOLVED.limit, scene.lattice.spacing
     for length in _lengths(scene.case):
         needed, metres = length.metres / draft.parts(length.kind), length.metres
-        if needed < Cause.UNRESOLVED.limit * spacing:
-            told = {"metres": metres, "spacings": metres / spacing, "needed": needed}
-            yield Cause.UNRESOLVED.at(length.what, spacing / needed, **told)
+        if needed >= limit * spacing:
+            continue  # the largest cells resolve it
+        cell = _largest_cell(cover, length.where) * spacing
+        if needed < limit * cell:
+            told = {"metres": metres, "spacings": metres / cell, "needed": needed}
+            yield Cause.UNRESOLVED.at(length.what, cell / needed, **told)
+
+
+def _largest_cell(cover: Cover, rim: shapely.Geometry | None) -> float:
+    """Side (lattice units) of the largest cell along some parts of rims (m)."""
+    parts = shapely.get_parts(shapely.transform(rim, cover.lattice.to_lattice))
+    _, off = cover.outline_tree.query_nearest(parts, all_matches=False, return_distance=True)
+    _, edges = cover.outline_tree.query(parts, predicate="dwithin", distance=off + SAME_PLACE)
+    return float(cover.sizes[cover.elements.outlines.element[edges]].max())
 
 
 def _lengths(case: Case) -> list[Length]:
@@ -71,8 +86,9 @@ def _lengths(case: Case) -> list[Length]:
     lengths += part_lengths("load", case.bodies, loads, "loaded")
     for interface in case.interfaces:
         between = " and ".join(f"'{name}'" for name in interface.bodies)
-        shortest = min(line_length(line) for line in interface.lines)
-        lengths.append(Length("support", shortest, f"interface between bodies {between}"))
+        shortest = min(interface.lines, key=line_length)
+        what, where = f"interface between bodies {between}", shapely.LineString(shortest)
+        lengths.append(Length("support", line_length(shortest), what, where))
     return lengths
 
 
@@ -96,9 +112,9 @@ def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:
     if stiffness is None:
         return
     softest, limit = min(material.young_prime for material in scene.materials), Cause.SOFT_CONTACT.limit
-    for surface, law in zip(cover.surfaces, scene.laws, strict=True):
-        length = float(arc_lengths(surface.points)[-1]) * scene.lattice.spacing
-        ratio = 0.0 if law.contact is None else 0.5 * law.compliance * softest / length
+    for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
+        share = cell_lengths(cover, index).mean_size / float(arc_lengths(surface.points)[-1])
+        ratio = 0.0 if law.contact is None else 0.5 * share * softest / law.stiffness
         if ratio > limit:
             told = {"stiffness": stiffness, "percent": 100.0 / (1.0 + ratio), "enough": stiffness * ratio / limit}
             yield Cause.SOFT_CONTACT.at(f"'{surface.name}'", ratio, **told)
@@ -117,7 +133,7 @@ def _contact_layers(scene: Scene) -> Iterator[Caution]:
         least, most, points, much = THINNEST_LAYER * contact.spacing, contact.spacing, "mortar nodes", "their distance"
         other = "numerics.contact.discretization gauss with "
     for body, law in zip(scene.crack_bodies, scene.laws[: len(scene.crack_bodies)], strict=True):
-        layer = 0.5 * scene.materials[body].young_prime * law.compliance / scene.lattice.spacing
+        layer = 0.5 * scene.materials[body].young_prime / law.stiffness  # cells
         if least < layer < most:
             yield Cause.CONTACT_LAYER.at(points=points, much=much, other=other)
             return
@@ -161,8 +177,8 @@ def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
 
 def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Short cracks that lead from a tip to another crack, and cracks and tips that lie close to other things."""
-    for crack in cover.cracks:
-        length = float(arc_lengths(crack.points)[-1])
+    for index, crack in enumerate(cover.cracks):
+        length = cell_lengths(cover, index).total
         if length < Cause.SHORT_ARM.limit and (others := ends_on(crack, cover.cracks)):
             yield Cause.SHORT_ARM.at(f"crack '{crack.name}'", 1.0 / length, others=" and ".join(others))
     for first, second in close_pairs(cover, scene.interfaces, Cause.CLOSE.limit):

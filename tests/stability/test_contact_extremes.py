@@ -72,7 +72,7 @@ def K_II(step: StepResult) -> float:
 
 
 def swing(found: StepSolution) -> float:
-    worst = worst_ripple(found.faces, found.outcome.normal_traction, found.outcome.tangential_traction)
+    worst = worst_ripple(found.cover, found.faces, found.outcome.normal_traction, found.outcome.tangential_traction)
     assert worst is not None
     return worst.part
 

@@ -164,11 +164,11 @@ def test_no_touching_crack_has_no_contact_points(build) -> None:
 
 @pytest.mark.parametrize(("length", "n_stretches"), [(0.12, 2), (0.08, 1), (1e-3, 1)])
 def test_a_kink_just_behind_a_tip_ends_no_stretch(build, length: float, n_stretches: int) -> None:
-    assert len(stretch_ends(plate(build, bent(5.0, length, 60.0)).cover.surfaces[0])) == n_stretches + 1
+    assert len(stretch_ends(plate(build, bent(5.0, length, 60.0)).cover, 0)) == n_stretches + 1
 
 
 def test_of_close_kinks_the_sharpest_ends_the_stretches(build) -> None:
     directions = np.deg2rad([10.0, 25.0, 70.0, 90.0])  # kinks of 15, 45 and 20 degrees
     steps = np.array([4.0, 0.05, 0.05, 4.0])[:, None] * np.stack([np.cos(directions), np.sin(directions)], axis=1)
     path = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)]) - 0.5 * steps.sum(axis=0) + np.array([0.21, 0.33])
-    assert stretch_ends(plate(build, path).cover.surfaces[0]) == pytest.approx([0.0, 4.05, 8.1], abs=ROUND_OFF)
+    assert stretch_ends(plate(build, path).cover, 0) == pytest.approx([0.0, 4.05, 8.1], abs=ROUND_OFF)

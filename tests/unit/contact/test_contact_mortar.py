@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.faces import ContactFaces, stretch_ends
 from crackgrow.contact.mortar import CLOSEST, FEW_NODES, mortar_faces
+from crackgrow.cover.cover import Cover
 
 ROUND_OFF = 1e-8
 """In spacings: vertices lie on a grid of 1e-9 spacings, so that lengths are exact to a few of those."""
@@ -31,6 +35,17 @@ def bent(lengths: list[float], kink_deg: float) -> np.ndarray:
 def plate(build, *paths, spacing: float = 1.0):
     cracks = [build.crack(path, name=str(k)) for k, path in enumerate(paths)]
     return build.sample((-15.5, -27.5), (15.5, 27.5), cracks, spacing=spacing, support=2.0)
+
+
+def with_smaller_cells(cover: Cover, line: float, side: float = 0.5) -> Cover:
+    """The cover where cells of this side are on the right of x = `line`, all rules of their neighbours left alone."""
+    middles = np.array([cover.elements.vertices[ring].mean(axis=0) for ring in rings(cover)])
+    return replace(cover, sizes=np.where(middles[:, 0] > cover.lattice.to_lattice(np.array([line, 0.0]))[0], side, 1.0))
+
+
+def rings(cover: Cover) -> list[np.ndarray]:
+    start, element = cover.elements.ring_start, cover.elements.ring_element
+    return [start[element == number] for number in range(cover.elements.n)]
 
 
 def shape_sum(faces: ContactFaces) -> np.ndarray:
@@ -69,7 +84,7 @@ def test_weights_of_hats_with_constant_end_pieces(build) -> None:
 def test_functions_interpolate_linearly_between_nodes_and_stay_constant_beyond(build, kink: float) -> None:
     cover = plate(build, bent([4.3, 5.1, 3.2], kink)).cover
     faces = mortar_faces(cover, [0], 1.0)
-    ends = stretch_ends(cover.surfaces[0])
+    ends = stretch_ends(cover, 0)
     assert len(ends) == (4 if kink > 10.0 else 2)
     stretch = np.searchsorted(ends[1:-1], faces.points.s, side="right")
     first = np.array([faces.s[faces.stretch == k].min() for k in range(len(ends) - 1)])
@@ -82,7 +97,7 @@ def test_functions_interpolate_linearly_between_nodes_and_stay_constant_beyond(b
 def test_sharp_kinks_split_stretches_and_gentle_ones_do_not(build, kink: float, n_stretches: int) -> None:
     cover = plate(build, bent([4.0, 3.2], kink)).cover
     faces = mortar_faces(cover, [0], 1.0)
-    assert len(stretch_ends(cover.surfaces[0])) == n_stretches + 1
+    assert len(stretch_ends(cover, 0)) == n_stretches + 1
     assert set(faces.stretch.tolist()) == set(range(n_stretches))
     before, after = faces.points.s < 4.0, faces.points.s > 4.0
     reach = faces.functions.toarray() != 0.0
@@ -154,3 +169,56 @@ def test_short_branch_has_one_node(build, length: float) -> None:
     faces = mortar_faces(plate(build, [(-6.0, -2.0), (6.0, 2.0)], branch).cover, [1], 1.25)
     np.testing.assert_allclose(faces.s, [length / 3.0], atol=1e-6)
     np.testing.assert_allclose(faces.weights, [length], atol=1e-6)
+
+
+@pytest.mark.parametrize("side", [0.5, 0.25, 1.0 / 64.0])
+def test_nodes_are_as_far_apart_as_the_cells_beside_them_are_large(build, side: float) -> None:
+    """The same number of cells from node to node: where these are half as large there are twice as many nodes."""
+    cover = with_smaller_cells(plate(build, [(-8.0, 0.3), (8.0, 0.3)]).cover, 0.5, side)
+    faces = mortar_faces(cover, [0], 1.25)
+    steps = np.diff(cell_lengths(cover, 0).at(faces.s))
+    np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
+    assert 1.25 <= steps[0] < 1.4
+    apart = np.diff(faces.s)
+    coarse, fine = apart[faces.s[1:] < 8.0], apart[faces.s[:-1] > 9.0]
+    assert coarse.min() == pytest.approx(coarse.max(), rel=1e-9)
+    assert fine.min() == pytest.approx(fine.max(), rel=1e-9)
+    assert coarse[0] / fine[0] == pytest.approx(1.0 / side, rel=1e-9)
+
+
+def test_equal_cells_of_half_the_side_have_the_nodes_of_a_lattice_of_half_the_spacing(build) -> None:
+    path = bent([4.0, 1.4, 5.0], 40.0)
+    cover = plate(build, path).cover
+    halved = replace(cover, sizes=np.full(cover.elements.n, 0.5))
+    fine = plate(build, path, spacing=0.5).cover
+    np.testing.assert_allclose(
+        mortar_faces(halved, [0], 1.25).s, 0.5 * mortar_faces(fine, [0], 1.25).s, atol=ROUND_OFF
+    )
+    short = plate(build, bent([5.0, 0.08], 60.0)).cover
+    assert len(stretch_ends(short, 0)) == 2
+    assert len(stretch_ends(replace(short, sizes=np.full(short.elements.n, 0.5)), 0)) == 3
+
+
+@pytest.mark.parametrize("line", [-3.0, 0.2, 4.0])
+def test_functions_on_cells_of_two_sizes_keep_force_and_moment(build, line: float) -> None:
+    """From rim to rim: functions add up to one, a linear pressure has its force, nodes on rims act there."""
+    through = build.crack([(-15.5, 3.3), (15.5, 3.3)], (False, False))
+    sample = build.sample((-15.5, -27.5), (15.5, 27.5), [through], spacing=1.0, support=2.0)
+    faces = mortar_faces(with_smaller_cells(sample.cover, line, 0.25), [0], 1.25)
+    np.testing.assert_allclose(shape_sum(faces), 1.0, rtol=1e-13)
+    np.testing.assert_allclose(centroids(faces)[[0, -1]], [0.0, 31.0], atol=1e-7)
+    pressure = 3.0 - 0.2 * faces.s
+    assert pressure @ faces.weights == pytest.approx(3.0 * 31.0 - 0.1 * 31.0**2, rel=1e-9)
+    inside = (faces.points.s > faces.s[1]) & (faces.points.s < faces.s[-2])
+    np.testing.assert_allclose((faces.functions.T @ faces.s)[inside], faces.points.s[inside], atol=ROUND_OFF)
+
+
+def test_the_size_of_cells_is_the_same_from_either_end(build) -> None:
+    path = np.array([(-8.0, 0.3), (8.0, 0.3)])
+    forth, back = (with_smaller_cells(plate(build, way).cover, 0.5) for way in (path, path[::-1]))
+    s = np.linspace(0.0, 16.0, 65)
+    size = cell_lengths(forth, 0).size(s)
+    np.testing.assert_allclose(size, cell_lengths(back, 0).size(16.0 - s), atol=ROUND_OFF)
+    assert (size[s < 7.0] == 1.0).all()
+    assert size[s > 10.0] == pytest.approx(0.5)
+    assert np.all((size >= 0.5 - 1e-9) & (size <= 1.0))

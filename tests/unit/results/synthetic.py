@@ -139,6 +139,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
             -1e6,
             np.nan,
             np.nan,
+            3e-3,
         ),
         TipResult(
             "flaw",
@@ -160,6 +161,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
             1e3,
             2e3,
             1e3,
+            1.5e-3,
         ),
     )
     result = StepResult(
@@ -169,7 +171,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         events=(),
         tips=tips,
         contact=ContactPoints(("flaw",) * n, s, points, normal, tangential, opening, slip, state, opening, slip),
-        faces=(CrackFaces("flaw", s, points, opening, slip, normal, tangential, state),),
+        faces=(CrackFaces("flaw", s, points, opening, slip, normal, tangential, state, np.full(n, 1.5e-3)),),
         reactions=(),
         mesh=partial(make_frame, 1.0 + step),
         n_dofs=400 + 8 * step,

@@ -20,7 +20,8 @@ def read(path: Path) -> list[dict[str, str]]:
 def test_columns_are_those_of_the_contract() -> None:
     assert ",".join(tables.TIPS) == (
         "step,crack,tip,x,y,K_I,K_II,sigma_1,sigma_3,criterion,kink_deg,advanced,load_factor,K_I_error,K_II_error,"
-        "K_radius,K_note,K_I_faces,K_II_faces,K_I_spread,K_II_spread"
+        "K_radius,K_note,K_I_faces,K_II_faces,K_I_spread,K_II_spread,"
+        "cell_size"
     )
     assert ",".join(tables.EVENTS) == "step,kind,crack,tip,x,y,met"
     assert ",".join(tables.PATHS) == "crack,vertex,x,y,step"
@@ -52,6 +53,7 @@ def test_tips_round_trip(tmp_path: Path) -> None:
     assert (start["K_note"], end["K_note"]) == ("no room", "")
     columns = ("K_I_error", "K_II_error", "K_radius", "K_I_faces", "K_II_faces", "K_I_spread", "K_II_spread")
     assert [float(end[name]) for name in columns] == [1e4, 2e4, 0.005, 1.9e6, 1e3, 2e3, 1e3]
+    assert float(end["cell_size"]) == 1.5e-3
 
 
 def test_contact_round_trip(tmp_path: Path) -> None:

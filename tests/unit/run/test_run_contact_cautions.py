@@ -33,10 +33,10 @@ def test_the_ripple_of_a_surface_is_held_against_its_own_pressure() -> None:
     calm = np.full(n, -75e6)
     wave = calm + 15e6 * (-1.0) ** np.arange(n)
     for factor in (1.0, 1e-9):
-        worst = worst_ripple(solution.faces, factor * wave, np.zeros(n))
+        worst = worst_ripple(solution.cover, solution.faces, factor * wave, np.zeros(n))
         assert worst is not None
         assert worst.part == pytest.approx(30.0 / 75.0, rel=0.01)
-    sheared = worst_ripple(solution.faces, calm, wave)
+    sheared = worst_ripple(solution.cover, solution.faces, calm, wave)
     assert sheared is not None
     assert sheared.part == pytest.approx(30.0 / 75.0, rel=0.01)
-    assert worst_ripple(solution.faces, np.zeros(n), np.zeros(n)) is None
+    assert worst_ripple(solution.cover, solution.faces, np.zeros(n), np.zeros(n)) is None
