@@ -27,6 +27,7 @@ from crackgrow.case.model import (
     Numerics,
     Output,
     PointSupport,
+    Refinement,
     Ring,
     Strength,
     Support,
@@ -146,6 +147,7 @@ def _numerics(numerics: Resolved) -> Numerics:
         quadrature=numerics["quadrature"],
         contact=ContactNumerics(**contact),
         accuracy=numerics["accuracy"],
+        refine=Refinement(**numerics["refine"]),
         auto_rule=numerics.get("auto_rule"),
     )
 

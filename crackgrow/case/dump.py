@@ -69,6 +69,7 @@ def _settings(case: Case) -> dict[str, Any]:
             **({} if numerics.auto_rule is None else {"auto_rule": numerics.auto_rule}),
             "support": numerics.support,
             "quadrature": numerics.quadrature,
+            "refine": {part.name: getattr(numerics.refine, part.name) for part in fields(numerics.refine)},
             "contact": contact,
         },
         "output": {

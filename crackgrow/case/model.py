@@ -214,15 +214,26 @@ class ContactNumerics:
     spacing: float  # distance of the mortar nodes, in lattice spacings
 
 
+@dataclass(frozen=True, slots=True)
+class Refinement:
+    """How often cells are halved at places that ask for small ones."""
+
+    tips: int = 0
+    kinks: int = 0  # kinks, meetings and ends of cracks
+    corners: int = 0  # re-entrant corners, point supports, ends of loaded and supported parts
+    rings: float = 2.0  # cells of each size on every side of such a place
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Numerics:
     """Settings of the discretization."""
 
-    spacing: float  # m, lattice spacing h
+    spacing: float  # m, lattice spacing h: side of the largest cells
     support: float  # half width of a patch, in spacings
     quadrature: int  # Gauss points per direction on an uncut cell
     contact: ContactNumerics
     accuracy: str = "standard"  # the preset of what the case leaves out
+    refine: Refinement = Refinement()
     auto_rule: str | None = None  # what gave an automatic spacing; None: it was given
 
 

@@ -271,6 +271,15 @@ _SOLVER: Final = Choice(("newton", "lemke"), ("semismooth Newton", "complementar
 _CONTACT_STIFFNESS: Final = WordOr(("rigid",), Number(POSITIVE))
 _SUPPORT_WIDTH: Final = Number(Bounds(at_least=1.25, at_most=4), 0.25)
 _GAUSS_POINTS: Final = Integer(Bounds(at_least=2, at_most=10))
+_LEVELS: Final = Integer(Bounds(at_least=0, at_most=9))
+_REFINE: Final = Mapping(
+    {
+        "tips": Field(_LEVELS, "halvings of the cells at crack tips", 0),
+        "kinks": Field(_LEVELS, "at kinks, meetings and ends of cracks", 0),
+        "corners": Field(_LEVELS, "at re-entrant corners, point supports, ends of loaded and supported parts", 0),
+        "rings": Field(Number(Bounds(at_least=2, at_most=8)), "cells of each size on every side of these", 2.0),
+    }
+)
 
 
 def _numerics(preset: Preset, spacing: object) -> Mapping:
@@ -292,6 +301,7 @@ def _numerics(preset: Preset, spacing: object) -> Mapping:
             "auto_rule": Field(Text(), "what gave an automatic spacing", OPTIONAL, offered=False),
             "support": Field(_SUPPORT_WIDTH, "half width of a patch, in spacings", preset.support),
             "quadrature": Field(_GAUSS_POINTS, "Gauss points per direction on an uncut cell", preset.quadrature),
+            "refine": Field(_REFINE, "how often cells are halved, and where", BY_PARTS),
             "contact": Field(contact, "how contact is discretized and solved", BY_PARTS),
         }
     )

@@ -35,6 +35,10 @@ class Squares:
         """Number of squares."""
         return len(self.size)
 
+    def equal(self, other: Squares) -> bool:
+        """Whether two sets are the same squares."""
+        return np.array_equal(self.low, other.low) and np.array_equal(self.size, other.size)
+
     def at(self, places: Ints) -> Ints:
         """The square (m,) that holds the quantum right above each of `places` (m, 2); -1 for none."""
         last = np.searchsorted(self.codes, _codes(np.maximum(places, 0)), side="right") - 1
@@ -57,7 +61,7 @@ class Squares:
         return self.at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(-1, 4)
 
     def within(self, low: Ints, size: Ints) -> Ragged:
-        """All squares inside of larger or equal ones (m,), which need not belong to these; none where a smaller does."""
+        """All squares inside of others (m,), which need not belong to these; none where one of these is larger."""
         begin = _codes(np.maximum(low, 0))
         first = np.searchsorted(self.codes, begin)
         counts = np.searchsorted(self.codes, begin + size * size) - first

@@ -29,6 +29,7 @@ from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.run.foci import lattice_of_cells
 from crackgrow.run.scene import Scene
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
@@ -247,7 +248,8 @@ def lay_out(scene: Scene, growing: tuple[GrowingCrack, ...]) -> tuple[Cover, Con
 
 def _cover(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
     cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
-    return build_cover(scene.lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, before)
+    lattice = lattice_of_cells(scene, cracks, None if before is None else before.lattice)
+    return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, before)
 
 
 @contextmanager
