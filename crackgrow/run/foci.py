@@ -64,7 +64,7 @@ def _kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
 
 def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
     """Where cracks cross or end on each other."""
-    lines = [shapely.LineString(crack.points) for crack in cracks]
+    lines = np.array([shapely.LineString(crack.points) for crack in cracks], dtype=object)
     first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
     for i, j in zip(first.tolist(), second.tolist(), strict=True):
         if i < j:
