@@ -10,6 +10,8 @@ class Cause(Enum):
     """What makes results doubtful, the most important first.
 
     (limit, what it is of, what was measured beyond it, what is said: with its place, the limit, and numbers by name)
+
+    A spacing is the side of the cells at the place: of the lattice's own where they are all of one size.
     """
 
     CONTACT_NONE = (

@@ -79,3 +79,12 @@ def test_every_tip_tells_the_side_of_its_cells(first_step: Step) -> None:
 def test_what_cells_do_not_resolve_smaller_ones_do(first_step: Step, settings: list[str], words: str) -> None:
     for side, told in ((1.0, True), (0.5, False)):
         assert any(words in warning for warning in first_step(*settings, side=side).warnings) == told
+
+
+def test_the_bound_of_K_goes_by_the_cells_round_the_tip(first_step: Step) -> None:
+    """Of an open straight crack only the term with (h / L)^2 knows them."""
+    path = "cracks.flaw={path: {center: [0, 0], length: 4, angle: 90}, contact: none}"
+    bounds = [first_step(path, side=side).tips[0].K_II_error for side in (1.0, 0.5, 0.25)]
+    wider, closer = -np.diff(bounds)
+    assert closer > 0.0
+    assert wider / closer == pytest.approx(4.0, rel=1e-6)
