@@ -35,6 +35,7 @@ COLOUR_PERCENTILES = (2.0, 98.0)  # of the area: colours span these, so that a s
 ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
 LONG_SIDE = 7.0  # inches
 DPI = 150
+COMPRESSION = 3  # of PNG: 6, which is usual, takes twice as long for smooth colours, and saves a fifth of the bytes
 MOST_CONTACT_ROWS = 6  # surfaces in one figure
 MOST_STEP_TICKS = 11  # on the colour bar of steps, and of points named by their step
 THIN = 2e-3  # of the size: cells thinner than that are drawn first, under their neighbours, since they come out wider
@@ -288,7 +289,10 @@ def _areas(points: Floats, cells: NDArray[np.int64]) -> Floats:
 def shade(axes: Axes, frame: Cells, points: Floats, values: Floats, norm: Normalize, colormap: str) -> TriMesh:
     """Fill a frame's cells, its points drawn at `points` (n, 2), with the colours between those of its points (n,)."""
     triangles, quads = _cell_groups(frame)
-    corners = np.concatenate([triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    middle = np.broadcast_to(len(points) + np.arange(len(quads))[:, None], quads.shape)
+    fans = np.stack([quads, np.roll(quads, -1, axis=1), middle], axis=2).reshape(-1, 3)
+    corners = np.concatenate([triangles, fans])
+    points, values = (np.concatenate([field, field[quads].mean(axis=1)]) for field in (points, values))
     ends = points[np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)]
     longest = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).max(axis=1)
     thin = 2.0 * _areas(points, corners) < THIN * longest * np.ptp(points, axis=0).max()
@@ -343,4 +347,5 @@ def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
 
 def _save(path: Path, figure: Figure) -> None:
     """Draw the figure once; `Figure.savefig` would draw it twice, where the layout is its own."""
-    write_atomically(path, lambda temporary: FigureCanvasAgg(figure).print_png(temporary))
+    options = {"compress_level": COMPRESSION}
+    write_atomically(path, lambda temporary: FigureCanvasAgg(figure).print_png(temporary, pil_kwargs=options))
