@@ -7,7 +7,7 @@ import io
 from pathlib import Path
 from typing import Any
 
-from crackgrow.results.folder import RunFolder
+from crackgrow.results.folder import FolderError, RunFolder
 from crackgrow.results.rendered import rendered
 
 MOST_PICTURES = 40  # of a rendered series
@@ -18,7 +18,10 @@ MOST_BYTES = 1_500_000  # of all pictures of the page
 
 
 def pictures(run: RunFolder) -> list[dict[str, Any]]:
-    """Step, caption and data of each picture, in the order of the steps; at most MOST_BYTES."""
+    """Step, caption and data of each picture, in the order of the steps; those of a series at most MOST_BYTES.
+
+    Raises FolderError for one that is damaged.
+    """
     series = rendered(run.path)
     for field in series:
         return _thinned(field, series[field], run)
@@ -43,8 +46,11 @@ def _picture(step: int, words: str, path: Path, most_pixels: int) -> dict[str, A
     """A picture as JPEG: of smooth colours PNG takes several times as much."""
     from PIL import Image  # here: reports without pictures do not need it
 
-    with Image.open(path) as image:
-        small = image.convert("RGB")
+    try:
+        with Image.open(path) as image:
+            small = image.convert("RGB")
+    except OSError as error:
+        raise FolderError(f"{path} is damaged: {error}") from error
     small.thumbnail((most_pixels, most_pixels))
     data = io.BytesIO()
     small.save(data, format="JPEG", quality=QUALITY, optimize=True)
