@@ -147,7 +147,7 @@ class Solution(_Tables):
 
     @property
     def frame(self) -> Frame:
-        """The specimen as a mesh, double along cracks: nodes (m), displacement (m), stress in the cells (Pa)."""
+        """The specimen as a mesh, double along cracks: displacement (m) and stress (Pa) of nodes, stress of cells."""
         solved = self._solved
         with single_threaded():
             return make_frame(solved.cover, solved.materials, solved.outcome.u, estimated_error(solved))

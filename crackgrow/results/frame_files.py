@@ -27,12 +27,8 @@ class DrawnFrame:
     triangles: Ints  # (t, 3)
     quads: Ints  # (q, 4)
     displacement: Floats  # (n, 2) m
-    values: Floats  # (t + q,) by cell, or (n,) by point; SI units
-
-    @property
-    def by_point(self) -> bool:
-        """Whether the values are those of points."""
-        return len(self.values) == len(self.points) != len(self.triangles) + len(self.quads)
+    values: Floats  # (n,) by point, or (t + q,) by cell; SI units
+    by_point: bool
 
 
 def frame_files(folder: Path) -> dict[int, Path]:
@@ -71,13 +67,15 @@ def read_frame(step: int, path: Path, field: str) -> DrawnFrame:
     grid = pyvista.read(path)
     if not isinstance(grid, pyvista.UnstructuredGrid) or "displacement" not in grid.point_data:
         raise FolderError(f"{path} has no displacement to draw: run the case with it among output.fields")
+    by_point, values = _values(grid, field, path)
     return DrawnFrame(
         step=step,
         points=np.asarray(grid.points[:, :2], dtype=float),
         triangles=_cells(grid, pyvista.CellType.TRIANGLE, 3),
         quads=_cells(grid, pyvista.CellType.QUAD, 4),
         displacement=np.asarray(grid.point_data["displacement"][:, :2], dtype=float),
-        values=_values(grid, field, path),
+        values=values,
+        by_point=by_point,
     )
 
 
@@ -93,16 +91,20 @@ def _cells(grid: pyvista.UnstructuredGrid, kind: pyvista.CellType, n_corners: in
     return np.asarray(dict(grid.cells_dict).get(np.uint8(kind), []), dtype=np.int64).reshape(-1, n_corners)
 
 
-def _values(grid: pyvista.UnstructuredGrid, field: str, path: Path) -> Floats:
-    """Values of a field: the size of vectors, the components of stress one by one."""
-    if field == "displacement":
-        return np.asarray(np.linalg.norm(grid.point_data["displacement"], axis=1), dtype=float)
-    if field in COMPONENTS and "stress" in grid.cell_data:
-        return np.asarray(grid.cell_data["stress"][:, COMPONENTS.index(field)], dtype=float)
-    if field in grid.cell_data and grid.cell_data[field].ndim == 1:
-        return np.asarray(grid.cell_data[field], dtype=float)
-    known = ["displacement", *(COMPONENTS if "stress" in grid.cell_data else ())]
-    known += [name for name in grid.cell_data if grid.cell_data[name].ndim == 1]
+def _values(grid: pyvista.UnstructuredGrid, field: str, path: Path) -> tuple[bool, Floats]:
+    """Whether a field is one of points, and its values: the size of vectors, the components of stress one by one.
+
+    What both points and cells have is taken from the points; earlier versions wrote stress for cells alone.
+    """
+    known = []
+    for by_point, data in ((True, grid.point_data), (False, grid.cell_data)):
+        fields = {"displacement": np.linalg.norm(data["displacement"], axis=1)} if by_point else {}
+        if "stress" in data:
+            fields |= zip(COMPONENTS, data["stress"].T, strict=False)
+        fields |= {name: data[name] for name in data if data[name].ndim == 1}
+        if field in fields:
+            return by_point, np.asarray(fields[field], dtype=float)
+        known += [name for name in fields if name not in known]
     raise FolderError(f"{path} has no field {field!r}; it has {', '.join(known)}")
 
 

@@ -14,12 +14,18 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.figures import bar_place, boundary_edges, colours_of, displayed_magnification
+from crackgrow.results.figures import (
+    areas,
+    bar_place,
+    boundary_edges,
+    colours_of,
+    displayed_magnification,
+    off_mean,
+    shade,
+)
 from crackgrow.results.folder import RunFolder, read_run
 from crackgrow.results.frame_files import DrawnFrame, chosen_files, field_unit, read_frame
 from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
@@ -45,7 +51,7 @@ def render(
 ) -> Iterator[Path]:
     """Draw a field of the frames of the run in `folder`, and yield each picture as it is done.
 
-    field: displacement (its size), or a field of the cells: sigma_1, sigma_3, stress_xx, ...
+    field: displacement (its size), sigma_1, sigma_3, stress_xx, ..., or one of the cells: body, energy_error
     warp: factor of the displacements; None: a visible one, the same for all steps
     steps: those to draw, or ranges of them; None: all that have frames
     size: width and height in pixels
@@ -82,7 +88,8 @@ class _Scene:
         self.warp = min(displayed_magnification(frame) for frame in frames) if warp is None else warp
         values = np.concatenate([frame.values for frame in frames])
         self.unit = field_unit(field, values)
-        self.norm, self.colormap = colours_of(values / self.unit[0])
+        weights = np.concatenate([areas(frame, by_point=frame.by_point) for frame in frames])
+        self.norm, self.colormap = colours_of(values / self.unit[0], weights)
         moved = np.concatenate([self._moved(frame) for frame in frames])
         low, high = moved.min(axis=0), moved.max(axis=0)
         self.length = unit_of((high - low).tolist(), LENGTHS)
@@ -102,8 +109,7 @@ class _Scene:
         points = self._moved(frame) / self.length[0]
         values = frame.values / self.unit[0]
         if frame.by_point:
-            corners = Triangulation(points[:, 0], points[:, 1], _as_triangles(frame))
-            axes.tripcolor(corners, values, shading="gouraud", cmap=self.colormap, norm=self.norm)
+            shade(axes, frame, points, values, self.norm, self.colormap)
         else:
             polygons = [*points[frame.triangles], *points[frame.quads]]
             cells = PolyCollection(polygons, array=values, cmap=self.colormap, norm=self.norm, antialiaseds=False)
@@ -125,13 +131,7 @@ class _Scene:
 
     def _moved(self, frame: DrawnFrame) -> Floats:
         """Displaced points (n, 2) m, without the mean translation."""
-        moved: Floats = frame.points + self.warp * (frame.displacement - frame.displacement.mean(axis=0))
-        return moved
-
-
-def _as_triangles(frame: DrawnFrame) -> NDArray[np.int64]:
-    quads = frame.quads
-    return np.concatenate([frame.triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        return frame.points + self.warp * off_mean(frame)
 
 
 def _fitting(extent: Floats) -> tuple[int, int]:

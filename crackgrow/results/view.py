@@ -10,7 +10,7 @@ from typing import Any
 import pyvista
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.figures import colours_of, displayed_magnification
+from crackgrow.results.figures import areas, colours_of, displayed_magnification
 from crackgrow.results.frame_files import field_unit, frame_files, read_frame
 
 
@@ -48,7 +48,7 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
     last = read_frame(steps[-1], files[steps[-1]], field)
     factor = displayed_magnification(last) if warp is None else warp
     size, name = field_unit(field, last.values)
-    norm, colour_map = colours_of(last.values / size)
+    norm, colour_map = colours_of(last.values / size, areas(last, by_point=last.by_point))
     label = f"{field} [{name}]" if name else field
 
     untyped: Any = plotter  # the declared types of some methods are not those of what they wrap
@@ -57,7 +57,8 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
         step = min(steps, key=lambda other: abs(other - value))
         frame = read_frame(step, files[step], field)
         grid = pyvista.read(files[step]).warp_by_vector("displacement", factor=factor)
-        grid[label] = frame.values / size
+        data = grid.point_data if frame.by_point else grid.cell_data
+        data[label] = frame.values / size
         looks: dict[str, Any] = {
             "cmap": colour_map,
             "clim": (norm.vmin, norm.vmax),

@@ -33,9 +33,10 @@ STRESS_COMPONENTS = ("XX", "YY", "ZZ", "XY", "YZ", "XZ")  # the order that VTK e
 def specimen_grid(frame: Frame, fields: Sequence[str]) -> vtkUnstructuredGrid:
     """The specimen's mesh with the `fields` asked for ("displacement", "stress"); m and Pa.
 
-    Point data: displacement (n, 3). Cell data: body; energy_error where it was estimated, the root of the energy
-    density of the stress' error over the mean energy density of the rock (1: as large as the stress is on average);
-    with stress also stress (cells, 6) and the principal stresses in the plane, sigma_1 (most tensile) and sigma_3.
+    Point data: displacement (n, 3); with stress also stress (n, 6) and the principal stresses in the plane, sigma_1
+    (most tensile) and sigma_3. Cell data: body; energy_error where it was estimated, the root of the energy density of
+    the stress' error over the mean energy density of the rock (1: as large as the stress is on average); and under the
+    names of the point data stress, sigma_1 and sigma_3 in the middles of cells.
     """
     grid = vtkUnstructuredGrid()
     grid.SetPoints(_points(frame.points))
@@ -49,13 +50,8 @@ def specimen_grid(frame: Frame, fields: Sequence[str]) -> vtkUnstructuredGrid:
     if "displacement" in fields:
         _add(grid.GetPointData(), "displacement", _spatial(frame.displacement))
     if "stress" in fields:
-        xx, yy, xy = frame.stress.T
-        zero = np.zeros_like(xx)
-        stress = np.column_stack([xx, yy, frame.stress_zz, xy, zero, zero])
-        sigma_1, sigma_3 = principal_stresses(frame.stress)
-        _add(grid.GetCellData(), "stress", stress, STRESS_COMPONENTS)
-        _add(grid.GetCellData(), "sigma_1", sigma_1)
-        _add(grid.GetCellData(), "sigma_3", sigma_3)
+        _add_stress(grid.GetPointData(), frame.point_stress, frame.point_stress_zz)
+        _add_stress(grid.GetCellData(), frame.stress, frame.stress_zz)
     return grid
 
 
@@ -146,6 +142,16 @@ def _add(data: vtkDataSetAttributes, name: str, values: ArrayLike, components: S
     data.AddArray(array)
     if data.GetScalars() is None:
         data.SetActiveScalars(name)
+
+
+def _add_stress(data: vtkDataSetAttributes, stress: NDArray[np.float64], zz: NDArray[np.float64]) -> None:
+    """Add stress (n, 3) Pa: xx, yy, xy with its component zz (n,) as a tensor, and the principal ones in the plane."""
+    xx, yy, xy = stress.T
+    zero = np.zeros_like(xx)
+    sigma_1, sigma_3 = principal_stresses(stress)
+    _add(data, "stress", np.column_stack([xx, yy, zz, xy, zero, zero]), STRESS_COMPONENTS)
+    _add(data, "sigma_1", sigma_1)
+    _add(data, "sigma_3", sigma_3)
 
 
 def _spatial(plane: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,52 +1,77 @@
-"""The specimen as a mesh for output, its nodes double along cracks."""
+"""The specimen with its fields, for output: an output mesh, and values at its nodes and in its cells."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial import KDTree
 
+from crackgrow.approximation.basis import basis_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
 from crackgrow.estimate.error_estimate import ErrorEstimate
-from crackgrow.geometry.arrangement import connected, vertex_ids
-from crackgrow.quadrature.elements import triangulate
+from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.run.output_mesh import OutputMesh, output_mesh
 from crackgrow.run.result import Frame
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.recovery import displacement_at, stress_at
+from crackgrow.solid.recovery import stress_at, stress_of
 from crackgrow.vectors import cross
 
 
 def make_frame(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, error: ErrorEstimate | None = None
 ) -> Frame:
-    """Mesh of all elements: whole tiles as quads, polygons as triangles; `u` (n_dofs,) m, and its `error` if known."""
-    elements = cover.elements
-    triangles, triangle_element = triangulate(elements.polygons)
-    triangle_element = triangle_element + elements.n_whole
-    quads = elements.ring_start[: 4 * elements.n_whole].reshape(-1, 4)
-    corner_element = np.concatenate([np.repeat(triangle_element, 3), np.repeat(np.arange(elements.n_whole), 4)])
-    corner_vertex = np.concatenate([_vertex_of(elements, triangles.reshape(-1, 2)), quads.ravel()])
-    node, first = _nodes(elements, corner_vertex, corner_element)
-    n_corners = 3 * len(triangles)
-    points = elements.vertices[corner_vertex[first]]
-    centres = np.concatenate([triangles.mean(axis=1), elements.vertices[quads].mean(axis=1)])
-    cell_element = np.concatenate([triangle_element, np.arange(elements.n_whole)])
-    stress = stress_at(cover, materials, u, centres, cell_element)
-    body = elements.body[cell_element]
-    density = None if error is None else _densities(elements, cover.lattice.spacing, error)[cell_element]
-    out_of_plane = np.array([material.zz for material in materials])[body]
+    """The frame of displacements `u` (n_dofs,) m, and of their `error` if it is known."""
+    elements, mesh = cover.elements, output_mesh(cover.elements, cover.tips)
+    displacement, point_stress = _at_nodes(cover, materials, u, mesh)
+    centres = np.concatenate([mesh.points[cells].mean(axis=1) for cells in (mesh.triangles, mesh.quads)])
+    stress = stress_at(cover, materials, u, centres, mesh.element)
+    body = elements.body[mesh.element]
+    body_of_node = np.empty(len(mesh.points), dtype=np.int64)
+    body_of_node[mesh.place_node] = elements.body[mesh.place_element]
+    out_of_plane = np.array([material.zz for material in materials])
     return Frame(
-        points=cover.lattice.to_metres(points),
-        triangles=node[:n_corners].reshape(-1, 3),
-        quads=node[n_corners:].reshape(-1, 4),
-        displacement=displacement_at(cover, u, points, corner_element[first]),
+        points=cover.lattice.to_metres(mesh.points),
+        triangles=mesh.triangles,
+        quads=mesh.quads,
+        displacement=displacement,
         stress=stress,
-        stress_zz=out_of_plane * (stress[:, 0] + stress[:, 1]),
+        stress_zz=out_of_plane[body] * (stress[:, 0] + stress[:, 1]),
+        point_stress=point_stress,
+        point_stress_zz=out_of_plane[body_of_node] * (point_stress[:, 0] + point_stress[:, 1]),
         body=body,
-        error_density=density,
+        error_density=None if error is None else _densities(elements, cover.lattice.spacing, error)[mesh.element],
     )
+
+
+def _at_nodes(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, mesh: OutputMesh) -> tuple[Floats, Floats]:
+    """Displacement (n, 2) m and stress (n, 3) Pa at the nodes: means of what the elements that meet there say.
+
+    Plain elements say the same.
+    """
+    told = np.zeros(len(mesh.points), dtype=bool)
+    told[mesh.place_node[~cover.plain[mesh.place_element]]] = True
+    told = told[mesh.place_node]
+    told[np.unique(mesh.place_node, return_index=True)[1]] = True
+    node, element = mesh.place_node[told], mesh.place_element[told]
+    value, *slopes = basis_at(cover, mesh.points[node], element).field(u.reshape(-1, 2))
+    stress = stress_of(materials, np.stack(slopes, axis=2), cover.elements.body[element])
+    found = _means(node, np.concatenate([value, stress], axis=1), len(mesh.points))
+    if cover.tips:
+        distance, _ = KDTree([tip.point for tip in cover.tips]).query(mesh.points)
+        ends = np.concatenate([mesh.sides, mesh.sides[:, ::-1]])
+        ends = np.unique(ends[(distance[ends[:, 0]] < ON_LINE) & (distance[ends[:, 1]] >= ON_LINE)], axis=0)
+        at_tip, index = np.unique(ends[:, 0], return_inverse=True)
+        found[at_tip, 2:] = _means(index, found[ends[:, 1], 2:], len(at_tip))
+    return found[:, :2], found[:, 2:]
+
+
+def _means(row: Ints, values: Floats, n: int) -> Floats:
+    """Means (n, m) of the `values` (k, m) of each row (k,)."""
+    sums = [np.bincount(row, column, n) for column in values.T]
+    return np.asarray(np.stack(sums, axis=1) / np.bincount(row, minlength=n)[:, None])
 
 
 def _densities(elements: Elements, spacing: float, error: ErrorEstimate) -> Floats:
@@ -57,27 +82,3 @@ def _densities(elements: Elements, spacing: float, error: ErrorEstimate) -> Floa
     there = area > 0.0  # slivers that the grid leaves no area hold no error
     density = np.divide(error.elements, area, out=np.zeros(elements.n), where=there)
     return np.sqrt(density / mean) if mean > 0.0 else np.zeros(elements.n)
-
-
-def _vertex_of(elements: Elements, points: Floats) -> Ints:
-    """Vertex ids (n,) of points (n, 2) that are vertices."""
-    ids = vertex_ids(np.concatenate([elements.vertices, points]))
-    vertex = np.empty(int(ids.max()) + 1, dtype=np.int64)
-    vertex[ids[: len(elements.vertices)]] = np.arange(len(elements.vertices))
-    return vertex[ids[len(elements.vertices) :]]
-
-
-def _nodes(elements: Elements, vertex: Ints, element: Ints) -> tuple[Ints, Ints]:
-    """Node (n,) of every cell corner, and a corner (m,) of every node.
-
-    Corners at a vertex are one node if a way round the vertex leads from one to the other without crossing a crack.
-    """
-    pair = vertex * elements.n + element
-    pairs, inverse = np.unique(pair, return_inverse=True)
-    passable = elements.passable
-    ends = np.concatenate([elements.edges.a[passable], elements.edges.b[passable]])
-    left = np.searchsorted(pairs, ends * elements.n + np.tile(elements.edges.left[passable], 2))
-    right = np.searchsorted(pairs, ends * elements.n + np.tile(elements.edges.right[passable], 2))
-    node = connected(len(pairs), left, right)[inverse]
-    _, first = np.unique(node, return_index=True)
-    return node, first

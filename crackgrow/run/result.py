@@ -107,12 +107,17 @@ class Reaction:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """The specimen as a mesh for output: nodes are double along cracks. Cells: triangles first, then quads."""
+    """The specimen as a mesh for output: nodes are double along cracks. Cells: triangles first, then quads.
+
+    The stress of a node at a tip, where it is infinite, is the mean of its neighbours'.
+    """
 
     points: Floats  # (n, 2) m
     triangles: Ints  # (t, 3)
     quads: Ints  # (q, 4)
     displacement: Floats  # (n, 2) m
+    point_stress: Floats  # (n, 3) Pa: xx, yy, xy
+    point_stress_zz: Floats  # (n,) Pa
     stress: Floats  # (t + q, 3) Pa: xx, yy, xy at cell centres
     stress_zz: Floats  # (t + q,) Pa
     body: Ints  # (t + q,) index of the body

@@ -91,11 +91,15 @@ def make_frame(scale: float = 1.0) -> Frame:
     a, b, c, d = quads.pop(0)
     n_cells = len(quads) + 2
     stress = np.column_stack([np.linspace(-5e6, 8e6, n_cells), np.full(n_cells, -2e7), np.full(n_cells, 1e6)]) * scale
+    point_stress = np.column_stack([np.linspace(-6e6, 9e6, len(points)), *np.outer((-2e7, 1e6), np.ones(len(points)))])
+    point_stress *= scale
     return Frame(
         points=points,
         triangles=np.array([[a, b, c], [a, c, d]]),
         quads=np.array(quads),
         displacement=displacement,
+        point_stress=point_stress,
+        point_stress_zz=0.25 * (point_stress[:, 0] + point_stress[:, 1]),
         stress=stress,
         stress_zz=0.25 * (stress[:, 0] + stress[:, 1]),
         body=np.zeros(n_cells, dtype=np.int64),

@@ -16,7 +16,7 @@ from matplotlib.image import imread
 from crackgrow.results import figures
 from crackgrow.results.load_point import LoadPoint
 from crackgrow.run.result import STICK
-from tests.unit.results.synthetic import N_X, N_Y, make_case, make_frame, make_paths, make_result
+from tests.unit.results.synthetic import HEIGHT, N_X, N_Y, WIDTH, make_case, make_frame, make_paths, make_result
 
 WHITE = 0.999
 
@@ -118,11 +118,22 @@ def test_boundary_edges_are_outline_and_both_crack_faces() -> None:
 
 def test_colours_are_symmetrical_for_both_signs_and_ignore_outliers() -> None:
     values = np.concatenate([np.linspace(-1.0, 2.0, 1000), [1e9]])
-    norm, _ = figures.colours_of(values)
+    norm, _ = figures.colours_of(values, np.ones(1001))
     assert norm.vmin == -norm.vmax
     assert norm.vmax == pytest.approx(1.94, rel=1e-2)
-    norm, _ = figures.colours_of(np.linspace(1.0, 2.0, 101))
-    assert (norm.vmin, norm.vmax) == (pytest.approx(1.02), pytest.approx(1.98))
+    norm, _ = figures.colours_of(np.linspace(1.0, 2.0, 101), np.ones(101))
+    assert (norm.vmin, norm.vmax) == (pytest.approx(1.02, abs=0.011), pytest.approx(1.98, abs=0.011))
+
+
+def test_many_small_cells_at_a_tip_count_by_their_area() -> None:
+    values = np.concatenate([np.linspace(1.0, 2.0, 1000), np.full(1000, 50.0)])
+    norm, _ = figures.colours_of(values, np.repeat([1.0, 1e-3], 1000))
+    assert norm.vmax == pytest.approx(1.98, rel=1e-2)
+    frame = make_frame()
+    for by_point in (False, True):
+        areas = figures.areas(frame, by_point=by_point)
+        assert len(areas) == len(frame.point_stress if by_point else frame.stress)
+        assert areas.sum() == pytest.approx(WIDTH * HEIGHT)
 
 
 def points(*rows: tuple[float, float, float], slip: float = 0.0) -> list[LoadPoint]:

@@ -91,9 +91,22 @@ def test_a_frame_reads_back_with_its_values(folder: Path) -> None:
     size = frames["displacement"]
     assert size.by_point
     np.testing.assert_allclose(size.values, np.hypot(*size.displacement.T), rtol=1e-6)
-    assert not frames["sigma_1"].by_point
+    assert all(frame.by_point and len(frame.values) == len(frame.points) for frame in frames.values())
     radius = (frames["sigma_1"].values - frames["sigma_3"].values) / 2
     assert (np.abs(frames["stress_xy"].values) <= radius * (1 + 1e-9)).all()
+
+
+def test_what_cells_alone_have_is_drawn_cell_by_cell(folder: Path, tmp_path: Path) -> None:
+    """So it is with the stress of frames that have none at their points."""
+    files = frame_files(folder)
+    assert not read_frame(3, files[3], "energy_error").by_point
+    earlier = pyvista.read(files[3])
+    for name in ("stress", "sigma_1", "sigma_3"):
+        del earlier.point_data[name]
+    earlier.save(tmp_path / "earlier.vtu")
+    frame = read_frame(3, tmp_path / "earlier.vtu", "stress_xx")
+    assert not frame.by_point
+    np.testing.assert_array_equal(frame.values, earlier.cell_data["stress"][:, 0])
 
 
 def test_earlier_pictures_of_the_field_go_and_others_stay(folder: Path, tmp_path: Path) -> None:

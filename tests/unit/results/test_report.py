@@ -245,6 +245,21 @@ def test_damaged_files_are_named(folder: Path, tmp_path: Path, name: str, text: 
     assert message in str(got.value)
 
 
+def test_figures_are_shown_however_large_they_are_and_damaged_ones_named(folder: Path, tmp_path: Path) -> None:
+    copy = copied(folder, tmp_path)
+    shutil.rmtree(copy / "render", ignore_errors=True)
+    (copy / "figures").mkdir(exist_ok=True)
+    noise = np.random.default_rng(0).integers(0, 256, (900, 900, 3), dtype=np.uint8)
+    path = copy / "figures" / "sigma_1_last.png"
+    Image.fromarray(noise).save(path)
+    write_report(copy)
+    (shown,) = read(copy).data["pictures"]
+    assert shown["uri"].startswith("data:image/jpeg;base64,")
+    path.write_bytes(path.read_bytes()[:1000])
+    with pytest.raises(FolderError, match=f"{re.escape(str(path))} is damaged"):
+        write_report(copy)
+
+
 def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     make_run(tmp_path)
     paint(tmp_path, [0, 2, 3, 9])  # 9: of no step of this run

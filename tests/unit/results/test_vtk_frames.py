@@ -29,19 +29,22 @@ def test_frame_round_trip_keeps_double_nodes(tmp_path: Path) -> None:
     np.testing.assert_array_equal(grid.cell_data["body"], frame.body)
 
 
-def test_stress_is_a_named_tensor_with_its_principal_values(tmp_path: Path) -> None:
+@pytest.mark.parametrize("where", ["points", "cells"])
+def test_stress_is_a_named_tensor_with_its_principal_values(tmp_path: Path, where: str) -> None:
     frame = make_frame()
     vtk_frames.write_frame(tmp_path / "a.vtu", frame, ("stress",))
     grid = pyvista.read(tmp_path / "a.vtu")
-    array = grid.GetCellData().GetArray("stress")
+    data = grid.point_data if where == "points" else grid.cell_data
+    given, zz = (frame.point_stress, frame.point_stress_zz) if where == "points" else (frame.stress, frame.stress_zz)
+    array = data.VTKObject.GetArray("stress")
     assert [array.GetComponentName(k) for k in range(6)] == ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]
-    stress = grid.cell_data["stress"]
-    np.testing.assert_array_equal(stress[:, [0, 1, 3]], frame.stress)
-    np.testing.assert_array_equal(stress[:, 2], frame.stress_zz)
-    tensors = np.array([[[xx, xy], [xy, yy]] for xx, yy, xy in frame.stress])
+    stress = data["stress"]
+    np.testing.assert_array_equal(stress[:, [0, 1, 3]], given)
+    np.testing.assert_array_equal(stress[:, 2], zz)
+    tensors = np.array([[[xx, xy], [xy, yy]] for xx, yy, xy in given])
     principal = np.linalg.eigvalsh(tensors)  # ascending
-    np.testing.assert_allclose(grid.cell_data["sigma_3"], principal[:, 0], rtol=1e-12)
-    np.testing.assert_allclose(grid.cell_data["sigma_1"], principal[:, 1], rtol=1e-9)  # cancellation near zero
+    np.testing.assert_allclose(data["sigma_3"], principal[:, 0], rtol=1e-12)
+    np.testing.assert_allclose(data["sigma_1"], principal[:, 1], rtol=1e-9)  # cancellation near zero
     assert "displacement" not in grid.point_data
 
 

@@ -1,7 +1,8 @@
-"""The output mesh: it covers the specimen, is conforming, and is double along cracks and nowhere else."""
+"""The output mesh covers the specimen, is conforming, and is double along cracks and nowhere else; its fields."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -11,12 +12,16 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
+from crackgrow.cover.elements import Elements
 from crackgrow.fracture.advance import GrowingCrack, advanced
 from crackgrow.run import grow
+from crackgrow.run.configuration import assemble
 from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.output_mesh import LONGEST, SHORTEST, OutputMesh, output_mesh
 from crackgrow.run.result import Frame, StepResult
 from crackgrow.run.scene import make_scene
+from crackgrow.solid.recovery import stress_at
 from tests.solving import solve_step
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -35,10 +40,15 @@ SCENES = {
 }
 """Scene, kinks in degrees of 2 mm segments added at the end, settings."""
 
+STUCK = ("compression30", (70.0,), "cracks.flaw.contact.friction=20")
+
+CUT = ("flaw_and_hole", "interface_friction04", "junction_static", "en_echelon")
+"""Scenes with curved outlines, several bodies, cracks that meet."""
+
 
 @cache
 def solved(name: str) -> tuple[StepSolution, Frame]:
-    file, *rest = SCENES[name]
+    file, *rest = (SCENES | {"stuck": STUCK})[name]
     kinks, settings = rest[0], rest[1:]
     case = load_case(CASES / f"{file}.yaml", settings)
     scene = make_scene(case)
@@ -55,7 +65,7 @@ def first_step(*settings: str) -> StepResult:
     return next(grow(case))
 
 
-def areas(frame: Frame) -> np.ndarray:
+def areas(frame: Frame | OutputMesh) -> np.ndarray:
     """Signed areas of all cells, triangles first."""
     found = []
     for cells in (frame.triangles, frame.quads):
@@ -64,7 +74,7 @@ def areas(frame: Frame) -> np.ndarray:
     return np.concatenate(found)
 
 
-def edges(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
+def edges(frame: Frame | OutputMesh) -> tuple[np.ndarray, np.ndarray]:
     """Undirected edges (n, 2) of the mesh and how many cells have each."""
     both = [
         np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in (frame.triangles, frame.quads)
@@ -92,6 +102,53 @@ def on_crack(solution: StepSolution, points: np.ndarray) -> np.ndarray:
     return np.hypot(*(points[:, None] - nearest).transpose(2, 0, 1)).min(axis=1) < NEAR
 
 
+def from_tips(solution: StepSolution, points: np.ndarray) -> np.ndarray:
+    """Distance (n,) in spacings of points (n, 2) m from the nearest tip."""
+    local = solution.cover.lattice.to_lattice(points)
+    return np.min([np.hypot(*(local - tip.point).T) for tip in solution.cover.tips], axis=0)
+
+
+def assert_conforming(elements: Elements, mesh: OutputMesh) -> None:
+    """Sides of one cell alone are those of the elements on outlines, and of both faces of cracks and interfaces."""
+    pairs, n_cells = edges(mesh)
+    assert set(n_cells.tolist()) == {1, 2}
+    alone = np.hypot(*np.diff(mesh.points[pairs[n_cells == 1]], axis=1)[:, 0].T).sum()
+    faces = np.where(elements.edges.right < 0, 1, np.where(elements.passable, 0, 2))
+    length = np.hypot(*(elements.vertices[elements.edges.b] - elements.vertices[elements.edges.a]).T)
+    assert alone == pytest.approx(faces @ length, rel=1e-9)
+    start, end = elements.vertices[elements.ring_start], elements.vertices[elements.ring_end]
+    whole = 0.5 * np.sum(start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0])
+    assert areas(mesh).sum() == pytest.approx(whole, rel=1e-9)
+
+
+def with_corner_in_a_side(elements: Elements) -> Elements:
+    """The elements, the side between two whole tiles in two parts, as it is where one has smaller neighbours."""
+    both = (elements.edges.left < elements.n_whole) & (elements.edges.right < elements.n_whole) & elements.passable
+    side = int(np.flatnonzero(both)[10])
+    a, b, corner = int(elements.edges.a[side]), int(elements.edges.b[side]), len(elements.vertices)
+    start, end = elements.ring_start.copy(), elements.ring_end.copy()
+    split = np.flatnonzero(((start == a) & (end == b)) | ((start == b) & (end == a)))
+    last = end[split]
+    end[split] = corner
+    old = elements.edges
+    ends = replace(
+        old,
+        a=np.append(np.where(np.arange(len(old.a)) == side, corner, old.a), a),
+        b=np.append(old.b, corner),
+        left=np.append(old.left, old.left[side]),
+        right=np.append(old.right, old.right[side]),
+    )
+    return replace(
+        elements,
+        vertices=np.vstack([elements.vertices, 0.5 * (elements.vertices[a] + elements.vertices[b])]),
+        ring_start=np.insert(start, split + 1, corner),
+        ring_end=np.insert(end, split + 1, last),
+        ring_element=np.insert(elements.ring_element, split, elements.ring_element[split]),
+        edges=ends,
+        is_crack=np.append(elements.is_crack, False),
+    )
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_cells_fill_the_plate_once(name: str) -> None:
     _, frame = solved(name)
@@ -99,8 +156,9 @@ def test_cells_fill_the_plate_once(name: str) -> None:
     assert size.sum() == pytest.approx(AREA, rel=1e-9)
     assert size.min() > -1e-15  # counter-clockwise; needles along a lattice line may have no area, m^2
     assert len(frame.stress) == len(frame.stress_zz) == len(frame.body) == len(size)
-    assert np.isfinite(frame.displacement).all()
-    assert np.isfinite(frame.stress).all()
+    assert len(frame.displacement) == len(frame.point_stress) == len(frame.point_stress_zz) == len(frame.points)
+    for values in (frame.displacement, frame.stress, frame.point_stress, frame.point_stress_zz):
+        assert np.isfinite(values).all()
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -131,13 +189,101 @@ def test_inner_edges_have_two_cells_and_only_the_outline_and_the_crack_have_one(
     assert length == pytest.approx(2.0 * np.hypot(*np.diff(path, axis=0).T).sum(), rel=1e-8)
 
 
+@pytest.mark.parametrize("name", CUT)
+def test_no_corner_lies_in_a_side_of_another_cell(name: str) -> None:
+    scene = make_scene(load_case(CASES / f"{name}.yaml", []))
+    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in scene.case.cracks)
+    cover = assemble(scene, growing).cover
+    assert_conforming(cover.elements, output_mesh(cover.elements, cover.tips))
+
+
+@pytest.mark.parametrize("tips", [True, False])
+def test_whole_tiles_with_corners_in_their_sides_are_fans_of_triangles(tips: bool) -> None:
+    cover = solved("closed")[0].cover
+    at = cover.tips if tips else ()
+    before, elements = output_mesh(cover.elements, at), with_corner_in_a_side(cover.elements)
+    mesh = output_mesh(elements, at)
+    assert_conforming(elements, mesh)
+    assert len(before.quads) - len(mesh.quads) == 2
+    assert len(mesh.triangles) - len(before.triangles) == 10
+    (corner,) = np.flatnonzero(np.all(mesh.points == elements.vertices[-1], axis=1))
+    assert np.count_nonzero(mesh.triangles == corner) == 4
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_sides_are_short_by_their_distance_from_a_tip(name: str) -> None:
+    solution, frame = solved(name)
+    pairs, _ = edges(frame)
+    ends = frame.points[pairs]
+    length = np.hypot(*np.diff(ends, axis=1)[:, 0].T) / solution.cover.lattice.spacing
+    distance = from_tips(solution, ends.mean(axis=1))
+    assert np.all(length <= np.maximum(LONGEST * distance, SHORTEST) + 1e-9)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str) -> None:
+    solution, frame = solved(name)
+    mesh = output_mesh(solution.cover.elements, solution.cover.tips)
+    node, element = mesh.place_node, mesh.place_element
+    stress = stress_at(solution.cover, solution.materials, solution.outcome.u, mesh.points[node], element)
+    off_tips = from_tips(solution, frame.points[node]) > 1e-6
+    size = np.abs(stress[off_tips]).max()
+    np.testing.assert_allclose(frame.point_stress[node[off_tips]], stress[off_tips], rtol=0, atol=1e-9 * size)
+
+
+def test_stress_along_the_faces_jumps_across_the_crack_and_traction_does_not() -> None:
+    solution, frame = solved("closed")
+    along, across = np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)]), np.array([-np.sin(np.pi / 6), np.cos(np.pi / 6)])
+    jumps = []
+    for place in vertices_of_crack(solution)[1:-1]:
+        if np.hypot(*place) > 2e-3:  # by symmetry there is no jump in the middle
+            (a, c, b) = np.diff(frame.point_stress[nodes_at(frame, place)], axis=0)[0]
+            jump = np.array([[a, b], [b, c]])
+            jumps.append([along @ jump @ along, across @ jump @ across])
+    parallel, normal = np.median(np.abs(jumps), axis=0)
+    assert parallel > 50e6  # Pa; the load is 100 MPa
+    assert normal < 0.1 * parallel
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_node_at_a_tip_has_a_stress_among_those_of_its_neighbours(name: str) -> None:
+    solution, frame = solved(name)
+    pairs, _ = edges(frame)
+    for tip in np.flatnonzero(from_tips(solution, frame.points) < 1e-6):
+        neighbours = frame.point_stress[np.setdiff1d(pairs[(pairs == tip).any(axis=1)], tip)]
+        assert len(neighbours) > 3
+        np.testing.assert_allclose(frame.point_stress[tip], neighbours.mean(axis=0), rtol=1e-9, atol=1.0)
+
+
+def test_a_uniform_stress_is_that_of_all_nodes() -> None:
+    """Cut tiles, a kink and tips in rock whose cracks stick."""
+    _, frame = solved("stuck")
+    np.testing.assert_allclose(frame.point_stress, np.tile([0.0, -100e6, 0.0], (len(frame.points), 1)), atol=100.0)
+    np.testing.assert_allclose(frame.point_stress_zz, -25e6, atol=100.0)
+
+
+def test_cells_near_a_tip_resolve_its_stress() -> None:
+    """Between their corners it is nearly linear: their mean is the stress in the middle."""
+    solution, frame = solved("closed")
+    corners = frame.points[frame.triangles]
+    distance = from_tips(solution, corners.mean(axis=1))
+    near = (distance > 0.1) & (distance < 2.0)
+    middle = frame.stress[: len(corners)][near]
+    error = np.abs(frame.point_stress[frame.triangles].mean(axis=1)[near] - middle).max(axis=1)
+    assert np.max(error / np.abs(middle).max(axis=1)) < 0.1
+    assert np.count_nonzero(near) > 200
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_nodes_are_double_along_the_crack_and_single_at_its_tips_and_elsewhere(name: str) -> None:
     solution, frame = solved(name)
     vertices = vertices_of_crack(solution)
     counts = [len(nodes_at(frame, vertex)) for vertex in vertices]
     assert counts == [1, *[2] * (len(vertices) - 2), 1]
-    assert len(frame.points) - len(np.unique(frame.points, axis=0)) == len(vertices) - 2
+    places, counts = np.unique(frame.points, axis=0, return_counts=True)
+    crack = on_crack(solution, places)
+    at_tip = np.hypot(*(places[:, None] - vertices[[0, -1]]).transpose(2, 0, 1)).min(axis=1) < NEAR
+    np.testing.assert_array_equal(counts, np.where(crack & ~at_tip, 2, 1))
 
 
 @pytest.mark.parametrize("name", SCENES)
