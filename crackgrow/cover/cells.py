@@ -1,7 +1,9 @@
 """Cells of several sizes: their corners are the nodes, and the edges of patches cut them into tiles.
 
 A node's patch is the square round it with `support` times the side of the largest cell that touches the node as its
-half width: with the smallest one there would be gaps between patches.
+half width: with the smallest one there would be gaps between patches. Corners that lie on the side of a larger cell are
+no nodes: patches of one size half a cell apart depend on each other (the cubic splines among them, taken with signs in
+turn, add up to zero).
 """
 
 from __future__ import annotations
@@ -41,10 +43,13 @@ def nodes_of(cells: Squares, support: float) -> Nodes:
     )
     base = int(corners.max()) + 1
     x, y = np.divmod(np.unique(corners[:, 0] * base + corners[:, 1]), base)
-    nodes = np.stack([x, y], axis=1)
-    around = cells.around(nodes / QUANTA)
-    largest = np.where(around >= 0, cells.size[around], 0).max(axis=1)
-    return Nodes(nodes, np.rint(support * largest).astype(np.int64), largest)
+    corners = np.stack([x, y], axis=1)
+    around = cells.around(corners / QUANTA)
+    off, there = corners[:, None] - cells.low[around], around >= 0
+    is_corner = ((off == 0) | (off == cells.size[around, None])).all(axis=2)
+    nodes = (is_corner | ~there).all(axis=1)
+    largest = np.where(there, cells.size[around], 0).max(axis=1)[nodes]
+    return Nodes(corners[nodes], np.rint(support * largest).astype(np.int64), largest)
 
 
 def tiles_of(cells: Squares, nodes: Nodes, support: float) -> Tiles:

@@ -217,7 +217,7 @@ def _eliminated(
     rest: Floats,
     sizes: Floats,
     groups: list[tuple[int, int, float]],
-    cholesky: Callable[[Floats, Floats], list[int]],
+    cholesky: Callable[[Floats, Floats], None],
 ) -> Factor:
     """Factor of a front from its columns (p + b, p) and the rest (b, b), both replaced.
 
@@ -226,22 +226,18 @@ def _eliminated(
     p = own.shape[1]
     diagonal, below = own[:p], own[p:]
     groups = [group for group in groups if group[1] > group[0]]
-    held: list[int] = []
     if len(groups) == 1 and groups[0][2] > 0.0:
-        held = cholesky(diagonal, sizes[:p])
+        cholesky(diagonal, sizes[:p])
     else:
         for begin, end, sign in groups:
             block, left = sign * diagonal[begin:end, begin:end], sign * diagonal[end:, begin:end]
-            now = cholesky(block, sizes[begin:end])
-            held += [begin + k for k in now]
+            cholesky(block, sizes[begin:end])
             if len(left):
                 dtrsm(1.0, block.T, left.T, lower=0, trans_a=1, overwrite_b=1)
-                left[:, now] = 0.0
                 diagonal[end:, end:] -= sign * (left @ left.T)
             diagonal[begin:end, begin:end], diagonal[end:, begin:end] = block, left
     if len(below):
         dtrsm(1.0, diagonal.T, below.T, lower=0, trans_a=1, overwrite_b=1)
-        below[:, held] = 0.0
         for begin, end, sign in groups:
             part = np.ascontiguousarray(below[:, begin:end])
             dsyrk(-sign, part.T, 1.0, rest.T, trans=1, lower=0, overwrite_c=1)
@@ -250,29 +246,16 @@ def _eliminated(
     return Factor(diagonal, below, rest, sizes[p:])
 
 
-def _cholesky(matrix: Floats, sizes: Floats) -> list[int]:
-    """Replace the lower triangle of `matrix` (p, p) by its Cholesky factor; `sizes` (p,) are of its diagonal.
-
-    Returns the unknowns that are held at zero: none.
-    """
+def _cholesky(matrix: Floats, sizes: Floats) -> None:
+    """Replace the lower triangle of `matrix` (p, p) by its Cholesky factor; `sizes` (p,) are of its diagonal."""
     _, info = dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
     if info or (np.square(matrix.diagonal()) < ROUND_OFF * sizes).any():
         raise _NoPivotError
-    return []
 
 
-def _cholesky_replacing(matrix: Floats, sizes: Floats) -> list[int]:
-    """As `_cholesky`, column by column; small pivots are replaced.
-
-    A function without a pivot depends on those before. It is held at zero: what is left of its column is round-off, of
-    terms that may be far larger than its own, and would spoil the pivots behind.
-    """
-    held = []
+def _cholesky_replacing(matrix: Floats, sizes: Floats) -> None:
+    """As `_cholesky`, column by column; small pivots are replaced."""
     for k, size in enumerate(sizes.tolist()):
         column = matrix[k:, k] - matrix[k:, :k] @ matrix[k, :k]
-        if column[0] < ROUND_OFF * size:
-            held.append(k)
-            column[0], column[1:] = size, 0.0
         column[0] = max(column[0], SMALL * size)
         matrix[k:, k] = column / np.sqrt(column[0])
-    return held

@@ -31,6 +31,7 @@ from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.foci import lattice_of_cells
 from crackgrow.run.scene import Scene
+from crackgrow.solid.dependent import with_dependent_held
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.magnitude import LARGEST, LARGEST_STRAIN, check_magnitude
@@ -211,7 +212,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     with timed(seconds, "assembly"):
         stiff_before = None if before is None else before.stiffness
         stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, stiff_before)
-        matrix = stiffness.matrix
+        matrix = with_dependent_held(stiffness.matrix)
         check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
         faces = _faces(scene, cover)
         operators = contact_operators(cover, faces)

@@ -1,0 +1,51 @@
+"""Functions that depend on others, and are held.
+
+Where cells of several sizes meet, patches of several sizes have corners and edges in common. Of the rock that a crack
+cuts off there all of them see the same part, and some combination of them vanishes on it. All are small there, far
+smaller than the functions of whole patches, so they are told by the stiffness between small functions alone. What
+depends on others takes part in no field that the others don't give: held at zero it changes nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg.lapack import dpstrf
+from scipy.sparse import csc_array
+from scipy.sparse.csgraph import connected_components
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.direct import SymmetricMatrix
+
+SMALL = 1e-3
+"""Functions with less than this part of the largest stiffness see a corner of their patch alone."""
+
+DEPENDENT = 1e-11
+"""Pivots below this part of the entry on the diagonal are those of functions that depend on others."""
+
+
+def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
+    """The stiffness matrix with springs at unknowns that depend on others, each as stiff as its own entry.
+
+    Only the sparse part of the matrix is looked at: small functions are those of cut patches.
+    """
+    diagonal = matrix.diagonal()
+    small = np.flatnonzero(diagonal < SMALL * diagonal.max(initial=0.0))
+    if len(small) == 0:
+        return matrix
+    scale = 1.0 / np.sqrt(np.maximum(diagonal[small], np.finfo(float).tiny))
+    block = csc_array(matrix.rest[small][:, small])
+    held = small[_dependent(block, scale)]
+    return matrix.with_diagonal(held, diagonal[held]) if len(held) else matrix
+
+
+def _dependent(block: csc_array, scale: Floats) -> Ints:
+    """Which unknowns of a symmetric matrix (k, k) depend on others, times `scale` (k,) from both sides."""
+    _, label = connected_components(block, directed=False)
+    order = np.argsort(label, kind="stable")
+    found = []
+    for part in np.split(order, np.cumsum(np.bincount(label))[:-1]):
+        if len(part) > 1:
+            own = block[part][:, part].toarray() * np.outer(scale[part], scale[part])
+            _, pivots, rank, _ = dpstrf(own, tol=DEPENDENT, lower=1)
+            found.append(part[pivots[rank:] - 1])
+    return np.sort(np.concatenate([np.empty(0, dtype=np.int64), *found]))
