@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.case.model import Case
+from crackgrow.cover.cover import Cover
+from crackgrow.cover.squares import QUANTA
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import lay_out
@@ -40,6 +42,7 @@ class Sizes:
     n_multipliers: int  # of supports and bonds
     surfaces: tuple[SurfacePlan, ...]
     cautions: tuple[Caution, ...]
+    cells: tuple[tuple[float, int], ...] = ()  # sides (m) of cells that rock lies in, largest first, and their numbers
 
     @property
     def n_tractions(self) -> int:
@@ -73,6 +76,16 @@ def sizes_of(case: Case) -> Sizes:
         n_multipliers=len(held.given),
         surfaces=surfaces,
         cautions=tuple(known),
+        cells=_cells(cover),
+    )
+
+
+def _cells(cover: Cover) -> tuple[tuple[float, int], ...]:
+    """Sides (m) of the cells with rock, and how many there are of each."""
+    number = np.unique(cover.lattice.tiles.cell[cover.elements.tile])
+    sides, counts = np.unique(cover.lattice.cells.size[number] / QUANTA, return_counts=True)
+    return tuple(
+        (cover.lattice.spacing * side, n) for side, n in zip(sides[::-1].tolist(), counts[::-1].tolist(), strict=True)
     )
 
 
@@ -83,6 +96,6 @@ def _rough(law: SurfaceLaw) -> bool:
 
 
 def _short_increment(case: Case) -> Iterator[Caution]:
-    growth, spacing = case.growth, case.numerics.spacing
+    growth, spacing = case.growth, case.numerics.spacing * 0.5**case.numerics.refine.tips
     if growth is not None and growth.steps > 0 and growth.increment < Cause.SHORT_INCREMENT.limit * spacing:
         yield Cause.SHORT_INCREMENT.at(increment=growth.increment, spacing=spacing)

@@ -9,7 +9,7 @@ from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
 from crackgrow.plan.sizes import Sizes, sizes_of
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import counted
-from crackgrow.results.overview import overview
+from crackgrow.results.overview import length_unit, overview
 from crackgrow.run.caution import Cause, Caution
 
 LARGEST_SUPPORT = 3.0  # up to which the cost was measured
@@ -33,6 +33,9 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
         + f"; {sizes.n_elements} manifold elements",
         f"  {counted(sizes.n_multipliers, 'multiplier')} for supports and bonds",
     ]
+    if len(sizes.cells) > 1:
+        scale, unit = length_unit(case)
+        lines.append("  cells: " + ", ".join(f"{n} of {side * scale:.3g} {unit}" for side, n in sizes.cells))
     if sizes.n_contact:
         kind = "mortar nodes" if case.numerics.contact.discretization == "mortar" else "Gauss points"
         sides = "normal and tangential" if any(surface.rough for surface in sizes.surfaces) else "normal alone"

@@ -22,7 +22,7 @@ from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.scene import Scene
 
 SHARP_KINK = np.deg2rad(10.0)
-"""Less sharp kinks are as good as straight: of grown wings only the kink at the flaw counts, not the turns of a path."""
+"""Less sharp kinks are as good as straight: of grown wings the kink at the flaw counts, not the turns of a path."""
 
 SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
