@@ -59,6 +59,7 @@ class Cover:
     surfaces: tuple[Surface, ...]  # the cracks, then the interfaces, then the foundations
     elements: Elements
     patches: Patches
+    sizes: Floats  # (elements,) side of the cell that each lies in, spacings
     tips: tuple[Tip, ...]
     enrichment: Enrichment  # which tips act on which elements
     touching: Bools  # (e,) which edges of the arrangement lie on a surface
@@ -75,11 +76,6 @@ class Cover:
     def n_functions(self) -> int:
         """Number of functions."""
         return len(self.patches.nodes) + N_TIP_FUNCTIONS * sum(len(tip.patches) for tip in self.tips)
-
-    @property
-    def sizes(self) -> Floats:
-        """Side (elements,) of the cell that each element lies in, spacings."""
-        return self.elements.size
 
     @property
     def patch_nodes(self) -> Floats:
@@ -137,6 +133,7 @@ def build_cover(
         surfaces=surfaces,
         elements=elements,
         patches=patches,
+        sizes=elements.size,
         tips=tips,
         enrichment=enrichment,
         touching=touching,

@@ -18,7 +18,7 @@ from crackgrow.cover.squares import Squares
 REGULAR = 0
 """Number of the regular window."""
 
-FAR = 1e3
+FAR = 1e9
 """Where a window has fewer nodes than the largest one: no point of the cell is near."""
 
 
