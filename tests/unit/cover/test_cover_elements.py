@@ -8,19 +8,12 @@ import shapely
 
 from crackgrow.cover.elements import Elements, locate
 from crackgrow.errors import GeometryError
-from tests.unit.cover_tables import tiles_of
+from tests.unit.cover_tables import areas, tile_boxes
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 AREA = 1e-7
 """Relative: vertices move by 1e-9 spacings, along rims of about 40 spacings."""
-
-
-def areas(sample) -> np.ndarray:
-    x, y = sample.lattice.tile_lines
-    elements = sample.cover.elements
-    i, j = tiles_of(sample.lattice, elements)[: elements.n_whole].T
-    return np.concatenate([np.diff(x)[i] * np.diff(y)[j], shapely.area(elements.polygons)])
 
 
 def crack_lengths(elements: Elements, crack: int = 0) -> np.ndarray:
@@ -47,8 +40,8 @@ def on_their_sides(elements: Elements, crack: int = 0) -> np.ndarray:
 @pytest.mark.parametrize("cracks", [[], [KINKED], [KINKED, [(4.4, 1.1), (5.2, 4.6)]]])
 def test_elements_fill_the_body(build, support: float, cracks: list) -> None:
     sample = build.block((6, 5), [build.crack(points, name=str(k)) for k, points in enumerate(cracks)], support)
-    assert areas(sample).sum() == pytest.approx(30.0, rel=AREA)
-    assert areas(sample).min() > 0.0
+    assert areas(sample.lattice, sample.cover.elements).sum() == pytest.approx(30.0, rel=AREA)
+    assert areas(sample.lattice, sample.cover.elements).min() > 0.0
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
@@ -85,10 +78,8 @@ def test_located_element_holds_the_point(build, support: float) -> None:
     assert found.min() >= 0
     whole = found < elements.n_whole
     assert 0 < whole.sum() < len(points)
-    x, y = sample.lattice.tile_lines
-    i, j = tiles_of(sample.lattice, elements)[found[whole]].T
-    assert np.all((x[i] <= points[whole, 0]) & (points[whole, 0] <= x[i + 1]))
-    assert np.all((y[j] <= points[whole, 1]) & (points[whole, 1] <= y[j + 1]))
+    low, high = tile_boxes(sample.lattice, elements.tile[found[whole]])
+    assert np.all((low <= points[whole]) & (points[whole] <= high))
     polygons = elements.polygons[found[~whole] - elements.n_whole]
     assert shapely.distance(polygons, shapely.points(points[~whole])).max() <= 1e-8  # ON_LINE
 
@@ -136,7 +127,7 @@ def fault(build, points: np.ndarray, support: float) -> str:
     elements = sample.cover.elements
     length = np.hypot(*np.diff(points, axis=0).T).sum()
     wrong = {
-        "area": abs(areas(sample).sum() - 30.0) > 30.0 * AREA,
+        "area": abs(areas(sample.lattice, sample.cover.elements).sum() - 30.0) > 30.0 * AREA,
         "length": abs(crack_lengths(elements).sum() - length) > 1e-8,  # rounding moves each end by 1e-9
         "side": not on_their_sides(elements).all(),
         "gap": (elements.lines[0].points[1:, 0] != elements.lines[0].points[:-1, 1]).any(),
@@ -189,8 +180,5 @@ def test_two_bodies_side_by_side_keep_their_elements(build) -> None:
     lattice = build.block((6, 5)).lattice
     bodies = [np.array([[x, 2.5], [x + 3, 2.5], [x + 3, 7.5], [x, 7.5]]) for x in (2.5, 5.5)]
     elements = cut_elements(lattice, [BodyGeometry((outline,)) for outline in bodies], [])
-    x, y = lattice.tile_lines
-    i, j = tiles_of(lattice, elements)[: elements.n_whole].T
-    area = np.concatenate([np.diff(x)[i] * np.diff(y)[j], shapely.area(elements.polygons)])
-    np.testing.assert_allclose(np.bincount(elements.body, area), [15.0, 15.0], rtol=AREA)
+    np.testing.assert_allclose(np.bincount(elements.body, areas(lattice, elements)), [15.0, 15.0], rtol=AREA)
     np.testing.assert_array_equal(elements.body, (elements.reference[:, 0] > 5.5).astype(int))

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from crackgrow.quadrature.elements import element_points, triangulate
 from crackgrow.quadrature.plain_kinds import rectangles
-from tests.unit.cover_tables import tiles_of
+from tests.unit.cover_tables import tile_boxes
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
@@ -104,11 +104,11 @@ def test_cells_round_a_tip_integrate_its_singularity(build, place: str, power: f
     tip = np.array(TIPS[place]) + 2
     sample = build.block((6, 5), [build.crack([(0.5, 1.3), TIPS[place]], (False, True))], 1.5)
     points = element_points(sample.cover, 4)
-    near = points.element
+    tiles = np.unique(sample.cover.elements.tile[points.element[_close(points.points, tip)]])
     region = shapely.unary_union(
         [
             shapely.box(*low, *high)
-            for low, high in zip(*_tile_boxes(sample, np.unique(near[_close(points.points, tip)])), strict=True)
+            for low, high in zip(*tile_boxes(sample.lattice, tiles), strict=True)
         ]
     ).buffer(0)
     box = shapely.box(*region.bounds)
@@ -121,11 +121,6 @@ def test_cells_round_a_tip_integrate_its_singularity(build, place: str, power: f
 
 def _close(points: np.ndarray, tip: np.ndarray) -> np.ndarray:
     return np.abs(points - tip).max(axis=1) < 0.3
-
-
-def _tile_boxes(sample, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    cell, part = np.divmod(tiles_of(sample.lattice, sample.cover.elements)[elements], len(sample.lattice.breaks) - 1)
-    return cell + sample.lattice.breaks[part], cell + sample.lattice.breaks[part + 1]
 
 
 def test_triangles_fill_polygons_with_holes_and_use_their_corners_only() -> None:
