@@ -57,11 +57,12 @@ class Squares:
         return self.at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(-1, 4)
 
     def within(self, low: Ints, size: Ints) -> Ragged:
-        """All squares inside of larger or equal ones (m,), which need not belong to these; none where a smaller does."""
+        """All squares inside of others (m,), which need not belong to these; none where one of these is larger."""
         begin = _codes(np.maximum(low, 0))
         first = np.searchsorted(self.codes, begin)
         counts = np.searchsorted(self.codes, begin + size * size) - first
-        counts[(low < 0).any(axis=1)] = 0
+        larger = self.size[self.curve[np.minimum(first, self.n - 1)]] > size
+        counts[(low < 0).any(axis=1) | larger] = 0
         return Ragged(starts_of(counts), self.curve[spans(first, counts)])
 
 

@@ -106,10 +106,7 @@ def test_cells_round_a_tip_integrate_its_singularity(build, place: str, power: f
     points = element_points(sample.cover, 4)
     tiles = np.unique(sample.cover.elements.tile[points.element[_close(points.points, tip)]])
     region = shapely.unary_union(
-        [
-            shapely.box(*low, *high)
-            for low, high in zip(*tile_boxes(sample.lattice, tiles), strict=True)
-        ]
+        [shapely.box(*low, *high) for low, high in zip(*tile_boxes(sample.lattice, tiles), strict=True)]
     ).buffer(0)
     box = shapely.box(*region.bounds)
     inside = shapely.contains_xy(box, points.points)
