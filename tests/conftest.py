@@ -110,10 +110,11 @@ class Build:
         young: float = 1.0,
         levels: int = 0,
         places: ArrayLike = (),
+        rings: float = 2.0,
     ) -> Sample:
         """A body between two corners (m), with cracks in metres and cells of 2^-levels spacings round `places` (m)."""
         lattice = place_lattice(np.asarray(lower, dtype=float), np.asarray(upper, dtype=float), spacing, support)
-        lattice = cls.graded(lattice, lattice.to_lattice(np.asarray(places, dtype=float).reshape(-1, 2)), levels)
+        lattice = cls.graded(lattice, lattice.to_lattice(np.asarray(places, dtype=float).reshape(-1, 2)), levels, rings)
         body = cls.body(lower, upper, young)
         inside = [CrackGeometry(c.name, lattice.to_lattice(c.points), c.tip_at_start, c.tip_at_end) for c in cracks]
         cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),))], inside)

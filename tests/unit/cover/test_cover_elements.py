@@ -118,10 +118,10 @@ PLACES = {
 }
 
 
-def fault(build, points: np.ndarray, support: float) -> str:
-    """What is wrong with the elements along a crack, empty if nothing is."""
+def fault(build, points: np.ndarray, support: float, levels: int = 0) -> str:
+    """What is wrong with the elements along a crack, empty if nothing is; cells are small at its first end."""
     try:
-        sample = build.block((6, 5), [build.crack(points)], support)
+        sample = build.block((6, 5), [build.crack(points)], support, levels, np.round(points[:1], 2))
     except GeometryError as error:
         return str(error)
     elements = sample.cover.elements
@@ -137,7 +137,7 @@ def fault(build, points: np.ndarray, support: float) -> str:
 
 def shifted(place: str, offset: float) -> list[np.ndarray]:
     """The crack of a place moved off by `offset` along y, x, both, and with one end only."""
-    points = np.array(PLACES[place])
+    points = np.array(AMONG_SIZES[place])
     moved = [points + offset * np.array(direction) for direction in ((0.0, 1.0), (1.0, 0.0), (-1.0, 1.0))]
     for end in (0, -1):
         turned = points.copy()
@@ -151,6 +151,28 @@ def shifted(place: str, offset: float) -> list[np.ndarray]:
 def test_awkward_places_cut_cleanly(build, place: str, support: float) -> None:
     """Exactly on and up to 1e-3 off lattice lines, nodes and patch corners."""
     faults = [(offset, fault(build, points, support)) for offset in OFFSETS for points in shifted(place, offset)]
+    assert [found for found in faults if found[1]] == []
+
+
+AMONG_SIZES = PLACES | {
+    "along sides of cells of two sizes": [(3.25, 3.0), (0.9, 3.0)],
+    "at 45 degrees through corners of many sizes": [(1.5, 1.5), (5.0, 5.0)],
+    "at 45 degrees through middles": [(1.25, 1.0), (4.75, 4.5)],
+    "upright from a corner of small cells": [(2.75, 1.125), (2.75, 4.7)],
+    "kinks on corners of small cells": [(2.0, 2.0), (2.25, 2.125), (2.5, 2.0), (4.0, 3.0)],
+    "far off": [(1.31, 2.22), (5.67, 4.41)],
+}
+
+
+@pytest.mark.parametrize(("levels", "support"), [(2, 2.0), (6, 2.0), (3, 1.5)])
+@pytest.mark.parametrize("place", AMONG_SIZES)
+def test_awkward_places_among_cells_of_many_sizes_cut_cleanly(build, place: str, support: float, levels: int) -> None:
+    """A part of the crack lies in cells of 2^-levels, the rest in larger ones."""
+    faults = [
+        (offset, fault(build, points, support, levels))
+        for offset in (0.0, 1e-9, 1e-6)
+        for points in shifted(place, offset)[2:4]
+    ]
     assert [found for found in faults if found[1]] == []
 
 
