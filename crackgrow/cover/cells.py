@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Ints
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
 from crackgrow.ragged import Ragged, by_row
 

@@ -34,8 +34,8 @@ def refined(lattice: Lattice, focus: Focus, rings: float) -> Lattice:
     """The lattice with cells divided where `focus` asks for that, `rings` cells of each size round every place.
 
     A cell is divided if a place no farther than `rings` of its sides, along both axes, asks for smaller ones. Just at
-    that distance it is, whatever rounding makes of it: symmetric scenes have symmetric cells, and no larger patches hold
-    a tip within rounding of a corner. There are no fewer rings than the support: patches of all sizes would hold it.
+    that distance it is, whatever rounding makes of it: symmetric scenes have symmetric cells, and no larger patches
+    hold a tip within rounding of a corner. Nor with fewer rings than the support, so there are at least so many.
     """
     rings = max(rings, lattice.support)
     cells, tree = lattice.cells, shapely.STRtree(focus.shapes)
