@@ -143,7 +143,7 @@ STICKY = 10.0
     ("support", "levels"),
     [
         (2.0, 0),
-        (2.0, 3),
+        (2.0, 2),
         pytest.param(1.5, 0, marks=pytest.mark.slow),
         pytest.param(2.5, 0, marks=pytest.mark.slow),
         pytest.param(1.5, 3, marks=pytest.mark.slow),
