@@ -22,6 +22,7 @@ from crackgrow.case.model import (
 )
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.lattice import Lattice, place_lattice
+from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.linear_solver import ConstrainedSystem
@@ -91,6 +92,12 @@ class Build:
     def crack(points: ArrayLike, tips: tuple[bool, bool] = (True, True), name: str = "crack") -> CrackGeometry:
         return CrackGeometry(name, np.asarray(points, dtype=float), *tips)
 
+    @staticmethod
+    def graded(lattice: Lattice, places: ArrayLike, levels: int, rings: float = 2.0) -> Lattice:
+        """The lattice with cells of 2^-levels round places (n, 2), lattice coordinates."""
+        points = shapely.points(np.asarray(places, dtype=float).reshape(-1, 2))
+        return refined(lattice, Focus(points, np.full(len(points), 0.5**levels)), rings)
+
     @classmethod
     def sample(
         cls,
@@ -101,21 +108,33 @@ class Build:
         spacing: float = 1.0,
         support: float = 1.5,
         young: float = 1.0,
+        levels: int = 0,
+        places: ArrayLike = (),
+        rings: float = 2.0,
     ) -> Sample:
-        """A body between two corners (m), with cracks in metres."""
+        """A body between two corners (m), with cracks in metres and cells of 2^-levels spacings round `places` (m)."""
         lattice = place_lattice(np.asarray(lower, dtype=float), np.asarray(upper, dtype=float), spacing, support)
+        lattice = cls.graded(lattice, lattice.to_lattice(np.asarray(places, dtype=float).reshape(-1, 2)), levels, rings)
         body = cls.body(lower, upper, young)
         inside = [CrackGeometry(c.name, lattice.to_lattice(c.points), c.tip_at_start, c.tip_at_end) for c in cracks]
         cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),))], inside)
         return Sample(lattice, body, cover, plane_elasticity(young, 0.25, "strain"))
 
     @classmethod
-    def block(cls, size: tuple[int, int], cracks: Sequence[CrackGeometry] = (), support: float = 1.5) -> Sample:
+    def block(
+        cls,
+        size: tuple[int, int],
+        cracks: Sequence[CrackGeometry] = (),
+        support: float = 1.5,
+        levels: int = 0,
+        places: ArrayLike = (),
+    ) -> Sample:
         """A body of whole spacings from (0.5, 0.5) on, on a lattice whose nodes have whole coordinates.
 
         Holds for every support: lattice coordinates are those of the block plus the lattice's `reach`.
         """
-        return cls.sample((0.5, 0.5), (size[0] + 0.5, size[1] + 0.5), cracks, support=support)
+        upper = (size[0] + 0.5, size[1] + 0.5)
+        return cls.sample((0.5, 0.5), upper, cracks, support=support, levels=levels, places=places)
 
     @classmethod
     def field_of_cracks(cls, n: int, support: float = 2.0) -> Sample:

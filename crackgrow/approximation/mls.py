@@ -18,7 +18,7 @@ from crackgrow.arrays import Floats
 def mls(local: Floats, support: float, reach: int) -> tuple[Floats, Floats]:
     """Functions of the 2 reach x 2 reach nodes round points (n, 2) given by their position in the unit cell.
 
-    Returns phi (n, w) and dphi (n, w, 2) per lattice spacing, w = (2 reach)^2, nodes ordered as `Lattice.offsets`.
+    Returns phi (n, w) and dphi (n, w, 2) per lattice spacing, w = (2 reach)^2, nodes ordered as `regular_window`.
     """
     distance, w, dw = _weights(local, support, reach)
     (x0, y0), (x1, y1), (x2, y2) = _moments(distance, w)

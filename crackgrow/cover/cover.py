@@ -63,7 +63,7 @@ class Cover:
     tips: tuple[Tip, ...]
     enrichment: Enrichment  # which tips act on which elements
     touching: Bools  # (e,) which edges of the arrangement lie on a surface
-    plain: Bools  # (elements,) rectangles with four edges in regular windows; no crumbs, surfaces, tip functions
+    plain: Bools  # (elements,) rectangles in regular windows, no edge on a surface, no crumbs, no tip functions
     crack_tree: shapely.STRtree  # over the cracks
     outline_tree: shapely.STRtree  # over the edges of `elements.outlines`
 

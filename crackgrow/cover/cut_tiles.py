@@ -159,8 +159,7 @@ def _arrangements(content: Content, some: Ints) -> tuple[NDArray[np.object_], Fl
     along = np.concatenate([np.repeat(np.arange(5.0), n), along])
     order = np.lexsort((along, owner))
     points, owner, along = points[order], owner[order], along[order]
-    repeated = (owner[1:] == owner[:-1]) & (along[1:] == along[:-1])
-    single = np.append(True, ~repeated)
+    single = (np.diff(owner, prepend=-1) > 0) | (np.diff(along, prepend=-1.0) != 0.0)
     outlines = shapely.linestrings(points[single], indices=owner[single])
     inner = shapely.linestrings(lines[~is_point])
     owner = np.concatenate([np.arange(n), which[~is_point]])

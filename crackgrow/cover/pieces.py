@@ -54,7 +54,7 @@ def cut_in_pieces(segments: Floats, tiles: Squares) -> Pieces:
 
 
 def _places(ends: Floats, which: Ints, axis: Ints, at: Floats) -> tuple[Floats, Floats]:
-    """Where segments `which` (k,) of `ends` (n, 2, 2) cross lines at `at` (k,): share (k,) and point (k, 2)."""
+    """Where segments `which` (k,) of `ends` (n, 2, 2) cross lines at `at` (k,): share (k,), point (k, 2)."""
     start, step, rows = ends[which, 0], ends[which, 1] - ends[which, 0], np.arange(len(which))
     t = (at - start[rows, axis]) / step[rows, axis]
     places = start + t[:, None] * step

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.lattice import Lattice, lattice_of
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
+from crackgrow.geometry.tolerance import TOUCH
 
 MOST_LEVELS = 9
 """Halvings of the largest cells: `QUANTA` leaves room for the halves of hanging nodes and quarters of supports."""
@@ -32,8 +33,11 @@ class Focus:
 def refined(lattice: Lattice, focus: Focus, rings: float) -> Lattice:
     """The lattice with cells divided where `focus` asks for that, `rings` cells of each size round every place.
 
-    A cell is divided if a place nearer than `rings` of its sides, along both axes, asks for smaller ones.
+    A cell is divided if a place no farther than `rings` of its sides, along both axes, asks for smaller ones. Just at
+    that distance it is, whatever rounding makes of it: symmetric scenes have symmetric cells, and no larger patches
+    hold a tip within rounding of a corner. Nor with fewer rings than the support, so there are at least so many.
     """
+    rings = max(rings, lattice.support)
     cells, tree = lattice.cells, shapely.STRtree(focus.shapes)
     fixed: list[tuple[Ints, Ints]] = []
     low, size = cells.low, cells.size
@@ -41,7 +45,7 @@ def refined(lattice: Lattice, focus: Focus, rings: float) -> Lattice:
     while len(size):
         side = size / QUANTA
         x, y = (low / QUANTA).T
-        room = rings * side
+        room = (rings + TOUCH) * side
         cell, place = tree.query(shapely.box(x - room, y - room, x + side + room, y + side + room), "intersects")
         asked = np.zeros(len(size), dtype=bool)
         asked[cell[focus.size[place] < side[cell]]] = True

@@ -65,7 +65,8 @@ class Squares:
         begin = _codes(np.maximum(low, 0))
         first = np.searchsorted(self.codes, begin)
         counts = np.searchsorted(self.codes, begin + size * size) - first
-        counts[(low < 0).any(axis=1)] = 0
+        larger = self.size[self.curve[np.minimum(first, self.n - 1)]] > size
+        counts[(low < 0).any(axis=1) | larger] = 0
         return Ragged(starts_of(counts), self.curve[spans(first, counts)])
 
 

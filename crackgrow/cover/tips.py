@@ -67,9 +67,10 @@ class Tip(TipView):
 
 
 def largest_cell_at(lattice: Lattice, point: Floats) -> float:
-    """The side (spacings) of the largest cell at a node whose patch holds a point (2,)."""
-    tile = lattice.tiles_at(point[None])
-    return float(lattice.nodes.largest[lattice.tiles.over.taken(tile).values].max() / QUANTA)
+    """The side (spacings) of the largest cell at a node whose patch holds a point (2,), not on its rim."""
+    nodes, over = lattice.nodes, lattice.tiles.over.taken(lattice.tiles_at(point[None])).values
+    holds = np.abs(nodes.places[over] - QUANTA * point).max(axis=1) < nodes.half[over]
+    return float(nodes.largest[over[holds]].max() / QUANTA)
 
 
 def reach_of_tips(support: float) -> float:

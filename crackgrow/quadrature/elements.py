@@ -23,7 +23,7 @@ LARGEST = 2.0
 """Triangles with tip functions are no larger than this many times their distance from the tip."""
 
 NEAREST = 1e-5
-"""Triangles smaller than this many spacings are not halved any further: their share is below round-off of the rest."""
+"""Triangles smaller than this part of their cell are not halved any further: their share is below that of the rules."""
 
 MORE_POINTS_WHERE_FADING = 1
 """Points per direction on top where tip functions fade out: chi folds inside of elements. Without, 4e-4 of K_II."""
@@ -61,7 +61,8 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
         sides = corners[at_tip, 1:] - corners[at_tip, :1]
         exact = 0.5 * np.abs(cross(sides[:, 0], sides[:, 1]))  # the rule gives areas to 1e-5
         parts.append(_flat(points, weights * (exact / weights.sum(axis=1))[:, None], owner[at_tip]))
-        near = _halved(corners[~at_tip], owner[~at_tip], tips, cover.enrichment.tips)
+        nearest = NEAREST * cover.elements.size
+        near = _halved(corners[~at_tip], owner[~at_tip], tips, cover.enrichment.tips, nearest)
         parts.append(_on_corners(*near, n + more))
     points, weights, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(element, kind="stable")
@@ -130,10 +131,11 @@ def _tip_first(corners: Floats, tips: Floats) -> tuple[Bools, Floats]:
     return np.asarray(is_tip.any(axis=1)), turned
 
 
-def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged) -> tuple[Floats, Ints]:
+def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged, nearest: Floats) -> tuple[Floats, Ints]:
     """Halve triangles across their longest side until all are small by their distance from their tips.
 
-    Halving the longest side keeps needles, which a crack close to a lattice line leaves, from being cut lengthwise.
+    Those smaller than `nearest` (elements,) are left. Halving the longest side keeps needles, which a crack close to a
+    lattice line leaves, from being cut lengthwise.
     """
     done_corners, done_owner = [np.empty((0, 3, 2))], [np.empty(0, dtype=np.int64)]
     while len(corners):
@@ -143,7 +145,7 @@ def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged) -> tuple
         distance = np.full(len(corners), np.inf)
         which, pair = acting.places(owner)
         np.minimum.at(distance, which, _distance(corners[which], tips[acting.values[pair]]))
-        large = (size > LARGEST * distance) & (size > NEAREST)
+        large = (size > LARGEST * distance) & (size > nearest[owner])
         done_corners.append(corners[~large])
         done_owner.append(owner[~large])
         turn = (longest[large, None] + np.arange(3)) % 3  # the longest side runs from the first to the second corner

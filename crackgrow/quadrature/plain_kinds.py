@@ -40,7 +40,7 @@ class PlainKind:
         return cover.patches.of_element.taken(self.elements).values.reshape(-1, len(self.slots))
 
     def functions(self, lattice: Lattice, share: Floats) -> tuple[Floats, Floats]:
-        """Functions (k, m) and gradients (2, k, m) per side of a cell at points by their `share` (m, 2) of the size."""
+        """Functions (k, m) and gradients (2, k, m), per side of a cell, at points by `share` (m, 2) of the size."""
         phi, dphi = mls(self.low + share * self.size, lattice.support, lattice.reach)
         return phi.T[self.slots], dphi.transpose(2, 1, 0)[:, self.slots]
 

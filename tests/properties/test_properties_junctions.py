@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 from crackgrow.case.model import (
     Body,
@@ -27,6 +30,7 @@ from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
+from crackgrow.cover.refinement import Focus, refined
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
@@ -99,9 +103,16 @@ def solved(
     hole: bool = False,
     turned: bool = False,
     quadrature: int = 4,
+    levels: int = 0,
 ) -> tuple[Scene, StepSolution]:
+    """With `levels` cells are halved so often round all vertices of the cracks, and where these meet."""
     case = plate(paths, friction, support, spacing, hole, turned, quadrature)
     scene = make_scene(case)
+    if levels:
+        lines = [shapely.LineString(scene.lattice.to_lattice(crack.points)) for crack in case.cracks]
+        meetings = [one.intersection(other) for one, other in combinations(lines, 2)]
+        places = shapely.points(shapely.get_coordinates([*lines, *meetings]))
+        scene = replace(scene, lattice=refined(scene.lattice, Focus(places, np.full(len(places), 0.5**levels)), 2.0))
     growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
     return scene, solve_step(scene, growing, 1.0)
 
@@ -129,12 +140,20 @@ STICKY = 10.0
 
 
 @pytest.mark.parametrize(
-    "support", [pytest.param(1.5, marks=pytest.mark.slow), 2.0, pytest.param(2.5, marks=pytest.mark.slow)]
+    ("support", "levels"),
+    [
+        (2.0, 0),
+        (2.0, 2),
+        pytest.param(1.5, 0, marks=pytest.mark.slow),
+        pytest.param(2.5, 0, marks=pytest.mark.slow),
+        pytest.param(1.5, 3, marks=pytest.mark.slow),
+        pytest.param(2.0, 6, marks=pytest.mark.slow),
+    ],
 )
 @pytest.mark.parametrize("name", LAYOUTS)
-def test_uniform_compression_passes_through_stuck_cracks(name: str, support: float) -> None:
+def test_uniform_compression_passes_through_stuck_cracks(name: str, support: float, levels: int) -> None:
     """Vertices are rounded by 1e-9 spacings, which tips on patches that only just hold them see enlarged."""
-    scene, solution = solved(LAYOUTS[name], STICKY, support, hole=name == "onto a hole")
+    scene, solution = solved(LAYOUTS[name], STICKY, support, hole=name == "onto a hole", levels=levels)
     metres = 1e-3 * np.random.default_rng(90).uniform(-0.5 * SIZE, 0.5 * SIZE, (800, 2))
     points = scene.lattice.to_lattice(metres)
     elements = locate(scene.lattice, solution.cover.elements, points)

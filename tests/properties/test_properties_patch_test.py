@@ -77,6 +77,19 @@ def test_long_crack_along_the_only_stress_leaves_it_alone(build, support: float,
     assert displacement < 1e-10
 
 
+@pytest.mark.parametrize(("support", "levels"), [(1.5, 3), (2.0, 1), (2.0, 3), (2.0, 6), (2.5, 2), (1.25, 2)])
+def test_changes_of_cell_size_leave_a_uniform_stress_alone(build, support: float, levels: int) -> None:
+    """Small cells at a tip on a lattice line, at a tip inside of a cell, and on the outline."""
+    places = [(3.0, 4.2), (11.1, 4.2), (13.2, 9.5)]
+    sample = build.block((14, 9), [build.crack(places[:2])], support, levels, places)
+    assert sample.cover.sizes.min() == 0.5**levels
+    displacement, deviation = errors(sample, (14, 9), 4, (1e-3, 0.0, 0.0))
+    assert displacement < 1e-10
+    uncut = build.block((14, 9), [], support, levels, places)
+    displacement, deviation = errors(uncut, (14, 9), 4, (1e-3, 5e-4, 7e-4))
+    assert max(displacement, deviation) < 1e-10
+
+
 DIAGONAL = (
     [(0.25, 1.25), (1.25, 0.25), (4.0, 0.25), (4.5, 0.75), (4.5, 3.25), (3.0, 4.75), (0.25, 2.0)],
     [(5.0, 1.5), (6.5, 0.0), (8.0, 1.5)],
@@ -87,9 +100,13 @@ SLANTED = [(0.3, 0.4), (5.2, 0.1), (4.6, 3.3), (2.4, 4.7), (0.1, 3.1)], [(5.9, 0
 
 
 @pytest.mark.parametrize(("outlines", "tolerance"), [(DIAGONAL, 1e-11), (SLANTED, 1e-8)])
-@pytest.mark.parametrize("support", [1.5, 2.0, 2.5])
-def test_two_bodies_with_slanted_outlines_under_any_uniform_stress(support: float, outlines, tolerance: float) -> None:
+@pytest.mark.parametrize(("support", "levels"), [(1.5, 0), (2.0, 0), (2.5, 0), (2.0, 2), (2.0, 5), (1.5, 3)])
+def test_two_bodies_with_slanted_outlines_under_any_uniform_stress(
+    build, support: float, levels: int, outlines, tolerance: float
+) -> None:
+    """With levels, cells are small at a corner of each body."""
     lattice = place_lattice(np.array([0.0, 0.0]), np.array([9.0, 5.0]), 1.0, support)
+    lattice = build.graded(lattice, lattice.to_lattice(np.array([corners[2] for corners in outlines])), levels)
     stress, modulus = np.array([[1e-3, 7e-4], [7e-4, 5e-4]]), plane_elasticity(1.0, 0.25, "strain")
     exx, eyy, gxy = np.linalg.solve(modulus.matrix, stress[[0, 1, 0], [0, 1, 1]])
     gradient = np.array([[exx, 0.5 * gxy], [0.5 * gxy, eyy]])

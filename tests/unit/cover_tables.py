@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
@@ -12,7 +13,7 @@ from crackgrow.cover.lattice import Lattice
 def patch_table(cover: Cover) -> np.ndarray:
     """Physical patch (elements, nodes) of every node round an element's cell, -1 for none; of no crumb."""
     of_element = cover.patches.of_element
-    table = np.full((of_element.n, len(cover.lattice.offsets)), -1)
+    table = np.full((of_element.n, int(cover.patches.slot.max()) + 1), -1)
     table[of_element.row, cover.patches.slot] = of_element.values
     return table
 
@@ -25,7 +26,13 @@ def function_table(cover: Cover) -> np.ndarray:
     return table
 
 
-def tiles_of(lattice: Lattice, elements: Elements) -> np.ndarray:
-    """Indices (n, 2) of the tile that each element lies in."""
-    n_parts = len(lattice.breaks) - 1
-    return elements.cell * n_parts + np.stack(np.divmod(elements.part, n_parts), axis=1)
+def tile_boxes(lattice: Lattice, tiles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corners (n, 2) of tiles (n,)."""
+    low = lattice.tile_low[tiles]
+    return low, low + lattice.tile_size[tiles, None]
+
+
+def areas(lattice: Lattice, elements: Elements) -> np.ndarray:
+    """Areas (n,) of all elements, squared spacings."""
+    whole = lattice.tile_size[elements.tile[: elements.n_whole]] ** 2
+    return np.concatenate([whole, shapely.area(elements.polygons)])

@@ -9,7 +9,7 @@ import pytest
 
 from crackgrow.approximation.mls import mls
 from crackgrow.approximation.weight import cubic_spline
-from crackgrow.cover.lattice import place_lattice
+from crackgrow.cover.windows import regular_window
 
 SUPPORTS = (1.2, 1.5, 1.75, 2.0, 2.5, 3.0)
 
@@ -17,8 +17,7 @@ SUPPORTS = (1.2, 1.5, 1.75, 2.0, 2.5, 3.0)
 def functions(local: np.ndarray, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Values, gradients, and the nodes of the window."""
     reach = math.ceil(support)
-    lattice = place_lattice(np.zeros(2), np.ones(2), 1.0, support)
-    return *mls(local, support, reach), lattice.offsets
+    return *mls(local, support, reach), regular_window(support)
 
 
 def points(seed: int, n: int = 200) -> np.ndarray:

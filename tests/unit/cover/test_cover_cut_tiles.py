@@ -11,63 +11,76 @@ from crackgrow.cover.elements import cut_elements
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.pieces import cut_in_pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.tiles import touched_tiles
+from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
 from crackgrow.geometry.tolerance import GRID
-from tests.unit.cover_tables import tiles_of
 
-X, Y = np.arange(6.0), np.array([0.0, 0.5, 1.0, 2.0, 3.0, 4.0])
+TILES = {"of one size": [], "of four sizes": [(0, 0), (2, 1), (2.5, 1.5), (2.75, 1.5), (3, 3)]}
+"""Squares of a lattice of 4 x 4 that are divided, by their corners."""
 BOX = np.array([(0.5, 0.5), (7.5, 0.5), (7.5, 6.5), (0.5, 6.5)])
+
+
+def tiles(places: list[tuple[float, float]]) -> Squares:
+    low, size = QUANTA * np.array([(x, y) for x in range(4) for y in range(4)]), np.full(16, QUANTA)
+    for place in places:
+        divided = np.all(low == QUANTA * np.array(place), axis=1)
+        quarters = quarters_of(low[divided], size[divided])
+        low, size = (np.concatenate([a[~divided], b]) for a, b in zip((low, size), quarters, strict=True))
+    return squares_of(low, size)
 
 
 def random_segments(n: int) -> np.ndarray:
     return np.random.default_rng(7).uniform(0.1, 3.9, (n, 2, 2))
 
 
-def test_pieces_end_on_the_tile_lines_that_they_cross_and_stay_in_one_tile() -> None:
-    segments = random_segments(50)
-    pieces = cut_in_pieces(segments, X, Y)
+@pytest.mark.parametrize("places", TILES.values(), ids=TILES)
+def test_pieces_end_on_the_sides_of_tiles_that_they_cross_and_stay_in_one_tile(places: list) -> None:
+    segments, squares = random_segments(50), tiles(places)
+    pieces = cut_in_pieces(segments, squares)
+    low, high = squares.low / QUANTA, (squares.low + squares.size[:, None]) / QUANTA
+    boxes = shapely.box(*low.T, *high.T)
     for k, segment in enumerate(segments):
-        crossed = sum(
-            ((lines > ends.min()) & (lines < ends.max())).sum() for lines, ends in zip((X, Y), segment.T, strict=True)
-        )
         mine = pieces.ends[pieces.segment == k]
-        assert len(mine) == crossed + 1
+        inside = shapely.length(shapely.intersection(boxes, shapely.LineString(segment)))
+        assert len(mine) == np.count_nonzero(inside > GRID)
         np.testing.assert_allclose(mine[[0, -1], [0, 1]], segment, atol=GRID)
         np.testing.assert_array_equal(mine[1:, 0], mine[:-1, 1])
-    for axis, lines in enumerate((X, Y)):
-        low, high = np.sort(pieces.ends[..., axis], axis=1).T
-        assert np.all(np.searchsorted(lines, low, side="right") >= np.searchsorted(lines, high, side="left"))
+    tile = squares.around(pieces.ends.mean(axis=1))[:, 0]
+    assert np.all((pieces.ends >= low[tile, None]) & (pieces.ends <= high[tile, None]))
 
 
-def test_equal_segments_are_cut_alike_whichever_way_they_run() -> None:
-    segments = random_segments(50)
-    there, back = cut_in_pieces(segments, X, Y), cut_in_pieces(segments[::-1, ::-1], X, Y)
+@pytest.mark.parametrize("places", TILES.values(), ids=TILES)
+def test_equal_segments_are_cut_alike_whichever_way_they_run(places: list) -> None:
+    segments, squares = random_segments(50), tiles(places)
+    there, back = cut_in_pieces(segments, squares), cut_in_pieces(segments[::-1, ::-1], squares)
     np.testing.assert_array_equal(there.ends, back.ends[::-1, ::-1])
 
 
-@pytest.mark.parametrize("segment", [[(1.0, 0.2), (1.0, 3.3)], [(0.5, 1.0), (3.5, 1.0)], [(1.0, 1.0), (3.0, 3.0)]])
-def test_pieces_along_tile_lines_and_through_corners_have_no_specks(segment: list[tuple[float, float]]) -> None:
-    pieces = cut_in_pieces(np.array([segment]), X, Y)
+@pytest.mark.parametrize("places", TILES.values(), ids=TILES)
+@pytest.mark.parametrize(
+    "segment", [[(1.0, 0.2), (1.0, 3.3)], [(0.5, 1.0), (3.5, 1.0)], [(1.0, 1.0), (3.0, 3.0)], [(2.5, 0.3), (2.5, 3.3)]]
+)
+def test_pieces_along_sides_and_through_corners_have_no_specks(segment: list, places: list) -> None:
+    pieces = cut_in_pieces(np.array([segment]), tiles(places))
     lengths = np.hypot(*(pieces.ends[:, 1] - pieces.ends[:, 0]).T)
     assert lengths.min() > 0.1
     assert lengths.sum() == pytest.approx(np.hypot(*np.diff(segment, axis=0)[0]), abs=GRID)
 
 
-def test_a_tile_is_cut_the_same_alone_and_with_all_others() -> None:
-    lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 1.5)
-    x, y = lattice.tile_lines
-    pieces = cut_in_pieces(np.random.default_rng(8).uniform(1.0, 6.0, (12, 2, 2)), x, y)
-    region = shapely.box(0.0, 0.0, x[-1], y[-1])
-    middles = pieces.ends.mean(axis=1)
-    touched = touched_tiles(lattice, np.concatenate([pieces.points, middles]), np.empty((0, 2)))
-    together, extra = cut_tiles(content_of(touched, x, y, pieces.ends, pieces.points), x, y, [region], NOTHING)
+@pytest.mark.parametrize("levels", [0, 3])
+def test_a_tile_is_cut_the_same_alone_and_with_all_others(build, levels: int) -> None:
+    lattice = build.graded(place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 1.5), [(3.7, 4.1)], levels)
+    squares = lattice.tiles.squares
+    pieces = cut_in_pieces(np.random.default_rng(8).uniform(1.0, 6.0, (12, 2, 2)), squares)
+    region = shapely.box(0.0, 0.0, *lattice.shape)
+    touched = np.zeros(squares.n, dtype=bool)
+    touched[squares.around(np.concatenate([pieces.points, pieces.ends.mean(axis=1)]))] = True
+    together, extra = cut_tiles(content_of(touched, lattice, pieces.ends, pieces.points), squares, [region], NOTHING)
     assert len(extra) == 0
-    assert shapely.area(together.polygons).sum() == pytest.approx((touched * np.outer(np.diff(x), np.diff(y))).sum())
-    for tile in np.argwhere(touched):
-        only = np.zeros_like(touched)
-        only[tuple(tile)] = True
-        alone, _ = cut_tiles(content_of(only, x, y, pieces.ends, pieces.points), x, y, [region], NOTHING)
-        mine = together.polygons[together.tile == tile[0] * (len(y) - 1) + tile[1]]
+    assert shapely.area(together.polygons).sum() == pytest.approx((lattice.tile_size[touched] ** 2).sum())
+    for tile in np.flatnonzero(touched):
+        only = np.arange(squares.n) == tile
+        alone, _ = cut_tiles(content_of(only, lattice, pieces.ends, pieces.points), squares, [region], NOTHING)
+        mine = together.polygons[together.tile == tile]
         np.testing.assert_array_equal(shapely.to_wkb(alone.polygons), shapely.to_wkb(mine))
 
 
@@ -85,7 +98,7 @@ def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_a
     elements = cut_elements(lattice, [BodyGeometry((lattice.to_lattice(BOX),))], lines)
     vertex = int(np.flatnonzero(np.all(elements.vertices == at, axis=1))[0])
     beside = elements.ring_element[elements.ring_start == vertex]
-    assert set(tiles_of(lattice, elements)[beside, 0]) == {int(at[0]) - 1, int(at[0])}
+    assert set(lattice.tile_low[elements.tile[beside], 0]) == {at[0] - 1.0, at[0]}
     rim = elements.outlines.points
     assert np.hypot(*(rim[:, 1] - rim[:, 0]).T).sum() == pytest.approx(26.0, rel=1e-8)
     ends = np.bincount(elements.ring_end, minlength=len(elements.vertices))

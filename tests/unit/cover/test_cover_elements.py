@@ -8,19 +8,12 @@ import shapely
 
 from crackgrow.cover.elements import Elements, locate
 from crackgrow.errors import GeometryError
-from tests.unit.cover_tables import tiles_of
+from tests.unit.cover_tables import areas, tile_boxes
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 AREA = 1e-7
 """Relative: vertices move by 1e-9 spacings, along rims of about 40 spacings."""
-
-
-def areas(sample) -> np.ndarray:
-    x, y = sample.lattice.tile_lines
-    elements = sample.cover.elements
-    i, j = tiles_of(sample.lattice, elements)[: elements.n_whole].T
-    return np.concatenate([np.diff(x)[i] * np.diff(y)[j], shapely.area(elements.polygons)])
 
 
 def crack_lengths(elements: Elements, crack: int = 0) -> np.ndarray:
@@ -47,8 +40,8 @@ def on_their_sides(elements: Elements, crack: int = 0) -> np.ndarray:
 @pytest.mark.parametrize("cracks", [[], [KINKED], [KINKED, [(4.4, 1.1), (5.2, 4.6)]]])
 def test_elements_fill_the_body(build, support: float, cracks: list) -> None:
     sample = build.block((6, 5), [build.crack(points, name=str(k)) for k, points in enumerate(cracks)], support)
-    assert areas(sample).sum() == pytest.approx(30.0, rel=AREA)
-    assert areas(sample).min() > 0.0
+    assert areas(sample.lattice, sample.cover.elements).sum() == pytest.approx(30.0, rel=AREA)
+    assert areas(sample.lattice, sample.cover.elements).min() > 0.0
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
@@ -85,10 +78,8 @@ def test_located_element_holds_the_point(build, support: float) -> None:
     assert found.min() >= 0
     whole = found < elements.n_whole
     assert 0 < whole.sum() < len(points)
-    x, y = sample.lattice.tile_lines
-    i, j = tiles_of(sample.lattice, elements)[found[whole]].T
-    assert np.all((x[i] <= points[whole, 0]) & (points[whole, 0] <= x[i + 1]))
-    assert np.all((y[j] <= points[whole, 1]) & (points[whole, 1] <= y[j + 1]))
+    low, high = tile_boxes(sample.lattice, elements.tile[found[whole]])
+    assert np.all((low <= points[whole]) & (points[whole] <= high))
     polygons = elements.polygons[found[~whole] - elements.n_whole]
     assert shapely.distance(polygons, shapely.points(points[~whole])).max() <= 1e-8  # ON_LINE
 
@@ -127,16 +118,16 @@ PLACES = {
 }
 
 
-def fault(build, points: np.ndarray, support: float) -> str:
-    """What is wrong with the elements along a crack, empty if nothing is."""
+def fault(build, points: np.ndarray, support: float, levels: int = 0) -> str:
+    """What is wrong with the elements along a crack, empty if nothing is; cells are small at its first end."""
     try:
-        sample = build.block((6, 5), [build.crack(points)], support)
+        sample = build.block((6, 5), [build.crack(points)], support, levels, np.round(points[:1], 2))
     except GeometryError as error:
         return str(error)
     elements = sample.cover.elements
     length = np.hypot(*np.diff(points, axis=0).T).sum()
     wrong = {
-        "area": abs(areas(sample).sum() - 30.0) > 30.0 * AREA,
+        "area": abs(areas(sample.lattice, sample.cover.elements).sum() - 30.0) > 30.0 * AREA,
         "length": abs(crack_lengths(elements).sum() - length) > 1e-8,  # rounding moves each end by 1e-9
         "side": not on_their_sides(elements).all(),
         "gap": (elements.lines[0].points[1:, 0] != elements.lines[0].points[:-1, 1]).any(),
@@ -146,7 +137,7 @@ def fault(build, points: np.ndarray, support: float) -> str:
 
 def shifted(place: str, offset: float) -> list[np.ndarray]:
     """The crack of a place moved off by `offset` along y, x, both, and with one end only."""
-    points = np.array(PLACES[place])
+    points = np.array(AMONG_SIZES[place])
     moved = [points + offset * np.array(direction) for direction in ((0.0, 1.0), (1.0, 0.0), (-1.0, 1.0))]
     for end in (0, -1):
         turned = points.copy()
@@ -160,6 +151,28 @@ def shifted(place: str, offset: float) -> list[np.ndarray]:
 def test_awkward_places_cut_cleanly(build, place: str, support: float) -> None:
     """Exactly on and up to 1e-3 off lattice lines, nodes and patch corners."""
     faults = [(offset, fault(build, points, support)) for offset in OFFSETS for points in shifted(place, offset)]
+    assert [found for found in faults if found[1]] == []
+
+
+AMONG_SIZES = PLACES | {
+    "along sides of cells of two sizes": [(3.25, 3.0), (0.9, 3.0)],
+    "at 45 degrees through corners of many sizes": [(1.5, 1.5), (5.0, 5.0)],
+    "at 45 degrees through middles": [(1.25, 1.0), (4.75, 4.5)],
+    "upright from a corner of small cells": [(2.75, 1.125), (2.75, 4.7)],
+    "kinks on corners of small cells": [(2.0, 2.0), (2.25, 2.125), (2.5, 2.0), (4.0, 3.0)],
+    "far off": [(1.31, 2.22), (5.67, 4.41)],
+}
+
+
+@pytest.mark.parametrize(("levels", "support"), [(2, 2.0), (6, 2.0), (3, 1.5)])
+@pytest.mark.parametrize("place", AMONG_SIZES)
+def test_awkward_places_among_cells_of_many_sizes_cut_cleanly(build, place: str, support: float, levels: int) -> None:
+    """A part of the crack lies in cells of 2^-levels, the rest in larger ones."""
+    faults = [
+        (offset, fault(build, points, support, levels))
+        for offset in (0.0, 1e-9, 1e-6)
+        for points in shifted(place, offset)[2:4]
+    ]
     assert [found for found in faults if found[1]] == []
 
 
@@ -189,8 +202,5 @@ def test_two_bodies_side_by_side_keep_their_elements(build) -> None:
     lattice = build.block((6, 5)).lattice
     bodies = [np.array([[x, 2.5], [x + 3, 2.5], [x + 3, 7.5], [x, 7.5]]) for x in (2.5, 5.5)]
     elements = cut_elements(lattice, [BodyGeometry((outline,)) for outline in bodies], [])
-    x, y = lattice.tile_lines
-    i, j = tiles_of(lattice, elements)[: elements.n_whole].T
-    area = np.concatenate([np.diff(x)[i] * np.diff(y)[j], shapely.area(elements.polygons)])
-    np.testing.assert_allclose(np.bincount(elements.body, area), [15.0, 15.0], rtol=AREA)
+    np.testing.assert_allclose(np.bincount(elements.body, areas(lattice, elements)), [15.0, 15.0], rtol=AREA)
     np.testing.assert_array_equal(elements.body, (elements.reference[:, 0] > 5.5).astype(int))

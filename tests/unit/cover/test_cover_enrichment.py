@@ -56,3 +56,17 @@ def test_uncut_body_has_no_enrichment(build) -> None:
     assert not table(cover).any()
     assert not cover.enrichment.acted_on.any()
     assert len(cover.enrichment.place.values) == 0
+
+
+OFF = (0.0, 1e-15, 1e-9, 1e-7, 1e-5)
+
+
+@pytest.mark.parametrize("levels", [1, 3, 6])
+@pytest.mark.parametrize("support", [1.5, 2.0, 2.5, 3.0])
+def test_a_tip_among_small_cells_has_the_functions_of_these(build, support: float, levels: int) -> None:
+    """No more patches than in cells of one size hold it, also within rounding of a corner."""
+    for off in (*OFF, 0.43 * 0.5**levels):
+        tips = np.array([(3.0 + off, 3.0 - off), (5.3, 4.6)])
+        cover = build.block((7, 6), [build.crack(tips)], support, levels, tips).cover
+        assert [tip.size for tip in cover.tips] == [0.5**levels] * 2
+        assert max(len(tip.patches) for tip in cover.tips) <= (2.0 * support) ** 2

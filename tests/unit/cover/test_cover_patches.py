@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+from crackgrow.cover.windows import regular_window
 from tests.unit.cover_tables import patch_table
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
@@ -74,7 +75,7 @@ def test_elements_share_a_patch_exactly_if_they_share_a_piece(build, name: str, 
 def test_every_element_has_one_patch_of_each_node_that_covers_it(build, name: str, support: float) -> None:
     sample = layout(build, name, support)
     cover = sample.cover
-    nodes = cover.elements.cell[:, None] + sample.lattice.offsets[None]
+    nodes = cover.elements.cell[:, None] + regular_window(support)[None]
     depth = support - np.abs(nodes - cover.elements.reference[:, None]).max(axis=2)
     table = patch_table(cover)
     used = table >= 0

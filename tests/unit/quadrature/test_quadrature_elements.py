@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from crackgrow.quadrature.elements import element_points, triangulate
 from crackgrow.quadrature.plain_kinds import rectangles
-from tests.unit.cover_tables import tiles_of
+from tests.unit.cover_tables import tile_boxes
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
@@ -91,25 +91,30 @@ TIPS = {
     "inside a cell": (4.3, 2.8),
     "near a lattice line": (4.3, 2.999),
     "very near a lattice line": (4.3, 3.0 - 1e-5),
+    "in small triangles": (4.3, 3.0 - 1e-4),
     "on a lattice line": (4.3, 3.0),
     "on a node": (4.0, 3.0),
     "near a node": (4.001, 2.9995),
 }
 
 
-@pytest.mark.parametrize("place", TIPS)
-@pytest.mark.parametrize(("power", "tolerance"), [(-0.5, 1e-4), (-1.0, 1e-3)])
-def test_cells_round_a_tip_integrate_its_singularity(build, place: str, power: float, tolerance: float) -> None:
-    """r^(-1/2) and r^(-1) over the whole body by the rules for n = 4, whatever the place of the tip."""
-    tip = np.array(TIPS[place]) + 2
-    sample = build.block((6, 5), [build.crack([(0.5, 1.3), TIPS[place]], (False, True))], 1.5)
+@pytest.mark.parametrize("levels", [0, 4, 8])
+@pytest.mark.parametrize(
+    ("place", "power", "tolerance"),
+    [*((place, *rule) for place in TIPS for rule in ((-0.5, 1e-4), (-1.0, 1e-3))), ("in small triangles", -1.0, 2e-6)],
+)
+def test_cells_round_a_tip_integrate_its_singularity(
+    build, place: str, power: float, tolerance: float, levels: int
+) -> None:
+    """r^(-1/2) and r^(-1) over the whole body by the rules for n = 4, whatever the place of the tip in its cell."""
+    side, node = 0.5**levels, np.array(TIPS["on a node"])
+    end = node + side * (np.array(TIPS[place]) - node)
+    sample = build.block((6, 5), [build.crack([(0.5, 1.3), end], (False, True))], 1.5, levels, [end])
+    tip = sample.cover.tips[0].point
     points = element_points(sample.cover, 4)
-    near = points.element
+    tiles = np.unique(sample.cover.elements.tile[points.element[_close(points.points, tip, side)]])
     region = shapely.unary_union(
-        [
-            shapely.box(*low, *high)
-            for low, high in zip(*_tile_boxes(sample, np.unique(near[_close(points.points, tip)])), strict=True)
-        ]
+        [shapely.box(*low, *high) for low, high in zip(*tile_boxes(sample.lattice, tiles), strict=True)]
     ).buffer(0)
     box = shapely.box(*region.bounds)
     inside = shapely.contains_xy(box, points.points)
@@ -119,13 +124,8 @@ def test_cells_round_a_tip_integrate_its_singularity(build, place: str, power: f
     assert value == pytest.approx(disc_free_integral(box, tip, power), rel=tolerance)
 
 
-def _close(points: np.ndarray, tip: np.ndarray) -> np.ndarray:
-    return np.abs(points - tip).max(axis=1) < 0.3
-
-
-def _tile_boxes(sample, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    cell, part = np.divmod(tiles_of(sample.lattice, sample.cover.elements)[elements], len(sample.lattice.breaks) - 1)
-    return cell + sample.lattice.breaks[part], cell + sample.lattice.breaks[part + 1]
+def _close(points: np.ndarray, tip: np.ndarray, side: float) -> np.ndarray:
+    return np.abs(points - tip).max(axis=1) < 0.3 * side
 
 
 def test_triangles_fill_polygons_with_holes_and_use_their_corners_only() -> None:
