@@ -12,8 +12,8 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import Tip
 
 RADIUS = 2.5
-"""Radius of the disc in spacings: from 1.5 on K is within 0.2 % on straight cracks, and kinks of the last increments,
-which the cover does not resolve, disturb a disc that reaches beyond them least."""
+"""Radius of the disc in cells at the tip: from 1.5 on K is within 0.2 % on straight cracks, and kinks of the last
+increments, which the cover does not resolve, disturb a disc that reaches beyond them least."""
 
 STRAIGHT_RADIUS = 5.0
 """The same as far as the crack is straight: a larger disc averages the stress, which ripples, over more cells."""
@@ -22,7 +22,7 @@ KEPT_CLEAR = 0.8
 """Part of the clearance that a disc may take: one that touches another tip was 0.7 to 1.6 % off, this one 0.1."""
 
 SMALLEST_RADIUS = 1e-4
-"""Spacings: a smaller disc is as large as rounding. Tip functions make small ones worth something: 0.1 spacings from
+"""Cells: a smaller disc is as large as rounding. Tip functions make small ones worth something: 0.1 cells from
 another tip K is within 3 %, where the displacement of the faces misses by 15."""
 
 PARTS = np.array([0.7, 0.85, 1.0])
@@ -44,13 +44,13 @@ class Disc:
         return self.radius * PARTS
 
 
-def disc_round(cover: Cover, tip: Tip, radius: float | None) -> Disc:
-    """The disc of a tip; `radius` (spacings) is the one wanted, None for the usual one."""
-    straight = min(float(tip.radii[1]), STRAIGHT_RADIUS)
+def disc_round(cover: Cover, tip: Tip) -> Disc:
+    """The disc of a tip."""
+    straight = min(float(tip.radii[1]), STRAIGHT_RADIUS * tip.size)
     room, obstacle = clearance(cover, tip)
     room *= KEPT_CLEAR
-    wanted = max(RADIUS, min(straight, room)) if radius is None else radius
-    if room < min(SMALLEST_RADIUS, wanted):
+    wanted = max(RADIUS * tip.size, min(straight, room))
+    if room < SMALLEST_RADIUS * tip.size:
         return Disc(tip, float("nan"), True, obstacle)
     return Disc(tip, min(wanted, room), room < wanted, obstacle)
 

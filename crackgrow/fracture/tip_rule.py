@@ -12,16 +12,16 @@ from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.quadrature.rules import gauss
 
 N_RADIAL = 6
-"""Points per panel along a ray; panels end at the discs' radii, at kinks and after every spacing."""
+"""Points per panel along a ray; panels end at the discs' radii, at kinks and after every cell."""
 
 N_ANGULAR = 24
 """Least number of points on a circle, from face to face."""
 
 ANGULAR_DENSITY = 10
-"""Points on a circle per spacing of the largest radius: the stress ripples from element to element."""
+"""Points on a circle per cell of the largest radius: the stress ripples from element to element."""
 
 FACE_PANEL = 0.25
-"""Length of a panel on the faces, spacings, at the tip in terms of the square root."""
+"""Length of a panel on the faces, cells, at the tip in terms of the square root."""
 
 N_FACE = 5
 """Points per panel on the faces."""
@@ -70,9 +70,9 @@ class TipRule:
     faces: FaceLine
 
 
-def tip_rule(tip: TipView, radii: Floats) -> TipRule:
-    """The rule of discs with increasing `radii` (n,) round a tip."""
-    return TipRule(radii, _circles(tip, radii), _face_line(tip, radii))
+def tip_rule(tip: TipView, size: float, radii: Floats) -> TipRule:
+    """The rule of discs with increasing `radii` (n,) round a tip among cells of side `size`."""
+    return TipRule(radii, _circles(tip, size, radii), _face_line(tip, size, radii))
 
 
 def running_average(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
@@ -85,18 +85,18 @@ def weighted_by_cone(r: Floats, weight: Floats, values: Floats, radii: Floats) -
     return np.asarray((weight * np.maximum(1.0 - r / radii[:, None], 0.0)) @ values.T)
 
 
-def _circles(tip: TipView, radii: Floats) -> Circles:
-    stops = np.concatenate([[0.0], tip.radii[tip.radii < radii[-1]], radii, np.arange(1.0, radii[-1])])
+def _circles(tip: TipView, size: float, radii: Floats) -> Circles:
+    stops = np.concatenate([[0.0], tip.radii[tip.radii < radii[-1]], radii, np.arange(size, radii[-1], size)])
     r, weight = _panels_from_tip(stops, N_RADIAL)
-    x, w = gauss(max(N_ANGULAR, int(np.ceil(ANGULAR_DENSITY * r.max()))))
+    x, w = gauss(max(N_ANGULAR, int(np.ceil(ANGULAR_DENSITY * r.max() / size))))
     t = crack_angle(tip, r)[:, None] - 2.0 * np.pi * (1.0 - x)
     return Circles(r, weight, t, 2.0 * np.pi * w)
 
 
-def _face_line(tip: TipView, radii: Floats) -> FaceLine:
+def _face_line(tip: TipView, size: float, radii: Floats) -> FaceLine:
     arcs = arc_lengths(tip.path)
     ends = _arc_at(tip, arcs, radii)
-    stops = np.concatenate([arcs[arcs < ends[-1]], ends, np.arange(0.0, ends[-1], FACE_PANEL)])
+    stops = np.concatenate([arcs[arcs < ends[-1]], ends, np.arange(0.0, ends[-1], FACE_PANEL * size)])
     arc, weight = _panels_from_tip(stops, N_FACE)
     segment = np.searchsorted(arcs, arc, side="right") - 1
     toward_tip = -segment_directions(tip.path)[segment]

@@ -71,7 +71,7 @@ class ExactField:
         return vectors, sum(both)
 
     def K_found(self, radius: float = RADIUS) -> np.ndarray:
-        rule = tip_rule(self.tip, radius * PARTS)
+        rule = tip_rule(self.tip, 1.0, radius * PARTS)
         vectors, face_gradients = self.faces(rule.faces.arc)
         gradients = self.gradient(*rule.circles.polar).transpose(1, 2, 0)
         M = interaction(MATERIAL, rule, gradients, vectors.T, face_gradients.transpose(1, 2, 0), self.force)
