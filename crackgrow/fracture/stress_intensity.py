@@ -33,7 +33,7 @@ class StressIntensity:
     K_I_spread: float  # Pa sqrt(m): over three radii
     K_II_spread: float  # Pa sqrt(m)
     radius: float  # m, of the largest disc; nan where none fits
-    shrunk: bool  # whether the disc is smaller than the default
+    small: bool  # whether the disc spans but few cells
     note: str  # why, in words; empty where it is not
 
 
@@ -88,8 +88,8 @@ def _in_disc(
     M = interaction(material, rule, samples.around, vectors, samples.on_faces, force)
     K = 0.5 * material.young_prime * np.sqrt(spacing) * M
     (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
-    note = f"{disc.obstacle} makes the disc of the integral small" if disc.shrunk else ""
-    return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.shrunk, note)
+    note = f"{disc.obstacle} makes the disc of the integral small" if disc.small else ""
+    return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.small, note)
 
 
 def _sampled(

@@ -11,15 +11,13 @@ from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import Tip
 
-RADIUS = 2.5
-"""Radius of the disc in cells at the tip: from 1.5 on K is within 0.2 % on straight cracks, and kinks of the last
-increments, which the cover does not resolve, disturb a disc that reaches beyond them least."""
+KEPT_CLEAR = 0.9
+"""Part of the clearance that a disc takes. In one of n cells ripples of the stress put K of straight cracks off by 1e-3
+at n = 1.5, 2e-4 at 2.5, 5e-5 at 5, 1e-5 at 8: K converges with the cells. Kinks of its own crack inside disturb no more
+than those outside."""
 
-STRAIGHT_RADIUS = 5.0
-"""The same as far as the crack is straight: a larger disc averages the stress, which ripples, over more cells."""
-
-KEPT_CLEAR = 0.8
-"""Part of the clearance that a disc may take: one that touches another tip was 0.7 to 1.6 % off, this one 0.1."""
+SMALL = 2.5
+"""Cells at the tip: a disc below is told of."""
 
 SMALLEST_RADIUS = 1e-4
 """Cells: a smaller disc is as large as rounding. Tip functions make small ones worth something: 0.1 cells from
@@ -35,7 +33,7 @@ class Disc:
 
     tip: Tip
     radius: float  # spacings; nan where none fits
-    shrunk: bool
+    small: bool  # whether it spans but few cells
     obstacle: str
 
     @property
@@ -46,13 +44,11 @@ class Disc:
 
 def disc_round(cover: Cover, tip: Tip) -> Disc:
     """The disc of a tip."""
-    straight = min(float(tip.radii[1]), STRAIGHT_RADIUS * tip.size)
     room, obstacle = clearance(cover, tip)
-    room *= KEPT_CLEAR
-    wanted = max(RADIUS * tip.size, min(straight, room))
-    if room < SMALLEST_RADIUS * tip.size:
+    radius = KEPT_CLEAR * room
+    if radius < SMALLEST_RADIUS * tip.size:
         return Disc(tip, float("nan"), True, obstacle)
-    return Disc(tip, min(wanted, room), room < wanted, obstacle)
+    return Disc(tip, radius, radius < SMALL * tip.size, obstacle)
 
 
 def clearance(cover: Cover, tip: Tip) -> tuple[float, str]:
