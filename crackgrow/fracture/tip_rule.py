@@ -82,15 +82,15 @@ def tip_rule(tip: TipView, size: float, radii: Floats) -> TipRule:
 
 
 def weighted_by_fall(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
-    """Averages (radii, m) of values (m, n) over 0 < r < R by -dq/dr = 6 x (1 - x) / R, x = r / R."""
+    """Averages (radii, m) of values (m, n) over 0 < r < R by -dq/dr = 12 x (1 - x)^2 / R, x = r / R."""
     x = np.minimum(r / radii[:, None], 1.0)
-    return np.asarray((weight * 6.0 * x * (1.0 - x) / radii[:, None]) @ values.T)
+    return np.asarray((weight * 12.0 * x * (1.0 - x) ** 2 / radii[:, None]) @ values.T)
 
 
 def weighted_by_step(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
-    """Integrals (radii, m) of q times values (m, n), with the smooth step q = 1 - 3 x^2 + 2 x^3."""
+    """Integrals (radii, m) of q times values (m, n), with q = (1 - x)^3 (1 + 3 x)."""
     x = np.minimum(r / radii[:, None], 1.0)
-    return np.asarray((weight * (1.0 - x * x * (3.0 - 2.0 * x))) @ values.T)
+    return np.asarray((weight * (1.0 - x) ** 3 * (1.0 + 3.0 * x)) @ values.T)
 
 
 def _circles(tip: TipView, size: float, radii: Floats) -> Circles:
