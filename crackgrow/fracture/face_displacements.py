@@ -16,8 +16,8 @@ from crackgrow.contact.faces import FacePoints, joined, points_at, stretch_ends
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.cover import Cover
 
-FIT_SPACINGS = 3.0
-"""The fit reaches this many spacings back from the tip, to the end of the last stretch, or to half of the crack."""
+FIT_CELLS = 3.0
+"""The fit reaches this many cells back from the tip, to the end of the last stretch, or to half of the crack."""
 
 FIT_TERMS = 3
 """Terms of the fit in powers of r: K and two corrections."""
@@ -58,6 +58,7 @@ def _samples(cover: Cover, tip: int, x: Floats) -> tuple[float, FacePoints]:
     crack, at_end = cover.tip_ends[tip]
     ends = stretch_ends(cover, crack)
     total = ends[-1]
-    length = float(min(ends[-1] - ends[-2] if at_end else ends[1] - ends[0], FIT_SPACINGS, 0.5 * total))
+    stretch = ends[-1] - ends[-2] if at_end else ends[1] - ends[0]
+    length = float(min(stretch, FIT_CELLS * cover.tips[tip].size, 0.5 * total))
     r = length * x
     return length, points_at(cover, crack, total - r if at_end else r)

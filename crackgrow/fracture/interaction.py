@@ -1,7 +1,8 @@
 """Stress intensity factors by the domain interaction integral (Yau, Wang, Corten 1980; Moran, Shih 1987).
 
 With an auxiliary field a of known K, P_j = sigma_ij u^a_i,1 + sigma^a_ij u_i,1 - sigma_ik u^a_i,k delta_1j has the
-divergence -b_i u^a_i,1 under a body force b, and with q falling from 1 at the tip to 0 on the rim of a disc A
+divergence -b_i u^a_i,1 under a body force b, and with q falling from 1 at the tip to 0 on the rim of a disc A, smoothly
+at both so that what the stress ripples by averages out,
 
     M = int_A P_j q_,j dA - int_A q b_i u^a_i,1 dA - int_faces P_j n_j q ds,    K = E'/2 M.
 
@@ -18,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.fracture.tip_rule import TipRule, running_average, weighted_by_cone
+from crackgrow.fracture.tip_rule import TipRule, weighted_by_fall, weighted_by_step
 from crackgrow.fracture.williams import williams_gradient
 from crackgrow.solid.elasticity import PlaneElasticity
 
@@ -46,13 +47,13 @@ def interaction(
     around, beside = auxiliary[..., :n], auxiliary[..., n:]  # on the left face; minus that on the right
     flux = _radial_flux(material, np.stack([np.cos(t), np.sin(t)]), around, gradients)
     through_circles = flux.reshape(2, *circles.t.shape) @ circles.angle_weight * circles.r
-    M = -running_average(circles.r, circles.weight, through_circles, radii)
-    M += weighted_by_cone(
+    M = -weighted_by_fall(circles.r, circles.weight, through_circles, radii)
+    M += weighted_by_step(
         faces.r, faces.weight, _face_flux(material, rule, beside, face_vectors, face_gradients), radii
     )
     if body_force.any():
         work = np.einsum("i,min->mn", body_force, around[:, :, 0]).reshape(2, *circles.t.shape) @ circles.angle_weight
-        M -= weighted_by_cone(circles.r, circles.weight * circles.r, work, radii)
+        M -= weighted_by_step(circles.r, circles.weight * circles.r, work, radii)
     return M
 
 

@@ -22,8 +22,8 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import Tip, TipView, crack_angle, reach_of_tips, tip_angle
 
 REACH = 6.0
-"""Spacings from a tip to the nodes of the patches in which its field is told apart from the rest. With 4, the two ends
-of a crack of 7 spacings spoil each other; more changes nothing."""
+"""Cells from a tip to the nodes of the patches in which its field is told apart from the rest. With 4, the two ends
+of a crack of 7 cells spoil each other; more changes nothing."""
 
 ON_CUT = 1e-6
 """Radians: a place this near to the line on which both factors jump is on the side that the first one says."""
@@ -45,10 +45,11 @@ class SingularStress:
         """The physical patches (n_patches,) in which it jumps on the crack alone and is worth telling apart."""
         tip, support = self._tip, self.cover.lattice.support
         distance = np.hypot(*(self.cover.patch_nodes - tip.point).T)
-        if self._ends_inside:
-            return np.asarray(distance <= REACH)
-        jumps_inside = max(reach_of_tips(support), float(tip.radii[-1]))
-        return np.asarray(distance <= min(REACH, jumps_inside - np.sqrt(2.0) * support))
+        reach = REACH * tip.size
+        if not self._ends_inside:
+            jumps_inside = max(reach_of_tips(support) * tip.size, float(tip.radii[-1]))
+            reach = min(reach, jumps_inside - np.sqrt(2.0) * support * tip.size)
+        return np.asarray(distance <= reach)
 
     def at(self, points: Floats, elements: Ints) -> Floats:
         """Stress (n, 3) Pa: xx, yy, xy at points (n, 2), in lattice coordinates, of elements (n,)."""

@@ -33,7 +33,7 @@ class StressIntensity:
     K_I_spread: float  # Pa sqrt(m): over three radii
     K_II_spread: float  # Pa sqrt(m)
     radius: float  # m, of the largest disc; nan where none fits
-    shrunk: bool  # whether the disc is smaller than the default
+    small: bool  # whether the disc spans but few cells
     note: str  # why, in words; empty where it is not
 
 
@@ -44,15 +44,13 @@ def interaction_integrals(
     tips: Sequence[int],
     tractions: Sequence[FaceTraction],
     body_forces: Sequence[Floats] | None = None,
-    radius: float | None = None,
 ) -> list[StressIntensity]:
-    """K_I and K_II of the `tips` of a cover; `u` (n_dofs,) m, `body_forces` (2,) N/m^3 each, `radius` m.
+    """K_I and K_II of the `tips` of a cover; `u` (n_dofs,) m, `body_forces` (2,) N/m^3 each.
 
     `tractions` are, tip by tip, all that acts between the faces: contact tractions less fluid pressure.
     """
     forces = [np.zeros(2)] * len(tips) if body_forces is None else body_forces
-    wanted = None if radius is None else radius / cover.lattice.spacing
-    discs = [disc_round(cover, cover.tips[tip], wanted) for tip in tips]
+    discs = [disc_round(cover, cover.tips[tip]) for tip in tips]
     sampled = _sampled(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
     return [
         _no_room(disc)
@@ -90,8 +88,8 @@ def _in_disc(
     M = interaction(material, rule, samples.around, vectors, samples.on_faces, force)
     K = 0.5 * material.young_prime * np.sqrt(spacing) * M
     (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
-    note = f"{disc.obstacle} makes the disc of the integral small" if disc.shrunk else ""
-    return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.shrunk, note)
+    note = f"{disc.obstacle} makes the disc of the integral small" if disc.small else ""
+    return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.small, note)
 
 
 def _sampled(
@@ -100,7 +98,7 @@ def _sampled(
     """What the integrals need of the displacement, disc by disc."""
     for first in range(0, len(discs), TIPS_AT_ONCE):
         some = discs[first : first + TIPS_AT_ONCE]
-        rules = [tip_rule(disc.tip, disc.radii) for disc in some]
+        rules = [tip_rule(disc.tip, disc.tip.size, disc.radii) for disc in some]
         points = [rule.circles.points(disc.tip) for disc, rule in zip(some, rules, strict=True)]
         elements = [locate(cover.lattice, cover.elements, np.concatenate(points))]
         kinked = []

@@ -12,16 +12,22 @@ from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.quadrature.rules import gauss
 
 N_RADIAL = 6
-"""Points per panel along a ray; panels end at the discs' radii, at kinks and after every spacing."""
+"""Points per panel along a ray; panels end at the discs' radii and at kinks, too."""
 
-N_ANGULAR = 24
-"""Least number of points on a circle, from face to face."""
+N_ANGULAR = 40
+"""Points on a circle, from face to face: with three times as many K changes by 3e-5, in discs of two cells by 2e-4."""
 
-ANGULAR_DENSITY = 10
-"""Points on a circle per spacing of the largest radius: the stress ripples from element to element."""
+PANEL = 1.5
+"""Longest panel on a ray near the tip, cells: the stress ripples from element to element."""
 
-FACE_PANEL = 0.25
-"""Length of a panel on the faces, spacings, at the tip in terms of the square root."""
+GROWTH = 1.0 / 3.0
+"""Longest panel over its distance from the tip, where that is more: the ripple is the less the farther the tip is."""
+
+KINK = 0.25
+"""Cells: of kinks so close to each other panels end at one."""
+
+FACE_PANEL = 0.1
+"""Length of a panel on the faces over that on a ray: tractions have a bend at every contact point."""
 
 N_FACE = 5
 """Points per panel on the faces."""
@@ -70,33 +76,37 @@ class TipRule:
     faces: FaceLine
 
 
-def tip_rule(tip: TipView, radii: Floats) -> TipRule:
-    """The rule of discs with increasing `radii` (n,) round a tip."""
-    return TipRule(radii, _circles(tip, radii), _face_line(tip, radii))
+def tip_rule(tip: TipView, size: float, radii: Floats) -> TipRule:
+    """The rule of discs with increasing `radii` (n,) round a tip among cells of side `size`."""
+    return TipRule(radii, _circles(tip, size, radii), _face_line(tip, size, radii))
 
 
-def running_average(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
-    """Averages (radii, m) of values (m, n) over 0 < r < R: -dq/dr = 1/R of the cone q."""
-    return np.asarray((weight * (r < radii[:, None]) / radii[:, None]) @ values.T)
+def weighted_by_fall(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
+    """Averages (radii, m) of values (m, n) over 0 < r < R by -dq/dr = 12 x (1 - x)^2 / R, x = r / R."""
+    x = np.minimum(r / radii[:, None], 1.0)
+    return np.asarray((weight * 12.0 * x * (1.0 - x) ** 2 / radii[:, None]) @ values.T)
 
 
-def weighted_by_cone(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
-    """Integrals (radii, m) of q times values (m, n), with the cone q = 1 - r/R, at least 0."""
-    return np.asarray((weight * np.maximum(1.0 - r / radii[:, None], 0.0)) @ values.T)
+def weighted_by_step(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
+    """Integrals (radii, m) of q times values (m, n), with q = (1 - x)^3 (1 + 3 x)."""
+    x = np.minimum(r / radii[:, None], 1.0)
+    return np.asarray((weight * (1.0 - x) ** 3 * (1.0 + 3.0 * x)) @ values.T)
 
 
-def _circles(tip: TipView, radii: Floats) -> Circles:
-    stops = np.concatenate([[0.0], tip.radii[tip.radii < radii[-1]], radii, np.arange(1.0, radii[-1])])
-    r, weight = _panels_from_tip(stops, N_RADIAL)
-    x, w = gauss(max(N_ANGULAR, int(np.ceil(ANGULAR_DENSITY * r.max()))))
+def _circles(tip: TipView, size: float, radii: Floats) -> Circles:
+    kinks = tip.radii[1:][tip.radii[1:] < radii[-1]]
+    kinks = kinks[np.unique(kinks // (KINK * size), return_index=True)[1]]
+    r, weight = _panels_from_tip(_stops(np.append(kinks, radii), PANEL * size, GROWTH), N_RADIAL)
+    x, w = gauss(N_ANGULAR)
     t = crack_angle(tip, r)[:, None] - 2.0 * np.pi * (1.0 - x)
     return Circles(r, weight, t, 2.0 * np.pi * w)
 
 
-def _face_line(tip: TipView, radii: Floats) -> FaceLine:
+def _face_line(tip: TipView, size: float, radii: Floats) -> FaceLine:
     arcs = arc_lengths(tip.path)
     ends = _arc_at(tip, arcs, radii)
-    stops = np.concatenate([arcs[arcs < ends[-1]], ends, np.arange(0.0, ends[-1], FACE_PANEL)])
+    kinks = arcs[1:][arcs[1:] < ends[-1]]
+    stops = _stops(np.append(kinks, ends), FACE_PANEL * PANEL * size, FACE_PANEL * GROWTH)
     arc, weight = _panels_from_tip(stops, N_FACE)
     segment = np.searchsorted(arcs, arc, side="right") - 1
     toward_tip = -segment_directions(tip.path)[segment]
@@ -105,10 +115,20 @@ def _face_line(tip: TipView, radii: Floats) -> FaceLine:
     return FaceLine(arc, weight, toward_tip, r, crack_angle(tip, r))
 
 
+def _stops(given: Floats, short: float, growth: float) -> Floats:
+    """Ends (n,) of panels from 0 on, with the `given` ones (m,): at most `short`, or `growth` times the way, long."""
+    stops = [0.0]
+    for end in np.sort(given).tolist():
+        while end - stops[-1] > SAME:
+            left = end - stops[-1]
+            n = np.ceil(left / max(short, growth * stops[-1]))
+            stops.append(end if n == 1.0 else stops[-1] + left / n)
+    return np.array(stops)
+
+
 def _panels_from_tip(stops: Floats, n: int) -> tuple[Floats, Floats]:
-    """Gauss points and weights between stops (any order), for half powers of the distance from the tip."""
-    stops = np.sort(stops)
-    stops = np.sqrt(stops[np.diff(stops, prepend=-1.0) > SAME])
+    """Gauss points and weights between stops, for half powers of the distance from the tip."""
+    stops = np.sqrt(stops)
     x, w = gauss(n)
     size = np.diff(stops)[:, None]
     root, weight = (stops[:-1, None] + size * x).ravel(), (size * w).ravel()

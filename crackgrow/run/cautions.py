@@ -97,7 +97,7 @@ def _all_cautions(
     yield from _sawing(scene, solution)
     yield from contact_cautions(solution)
     for state, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
-        if state.intensity.shrunk:
+        if state.intensity.small:
             radius = state.intensity.radius
             size = np.inf if np.isnan(radius) else 1.0 / radius
             yield Cause.SMALL_DISC.at(_tip_name(solution, *end), size, note=state.intensity.note)

@@ -64,7 +64,7 @@ def intensity_errors(scene: Scene, solution: StepSolution, faces: tuple[CrackFac
         weight = AT_OPEN_TIP if WELL_OPEN * of_overlap < intensity.K_I else AT_CLOSED_TIP
         bound = weight * of_overlap + share * max(slip, largest)
         clear = intensity.radius / (KEPT_CLEAR * h)
-        if intensity.shrunk and clear < 1.0:
+        if intensity.small and clear < 1.0:
             bound += OF_CROWDING * largest / np.sqrt(clear)
         found.append((float(intensity.K_I_spread + bound), float(intensity.K_II_spread + bound)))
     return found

@@ -12,7 +12,7 @@ from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import TipView, crack_angle, seen_from_tip
 from crackgrow.fracture.interaction import interaction
 from crackgrow.fracture.stress_intensity import interaction_integrals
-from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, RADIUS, SMALLEST_RADIUS, STRAIGHT_RADIUS, clearance
+from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, SMALLEST_RADIUS, clearance
 from crackgrow.fracture.tip_rule import tip_rule
 from crackgrow.fracture.williams import williams_displacement, williams_gradient
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
@@ -70,8 +70,8 @@ class ExactField:
         vectors = sum(np.einsum("nij,nj->ni", hooke(MATERIAL, gradient), normal) for gradient in both)
         return vectors, sum(both)
 
-    def K_found(self, radius: float = RADIUS) -> np.ndarray:
-        rule = tip_rule(self.tip, radius * PARTS)
+    def K_found(self, radius: float = 2.5, size: float = 1.0) -> np.ndarray:
+        rule = tip_rule(self.tip, size, radius * PARTS)
         vectors, face_gradients = self.faces(rule.faces.arc)
         gradients = self.gradient(*rule.circles.polar).transpose(1, 2, 0)
         M = interaction(MATERIAL, rule, gradients, vectors.T, face_gradients.transpose(1, 2, 0), self.force)
@@ -79,10 +79,18 @@ class ExactField:
 
 
 @pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
-@pytest.mark.parametrize("radius", [0.5, 2.5, 4.0])
-def test_williams_fields_give_their_K_back_on_every_disc(path: list[list[float]], radius: float) -> None:
-    found = ExactField(tip_of(path)).K_found(radius)
+@pytest.mark.parametrize("size", [1.0, 0.02])
+@pytest.mark.parametrize("radius", [0.5, 2.5, 4.0, 8.0])
+def test_williams_fields_give_their_K_back_on_every_disc(path: list[list[float]], radius: float, size: float) -> None:
+    found = ExactField(tip_of(path)).K_found(radius, size)
     np.testing.assert_allclose(found, np.tile(K, (3, 1)), rtol=1e-6)
+
+
+def test_a_disc_of_sixteen_times_the_cells_has_less_than_three_times_the_points() -> None:
+    tip = tip_of(PATHS["straight"])
+    few, many = (tip_rule(tip, size, 8.0 * PARTS) for size in (1.0, 1.0 / 16.0))
+    assert few.circles.t.size < many.circles.t.size < 3 * few.circles.t.size
+    assert few.faces.arc.size < many.faces.arc.size < 3 * few.faces.arc.size
 
 
 @pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
@@ -160,8 +168,9 @@ def test_a_small_disc_is_told_and_too_small_a_one_has_no_K(build) -> None:
         free, near = (
             interaction_integrals(sample.cover, [sample.material], u, [tip], [no_traction])[0] for tip in (0, 1)
         )
-        assert (free.shrunk, free.note, free.radius) == (False, "", STRAIGHT_RADIUS)
-        assert near.shrunk
+        assert (free.small, free.note) == (False, "")
+        assert free.radius == pytest.approx(KEPT_CLEAR * min(end - 10.0, 9.5))
+        assert near.small
         assert note in near.note
         room = KEPT_CLEAR * (20.5 - end)
         assert near.radius == pytest.approx(room if room > SMALLEST_RADIUS else np.nan, nan_ok=True)
