@@ -15,7 +15,7 @@ import numpy as np
 
 from crackgrow.arrays import Ints
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
-from crackgrow.ragged import Ragged, by_row
+from crackgrow.ragged import Ragged, by_row, distinct
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +42,7 @@ def nodes_of(cells: Squares, support: float) -> Nodes:
         -1, 2
     )
     base = int(corners.max()) + 1
-    x, y = np.divmod(np.unique(corners[:, 0] * base + corners[:, 1]), base)
+    x, y = np.divmod(distinct(corners[:, 0] * base + corners[:, 1]), base)
     corners = np.stack([x, y], axis=1)
     around = cells.around(corners / QUANTA)
     off, there = corners[:, None] - cells.low[around], around >= 0
@@ -92,8 +92,7 @@ def _covering(tiles: Squares, nodes: Nodes) -> Ragged:
             there = holding >= 0
             tile += [inside.values, holding[there]]
             node += [owner[inside.row], owner[none[there]]]
-    keys = np.sort(np.concatenate(tile) * len(width) + np.concatenate(node))
-    keys = keys[np.diff(keys, prepend=-1) > 0]  # np.unique takes sixty times as long
+    keys = distinct(np.concatenate(tile) * len(width) + np.concatenate(node))
     of_tile, of_node = np.divmod(keys, len(width))
     return by_row(of_tile, of_node, tiles.n)
 

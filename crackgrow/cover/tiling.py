@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.squares import QUANTA, Squares
 from crackgrow.geometry.arrangement import as_numbers
-from crackgrow.ragged import Ragged, by_row
+from crackgrow.ragged import Ragged, by_row, distinct
 
 _ROUND = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
 """Corners of a square, counter-clockwise."""
@@ -52,7 +52,7 @@ def tiling_of(tiles: Squares) -> Tiling:
     """The mesh of tiles."""
     own = (tiles.low[:, None] + tiles.size[:, None, None] * _ROUND).reshape(-1, 2)
     base = int(own.max()) + 1
-    x, y = np.divmod(np.unique(own[:, 0] * base + own[:, 1]), base)
+    x, y = np.divmod(distinct(own[:, 0] * base + own[:, 1]), base)
     corners = np.stack([x, y], axis=1)
     around = np.sort(tiles.around(corners / QUANTA), axis=1)
     around[:, 1:][around[:, 1:] == around[:, :-1]] = -1
@@ -64,7 +64,7 @@ def tiling_of(tiles: Squares) -> Tiling:
     following = np.roll(ring.values, -1)
     following[ring.start[1:] - 1] = ring.values[ring.start[:-1]]
     keys = np.minimum(ring.values, following) * len(corners) + np.maximum(ring.values, following)
-    return Tiling(as_numbers(corners / QUANTA), ring, following, np.unique(keys))
+    return Tiling(as_numbers(corners / QUANTA), ring, following, distinct(keys))
 
 
 def _along_rim(off: Ints, size: Ints) -> Ints:

@@ -191,9 +191,7 @@ def test_equal_cells_of_half_the_side_have_the_nodes_of_a_lattice_of_half_the_sp
     cover = plate(build, path).cover
     halved = replace(cover, sizes=np.full(cover.elements.n, 0.5))
     fine = plate(build, path, spacing=0.5).cover
-    np.testing.assert_allclose(
-        mortar_faces(halved, [0], 1.25).s, 0.5 * mortar_faces(fine, [0], 1.25).s, atol=ROUND_OFF
-    )
+    np.testing.assert_allclose(mortar_faces(halved, [0], 1.25).s, 0.5 * mortar_faces(fine, [0], 1.25).s, atol=ROUND_OFF)
     short = plate(build, bent([5.0, 0.08], 60.0)).cover
     assert len(stretch_ends(short, 0)) == 2
     assert len(stretch_ends(replace(short, sizes=np.full(short.elements.n, 0.5)), 0)) == 3
