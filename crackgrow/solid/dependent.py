@@ -17,7 +17,8 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.direct import SymmetricMatrix
 
 SMALL = 1e-3
-"""Functions with less than this part of the largest stiffness see a corner of their patch alone."""
+"""Functions with less than this part of the largest stiffness of those that they meet see a corner of their patch
+alone."""
 
 DEPENDENT = 1e-11
 """Pivots below this part of the entry on the diagonal are those of functions that depend on others."""
@@ -28,8 +29,11 @@ def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
 
     Only the sparse part of the matrix is looked at: small functions are those of cut patches.
     """
-    diagonal = matrix.diagonal()
-    small = np.flatnonzero(diagonal < SMALL * diagonal.max(initial=0.0))
+    diagonal, rest = matrix.diagonal(), matrix.rest
+    met = np.zeros(len(diagonal))
+    some = np.flatnonzero(np.diff(rest.indptr))
+    met[some] = np.maximum.reduceat(diagonal[rest.indices], rest.indptr[some])
+    small = np.flatnonzero(diagonal < SMALL * met)
     if len(small) == 0:
         return matrix
     scale = 1.0 / np.sqrt(np.maximum(diagonal[small], np.finfo(float).tiny))
