@@ -1,0 +1,92 @@
+"""Where a scene asks for small cells, and what becomes of them as its cracks grow."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.cover.cover import Cover
+from crackgrow.errors import CaseError
+from crackgrow.plan.text import plan_text
+from crackgrow.run import grow
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.configuration import lay_out
+from crackgrow.run.scene import make_scene
+
+CASES = Path(__file__).parents[3] / "cases"
+QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
+
+
+def case(name: str, *settings: str) -> Case:
+    return load_case(CASES / f"{name}.yaml", [*settings, *QUIET])
+
+
+def cover_of(scene: Case) -> Cover:
+    return lay_out(make_scene(scene), beginning(scene).cracks)[0]
+
+
+def size_at(cover: Cover, metres: tuple[float, float]) -> float:
+    """Side of the cell at a place, spacings."""
+    lattice = cover.lattice
+    tile = lattice.tiles_at(lattice.to_lattice(np.array([metres])))[0]
+    return float(lattice.cells.size[lattice.tiles.cell[tile]] / lattice.cells.size.max())
+
+
+def test_without_halvings_all_cells_are_of_one_size() -> None:
+    cover = cover_of(case("compression30", "numerics.refine.rings=3"))
+    assert np.all(cover.sizes == 1.0)
+
+
+def test_tips_kinks_and_corners_get_the_cells_that_they_ask_for() -> None:
+    path = "cracks.flaw.path={points: [[-6, -4], [0, 0], [5, 0]]}"
+    notch = "bodies.rock.shape.holes=[{rectangle: {center: [9, 18], width: 6, height: 6}}]"
+    settings = ("numerics.spacing=3", "numerics.refine={tips: 2, kinks: 4, corners: 1}")
+    cover = cover_of(case("compression30", path, notch, *settings))
+    assert [tip.size for tip in cover.tips] == [0.25, 0.25]
+    assert size_at(cover, (0.0, 0.0)) == 2.0**-4
+    assert size_at(cover, (0.0061, 0.0149)) == 0.5
+    assert size_at(cover, (-0.013, 0.005)) == 1.0
+
+
+def test_a_turn_of_a_few_degrees_is_no_kink() -> None:
+    path = "cracks.flaw.path={points: [[-6, 0], [0, 0], [6, 0.6]]}"
+    assert np.all(cover_of(case("compression30", path, "numerics.refine.kinks=3")).sizes == 1.0)
+
+
+def test_where_cracks_meet_or_end_on_an_outline_cells_are_small() -> None:
+    cover = cover_of(case("junction_static", "numerics.refine.kinks=2"))
+    assert cover.sizes.min() == 0.25
+
+
+def test_small_cells_follow_the_tip_and_stay_at_the_kink() -> None:
+    settings = ("numerics.spacing=3", "numerics.refine={tips: 2, kinks: 3}", "growth.steps=2")
+    steps = list(grow(case("compression30", *settings)))
+    assert all(tip.cell_size == pytest.approx(0.75e-3) for step in steps for tip in step.tips)
+    assert steps[-1].n_dofs > steps[0].n_dofs
+    assert steps[-1].cracks[0].points.shape[0] > 2
+
+
+def test_the_check_counts_the_cells_by_their_size() -> None:
+    text = plan_text(case("compression30", "numerics.spacing=3", "numerics.refine.tips=2"))
+    (line,) = (line for line in text.splitlines() if line.startswith("  cells: "))
+    assert [part.split(" of ")[1] for part in line.split(", ")] == ["3 mm", "1.5 mm", "0.75 mm"]
+
+
+@pytest.mark.parametrize(("setting", "told"), [("tips=10", "<= 9"), ("rings=1", ">= 2"), ("holes=1", "tips")])
+def test_halvings_out_of_range_are_refused(setting: str, told: str) -> None:
+    with pytest.raises(CaseError, match=told):
+        case("compression30", f"numerics.refine.{setting}")
+
+
+def test_contact_remembers_through_cells_of_several_sizes() -> None:
+    """Loading, unloading and loading again: K_II lags by friction, alike on small cells and on equal ones."""
+    history = "loading.history=[0.5, 1, 0.6, 0.2, 1]"
+    runs = [
+        [[step.tips[0].K_II for step in grow(case("cyclic_friction", history, *settings))]]
+        for settings in ((), ("numerics.refine={tips: 2}",))
+    ]
+    np.testing.assert_allclose(runs[1], runs[0], atol=0.01 * np.abs(runs[0]).max())
