@@ -124,6 +124,7 @@ class Configuration:
         check_magnitude("loads", self.loads(factor, holding), LARGEST, "N/m")
         check_magnitude("prescribed displacements", factor * self.held.given, self._farthest, "m")
         increment, free = self.increment(factor, memory, holding)
+        check_magnitude("displacements", free, self._farthest, "m")
         try:
             found = increment.solved(free)
         except NotSolvedError as error:
