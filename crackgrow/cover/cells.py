@@ -38,12 +38,7 @@ class Tiles:
 
 def nodes_of(cells: Squares, support: float) -> Nodes:
     """The nodes of cells."""
-    corners = (cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (0, 1), (1, 0), (1, 1)])).reshape(
-        -1, 2
-    )
-    base = int(corners.max()) + 1
-    x, y = np.divmod(distinct(corners[:, 0] * base + corners[:, 1]), base)
-    corners = np.stack([x, y], axis=1)
+    corners = cells.corners
     around = cells.around(corners / QUANTA)
     off, there = corners[:, None] - cells.low[around], around >= 0
     is_corner = ((off == 0) | (off == cells.size[around, None])).all(axis=2)
@@ -103,9 +98,8 @@ def _crossings(cells: Squares, nodes: Nodes) -> tuple[Ints, Ints]:
     found = []
     for n in np.unique(2 * half // step).tolist():
         mine = np.flatnonzero(2 * half == n * step)
-        along = (nodes.places[mine] - half[mine, None])[:, None] + step[mine, None, None] * np.arange(n)[
-            :, None
-        ]  # (k, n, 2)
+        steps = step[mine, None] * np.arange(n)
+        along = (nodes.places[mine] - half[mine, None])[:, None] + steps[:, :, None]  # (k, n, 2)
         for axis in range(2):
             for side in (-1, 1):
                 places = along.copy()

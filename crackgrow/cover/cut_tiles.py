@@ -64,10 +64,10 @@ def content_of(touched: Bools, lattice: Lattice, ends: Floats, points: Floats) -
     around = tiles.around(0.5 * (ends[:, 0] + ends[:, 1]))  # exact: all ends are on the grid
     inside = np.flatnonzero((around == around[:, :1]).all(axis=1))
     point, on_rim = _on_rims(tiles.around(points))
-    ring = lattice.tiling.ring
-    hanging = np.flatnonzero(ring.counts[touched] > 4)
-    divided, at = ring.places(np.flatnonzero(touched)[hanging])
-    tile = np.concatenate([around[inside, 0], on_rim, np.flatnonzero(touched)[hanging][divided]])
+    ring, some = lattice.tiling.ring, np.flatnonzero(touched)
+    divided = some[ring.counts[some] > 4]
+    which, at = ring.places(divided)
+    tile = np.concatenate([around[inside, 0], on_rim, divided[which]])
     rims = np.concatenate([points[point], corners[ring.values[at]]])
     is_point = np.arange(len(tile)) >= len(inside)
     lines = np.concatenate([ends[inside], np.repeat(rims[:, None], 2, axis=1)])
@@ -75,7 +75,6 @@ def content_of(touched: Bools, lattice: Lattice, ends: Floats, points: Floats) -
     at_corner = is_point & np.isin((lines[:, 0] * QUANTA - tiles.low[tile]) / size, (0.0, 1.0)).all(axis=1)
     there = np.flatnonzero((tile >= 0) & touched[tile] & ~at_corner)
     order = there[np.argsort(tile[there], kind="stable")]
-    some = np.flatnonzero(touched)
     start = np.append(np.searchsorted(tile[order], some), len(order))
     return Content(some, np.column_stack([tiles.low[some], tiles.size[some]]), start, lines[order])
 

@@ -55,7 +55,6 @@ class Elements:
     outlines: OutlineEdges
     tree: shapely.STRtree  # over `polygons`
     whole_of_tile: Ints  # (tiles,) element of a whole tile, -1 elsewhere
-    body_of_tile: Ints  # (tiles,) body at the middle of a tile, -1 for none
     cut: CutTiles  # where `polygons` come from
 
     @property
@@ -120,7 +119,6 @@ def cut_elements(
         outlines=edges_on_outlines([body.sides for body in bodies], on_sides, every, edges, body),
         tree=shapely.STRtree(cut.polygons),
         whole_of_tile=whole_of_tile,
-        body_of_tile=body_of_tile,
         cut=cut,
     )
 

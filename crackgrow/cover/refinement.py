@@ -19,7 +19,7 @@ from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
 from crackgrow.geometry.tolerance import TOUCH
 
 MOST_LEVELS = 9
-"""Halvings of the largest cells: `QUANTA` leaves room for the halves of hanging nodes and quarters of supports."""
+"""Halvings of the largest cells: `QUANTA` leaves room for them and for quarters of supports."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,8 +30,10 @@ class Focus:
     size: Floats  # (n,) the largest cells that they allow at the place, spacings
 
 
-def refined(lattice: Lattice, focus: Focus, rings: float) -> Lattice:
+def refined(lattice: Lattice, focus: Focus, rings: float, before: Lattice | None = None) -> Lattice:
     """The lattice with cells divided where `focus` asks for that, `rings` cells of each size round every place.
+
+    It is the lattice itself, or the one `before`, where the cells are the same.
 
     A cell is divided if a place no farther than `rings` of its sides, along both axes, asks for smaller ones. Just at
     that distance it is, whatever rounding makes of it: symmetric scenes have symmetric cells, and no larger patches
@@ -52,10 +54,11 @@ def refined(lattice: Lattice, focus: Focus, rings: float) -> Lattice:
         asked &= size > least
         fixed.append((low[~asked], size[~asked]))
         low, size = quarters_of(low[asked], size[asked])
-    divided = squares_of(*(np.concatenate(arrays) for arrays in zip(*fixed, strict=True)))
-    if divided.n == cells.n:
-        return lattice
-    return lattice_of(lattice.spacing, lattice.support, lattice.origin, balanced(divided))
+    divided = balanced(squares_of(*(np.concatenate(arrays) for arrays in zip(*fixed, strict=True))))
+    for known in (lattice, before):
+        if known is not None and divided.equal(known.cells):
+            return known
+    return lattice_of(lattice.spacing, lattice.support, lattice.origin, divided)
 
 
 def balanced(cells: Squares) -> Squares:

@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.ragged import Ragged, spans, starts_of
+from crackgrow.ragged import Ragged, distinct, spans, starts_of
 
 QUANTA = 2**13
-"""Quanta a spacing: ten levels of cells, and patches that end in quarters of half a cell."""
+"""Quanta a spacing: room for many halvings of cells, and for patches that end in quarters of the smallest."""
+
+CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+"""Corners of a square of side one, from left to right and upwards."""
 
 _HALVINGS = ((16, 0x0000FFFF0000FFFF), (8, 0x00FF00FF00FF00FF), (4, 0x0F0F0F0F0F0F0F0F), (2, 0x3333333333333333))
 _EVERY_OTHER = 0x5555555555555555
@@ -35,6 +38,13 @@ class Squares:
         """Number of squares."""
         return len(self.size)
 
+    @property
+    def corners(self) -> Ints:
+        """The corners of all squares (m, 2), each once, from left to right and upwards."""
+        every = (self.low[:, None] + self.size[:, None, None] * CORNERS).reshape(-1, 2)
+        base = int(every.max()) + 1
+        return np.stack(np.divmod(distinct(every[:, 0] * base + every[:, 1]), base), axis=1)
+
     def equal(self, other: Squares) -> bool:
         """Whether two sets are the same squares."""
         return np.array_equal(self.low, other.low) and np.array_equal(self.size, other.size)
@@ -53,12 +63,9 @@ class Squares:
         Inside of a square all four are the same; -1 for none.
         """
         scaled = points * QUANTA
-        below, above = np.ceil(scaled).astype(np.int64) - 1, np.floor(scaled).astype(np.int64)
-        x, y = (
-            np.stack([below, above], axis=1)[:, [0, 0, 1, 1], 0],
-            np.stack([below, above], axis=1)[:, [0, 1, 0, 1], 1],
-        )
-        return self.at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(-1, 4)
+        sides = np.stack([np.ceil(scaled) - 1.0, np.floor(scaled)]).astype(np.int64)  # below and above
+        places = np.stack([sides[[0, 0, 1, 1], :, 0], sides[[0, 1, 0, 1], :, 1]], axis=-1)
+        return self.at(places.reshape(-1, 2)).reshape(4, -1).T
 
     def within(self, low: Ints, size: Ints) -> Ragged:
         """All squares inside of others (m,), which need not belong to these; none where one of these is larger."""
@@ -82,8 +89,7 @@ def squares_of(low: Ints, size: Ints) -> Squares:
 def quarters_of(low: Ints, size: Ints) -> tuple[Ints, Ints]:
     """The four quarters of each square (n,): corners (4 n, 2) and sizes (4 n,)."""
     half = size // 2
-    steps = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
-    corners = low[:, None] + steps * half[:, None, None]
+    corners = low[:, None] + CORNERS * half[:, None, None]
     return np.asarray(corners, dtype=np.int64).reshape(-1, 2), np.repeat(half, 4)
 
 

@@ -15,9 +15,6 @@ from crackgrow.cover.squares import QUANTA, Squares
 from crackgrow.geometry.arrangement import as_numbers
 from crackgrow.ragged import Ragged, by_row, distinct
 
-_ROUND = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
-"""Corners of a square, counter-clockwise."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tiling:
@@ -50,10 +47,7 @@ class Tiling:
 
 def tiling_of(tiles: Squares) -> Tiling:
     """The mesh of tiles."""
-    own = (tiles.low[:, None] + tiles.size[:, None, None] * _ROUND).reshape(-1, 2)
-    base = int(own.max()) + 1
-    x, y = np.divmod(distinct(own[:, 0] * base + own[:, 1]), base)
-    corners = np.stack([x, y], axis=1)
+    corners = tiles.corners
     around = np.sort(tiles.around(corners / QUANTA), axis=1)
     around[:, 1:][around[:, 1:] == around[:, :-1]] = -1
     corner, column = np.nonzero(around >= 0)

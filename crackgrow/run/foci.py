@@ -9,6 +9,7 @@ where a support or a load is a point or ends within an edge.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 import shapely
@@ -31,26 +32,20 @@ SHARP_CORNER = np.deg2rad(20.0)
 def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Lattice | None) -> Lattice:
     """The lattice of a scene with these cracks; that of the configuration before if its cells are the same."""
     refine = scene.case.numerics.refine
-    places: list[Floats] = []
-    sizes: list[float] = []
-    for levels, found in (
+    asking = (
         (refine.tips, _tips(cracks)),
-        (refine.kinks, [*_kinks(scene, cracks), *_meetings(cracks)]),
-        (refine.corners, [*_corners(scene), *_ends_of_regions(scene)]),
-    ):
-        if levels:
-            places += found
-            sizes += [0.5**levels] * len(found)
-    if not places:
+        (refine.kinks, chain(_kinks(scene, cracks), _meetings(cracks))),
+        (refine.corners, chain(_corners(scene), _ends_of_regions(scene))),
+    )
+    found = [(place, 0.5**levels) for levels, places in asking if levels for place in places]
+    if not found:
         return scene.lattice
-    lattice = refined(scene.lattice, Focus(shapely.points(np.array(places)), np.array(sizes)), refine.rings)
-    if before is not None and lattice.cells.equal(before.cells):
-        return before
-    return lattice
+    places, sizes = (np.array(values) for values in zip(*found, strict=True))
+    return refined(scene.lattice, Focus(shapely.points(places), sizes), refine.rings, before)
 
 
-def _tips(cracks: Sequence[CrackGeometry]) -> list[Floats]:
-    return [crack.seen_from(at_end)[0] for crack in cracks for at_end in crack.tips()]
+def _tips(cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
+    return (crack.seen_from(at_end)[0] for crack in cracks for at_end in crack.tips())
 
 
 def _kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
