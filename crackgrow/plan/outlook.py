@@ -32,7 +32,8 @@ class Outlook:
     def words(self) -> str:
         """What to expect, on a line."""
         later = f", {_seconds(self.cost.later_step)} each of {self.cost.n_later} more" if self.cost.n_later else ""
-        return f"{self.needs}, {_seconds(self.cost.first_step)} of CPU for the first step{later}"
+        first = f"{_seconds(self.cost.first_step)} of CPU for the first step"
+        return f"about {_memory(self.cost.memory)} of memory, {first}{later}"
 
     @property
     def needs(self) -> str:
