@@ -48,6 +48,29 @@ def comparison_csv(comparison: Comparison) -> str:
     return "".join(",".join(format_value(value) for value in row) + "\n" for row in rows)
 
 
+def comparison_record(comparison: Comparison) -> dict[str, object]:
+    """All of it in what JSON can hold, SI: the rows of the CSV with null where there is no value."""
+    beyond = comparison.beyond
+    rows = [
+        {**dict(zip(CSV_COLUMNS, (value if value != "" else None for value in _pair_values(pair)), strict=False)),
+         "beyond": pair in beyond}
+        for pair in comparison.pairs
+    ]  # fmt: skip
+    a, b = comparison.a.settings or {}, comparison.b.settings or {}
+    return {
+        "a": {"source": str(comparison.a.source), "status": comparison.a.status},
+        "b": {"source": str(comparison.b.source), "status": comparison.b.status},
+        "settings": {
+            key: {"a": a.get(key), "b": b.get(key)} for key in dict.fromkeys([*a, *b]) if a.get(key) != b.get(key)
+        },
+        "tolerance": comparison.tolerance,
+        "agrees": comparison.agrees,
+        "parts": rows,
+        "only_in_a": list(comparison.only_in_a),
+        "only_in_b": list(comparison.only_in_b),
+    }
+
+
 class _Lengths:
     """Writes lengths in mm, or in m where they are large."""
 
