@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-all browser verify stability lint check bench wheel readme clean clean-outputs distclean
+.PHONY: help run case-exists test test-all browser verify stability lint check bench wheel readme docs clean clean-outputs distclean
 .DELETE_ON_ERROR:
 
 help:
@@ -24,7 +24,8 @@ help:
 	@echo "make check                     lint and test"
 	@echo "make bench [ARGS=--quick]      benchmarks: ratios against a baseline, tables in tests/benchmarks"
 	@echo "make wheel                     the package as a wheel, in dist"
-	@echo "make readme [ARGS=--all]       run the commands of README.md, with --all the long ones too"
+	@echo "make readme [ARGS=--all]       run the commands of all READMEs, with --all the long ones too"
+	@echo "make docs [ARGS=--measured]    write the parts of the READMEs that are made of declarations or measured"
 	@echo "make clean | distclean         remove caches | and .venv"
 	@echo "make clean-outputs             remove all results in outputs, after asking"
 
@@ -86,18 +87,21 @@ wheel: $(STAMP)
 readme: $(STAMP)
 	@$(PY) -m tests.readme.run $(ARGS)
 
+docs: $(STAMP)
+	@$(PY) -m tests.readme.generated $(ARGS)
+
 clean:
 	@rm -rf build dist .pytest_cache .mypy_cache .ruff_cache
 	@find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
 
 # Results are the user's: nothing else of this file removes them.
 clean-outputs:
-	@n=$$(find outputs -mindepth 1 -maxdepth 1 ! -name .gitkeep | wc -l); \
+	@n=$$(find outputs -mindepth 1 -maxdepth 1 ! -path outputs/README.md | wc -l); \
 	if [ $$n -eq 0 ]; then echo "outputs is empty"; exit 0; fi; \
-	find outputs -mindepth 1 -maxdepth 1 ! -name .gitkeep | sort; \
+	find outputs -mindepth 1 -maxdepth 1 ! -path outputs/README.md | sort; \
 	printf 'remove these and all that is in them? [y/N] '; read answer || answer=; \
 	case "$$answer" in \
-		y|Y|yes) find outputs -mindepth 1 ! -name .gitkeep -delete; echo "removed";; \
+		y|Y|yes) find outputs -mindepth 1 ! -path outputs/README.md -delete; echo "removed";; \
 		*) echo "nothing is removed";; \
 	esac
 

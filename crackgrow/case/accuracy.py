@@ -1,6 +1,6 @@
 """Presets of the numerical settings, and the lattice spacing that follows from a scene.
 
-The numbers are chosen from the measurement of `crackgrow trade`: README, "The trade between accuracy and time".
+The numbers are chosen from the measurement of `crackgrow trade`: tests/benchmarks/README.md.
 """
 
 from __future__ import annotations

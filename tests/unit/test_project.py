@@ -52,11 +52,11 @@ def test_the_version_stands_in_one_place_and_the_citation_has_it() -> None:
 def test_results_go_only_where_the_user_says_so(target: str, answer: str, stays: bool, tmp_path: Path) -> None:
     shutil.copy(ROOT / "Makefile", tmp_path)
     result, cache = tmp_path / "outputs" / "mine" / "summary.json", tmp_path / ".pytest_cache" / "x"
-    for file in (result, cache, tmp_path / "outputs" / ".gitkeep"):
+    for file in (result, cache, tmp_path / "outputs" / "README.md"):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text("mine")
     done = subprocess.run(["make", target], cwd=tmp_path, input=answer, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert result.exists() == stays
-    assert (tmp_path / "outputs" / ".gitkeep").exists()
+    assert (tmp_path / "outputs" / "README.md").exists()
     assert cache.exists() == (target != "clean")
