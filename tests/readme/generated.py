@@ -102,7 +102,9 @@ PARTS: Final[dict[tuple[str, str], Callable[[], str]]] = {
     ("cases/sweeps/README.md", "columns"): columns("sweep"),
     ("outputs/README.md", "files"): files,
     ("outputs/README.md", "columns"): columns("run"),
+    ("outputs/README.md", "compare"): columns("compare"),
     ("tests/benchmarks/README.md", "columns"): columns("trade"),
+    ("tests/stability/README.md", "columns"): columns("stability"),
 }
 """What is made of declarations, by file and name."""
 
