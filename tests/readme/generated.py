@@ -49,7 +49,7 @@ def commands() -> str:
     """The commands by group, with what they do."""
     helps = helps_of(commands_of(command_line()))
     rows = [[group, f"`crackgrow {name}`", helps[name]] for group, names in GROUPS.items() for name in names]
-    return table(("to", "command", "what it does"), rows)
+    return table(("group", "command", "what it does"), rows)
 
 
 def keys() -> str:
