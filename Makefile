@@ -10,18 +10,19 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-all browser verify stability lint check bench wheel readme docs clean clean-outputs distclean
+.PHONY: help run case-exists test test-physics test-all browser verify stability lint check bench wheel readme docs clean clean-outputs distclean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make run CASE=name [ARGS=...]  run cases/name.yaml into outputs/name"
-	@echo "make test                      tests without the slow ones"
+	@echo "make test                      tests that take no long solves: about a minute"
+	@echo "make test-physics              those that solve scenes, without the slow ones: some minutes"
 	@echo "make test-all                  all tests"
 	@echo "make browser                   the report in Chromium (needs chromium and chromedriver)"
 	@echo "make verify                    references and exact solutions: a table and pictures in outputs/verification"
 	@echo "make stability [ARGS=--short]  extremes of all kinds: a table and a picture in outputs/stability"
 	@echo "make lint                      ruff and mypy"
-	@echo "make check                     lint and test"
+	@echo "make check                     lint, test and test-physics"
 	@echo "make bench [ARGS=--quick]      benchmarks: ratios against a baseline, tables in tests/benchmarks"
 	@echo "make wheel                     the package as a wheel, in dist"
 	@echo "make readme [ARGS=--all]       run the commands of all READMEs, with --all the long ones too"
@@ -54,11 +55,16 @@ case-exists:
 		echo "cases:" $$(ls cases 2>/dev/null | sed -n 's/\.yaml$$//p') >&2; exit 2; \
 	fi
 
+PYTEST := -m pytest -q -n auto --maxprocesses 8
+
 test: $(STAMP)
-	@$(PY) -m pytest -q -m "not slow" -n 2 --dist loadfile
+	@$(PY) $(PYTEST) -m "not physics and not slow" --dist loadfile
+
+test-physics: $(STAMP)
+	@$(PY) $(PYTEST) -m "physics and not slow" --dist loadfile
 
 test-all: $(STAMP)
-	@$(PY) -m pytest -q
+	@$(PY) $(PYTEST) --dist loadfile
 
 browser: $(STAMP)
 	@$(PY) -m pytest -q -m browser tests/browser
@@ -73,7 +79,7 @@ lint: $(STAMP)
 	@$(PY) -m ruff check .
 	@$(PY) -m mypy
 
-check: lint test
+check: lint test test-physics
 
 bench: $(STAMP)
 	@$(PY) -m tests.benchmarks.run $(ARGS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,6 +36,34 @@ from crackgrow.solid.supports import constraints
 Floats = NDArray[np.float64]
 Support = PointSupport | EdgeSupport
 EDGES = ("bottom", "right", "top", "left")
+
+
+TESTS = Path(__file__).parent
+PHYSICS = (
+    "properties/", "regression/", "stability/", "verification/", "unit/estimate/", "unit/run/",
+    "unit/benchmarks/test_benchmarks.py::test_a_measurement", "unit/benchmarks/test_benchmarks.py::test_the_spacing",
+    "unit/case/test_case_features.py::test_displacement", "unit/case/test_case_features.py::test_stress",
+    "unit/case/test_case_files.py::test_damaged_cases", "unit/case/test_case_snapping.py::test_block_on_an_incline",
+    "unit/contact/test_contact_limit.py", "unit/contact/test_contact_tractions.py",
+    "unit/cover/test_cover_before.py", "unit/cover/test_cover_elements.py::test_awkward_places",
+    "unit/cover/test_cover_enrichment.py::test_a_tip_among", "unit/direct/test_direct_multifrontal.py",
+    "unit/results/test_lock.py", "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run",
+    "unit/results/test_resume.py", "unit/results/test_style.py", "unit/solid/test_solid_clusters.py",
+    "unit/study/sweep/test_sweep_runs.py", "unit/study/test_stability.py", "unit/study/trade/test_trade_runs.py",
+)  # fmt: skip
+"""How the names of tests begin that solve scenes for long: they are marked `physics`, and not part of `make test`."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that solve scenes for long."""
+    for item in items:
+        if is_physics(item.path, item.name):
+            item.add_marker(pytest.mark.physics)
+
+
+def is_physics(path: Path, name: str) -> bool:
+    """Whether a test is one of PHYSICS."""
+    return path.is_relative_to(TESTS) and f"{path.relative_to(TESTS)}::{name}".startswith(PHYSICS)
 
 
 def pytest_configure() -> None:
