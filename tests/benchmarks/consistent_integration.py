@@ -118,7 +118,7 @@ def seconds(spacing: float, n: int) -> tuple[float, float]:
         return float(np.median(taken))
 
     return (
-        median(lambda: module.stiffness(cover, scene.materials, n)),
+        median(lambda: stiffness.stiffness(cover, scene.materials, n)),
         median(lambda: solve_step(scene, growing, 1.0)),
     )
 
