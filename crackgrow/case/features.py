@@ -95,10 +95,9 @@ def part_lengths(kind: Kind, bodies: Iterable[Outlined], regions: Sequence[EdgeR
             places = [places for region in mine for places in _intervals(region, first_side, lengths)]
             first_side += len(lengths)
             covered = _united(sorted(places), float(lengths.sum()))
-            if covered:
-                shortest, start = min((end - start, start) for start, end in covered)
+            for start, end in covered:
                 what = f"{verb} part of {_ring_name(number)} of body '{body.name}'"
-                yield Length(kind, shortest, what, _part(ring.points, start, shortest))
+                yield Length(kind, end - start, what, _part(ring.points, start, end - start))
 
 
 def line_length(line: Floats) -> float:
