@@ -19,6 +19,7 @@ MOST_LEVELS: Final = 9
 
 REFINED_AT: Final[Mapping[str, tuple[Kind, ...]]] = {
     "tips": ("crack", "increment", "radius"),
+    "kinks": ("stretch",),
     "corners": ("feature", "bridge", "support", "load"),
 }
 """Lengths at which cells are halved, by the key of `numerics.refine` that says so; all others are for the spacing."""
@@ -36,10 +37,9 @@ class Preset:
     """
 
     per_crack: float  # cells of the size at its tips along a crack
-    per_stretch: float  # of that size along the straight stretch behind a tip
-    per_room: float  # of that size from a tip to what lies nearest to it
-    per_kink: float  # cells of the size at a kink along the longer stretch beside it
-    per_shorter: float  # along the shorter one
+    per_stretch: float  # of the size at tips and kinks along the part of a crack between them
+    per_longer: float  # of the size at a kink along the longer one of the parts beside it
+    per_room: float  # of the size at a tip from there to what lies nearest
     per_increment: float  # along a growth increment
     per_radius: float  # along the averaging radius of the tip stress
     per_width: float  # across the smaller side of the narrowest body
@@ -59,10 +59,9 @@ class Preset:
 PRESETS: Final[Mapping[str, Preset]] = {
     "draft": Preset(
         per_crack=3.0,
-        per_stretch=1.0,
+        per_stretch=3.0,
+        per_longer=12.0,
         per_room=1.0,
-        per_kink=12.0,
-        per_shorter=2.0,
         per_increment=0.5,
         per_radius=0.25,
         per_width=6.0,
@@ -76,10 +75,9 @@ PRESETS: Final[Mapping[str, Preset]] = {
     ),
     STANDARD: Preset(
         per_crack=6.0,
-        per_stretch=3.0,
+        per_stretch=8.0,
+        per_longer=50.0,
         per_room=2.0,
-        per_kink=50.0,
-        per_shorter=4.0,
         per_increment=1.0,
         per_radius=0.5,
         per_width=10.0,
@@ -93,10 +91,9 @@ PRESETS: Final[Mapping[str, Preset]] = {
     ),
     "fine": Preset(
         per_crack=12.0,
-        per_stretch=6.0,
+        per_stretch=24.0,
+        per_longer=150.0,
         per_room=4.0,
-        per_kink=150.0,
-        per_shorter=8.0,
         per_increment=2.0,
         per_radius=1.0,
         per_width=20.0,

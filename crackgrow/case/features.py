@@ -15,15 +15,15 @@ import shapely
 from numpy.typing import NDArray
 from shapely.ops import substring
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import EdgeRegion
 from crackgrow.vectors import cross
 
-Kind = Literal["crack", "increment", "radius", "width", "feature", "bridge", "support", "load"]
-"""A crack's, an increment's and a radius' length ask for small cells at tips, the last four at their places."""
+Kind = Literal["crack", "stretch", "increment", "radius", "width", "feature", "bridge", "support", "load"]
 
 ROUGHNESS: Final = 0.01  # shallower or shorter details, over the width of the ring that they are part of, are none
 SHARP: Final = np.deg2rad(30.0)  # a ring that turns by more at a vertex has a corner there, by less it is a curve
+SHARP_KINK: Final = np.deg2rad(10.0)  # a crack that turns by less at a vertex is as good as straight there
 NARROWER: Final = 0.8  # corners and curves of a hole count beside its width where they are smaller by this factor
 SAME_PLACE: Final = 1e-9  # over the length of a ring: parts of it that are no farther apart are one
 IN_ROCK: Final = 0.99  # part of a bridge that must lie in rock: its ends lie on the boundary but for rounding
@@ -98,6 +98,15 @@ def part_lengths(kind: Kind, bodies: Iterable[Outlined], regions: Sequence[EdgeR
             for start, end in covered:
                 what = f"{verb} part of {_ring_name(number)} of body '{body.name}'"
                 yield Length(kind, end - start, what, _part(ring.points, start, end - start))
+
+
+def stretches(line: Floats) -> tuple[Ints, Floats]:
+    """Vertices (k,) at which a polyline (n, 2) turns sharply, and the lengths (k + 1,) m of the parts between them."""
+    steps = np.diff(line, axis=0)
+    turns = np.arctan2(cross(steps[:-1], steps[1:]), np.sum(steps[:-1] * steps[1:], axis=1))
+    sharp = 1 + np.flatnonzero(np.abs(turns) > SHARP_KINK)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
+    return sharp, np.diff(along[np.concatenate([[0], sharp, [len(line) - 1]])])
 
 
 def line_length(line: Floats) -> float:

@@ -12,7 +12,7 @@ from shapely import LineString
 
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, PRESETS, REFINED_AT, automatic_spacing
-from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
+from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
 from crackgrow.case.model import EdgeRegion, Move
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines
 from crackgrow.case.report import Path, Report
@@ -193,9 +193,12 @@ def settle_spacing(scene: Scene) -> None:
 def _lengths(scene: Scene) -> Iterator[Length]:
     """Every length of the scene that the lattice must resolve."""
     for name, crack in named(scene.resolved, "cracks").items():
-        length = line_length(points_of(crack["path"]))
-        if length > 0.0:
-            yield Length("crack", length, f"length of crack '{name}'")
+        points = points_of(crack["path"])
+        if line_length(points) > 0.0:
+            yield Length("crack", line_length(points), f"length of crack '{name}'")
+            kinks, parts = stretches(points)
+            if len(kinks):
+                yield Length("stretch", float(parts.min()), f"shortest part between kinks of crack '{name}'")
     bodies = list(scene.bodies.values())
     for body in bodies:
         yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")

@@ -14,8 +14,9 @@ from itertools import chain
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, PRESETS
+from crackgrow.case.features import line_length, stretches
 from crackgrow.case.model import ContactSupport, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
@@ -25,9 +26,6 @@ from crackgrow.run.scene import Scene
 
 Asking = Iterator[tuple[shapely.Geometry, float]]
 """Places and the largest cells that they allow, both in lattice units."""
-
-SHARP_KINK = np.deg2rad(10.0)
-"""Less sharp kinks are as good as straight: of grown wings the kink at the flaw counts, not the turns of a path."""
 
 SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
@@ -59,7 +57,7 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         grown = min(growth.increment / preset.per_increment, growth.tip_radius / preset.per_radius) / spacing
     others = _Others(scene, cracks)
     for crack, points in tips:
-        size = min(grown, _length(points) / preset.per_crack, _stretches(points)[0] / preset.per_stretch)
+        size = min(grown, line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
         room = others.nearest(crack, points[0], size * preset.per_room)
         yield shapely.Point(points[0]), min(size, room / preset.per_room)
 
@@ -68,13 +66,13 @@ def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     """Sharp kinks, meetings of cracks, and ends that are no tips: they lie on outlines or on other cracks."""
     halvings, preset = scene.case.numerics.refine.kinks, PRESETS[scene.case.numerics.accuracy]
     for line in (*cracks, *scene.interfaces):
-        stretches = _stretches(line.points)
-        longer, shorter = np.maximum(stretches[:-1], stretches[1:]), np.minimum(stretches[:-1], stretches[1:])
-        sizes = np.minimum(longer / preset.per_kink, shorter / preset.per_shorter)
-        for place, size in zip(_sharp(line.points).tolist(), sizes.tolist(), strict=True):
+        sharp, parts = stretches(line.points)
+        beside = np.sort([parts[:-1], parts[1:]], axis=0)
+        sizes = np.minimum(beside[0] / preset.per_stretch, beside[1] / preset.per_longer)
+        for place, size in zip(sharp.tolist(), sizes.tolist(), strict=True):
             yield shapely.Point(line.points[place]), size if halvings == AUTO else 0.5**halvings
     for crack in cracks:
-        size = _length(crack.points) / preset.per_crack
+        size = line_length(crack.points) / preset.per_crack
         for place, is_tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)):
             if not is_tip:
                 yield shapely.Point(crack.points[place]), size if halvings == AUTO else 0.5**halvings
@@ -109,21 +107,6 @@ class _Others:
         tip, own = shapely.Point(place), self._number[crack.name]
         near = self._tree.query(tip, "dwithin", distance=reach)
         return float(shapely.distance(tip, self._lines[near[near != own]]).min(initial=np.inf))
-
-
-def _length(points: Floats) -> float:
-    return float(np.hypot(*np.diff(points, axis=0).T).sum())
-
-
-def _sharp(points: Floats) -> Ints:
-    """The inner vertices of a line at which it turns sharply."""
-    return 1 + np.flatnonzero(np.abs(kink_angles(points)) > SHARP_KINK)
-
-
-def _stretches(points: Floats) -> Floats:
-    """Lengths of the parts of a line between its ends and sharp kinks."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    return np.diff(along[np.concatenate([[0], _sharp(points), [len(points) - 1]])])
 
 
 def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[tuple[Floats, float]]:

@@ -114,9 +114,7 @@ def _integrated(
             yield number, _half_of_sum(material, k, places, list(islice(terms, len(local))))
 
 
-def _half_of_sum(
-    material: PlaneElasticity, k: int, places: Sequence[Ints], terms: Sequence[Products]
-) -> HalfMatrix:
+def _half_of_sum(material: PlaneElasticity, k: int, places: Sequence[Ints], terms: Sequence[Products]) -> HalfMatrix:
     """The half of the matrix of k functions from the `products` of elements at their places in a (k, k) table."""
     place = np.concatenate(places)
     coupled = np.zeros(k * k, dtype=bool)

@@ -16,9 +16,7 @@ from crackgrow.results.overview import overview
 
 CASES = Path(__file__).parents[3] / "cases"
 NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
-SIMPLE = replace(
-    PRESETS["standard"], per_crack=5.0, per_increment=2.0, per_radius=1.0, per_width=10.0, per_feature=8.0
-)
+SIMPLE = replace(PRESETS["standard"], per_crack=5.0, per_increment=2.0, per_radius=1.0, per_width=10.0, per_feature=8.0)
 WIDE = Length("width", 20.0, "wide")
 
 
