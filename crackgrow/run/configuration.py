@@ -251,7 +251,7 @@ def lay_out(scene: Scene, growing: tuple[GrowingCrack, ...]) -> tuple[Cover, Con
 
 
 def _cover(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
-    cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
+    cracks = [crack_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
     lattice = lattice_of_cells(scene, cracks, None if before is None else before.lattice)
     return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, before)
 
@@ -264,7 +264,7 @@ def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
     seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
 
 
-def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
+def crack_geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
     """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not.
 
     `body` is the one that it lies in. Given vertices at which the crack does not turn are left out: a straight stretch
