@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.case.accuracy import PRESETS
-from crackgrow.case.features import Kind
 from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of, helps_of
 from crackgrow.cli.reference import FOLDERS, column_entry, key_entry, sections
@@ -26,16 +25,20 @@ ROOT = Path(__file__).resolve().parents[2]
 BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
 KEY_FACTS: Final = ("meaning", "type", "unit", "default", "allowed")
 
-SPACING_RULES: Final[dict[Kind, str]] = {
-    "crack": "shortest crack over",
-    "increment": "growth increment over",
-    "radius": "averaging radius of the tip stress over",
-    "width": "smaller side of the narrowest body over",
-    "feature": "width of the narrowest hole, diameter of the smallest re-entrant corner or curve, over",
-    "bridge": "narrowest rock between holes, outline and re-entrant corners over",
-    "support": "shortest supported part of an edge or interface over",
-    "load": "shortest loaded part of an edge over",
+CELL_RULES: Final = {
+    "per_width": "smaller side of the narrowest body",
+    "per_crack": "length of a crack; of cells at its tips and ends, and where it meets another",
+    "per_stretch": "part of a crack between kinks and tips; of cells at both",
+    "per_longer": "longer one of the two parts beside a kink; of cells at the kink",
+    "per_room": "way from a tip to the nearest other crack, interface or outline",
+    "per_increment": "growth increment; of cells at tips",
+    "per_radius": "averaging radius of the tip stress; of cells at tips",
+    "per_feature": "width of a hole, diameter of a re-entrant corner or curve",
+    "per_bridge": "rock between holes, outline and re-entrant corners",
+    "per_support": "supported part of an edge or interface",
+    "per_load": "loaded part of an edge",
 }
+"""What the numbers of a preset are that begin so: parts of a length."""
 PRESET_KEYS: Final = {"support": "support", "quadrature": "quadrature", "contact.spacing": "contact_spacing"}
 
 MEASURED: Final = {
@@ -62,14 +65,9 @@ def keys() -> str:
 
 
 def presets() -> str:
-    """What makes an automatic spacing, for each preset."""
-    rows = [
-        [words, *(f"{preset.parts(kind):g}" for preset in PRESETS.values())] for kind, words in SPACING_RULES.items()
-    ]
-    rows += [
-        [f"`numerics.{key}`", *(f"{getattr(preset, name):g}" for preset in PRESETS.values())]
-        for key, name in PRESET_KEYS.items()
-    ]
+    """How small cells are at what, for each preset, and its other settings."""
+    words = {**CELL_RULES, **{name: f"`numerics.{key}`" for key, name in PRESET_KEYS.items()}}
+    rows = [[words[name], *(f"{getattr(p, name):g}" for p in PRESETS.values())] for name in words]
     return table(("length", *(f"`{name}`" for name in PRESETS)), rows)
 
 

@@ -5,18 +5,19 @@ from __future__ import annotations
 import importlib
 import json
 from collections.abc import Iterator
-from typing import Any, get_args
+from dataclasses import fields
+from typing import Any
 
 import pytest
 
 from crackgrow import cli
-from crackgrow.case.features import Kind
+from crackgrow.case.accuracy import Preset
 from crackgrow.case.json_schema import case_schema
 from crackgrow.case.keys import case_keys
 from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of
 from crackgrow.cli.reference import FOLDERS, key_entry
-from tests.readme.generated import MEASURED, PARTS, SPACING_RULES, measured, part_of, table, with_part
+from tests.readme.generated import CELL_RULES, MEASURED, PARTS, PRESET_KEYS, measured, part_of, table, with_part
 from tests.readme.run import ROOT
 from tests.verification.verify import SUBJECTS
 
@@ -75,8 +76,8 @@ def test_explain_prints_the_lines_of_the_readmes(capsys: pytest.CaptureFixture[s
         assert [word for word in words if word not in row] == ([] if "cases" in file else ["tips.csv"])
 
 
-def test_every_length_that_a_spacing_can_come_from_is_told_of() -> None:
-    assert set(SPACING_RULES) == set(get_args(Kind))
+def test_every_number_of_a_preset_is_told_of() -> None:
+    assert {*CELL_RULES, *PRESET_KEYS.values()} == {field.name for field in fields(Preset)}
 
 
 def test_every_command_is_in_one_group() -> None:
