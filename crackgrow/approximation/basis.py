@@ -145,7 +145,8 @@ def _in_irregular_windows(windows: Windows, number: Ints, some: Ints, local: Flo
         step = max(1, AT_ONCE // k)
         for start in range(0, len(mine), step):
             part = mine[start : start + step]
-            nodes, half = windows.nodes[number[part], :k].transpose(2, 1, 0), windows.half[number[part], :k].T
+            nodes = np.ascontiguousarray(windows.nodes[number[part], :k].transpose(2, 1, 0))
+            half = np.ascontiguousarray(windows.half[number[part], :k].T)
             yield part, mls_round(local[part], nodes, half, derivatives)
 
 

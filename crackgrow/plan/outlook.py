@@ -8,14 +8,11 @@ from typing import Final
 import numpy as np
 
 from crackgrow.case.model import Case
-from crackgrow.cover.refinement import divided
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
 from crackgrow.plan.sizes import Sizes
 from crackgrow.results.overview import estimated_nodes
 from crackgrow.results.progress import duration
-from crackgrow.run.configuration import crack_geometry
-from crackgrow.run.foci import focus_of
+from crackgrow.run.configuration import first_cells
 from crackgrow.run.scene import make_scene
 
 SINGULAR_AT_A_TIP: Final = 16  # patches that carry its functions
@@ -84,8 +81,4 @@ def _n_halved(case: Case) -> int:
     if (refine.tips, refine.kinks, refine.corners) == (0, 0, 0):
         return 0  # a lattice of many cells is not laid out to learn that
     scene = make_scene(case)
-    unbroken = [GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks]
-    cracks = [crack_geometry(scene, *pair) for pair in zip(unbroken, scene.crack_bodies, strict=True)]
-    focus = focus_of(scene, cracks)
-    cells = divided(scene.lattice, focus, case.numerics.refine.rings) if len(focus.size) else scene.lattice.cells
-    return cells.n - scene.lattice.cells.n
+    return first_cells(scene).n - scene.lattice.cells.n

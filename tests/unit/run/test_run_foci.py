@@ -15,7 +15,7 @@ from crackgrow.errors import CaseError
 from crackgrow.plan.text import plan_text
 from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
-from crackgrow.run.configuration import lay_out
+from crackgrow.run.configuration import first_cells, lay_out
 from crackgrow.run.scene import make_scene
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -118,6 +118,14 @@ def test_automatic_cells_at_tips_follow_length_growth_and_room(settings: tuple[s
     cover = cover_of(case("compression30", AUTO, FLAW, *settings, *more))
     (tip,) = (tip for tip in cover.tips if cover.cracks[tip.crack].name == "flaw" and tip.at_end)
     assert tip.size == halved_to(size, cover.lattice.spacing)
+
+
+@pytest.mark.parametrize(
+    "settings", [(AUTO,), ("numerics.spacing=3",), ("numerics.spacing=3", "numerics.refine.tips=2")]
+)
+def test_the_cells_that_are_told_beforehand_are_those_of_the_first_step(settings: tuple[str, ...]) -> None:
+    scene = case("compression30", *settings)
+    assert first_cells(make_scene(scene)).equal(cover_of(scene).lattice.cells)
 
 
 def test_automatic_cells_at_a_kink_follow_both_parts_beside_it() -> None:
