@@ -50,7 +50,9 @@ EXIT_CODES = {'crackgrow compare outputs/coarse outputs/compression30 --toleranc
 BESIDE = " &"
 """How a command ends that the next ones need running: it must run until all are done."""
 
-COPIED = ("Makefile", "README.md", "pyproject.toml", ".requirements.lock", "crackgrow", "cases", "tests")
+COPIED = (
+    "Makefile", "README.md", "pyproject.toml", ".requirements.lock", "crackgrow", "cases", "tests", "outputs/README.md",
+)  # fmt: skip
 TIMEOUT = 1800  # s
 SHOWN_LINES = 30  # of a command that fails, its last ones
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
@@ -94,6 +96,7 @@ def checkout(folder: Path) -> Path:
         if (ROOT / name).is_dir():
             shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
         else:
+            (folder / name).parent.mkdir(exist_ok=True)
             shutil.copy2(ROOT / name, folder / name)  # with its time, which says whether the environment is up to date
     (folder / ".venv").symlink_to(ROOT / ".venv")
     return folder
