@@ -52,14 +52,21 @@ class Tip(TipView):
     other_is_tip: bool  # whether the crack's other end is a tip, too
     element: int  # at the tip, on the crack's plus face
     body: int
-    patches: Ints  # (k,) the singular patches that carry its functions, ascending
-    first_function: int  # four functions for each of these from this number on
+    patches: Ints  # (k,) the patches that carry its functions, ascending
+    shares: Floats  # (k,) of their functions in those of carriers
+    carrier: Ints  # (k,) number of the carrier that each is a part of, from 0 on
+    first_function: int  # four functions for each carrier from this number on
     size: float  # side of the cells round it, spacings: the largest of those at nodes whose patches hold it
 
     @property
+    def n_carriers(self) -> int:
+        """Number of carriers."""
+        return int(self.carrier.max(initial=-1)) + 1
+
+    @property
     def functions(self) -> Ints:
-        """The first of the four functions on each singular patch (k,)."""
-        return self.first_function + N_TIP_FUNCTIONS * np.arange(len(self.patches))
+        """The first of the four functions that each patch (k,) has a part in."""
+        return self.first_function + N_TIP_FUNCTIONS * self.carrier
 
     def from_start(self, arc: Floats) -> Floats:
         """Arc lengths (n,) from the crack's start, from those from the tip."""

@@ -34,7 +34,7 @@ class Sizes:
 
     n_dofs: int
     n_patches: int  # physical
-    n_singular: int  # pairs of a tip and a patch that carries its functions
+    n_singular: int  # carriers of tip functions
     n_tips: int
     n_elements: int
     n_pairs: int  # of the physical patches that meet on an element, over all elements
@@ -68,7 +68,7 @@ def sizes_of(case: Case) -> Sizes:
     return Sizes(
         n_dofs=cover.n_dofs,
         n_patches=len(cover.patch_nodes),
-        n_singular=sum(len(tip.patches) for tip in cover.tips),
+        n_singular=sum(tip.n_carriers for tip in cover.tips),
         n_tips=len(cover.tips),
         n_elements=cover.elements.n,
         n_pairs=int((cover.patches.of_element.counts**2).sum()),

@@ -100,7 +100,10 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     moduli = np.array([(material.c11, material.c12, material.c33) for material in materials])
     tips = enrichment.tips.taken(elements)
     _, pair = enrichment.tips.places(elements)
-    singular = enrichment.place.taken(pair)
+    carriers = enrichment.first.taken(pair)
+    _, carrier = enrichment.first.places(pair)
+    place = enrichment.place.taken(carrier)
+    share = enrichment.share[enrichment.place.places(carrier)[1]]
     over = patches.of_element.taken(elements)
     cell = np.column_stack([cover.elements.cell, cover.elements.size])[elements]
     reference, in_crumb = cover.elements.reference[elements], patches.in_crumb
@@ -111,6 +114,7 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     for cluster in range(clusters.elements.n):
         mine = clusters.span(cluster)
         pairs, owned = (slice(start[mine.start], start[mine.stop]) for start in (tips.start, over.start))
+        carried = slice(carriers.start[pairs.start], carriers.start[pairs.stop])
         at, on = (slice(part.start[mine.start], part.start[mine.stop]) for part in (inside, rim))
         parts: list[NDArray[np.generic]] = [
             np.array([lattice.spacing, lattice.support, *moduli[body[elements[mine.start]]]]),
@@ -123,8 +127,10 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
             names[window[mine]],
             in_crumb[elements[mine]],
             clusters.local_of(cluster),
-            singular.counts[pairs],
-            singular.values[singular.start[pairs.start] : singular.start[pairs.stop]],
+            carriers.counts[pairs],
+            place.counts[carried],
+            place.values[place.start[carried.start] : place.start[carried.stop]],
+            share[place.start[carried.start] : place.start[carried.stop]],
             inside.points[at],
             inside.weights[at],
             rim.points[on],
