@@ -75,7 +75,7 @@ class Cover:
     @property
     def n_functions(self) -> int:
         """Number of functions."""
-        return len(self.patches.nodes) + N_TIP_FUNCTIONS * sum(tip.n_carriers for tip in self.tips)
+        return len(self.patches.nodes) + N_TIP_FUNCTIONS * sum(tip.carriers.n for tip in self.tips)
 
     @property
     def patch_nodes(self) -> Floats:

@@ -14,12 +14,14 @@ import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
+from crackgrow.cover.gathered import surroundings
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches
 from crackgrow.cover.pieces import cut_in_pieces
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.tips import (
     N_TIP_FUNCTIONS,
+    Carriers,
     Tip,
     beyond_far_end,
     carrying_nodes,
@@ -55,23 +57,27 @@ def make_tips(
     """The tips of all cracks, which are the first lines of the elements; their functions follow the patches."""
     n_functions = len(patches.nodes)
     tips: list[Tip] = []
+    around = surroundings(elements, patches) if any(crack.gathered for crack in cracks) else None
     for index, crack in enumerate(cracks):
         for at_end in crack.tips():
             points, beside = crack.seen_from(at_end), elements.lines[index].beside(at_end)
             size = largest_cell_at(lattice, points[0])
-            reach = reach_of_tips(lattice.support) * size
             other_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
-            singular = _singular_patches(patches, beside, points[0])
-            ends_inside = other_is_tip or _leads_through(
-                lattice, elements, patches, singular, beyond_far_end(points, reach)
-            )
-            view = seen_from_tip(points, reach, ends_inside)
-            singular = singular[carrying_nodes(view, patches.nodes[singular], size)]
+            found = around.gathered(index, points, size) if around is not None and crack.gathered else None
+            if found is None:
+                reach = reach_of_tips(lattice.support) * size
+                singular = _singular_patches(patches, beside, points[0])
+                ends_inside = other_is_tip or _leads_through(
+                    lattice, elements, patches, singular, beyond_far_end(points, reach)
+                )
+                view = seen_from_tip(points, reach, ends_inside)
+                singular = singular[carrying_nodes(view, patches.nodes[singular], size)]
+                found = view, Carriers(singular, np.ones(len(singular)), np.arange(len(singular)), reach)
+            view, carriers = found
             body = int(elements.body[beside[0]])
             seen = (view.point, view.rotation, view.path, view.radii, view.fade)
-            carried = (singular, np.ones(len(singular)), np.arange(len(singular)))
-            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, *carried, n_functions, size))
-            n_functions += N_TIP_FUNCTIONS * tips[-1].n_carriers
+            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, carriers, n_functions, size))
+            n_functions += N_TIP_FUNCTIONS * carriers.n
     return tuple(tips)
 
 
@@ -79,7 +85,7 @@ def enrichment_of(patches: Ragged, tips: Sequence[Tip]) -> Enrichment:
     """The enrichment of elements with these physical patches."""
     pairs_of_patch, order = _by_patch(from_lists([tip.patches for tip in tips]))
     first = np.concatenate([np.empty(0, dtype=np.int64), *(tip.functions for tip in tips)])[order]
-    share = np.concatenate([np.empty(0), *(tip.shares for tip in tips)])[order]
+    share = np.concatenate([np.empty(0), *(tip.carriers.shares for tip in tips)])[order]
     acted_on = np.zeros(int(patches.values.max(initial=-1)) + 1, dtype=bool)
     acted_on[pairs_of_patch.row] = True
     at = np.flatnonzero(acted_on[patches.values])

@@ -43,6 +43,26 @@ class TipView:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Carriers:
+    """What the four functions of a tip are multiplied by: sums of functions phi_i of patches, times shares."""
+
+    patches: Ints  # (k,) carrier by carrier, of each ascending
+    shares: Floats  # (k,)
+    number: Ints  # (k,) of the carrier that each is a part of, from 0 on
+    reach: float  # no farther from the tip are they seen, spacings
+
+    @property
+    def n(self) -> int:
+        """Number of carriers."""
+        return int(self.number.max(initial=-1)) + 1
+
+    @property
+    def gathered(self) -> bool:
+        """Whether several patches have part in one of them."""
+        return len(self.patches) > self.n
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Tip(TipView):
     """A crack tip and its functions."""
 
@@ -52,21 +72,19 @@ class Tip(TipView):
     other_is_tip: bool  # whether the crack's other end is a tip, too
     element: int  # at the tip, on the crack's plus face
     body: int
-    patches: Ints  # (k,) the patches that carry its functions, ascending
-    shares: Floats  # (k,) of their functions in those of carriers
-    carrier: Ints  # (k,) number of the carrier that each is a part of, from 0 on
+    carriers: Carriers
     first_function: int  # four functions for each carrier from this number on
     size: float  # side of the cells round it, spacings: the largest of those at nodes whose patches hold it
 
     @property
-    def n_carriers(self) -> int:
-        """Number of carriers."""
-        return int(self.carrier.max(initial=-1)) + 1
+    def patches(self) -> Ints:
+        """The patches (k,) of its carriers."""
+        return self.carriers.patches
 
     @property
     def functions(self) -> Ints:
-        """The first of the four functions that each patch (k,) has a part in."""
-        return self.first_function + N_TIP_FUNCTIONS * self.carrier
+        """The first of the four functions that each of these patches (k,) has a part in."""
+        return self.first_function + N_TIP_FUNCTIONS * self.carriers.number
 
     def from_start(self, arc: Floats) -> Floats:
         """Arc lengths (n,) from the crack's start, from those from the tip."""

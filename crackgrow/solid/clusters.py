@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from crackgrow import ragged
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tips import TipView, reach_of_tips
+from crackgrow.cover.tips import Tip
 from crackgrow.cover.windows import Windows
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
@@ -107,7 +107,7 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     over = patches.of_element.taken(elements)
     cell = np.column_stack([cover.elements.cell, cover.elements.size])[elements]
     reference, in_crumb = cover.elements.reference[elements], patches.in_crumb
-    geometry = [_geometry(tip, reach_of_tips(lattice.support) * tip.size) for tip in cover.tips]
+    geometry = [_geometry(tip) for tip in cover.tips]
     window, names = lattice.windows.of_tile[cover.elements.tile[elements]], _names(lattice.windows)
     inside, rim = clusters.inside, clusters.rim
     found = []
@@ -168,7 +168,7 @@ def _names(windows: Windows) -> NDArray[np.uint8]:
     return np.frombuffer(b"".join(digests), dtype=np.uint8).reshape(-1, 16)
 
 
-def _geometry(tip: TipView, reach: float) -> Floats:
+def _geometry(tip: Tip) -> Floats:
     """All that the functions of a tip depend on, as far as they are seen."""
-    seen = int(np.searchsorted(tip.radii, reach)) + 1
+    seen = int(np.searchsorted(tip.radii, tip.carriers.reach)) + 1
     return np.concatenate([tip.point, tip.rotation.ravel(), tip.path[:seen].ravel(), tip.radii[:seen], [tip.fade]])

@@ -35,7 +35,7 @@ def _of_tip(tip: Tip, middle: Ints, reach: Ints) -> tuple[Ints, Ints]:
 
     No box of several patches has the middle of one patch: boxes are known by their middles.
     """
-    begin = np.searchsorted(tip.carrier, np.arange(tip.n_carriers))
+    begin = np.searchsorted(tip.carriers.number, np.arange(tip.carriers.n))
     low = np.minimum.reduceat((middle - reach)[tip.patches], begin)
     high = np.maximum.reduceat((middle + reach)[tip.patches], begin)
     several = np.diff(begin, append=len(tip.patches)) > 1
