@@ -46,7 +46,7 @@ class Surroundings:
         """The functions of the tip of a crack given by its vertices (n, 2) from the tip on; None where it has no room.
 
         Nothing but its own crack may be nearer than R, and as far as the functions are seen that must be one line. With
-        an outline or another crack at half the distance K is up to 0.5 % worse than with functions on every patch.
+        an outline or another crack at 0.4 R K is 0.1 to 0.2 % worse than with functions on every patch, at 0.25 R 1 %.
         """
         near = self.edges.query(shapely.Point(points[0]), predicate="dwithin", distance=RADIUS * size)
         if (self.line[near] != crack).any() or np.hypot(*(points[1] - points[0])) < STRAIGHT * size:
