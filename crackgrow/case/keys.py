@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from crackgrow.case.along import LengthOrAngle
-from crackgrow.case.formula import LengthOrFormula
 from crackgrow.case.outline_file import ENDINGS, OutlineFile
 from crackgrow.case.scalars import Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
@@ -147,7 +146,8 @@ def _value(spec: Spec) -> _Value:
             return _Value(f"{value.kind}, or list of them", value.units, value.allowed)
         case WordOr(words, inner):
             value = _value(inner)
-            told = [*(f"`{word}`" for word in words), *([value.allowed] if value.allowed else [])]
+            first = _value(Choice(words, getattr(spec, "docs", ())))
+            told = [*first.allowed.split("; "), *([value.allowed] if value.allowed else [])]
             return _Value(f"word or {value.kind}", value.units, ", or ".join(told))
     return _scalar(spec)
 
@@ -170,11 +170,10 @@ def _scalar(spec: Spec) -> _Value:
             return _Value(kind, _units(kind), _limits(bounds))
         case LengthOrAngle():
             return _Value("length, or angle on an arc", f"{_units('length')}; on an arc {_units('angle')}")
-        case LengthOrFormula():
-            return _Value("length, or formula in x and y", _units("length"))
         case OutlineFile():
             return _Value("file name", "", f"ends in {', '.join(ENDINGS)}")
-    return _Value(spec.describe())
+    units = getattr(spec, "kind", "")  # of a spec that this module need not know
+    return _Value(spec.describe(), _units(units) if units in UNITS else "")
 
 
 def _units(kind: str) -> str:
