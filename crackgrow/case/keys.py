@@ -27,6 +27,7 @@ from crackgrow.case.schema import (
 from crackgrow.case.units import UNITS, Units
 
 NAME: Final = "NAME"  # stands for a name of the user's choice
+SHORT: Final = 20  # letters of a kind: in a list of some it is repeated
 NUMBER: Final = "N"  # stands for the number of an item of a list, from 0
 
 
@@ -139,7 +140,9 @@ def _value(spec: Spec) -> _Value:
             return _Value(f"{thing} by name", value.units, "" if _core(inner) else f"each: {value.kind}")
         case ListOf(inner, length):
             value = _value(inner)
-            kind = f"[{', '.join([value.kind] * length)}]" if length else f"list, each {value.kind}"
+            kind = f"list of {length}, each {value.kind}" if length else f"list, each {value.kind}"
+            if length and len(value.kind) <= SHORT:
+                kind = f"[{', '.join([value.kind] * length)}]"
             return _Value(kind, value.units, value.allowed)
         case OneOrList(inner):
             value = _value(inner)
@@ -147,8 +150,9 @@ def _value(spec: Spec) -> _Value:
         case WordOr(words, inner):
             value = _value(inner)
             first = _value(Choice(words, getattr(spec, "docs", ())))
-            told = [*first.allowed.split("; "), *([value.allowed] if value.allowed else [])]
-            return _Value(f"word or {value.kind}", value.units, ", or ".join(told))
+            return _Value(
+                f"word or {value.kind}", value.units, ", or ".join(filter(None, (first.allowed, value.allowed)))
+            )
     return _scalar(spec)
 
 
