@@ -67,7 +67,7 @@ def test_lists_name_commands_of_the_readmes() -> None:
 
 def test_every_readme_is_run() -> None:
     files = (path.relative_to(ROOT) for path in ROOT.rglob("README.md"))
-    written = {str(file) for file in files if not any(part.startswith(".") for part in file.parts)}
+    written = {str(f) for f in files if f.parts[0] != "build" and not any(part.startswith(".") for part in f.parts)}
     assert written <= set(READMES)
 
 
