@@ -40,6 +40,7 @@ class Preset:
     per_stretch: float  # of the size at tips and kinks along the part of a crack between them
     per_longer: float  # of the size at a kink along the longer one of the parts beside it
     per_room: float  # of the size at a tip from there to what lies nearest
+    per_rough: float  # along a crack at most, whatever its jogs and its room ask for
     per_increment: float  # along a growth increment
     per_radius: float  # along the averaging radius of the tip stress
     per_width: float  # across the smaller side of the narrowest body
@@ -62,6 +63,7 @@ PRESETS: Final[Mapping[str, Preset]] = {
         per_stretch=3.0,
         per_longer=12.0,
         per_room=1.0,
+        per_rough=50.0,
         per_increment=0.5,
         per_radius=0.25,
         per_width=6.0,
@@ -75,9 +77,10 @@ PRESETS: Final[Mapping[str, Preset]] = {
     ),
     STANDARD: Preset(
         per_crack=6.0,
-        per_stretch=8.0,
-        per_longer=50.0,
+        per_stretch=12.0,
+        per_longer=100.0,
         per_room=2.0,
+        per_rough=200.0,
         per_increment=1.0,
         per_radius=0.5,
         per_width=10.0,
@@ -94,6 +97,7 @@ PRESETS: Final[Mapping[str, Preset]] = {
         per_stretch=24.0,
         per_longer=300.0,
         per_room=4.0,
+        per_rough=600.0,
         per_increment=2.0,
         per_radius=1.0,
         per_width=20.0,

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, PRESETS, Preset
+from crackgrow.case.accuracy import AUTO, PRESETS
 from crackgrow.case.features import line_length, stretches
 from crackgrow.case.model import ContactSupport, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.cover.lattice import Lattice
@@ -26,9 +26,6 @@ from crackgrow.run.scene import Scene
 
 Asking = Iterator[tuple[shapely.Geometry, float]]
 """Places and the largest cells that they allow, both in lattice units."""
-
-ROUGHEST = 4.0
-"""Jogs of a rough line, and hardly any room, get no smaller cells than the middle of a line so many times shorter."""
 
 SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
@@ -62,7 +59,7 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     for crack, points in tips:
         size = min(line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
         room = others.nearest(crack, points[0], size * preset.per_room) / preset.per_room
-        yield shapely.Point(points[0]), min(grown, max(min(size, room), _least(points, preset)))
+        yield shapely.Point(points[0]), min(grown, max(min(size, room), line_length(points) / preset.per_rough))
 
 
 def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
@@ -72,7 +69,7 @@ def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         sharp, parts = stretches(line.points)
         beside = np.sort([parts[:-1], parts[1:]], axis=0)
         sizes = np.minimum(beside[0] / preset.per_stretch, beside[1] / preset.per_longer)
-        sizes = np.maximum(sizes, _least(line.points, preset))
+        sizes = np.maximum(sizes, line_length(line.points) / preset.per_rough)
         for place, size in zip(sharp.tolist(), sizes.tolist(), strict=True):
             yield shapely.Point(line.points[place]), size if halvings == AUTO else 0.5**halvings
     for crack in cracks:
@@ -111,11 +108,6 @@ class _Others:
         tip, own = shapely.Point(place), self._number[crack.name]
         near = self._tree.query(tip, "dwithin", distance=reach)
         return float(shapely.distance(tip, self._lines[near[near != own]]).min(initial=np.inf))
-
-
-def _least(points: Floats, preset: Preset) -> float:
-    """The smallest size that jogs and room ask for along a line."""
-    return line_length(points) / (ROUGHEST * preset.per_longer)
 
 
 def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[tuple[Floats, float]]:
