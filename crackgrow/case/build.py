@@ -132,7 +132,7 @@ def _growth(growth: Resolved) -> Growth:
         advance=growth["advance"],
         criterion=growth["criterion"],
         direction=growth["direction"],
-        tip_radius=growth["tip_stress"]["radius"],
+        tip_radius=growth["tip_stress"]["radius"] if "tip_stress" in growth else None,
         unload_between_steps=growth["unload_between_steps"],
     )
 

@@ -83,7 +83,8 @@ def _settings(case: Case) -> dict[str, Any]:
         found["growth"] = {
             part.name: getattr(growth, part.name) for part in fields(growth) if part.name != "tip_radius"
         }
-        found["growth"]["tip_stress"] = {"radius": growth.tip_radius}
+        if growth.tip_radius is not None:
+            found["growth"]["tip_stress"] = {"radius": growth.tip_radius}
     return found
 
 

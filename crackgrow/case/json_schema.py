@@ -125,7 +125,12 @@ def _units(spec: Spec) -> str:
     """The units that a quantity, or each item of a list of them, may have, and what a bare number means."""
     match spec:
         case Quantity(kind):
-            bare = {"length": "in units.length", "stress": "in units.stress"}.get(kind, f"in {next(iter(UNITS[kind]))}")
+            chosen = {
+                "length": "in units.length",
+                "stress": "in units.stress",
+                "toughness": "in units.stress sqrt(m), where units.length is m",
+            }
+            bare = chosen.get(kind, f"in {next(iter(UNITS[kind]))}")
             return f" ({' | '.join(UNITS[kind])}; a bare number is {bare})"
         case LengthOrFormula():
             return _units(Quantity("length"))

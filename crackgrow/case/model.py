@@ -39,6 +39,7 @@ class Strength:
     tension: float  # Pa
     cohesion: float  # Pa
     friction_angle: float  # degrees
+    toughness: float | None = None  # Pa sqrt(m), K_Ic; the averaging radius follows from it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,7 +201,7 @@ class Growth:
     advance: Literal["most_critical", "in_turn", "all"]
     criterion: Literal["strength", "directional_strength", "max_hoop_stress"]
     direction: Literal["explicit", "implicit"]  # implicit: the kink is corrected until K_II vanishes at the new tip
-    tip_radius: float  # m, Shepard averaging radius
+    tip_radius: float | None  # m, Shepard averaging radius where rock has no toughness
     unload_between_steps: bool
 
 

@@ -89,6 +89,9 @@ STRENGTH: Final = Mapping(
         "tension": Field(Quantity("stress", POSITIVE), "tensile strength"),
         "cohesion": Field(Quantity("stress", NOT_NEGATIVE), "cohesion of the intact rock"),
         "friction_angle": Field(Quantity("angle", Bounds(at_least=0, below=90)), "angle of internal friction"),
+        "toughness": Field(
+            Quantity("toughness", POSITIVE), "K_Ic, from which the averaging radius of the criterion follows", OPTIONAL
+        ),
     }
 )
 
@@ -253,8 +256,10 @@ GROWTH: Final = Mapping(
         "increment": Field(Quantity("length", POSITIVE), "length added to a tip in one step"),
         "advance": Field(ADVANCE, "tips that advance in a step"),
         "criterion": Field(CRITERION, "when and where a tip grows"),
-        "direction": Field(DIRECTION, "implicit: corrected at the new tip", "explicit"),
-        "tip_stress": Field(TIP_STRESS, "how the stress at a tip is taken"),
+        "direction": Field(
+            DIRECTION, "left out: implicit for max_hoop_stress in rock with a toughness, else explicit", OPTIONAL
+        ),
+        "tip_stress": Field(TIP_STRESS, "how the stress at a tip is taken where rock has no toughness", OPTIONAL),
         "unload_between_steps": Field(
             Switch(), "start every step from the unloaded state; false: friction remembers", True
         ),

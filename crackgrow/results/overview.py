@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
@@ -20,11 +21,13 @@ from crackgrow.case.model import (
     EdgeSupport,
     EdgeTraction,
     Gravity,
+    Growth,
     InSituStress,
     Interface,
     LoadHistory,
     PointSupport,
 )
+from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.results.log import counted
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
@@ -186,12 +189,26 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
         return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"
-    in_spacings = f"{growth.tip_radius / case.numerics.spacing:.3g} x the spacing"
-    radius = f"tip radius {growth.tip_radius * scale:g} {unit} ({in_spacings})"
+    radius = ", ".join(_radii(case, growth, scale, unit))
     if growth.steps == 0:
         return f"growth: none, {growth.criterion} is judged, {radius}"
     steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
     return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}, {radius}{memory}"
+
+
+def _radii(case: Case, growth: Growth, scale: float, unit: str) -> Iterator[str]:
+    """The averaging radius that is given, and the toughness of the bodies with cracks, with the radius that follows."""
+
+    def text(radius: float) -> str:
+        return f"tip radius {radius * scale:.6g} {unit} ({radius / case.numerics.spacing:.3g} x the spacing)"
+
+    if growth.tip_radius is not None:
+        yield text(growth.tip_radius)
+    hosts = {crack.body for crack in case.cracks}
+    for body in case.bodies:
+        if body.name in hosts and body.strength is not None and body.strength.toughness is not None:
+            averages = "" if growth.criterion in BY_K else f" ({text(averaging_radius(growth, body.strength))})"
+            yield f"toughness of '{body.name}' {body.strength.toughness / 1e6:g} MPa sqrt(m){averages}"
 
 
 def _rule(case: Case) -> str:

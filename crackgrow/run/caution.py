@@ -135,6 +135,13 @@ class Cause(Enum):
         "the averaging radius {radius:g} m is below {limit:g} spacings ({spacing:g} m): the tip stress may depend on "
         "the spacing",
     )  # fmt: skip
+    WIDE_AVERAGE = (
+        0.05, "length of the crack", "a straight crack in tension grows within 1 % of the toughness up to it, 2 to 4 % "
+        "below at twice that",
+        "{place} is short beside the averaging radius that follows from tension and toughness, {radius:.3g} m: "
+        "{criterion} averages over more than the field of K, and mode I growth begins at a K off by up to "
+        "{percent:.2g} %; use max_hoop_stress, or a larger tension where cracks are all that breaks",
+    )  # fmt: skip
     SHORT_INCREMENT = (
         1.0, "spacings", "kinks that follow closer on each other share all of their patches",
         "the increment {increment:g} m is below a spacing ({spacing:g} m): the cover does not resolve kinks that "

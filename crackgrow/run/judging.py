@@ -113,9 +113,10 @@ def stress_fields(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> l
     growth = scene.case.growth
     if growth is None:
         return fields
-    bodies = [scene.case.bodies[scene.crack_bodies[crack]] for crack, _ in cover.tip_ends]
-    tips = [tip for tip, body in enumerate(bodies) if body.strength is not None]
-    for tip, field in zip(tips, tip_fields(cover, materials, state.outcome.u, tips, growth.tip_radius), strict=True):
+    bodies = [scene.crack_bodies[crack] for crack, _ in cover.tip_ends]
+    tips = [tip for tip, body in enumerate(bodies) if scene.case.bodies[body].strength is not None]
+    radii = [scene.averaging_radius(bodies[tip]) for tip in tips]
+    for tip, field in zip(tips, tip_fields(cover, materials, state.outcome.u, tips, radii), strict=True):
         fields[tip] = field
     return fields
 
@@ -133,10 +134,9 @@ def tip_states(
     weights = [scene.weight(body, state.factor) for body in bodies]
     intensities = interaction_integrals(cover, materials, u, tips, tractions, weights)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
-    growth = scene.case.growth
     for tip, field in enumerate(fields):
-        if growth is not None and field is not None:
-            loading = TipLoading(field, *found[tip].K, growth.tip_radius)
+        if field is not None:
+            loading = TipLoading(field, *found[tip].K, scene.averaging_radius(bodies[tip]))
             found[tip] = replace(found[tip], loading=loading, verdict=verdict(scene, bodies[tip], loading))
     return tuple(found)
 

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import FacePoints, joined, points_at
@@ -17,7 +18,6 @@ from crackgrow.contact.tractions import between_contact_points, nearest_contact_
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.criteria import CRITERIA
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
@@ -196,4 +196,4 @@ def _toughness(scene: Scene) -> float:
     strength = scene.case.bodies[scene.crack_bodies[0]].strength if scene.crack_bodies else None
     if growth is None or strength is None:
         return float("nan")
-    return CRITERIA[growth.criterion].toughness(strength.tension, growth.tip_radius)
+    return toughness_of(growth.criterion, strength.tension, averaging_radius(growth, strength))

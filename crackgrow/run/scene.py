@@ -10,6 +10,7 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case, ContactSupport, CoulombContact, CrackPressure, Gravity, InSituStress, Load
+from crackgrow.case.toughness import averaging_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
@@ -60,6 +61,13 @@ class Scene:
                 assert density is not None  # the case was checked
                 force += density * np.asarray(load.acceleration) * _share(load, load_factor)
         return force
+
+    def averaging_radius(self, body: int) -> float:
+        """Radius (m) of the criterion in a body that has a strength, of a case with growth."""
+        growth, strength = self.case.growth, self.case.bodies[body].strength
+        assert growth is not None
+        assert strength is not None
+        return averaging_radius(growth, strength)
 
     def materials_at(self, load_factor: float) -> tuple[PlaneElasticity, ...]:
         """Materials, body by body, with their in-situ stress at a load factor."""

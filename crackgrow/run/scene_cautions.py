@@ -10,8 +10,9 @@ import shapely
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
 from crackgrow.case.meetings import scene_size
-from crackgrow.case.model import Case, EdgeTraction, Gravity, PointSupport
+from crackgrow.case.model import Case, Crack, EdgeTraction, Gravity, PointSupport
 from crackgrow.case.snapping import SNAP
+from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
@@ -33,8 +34,11 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     case = scene.case
     growth, support, contact = case.growth, case.numerics.support, case.numerics.contact
     at_tips = max((tip.size for tip in cover.tips), default=1.0) * scene.lattice.spacing
-    if growth is not None and growth.tip_radius < Cause.SMALL_RADIUS.limit * at_tips:
-        yield Cause.SMALL_RADIUS.at(radius=growth.tip_radius, spacing=at_tips)
+    radii = [] if growth is None or growth.tip_radius is None else [growth.tip_radius]
+    radii += [radius for radius, _ in _by_toughness(scene)]
+    if min(radii, default=np.inf) < Cause.SMALL_RADIUS.limit * at_tips:
+        yield Cause.SMALL_RADIUS.at(radius=min(radii), spacing=at_tips)
+    yield from _wide_averages(scene)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
     if growth is not None and growth.steps > 0 and not growing:
         yield Cause.NO_TIPS.at(steps=growth.steps)
@@ -54,6 +58,27 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
             yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
     yield from _unresolved(scene, cover)
     yield from _moved(scene)
+
+
+def _by_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
+    """Radii (m) that follow from a toughness and that the criterion averages over, crack by crack."""
+    case = scene.case
+    if case.growth is None or case.growth.criterion in BY_K:
+        return
+    for crack, body in zip(case.cracks, scene.crack_bodies, strict=True):
+        strength = case.bodies[body].strength
+        if strength is not None and strength.toughness is not None:
+            yield averaging_radius(case.growth, strength), crack
+
+
+def _wide_averages(scene: Scene) -> Iterator[Caution]:
+    """Cracks so short beside the averaging radius that the average is not that of their K."""
+    for radius, crack in _by_toughness(scene):
+        share = radius / line_length(crack.points)
+        if share > Cause.WIDE_AVERAGE.limit:
+            criterion = scene.case.growth.criterion if scene.case.growth else ""
+            told = {"radius": radius, "criterion": criterion, "percent": 50.0 * share}
+            yield Cause.WIDE_AVERAGE.at(f"crack '{crack.name}'", share, **told)
 
 
 def _unresolved(scene: Scene, cover: Cover) -> Iterator[Caution]:

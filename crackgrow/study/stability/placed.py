@@ -113,7 +113,9 @@ def placed(case: Case, placement: Placement) -> Case:
     growth = case.growth
     if growth is not None:
         growth = replace(
-            growth, increment=placement.size * growth.increment, tip_radius=placement.size * growth.tip_radius
+            growth,
+            increment=placement.size * growth.increment,
+            tip_radius=None if growth.tip_radius is None else placement.size * growth.tip_radius,
         )
     corners = {body.name: [len(ring.points) for ring in body.rings] for body in case.bodies}
     return replace(
@@ -136,8 +138,12 @@ def placed(case: Case, placement: Placement) -> Case:
 def _body(body: Body, placement: Placement) -> Body:
     strength = body.strength
     if strength is not None:
+        K = strength.toughness
         strength = replace(
-            strength, tension=placement.stress * strength.tension, cohesion=placement.stress * strength.cohesion
+            strength,
+            tension=placement.stress * strength.tension,
+            cohesion=placement.stress * strength.cohesion,
+            toughness=None if K is None else placement.stress * float(np.sqrt(placement.size)) * K,
         )
     material = replace(body.material, young=placement.young * body.material.young)
     return replace(
