@@ -64,7 +64,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         tips=tips,
         contact=contact,
         faces=faces,
-        reactions=reactions(solution),
+        reactions=reactions(solution.state),
         mesh=FrameOnDemand(make) if with_frame else None,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.n_unknowns,
