@@ -16,8 +16,10 @@ from crackgrow.case.model import (
     CriticalLoad,
     EdgeSupport,
     EdgeTraction,
+    FacePoint,
     Gravity,
     Growth,
+    HistoryPoint,
     InSituStress,
     Interface,
     Load,
@@ -26,9 +28,11 @@ from crackgrow.case.model import (
     Material,
     Numerics,
     Output,
+    PointPair,
     PointSupport,
     Refinement,
     Ring,
+    RockPoint,
     Strength,
     Support,
 )
@@ -52,7 +56,7 @@ def build_case(name: str, scene: Scene) -> Case:
         loading=_loading(resolved["loading"]),
         growth=_growth(resolved["growth"]) if "growth" in resolved else None,
         numerics=_numerics(resolved["numerics"]),
-        output=_output(resolved["output"]),
+        output=_output(scene, resolved["output"]),
         resolved=resolved,
         moved=tuple(move for move in scene.moves if move.distance > scene.tolerance),
     )
@@ -152,5 +156,22 @@ def _numerics(numerics: Resolved) -> Numerics:
     )
 
 
-def _output(output: Resolved) -> Output:
-    return Output(output["frames"], tuple(dict.fromkeys(output["fields"])), output["figures"], output["report"])
+def _output(scene: Scene, output: Resolved) -> Output:
+    points = tuple(_history_point(scene, name, point) for name, point in output.get("points", {}).items())
+    fields = tuple(dict.fromkeys(output["fields"]))
+    return Output(output["frames"], fields, output["figures"], output["report"], points)
+
+
+def _history_point(scene: Scene, name: str, point: Resolved) -> HistoryPoint:
+    key = ("output", "points", name)
+    if "between" in point:
+        ends = [(*key, "between", end) for end in range(2)]
+        first, second = (scene.holders[end] for end in ends)
+        return PointPair(name, (first, second), frozen([scene.places[end] for end in ends]))
+    place = scene.places[*key, "at"]
+    if "crack" in point:
+        return FacePoint(name, point["crack"], place)
+    if "interface" in point:
+        first, second = point["interface"]
+        return FacePoint(name, (first, second), place)
+    return RockPoint(name, scene.holders[*key, "at"], place)

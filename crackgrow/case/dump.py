@@ -56,6 +56,7 @@ def _text(resolved: object) -> str:
 def _settings(case: Case) -> dict[str, Any]:
     """What a case says beside its bodies, cracks, supports and loads, as a mapping in the case format."""
     numerics, growth, output = case.numerics, case.growth, case.output
+    given: Any = case.resolved["output"]
     contact = {part.name: getattr(numerics.contact, part.name) for part in fields(numerics.contact)}
     contact["stiffness"] = "rigid" if numerics.contact.stiffness is None else numerics.contact.stiffness
     found: dict[str, Any] = {
@@ -77,6 +78,7 @@ def _settings(case: Case) -> dict[str, Any]:
             "fields": list(output.fields),
             "figures": output.figures,
             "report": output.report,
+            **({"points": given["points"]} if output.points else {}),
         },
     }
     if growth is not None:

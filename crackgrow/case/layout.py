@@ -48,6 +48,8 @@ class Scene:
     shared: dict[tuple[str, str], tuple[Floats, ...]] = field(default_factory=dict)  # of bodies with a common boundary
     hosts: dict[str, str] = field(default_factory=dict)  # for a crack, the body in which most of it lies
     regions: dict[Path, EdgeRegion] = field(default_factory=dict)  # by key of `on`, filled by check_regions
+    places: dict[Path, Floats] = field(default_factory=dict)  # (2,) m by key, where `output.points` lie
+    holders: dict[Path, str] = field(default_factory=dict)  # by key, the bodies that they lie in
 
     @property
     def size(self) -> float:

@@ -12,6 +12,7 @@ from crackgrow.case.check_contacts import check_contacts
 from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_foundations import check_foundations
 from crackgrow.case.check_loading import check_loading
+from crackgrow.case.check_points import check_points
 from crackgrow.case.check_regions import check_regions
 from crackgrow.case.check_strength import check_strength, settle_direction
 from crackgrow.case.check_supports import check_supports
@@ -41,6 +42,7 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     check_supports,
     check_loads,
     check_loading,
+    check_points,
 )
 
 

@@ -239,6 +239,36 @@ class Numerics:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RockPoint:
+    """A point of a body: displacement and stress."""
+
+    name: str
+    body: str
+    point: Floats  # (2,) m
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FacePoint:
+    """A place on a crack or an interface: opening and slip."""
+
+    name: str
+    surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
+    point: Floats  # (2,) m
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointPair:
+    """Two points: by how much they come closer."""
+
+    name: str
+    bodies: tuple[str, str]
+    points: Floats  # (2, 2) m
+
+
+HistoryPoint = RockPoint | FacePoint | PointPair
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Output:
     """What is written."""
 
@@ -246,6 +276,7 @@ class Output:
     fields: tuple[str, ...]  # of "displacement", "stress"
     figures: bool
     report: bool = True
+    points: tuple[HistoryPoint, ...] = ()  # whose course is written
 
 
 @dataclass(frozen=True, slots=True)

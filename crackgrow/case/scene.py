@@ -180,6 +180,7 @@ DISPLACEMENT: Final = Mapping(
 _ON: Final = Field(REGION, "an edge or a part of one", also=("true",))  # what writers of YAML 1.1 make of `on`
 _DISPLACEMENT_FIELD: Final = Field(DISPLACEMENT, "prescribed displacement")
 _BODY_NAME: Final = Field(Text(), "name of a body")
+_OF_BODY: Final = Field(Text(), "the body, if the point lies on more than one", OPTIONAL)
 
 SUPPORT: Final = OneOf(
     (
@@ -187,7 +188,7 @@ SUPPORT: Final = OneOf(
             {
                 "at": Field(POINT, "a point, [x, y]"),
                 "displacement": _DISPLACEMENT_FIELD,
-                "body": Field(Text(), "the body, if the point lies on more than one", OPTIONAL),
+                "body": _OF_BODY,
             }
         ),
         Mapping({"on": _ON, "displacement": _DISPLACEMENT_FIELD}),
@@ -318,12 +319,34 @@ NUMERICS: Final = Chosen(
     _numerics(PRESETS[STANDARD], AUTO),
 )
 
+HISTORY_POINT: Final = OneOf(
+    (
+        Mapping({"at": Field(POINT, "a point of the rock, [x, y]: its displacement and stress"), "body": _OF_BODY}),
+        Mapping(
+            {
+                "crack": Field(Text(), "name of a crack: its opening and slip"),
+                "at": Field(POINT, "where on it, [x, y]; at its mouth the crack-mouth opening"),
+            }
+        ),
+        Mapping(
+            {
+                "interface": Field(ListOf(Text(), 2), "names of two bodies: opening and slip of what is between them"),
+                "at": Field(POINT, "where on it, [x, y]"),
+            }
+        ),
+        Mapping({"between": Field(ListOf(POINT, 2), "two points of the rock: how much closer they come")}),
+    )
+)
+
 OUTPUT: Final = Mapping(
     {
         "frames": Field(Choice(("every_step", "first_and_last", "none")), "steps written as frames", "every_step"),
         "fields": Field(ListOf(Choice(("displacement", "stress"))), "fields in a frame", ["displacement", "stress"]),
         "figures": Field(Switch(), "draw pictures and plots", True),
         "report": Field(Switch(), "write report.html at the end", True),
+        "points": Field(
+            Named("point", HISTORY_POINT), "places whose course history.csv tells, with reactions", OPTIONAL
+        ),
     }
 )
 

@@ -53,6 +53,7 @@ class StepSolution:
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     origin: Origin = FROM_REST
+    passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
 
     @property
     def cover(self) -> Cover:

@@ -24,6 +24,7 @@ from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
+from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions
@@ -82,6 +83,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         effective_toughness=_toughness(scene),
         cautions=cautions(scene, solution, faces, shares, state.step),
         norm_error=error.relative if error else float("nan"),
+        history=history([*solution.passed, solution.state]),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
 

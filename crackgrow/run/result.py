@@ -176,6 +176,15 @@ class Checkpoint:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class History:
+    """What named places see at the increments of a step, and the reactions."""
+
+    columns: tuple[str, ...]  # "wall.u_x" (m), "wall.stress_xx" (Pa), "mouth.opening" (m), "supports.0.force_x" (N/m)
+    load_factor: Floats  # (n,) of the increments, in turn; the last one is the step's
+    values: Floats  # (n, columns)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Energy:
     """Energies since the unloaded state, J per metre of thickness."""
 
@@ -216,6 +225,7 @@ class StepResult:
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
     norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
+    history: History | None = None  # where the case names points
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 
     @property
