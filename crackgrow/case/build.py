@@ -101,12 +101,14 @@ def _support(scene: Scene, index: int, support: Resolved) -> Support:
 
 
 def _contact(contact: Resolved) -> CoulombContact:
+    joint = contact.get("stiffness")
     return CoulombContact(
         friction=contact["friction"],
         cohesion=contact["cohesion"],
         residual_friction=contact["residual_friction"],
         cohesion_kept=contact["cohesion_after_slip"] == "kept",
         dilation_angle=contact["dilation_angle"],
+        stiffness=(joint["normal"], joint["shear"]) if joint else None,
     )
 
 

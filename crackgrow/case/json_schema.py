@@ -129,6 +129,7 @@ def _units(spec: Spec) -> str:
                 "length": "in units.length",
                 "stress": "in units.stress",
                 "toughness": "in units.stress sqrt(m), where units.length is m",
+                "stiffness": "in units.stress / units.length",
             }
             bare = chosen.get(kind, f"in {next(iter(UNITS[kind]))}")
             return f" ({' | '.join(UNITS[kind])}; a bare number is {bare})"

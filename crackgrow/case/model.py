@@ -78,6 +78,7 @@ class CoulombContact:
     residual_friction: float  # of broken points
     cohesion_kept: bool  # whether broken points cohere where they are closed
     dilation_angle: float = 0.0  # degrees
+    stiffness: tuple[float, float] | None = None  # Pa/m: normal, shear; None: that of the numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)

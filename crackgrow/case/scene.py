@@ -119,6 +119,13 @@ PATH: Final = OneOf(
 
 _AFTER_SLIP: Final = Choice(("lost", "kept"), ("none is left", "stays where the point is closed"))
 
+_JOINT: Final = Mapping(
+    {
+        "normal": Field(Quantity("stiffness", POSITIVE), "pressure per closure"),
+        "shear": Field(Quantity("stiffness", POSITIVE), "shear stress per elastic slip"),
+    }
+)
+
 _CONTACT_KEYS: Final = Mapping(
     {
         "friction": Field(Number(NOT_NEGATIVE), "Coulomb's friction coefficient"),
@@ -126,6 +133,7 @@ _CONTACT_KEYS: Final = Mapping(
         "residual_friction": Field(Number(NOT_NEGATIVE), "friction of points that have slipped or opened", OPTIONAL),
         "cohesion_after_slip": Field(_AFTER_SLIP, "cohesion of points that slipped or opened", "lost"),
         "dilation_angle": Field(Quantity("angle", Bounds(at_least=0, below=90)), "faces part by tan of it x slip", 0.0),
+        "stiffness": Field(_JOINT, "stiffness of the joint, in place of numerics.contact.stiffness", OPTIONAL),
     }
 )
 
@@ -134,8 +142,8 @@ def _with_residual(value: object, path: Path, context: Context) -> object:
     """Return a law of contact with its residual friction, which is the friction if it is left out."""
     if not isinstance(value, dict):
         return value
-    residual = value.get("residual_friction", value.get("friction"))
-    return {key: residual if key == "residual_friction" else value[key] for key in _CONTACT_KEYS.fields}
+    every = {"residual_friction": value.get("friction"), **value}
+    return {key: every[key] for key in _CONTACT_KEYS.fields if key in every}
 
 
 CONTACT: Final = Converted(_CONTACT_KEYS, _with_residual)

@@ -28,6 +28,11 @@ UNITS: dict[str, dict[str, Fraction]] = {
         "MPa sqrt(mm)": Fraction(math.sqrt(1e9)),
     },
 }
+UNITS["stiffness"] = {
+    f"{stress}/{length}": one / other
+    for length, other in UNITS["length"].items()
+    for stress, one in UNITS["stress"].items()
+}
 
 # No number of a rock-mechanics case comes near these; their squares and products stay finite.
 LARGEST = 1e60
@@ -54,7 +59,12 @@ class Units:
 
     def of(self, kind: str) -> str:
         """Return the unit of a bare number of this kind, as far as it has one (`bare`)."""
-        chosen = {"length": self.length, "stress": self.stress, "toughness": f"{self.stress} sqrt(m)"}
+        chosen = {
+            "length": self.length,
+            "stress": self.stress,
+            "toughness": f"{self.stress} sqrt(m)",
+            "stiffness": f"{self.stress}/{self.length}",
+        }
         return chosen.get(kind) or next(iter(UNITS[kind]))
 
     def bare(self, kind: str) -> bool:

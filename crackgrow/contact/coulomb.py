@@ -39,10 +39,21 @@ class ContactLaw:
 
     friction: Floats  # (n,)
     cohesion: Floats  # (n,) Pa
-    compliance: Floats  # (n,) m/Pa: 1/k, zero for rigid contact
+    compliance: Floats  # (n,) m/Pa: 1/k across the faces, zero for rigid contact
     residual_friction: Floats | None = None  # (n,) of broken points; None: as before
     kept: Bools | None = None  # (n,) whether broken points that are closed cohere; None: they don't
     dilation: Floats | None = None  # (n,) tan(dilation angle); None: zero
+    shear_compliance: Floats | None = None  # (n,) m/Pa: the same along the faces; None: as across
+
+    @property
+    def along(self) -> Floats:
+        """Compliance (n,) m/Pa of shear."""
+        return self.compliance if self.shear_compliance is None else self.shear_compliance
+
+    @property
+    def compliances(self) -> Floats:
+        """Compliance (2 n,) m/Pa across the faces, then along them."""
+        return np.concatenate([self.compliance, self.along])
 
     def bound_of(self, broken: Bools) -> tuple[Floats, Floats]:
         """Friction (n,) and cohesion (n,) where some points are `broken` (n,)."""

@@ -161,7 +161,7 @@ class Increment:
     def remembered(self, state: PointStates) -> ContactMemory:
         """What points keep of their states."""
         apart = (state.state == OPEN) & (state.gap > self.tolerance)
-        slip = state.slip - self.contact.law.compliance * state.tangential
+        slip = state.slip - self.contact.law.along * state.tangential
         return ContactMemory(slip, state.trial.broken | (state.state == SLIP) | apart, ~apart)
 
     def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
@@ -244,7 +244,7 @@ class Increment:
         p[np.concatenate([rows, n + rows])] = solution.traction
         p_n, p_t = np.split(p, 2)
         gap, slip = np.split(free - contact.rock @ p + contact.moving @ solution.motion, 2)
-        dilation = law.opening(slip - law.compliance * p_t)
+        dilation = law.opening(slip - law.along * p_t)
         state, coheres = np.full(n, OPEN), np.zeros(n, dtype=bool)
         coheres[rows] = problem.cohesion > 0.0
         state[rows] = _states(problem, solution, (gap - dilation)[rows], problem.cohesion)

@@ -98,7 +98,7 @@ class ContactSystem:
         off = float(np.abs(symmetric - symmetric.T).max())
         if least <= 0.0 or off > UNSYMMETRIC * largest:
             raise spoilt("not positive" if least <= 0.0 else f"unsymmetric by {off / largest:.1g} of its largest entry")
-        rock[np.diag_indices_from(rock)] += np.tile(self.law.compliance, 2)[at]
+        rock[np.diag_indices_from(rock)] += self.law.compliances[at]
         if len(rock) == 2 * k:
             return rock
         rows = np.concatenate([np.arange(k), k + np.flatnonzero(resists)])

@@ -319,15 +319,15 @@ def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
 
 def _law(scene: Scene, cover: Cover, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
-    friction, cohesion, compliance, residual, dilation = np.zeros((5, faces.n))
+    friction, cohesion, compliance, along, residual, dilation = np.zeros((6, faces.n))
     kept = np.zeros(faces.n, dtype=bool)
     for index, law in enumerate(scene.laws):
         if law.contact is None:
             continue
         mine = faces.surface == index
         friction[mine], cohesion[mine] = law.contact.friction, law.contact.cohesion
-        size = cell_lengths(cover, index).size(faces.s[mine])
-        compliance[mine] = law.compliance(size * scene.lattice.spacing)
+        size = cell_lengths(cover, index).size(faces.s[mine]) * scene.lattice.spacing
+        compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
         residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
         dilation[mine] = np.tan(np.deg2rad(law.contact.dilation_angle))
         if index < len(growing):
@@ -335,7 +335,10 @@ def _law(scene: Scene, cover: Cover, faces: ContactFaces, growing: tuple[Growing
             given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.steps == 0]
             new = mine & ((faces.s < given[0] - ON_GIVEN_FACES) | (faces.s > given[-1] + ON_GIVEN_FACES))
             cohesion[new], friction[new] = 0.0, law.contact.residual_friction
-    return ContactLaw(friction, cohesion, compliance, residual, kept, dilation if dilation.any() else None)
+    dilates, joints = dilation.any(), any(law.joint for law in scene.laws)
+    return ContactLaw(
+        friction, cohesion, compliance, residual, kept, dilation if dilates else None, along if joints else None
+    )
 
 
 def _residual(

@@ -154,7 +154,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
         jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
         mine, s = _on_old_faces(faces.nodes, index, surface)
         for values, found in (
-            (elastic, old.contact.law.compliance * outcome.tangential_traction),
+            (elastic, old.contact.law.along * outcome.tangential_traction),
             (normal, outcome.normal_traction),
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),
@@ -261,7 +261,7 @@ def _strain(state: LoadState) -> tuple[float, float]:
     contact, states = state.configuration.contact, state.states
     loads = state.conjugates * (state.factor, state.holding, state.factor)
     jumps = np.concatenate([states.gap + states.dilation, states.slip])
-    elastic = np.tile(contact.law.compliance, 2) * states.tractions
+    elastic = contact.law.compliances * states.tractions
     tractions = np.tile(contact.weights, 2) * states.tractions
     terms = float(np.abs(loads).sum() + np.abs(tractions * jumps).sum())
     return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)), ROUND_OFF * terms

@@ -156,7 +156,7 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
     scene, cover, faces = configuration.scene, configuration.cover, configuration.faces
     pressure = scene.fluid_pressure(crack, state.factor)
     law = configuration.contact.law
-    pointwise = np.isfinite(scene.laws[crack].stiffness) and scene.case.numerics.contact.discretization == "gauss"
+    pointwise = scene.laws[crack].elastic and scene.case.numerics.contact.discretization == "gauss"
 
     def traction(s: Floats) -> tuple[Floats, Floats]:
         if pointwise:

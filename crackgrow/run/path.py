@@ -85,7 +85,7 @@ def _leads_back(
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
     length = size * float(configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
     length = max(length, float(np.abs(memory.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
-    moved = np.where(states.trial.taken, begin.slip - law.compliance * begin.tangential - memory.slip, 0.0)
+    moved = np.where(states.trial.taken, begin.slip - law.along * begin.tangential - memory.slip, 0.0)
     off = float(np.abs(begin.tractions - tractions).max(initial=0.0))
     return off <= ON_PATH * size and float(np.abs(moved).max(initial=0.0)) <= ON_PATH * length
 
@@ -119,5 +119,5 @@ def _rooms(
     for way in (-1.0, 1.0):
         left, there = (cohesion - friction * some.normal - way * some.tangential for some in (begin, end))
         yield sticks, left, there
-    slips = [sense * (some.slip - law.compliance * some.tangential) for some in (begin, end)]
+    slips = [sense * (some.slip - law.along * some.tangential) for some in (begin, end)]
     yield closed & ~sticks & (law.dilating > 0.0), slips[0], slips[1]

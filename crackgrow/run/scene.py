@@ -27,9 +27,23 @@ class SurfaceLaw:
     bonded: bool
     stiffness: float  # Pa: kappa E, of which k = kappa E / h; infinite for rigid contact
 
+    @property
+    def joint(self) -> tuple[float, float] | None:
+        """Its own stiffness, Pa/m: normal and shear; None: that of the numerics holds."""
+        return None if self.contact is None else self.contact.stiffness
+
+    @property
+    def elastic(self) -> bool:
+        """Whether closed faces give way."""
+        return self.joint is not None or bool(np.isfinite(self.stiffness))
+
     def compliance(self, size: Floats) -> Floats:
-        """1/k (n,) m/Pa beside cells of these sizes h (n,) m; zero for rigid contact."""
-        return np.asarray(size / self.stiffness)
+        """1/k (n,) m/Pa across the faces beside cells of these sizes h (n,) m; zero for rigid contact."""
+        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[0])
+
+    def shear_compliance(self, size: Floats) -> Floats:
+        """The same along the faces."""
+        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -47,7 +47,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     if contact.discretization == "mortar" and contact.spacing < Cause.CONTACT_SPACING.limit and n_contact:
         yield Cause.CONTACT_SPACING.at(spacing=contact.spacing)
     yield from _soft_contact(scene, cover)
-    yield from _contact_layers(scene)
+    yield from _contact_layers(scene, cover)
     yield from _incompressible(scene)
     for crack in case.cracks:
         if crack.left_out:
@@ -139,27 +139,26 @@ def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:
     softest, limit = min(material.young_prime for material in scene.materials), Cause.SOFT_CONTACT.limit
     for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
         share = cell_lengths(cover, index).mean_size / float(arc_lengths(surface.points)[-1])
-        ratio = 0.0 if law.contact is None else 0.5 * share * softest / law.stiffness
+        ratio = 0.0 if law.contact is None or law.joint else 0.5 * share * softest / law.stiffness
         if ratio > limit:
             told = {"stiffness": stiffness, "percent": 100.0 / (1.0 + ratio), "enough": stiffness * ratio / limit}
             yield Cause.SOFT_CONTACT.at(f"'{surface.name}'", ratio, **told)
 
 
-def _contact_layers(scene: Scene) -> Iterator[Caution]:
+def _contact_layers(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Tips at which faces give way over less than contact points resolve, and by more than next to nothing.
 
     The K_I of that layer is the pressure times the root of its length.
     """
     contact = scene.case.numerics.contact
-    if contact.stiffness is None:
-        return
     least, most, points, much, other = 0.0, Cause.CONTACT_LAYER.limit, "gauss points", "a quarter of the spacing", ""
     if contact.discretization == "mortar":
         least, most, points, much = THINNEST_LAYER * contact.spacing, contact.spacing, "mortar nodes", "their distance"
         other = "numerics.contact.discretization gauss with "
-    for body, law in zip(scene.crack_bodies, scene.laws[: len(scene.crack_bodies)], strict=True):
-        layer = 0.5 * scene.materials[body].young_prime / law.stiffness  # cells
-        if least < layer < most:
+    for index, (body, law) in enumerate(zip(scene.crack_bodies, scene.laws, strict=False)):  # cracks come first
+        size = np.array([cell_lengths(cover, index).mean_size * scene.lattice.spacing])
+        layer = 0.5 * scene.materials[body].young_prime * float(law.compliance(size)[0]) / float(size[0])  # cells
+        if law.contact is not None and least < layer < most:
             yield Cause.CONTACT_LAYER.at(points=points, much=much, other=other)
             return
 

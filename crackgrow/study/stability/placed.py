@@ -171,7 +171,11 @@ def _region(region: EdgeRegion, placement: Placement, corners: dict[str, list[in
 
 
 def _law(contact: CoulombContact, placement: Placement) -> CoulombContact:
-    return replace(contact, cohesion=placement.stress * contact.cohesion)
+    stiffness = contact.stiffness
+    if stiffness is not None:
+        per = placement.stress / placement.displacement
+        stiffness = (per * stiffness[0], per * stiffness[1])
+    return replace(contact, cohesion=placement.stress * contact.cohesion, stiffness=stiffness)
 
 
 def _interface(interface: Interface, placement: Placement) -> Interface:
