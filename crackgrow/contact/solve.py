@@ -81,7 +81,7 @@ class Trial:
     """What an increment is taken to do."""
 
     taken: Bools  # (n,) points that are among the unknowns
-    broken: Bools  # (n,) points whose bond is broken, in this increment or before
+    lost: Floats  # (n,) share of what points can lose that is gone, in this increment or before
     opened: Bools  # (n,) points that have opened in this increment: they do not cohere in it
 
 
@@ -162,7 +162,7 @@ class Increment:
         """What points keep of their states."""
         apart = (state.state == OPEN) & (state.gap > self.tolerance)
         slip = state.slip - self.contact.law.along * state.tangential
-        return ContactMemory(slip, state.trial.broken | (state.state == SLIP) | apart, ~apart)
+        return ContactMemory(slip, np.where((state.state == SLIP) | apart, 1.0, state.trial.lost), ~apart)
 
     def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
         """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""
@@ -197,7 +197,7 @@ class Increment:
         sees = np.any(self.contact.moving != 0.0, axis=1).reshape(2, -1).any(axis=0)
         taken = self.memory.coheres(law) | (gap - dilation < -self.tolerance) | sees
         none, nothing = np.zeros(n, dtype=bool), np.zeros(n)
-        trial = Trial(taken, self.memory.broken, none)
+        trial = Trial(taken, self.memory.lost, none)
         return PointStates(trial, nothing, nothing, gap - dilation, slip, dilation, np.full(n, OPEN), none)
 
     def _tried(self, trial: Trial, free: Floats, start: PointStates) -> PointStates:
@@ -225,7 +225,7 @@ class Increment:
     def _problem(self, trial: Trial, free: Floats) -> ContactProblem:
         """The problem of a trial, with the jumps `free` (2 n,) m without tractions."""
         contact, law, before = self.contact, self.contact.law, self.memory.slip
-        friction, cohesion = law.bound_of(trial.broken)
+        friction, cohesion = law.bound_of(trial.lost)
         cohesion[trial.opened] = 0.0
         rows, n = np.flatnonzero(trial.taken), len(friction)
         at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (law.dilating > 0.0)
@@ -267,9 +267,9 @@ class Increment:
         missed = ~trial.taken & (found.gap < -self.tolerance)
         if missed.any():
             return replace(trial, taken=trial.taken | missed)
-        breaking = trial.taken & (found.state != STICK) & ~trial.broken & self.contact.law.breakable
+        breaking = trial.taken & (found.state != STICK) & (trial.lost < 1.0) & self.contact.law.breakable
         if breaking.any():
-            return replace(trial, broken=trial.broken | breaking)
+            return replace(trial, lost=np.where(breaking, 1.0, trial.lost))
         opening = trial.taken & (found.state == OPEN) & found.coheres & ~trial.opened
         return replace(trial, opened=trial.opened | opening) if opening.any() else None
 

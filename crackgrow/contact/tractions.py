@@ -63,7 +63,7 @@ def elastic_tractions(
         gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - along * tangential)
     p_n = np.where(normal < 0.0, np.minimum(gap, 0.0) / across, 0.0)
     ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal < 0.0)
-    _, cohesion = law.bound_of(broken)
+    _, cohesion = law.bound_of(outcome.memory.lost)
     cohesive = np.where(outcome.state == SLIP, np.copysign(cohesion, outcome.tangential_traction), 0.0)[nearest]
     never_slipped = ((outcome.state == STICK) & ~broken)[nearest]
     return p_n, np.where(never_slipped, slip / along, cohesive + ratio * (tangential - cohesive))

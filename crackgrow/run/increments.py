@@ -147,8 +147,8 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     old, faces, outcome = state.configuration, configuration.faces, state.outcome
     n = faces.n
     jump = np.zeros(len(faces.lengths))  # at the integration points
-    elastic, normal, tangential, dilation = np.zeros((4, n))
-    broken, closed = np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
+    elastic, normal, tangential, dilation, lost = np.zeros((5, n))
+    closed = np.ones(n, dtype=bool)
     for index, surface in enumerate(old.cover.surfaces):
         points, s = _on_old_faces(faces.points, index, surface)
         jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
@@ -161,10 +161,10 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
         ):
             (values[mine],) = between_contact_points(old.faces, index, s, found)
         nearest = nearest_contact_point(old.faces, index, s)
-        broken[mine] = np.append(outcome.memory.broken, False)[nearest]
+        lost[mine] = np.append(outcome.memory.lost, 0.0)[nearest]
         closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
-    remembered = Remembered(ContactMemory(slip, broken, closed | ~broken), normal, tangential, dilation)
+    remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0)), normal, tangential, dilation)
     return Start(state.factor, state.holding, remembered, state.energy, state.conjugates, grown=True)
 
 
@@ -274,7 +274,7 @@ def _dissipated(configuration: Configuration, was: Remembered, state: LoadState)
     kinds = states.state.copy()
     if states.active is not None:  # at the end of a piece points are about to leave these branches
         kinds[states.trial.taken] = states.active.states()
-    friction, cohesion = law.bound_of(now.memory.broken)
+    friction, cohesion = law.bound_of(now.memory.lost)
     cohesion[states.trial.opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
     bounds = [np.maximum(cohesion - friction * normal, 0.0) for normal in (was.normal, now.normal)]
     by_slip = (bounds[0] + bounds[1]) * np.abs(now.memory.slip - was.memory.slip)

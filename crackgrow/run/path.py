@@ -80,7 +80,7 @@ def _leads_back(
     `begin` are the states on these branches at the load of the memory.
     """
     law = configuration.contact.law
-    if bool((states.trial.broken & ~memory.broken & law.breakable).any()):
+    if bool(((states.trial.lost > memory.lost) & law.breakable).any()):
         return False
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
     length = size * float(configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
@@ -105,7 +105,7 @@ def _rooms(
 ) -> Iterator[tuple[Bools, Floats, Floats]]:
     """What is left until points leave their branches: which it is asked of, and two times (n,), at begin and end."""
     law, trial, n = configuration.contact.law, begin.trial, len(begin.gap)
-    friction, cohesion = law.bound_of(trial.broken)
+    friction, cohesion = law.bound_of(trial.lost)
     cohesion = np.where(trial.opened, 0.0, cohesion)
     closed, sticks, sense = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros(n)
     if begin.active is not None:
