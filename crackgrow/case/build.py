@@ -109,6 +109,7 @@ def _contact(contact: Resolved) -> CoulombContact:
         cohesion_kept=contact["cohesion_after_slip"] == "kept",
         dilation_angle=contact["dilation_angle"],
         stiffness=(joint["normal"], joint["shear"]) if joint else None,
+        weakening_length=contact.get("weakening_length", 0.0),
     )
 
 

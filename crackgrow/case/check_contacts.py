@@ -22,6 +22,10 @@ def check_contacts(scene: Scene) -> None:
             limit = f"at most {steepest:.4g} deg, whose tangent is the residual friction, {residual:g}"
             why = "faces that rise more steeply than friction holds them back would create energy when they slip"
             scene.report.fault((*key, "dilation_angle"), f"{dilation:g} deg given; wanted: {limit}: {why}")
+        keeps = law["cohesion"] == 0.0 or law["cohesion_after_slip"] == "kept"
+        if "weakening_length" in law and residual == friction and keeps:
+            message = "nothing weakens: give a residual_friction below the friction, or a cohesion that slip takes"
+            scene.report.fault((*key, "weakening_length"), message)
 
 
 def _laws(scene: Scene) -> Iterator[tuple[Path, Resolved]]:

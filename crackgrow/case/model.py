@@ -79,6 +79,7 @@ class CoulombContact:
     cohesion_kept: bool  # whether broken points cohere where they are closed
     dilation_angle: float = 0.0  # degrees
     stiffness: tuple[float, float] | None = None  # Pa/m: normal, shear; None: that of the numerics
+    weakening_length: float = 0.0  # m of slip over which friction and cohesion fall; 0: with the first slip
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -133,6 +133,11 @@ _CONTACT_KEYS: Final = Mapping(
         "residual_friction": Field(Number(NOT_NEGATIVE), "friction of points that have slipped or opened", OPTIONAL),
         "cohesion_after_slip": Field(_AFTER_SLIP, "cohesion of points that slipped or opened", "lost"),
         "dilation_angle": Field(Quantity("angle", Bounds(at_least=0, below=90)), "faces part by tan of it x slip", 0.0),
+        "weakening_length": Field(
+            Quantity("length", POSITIVE),
+            "slip over which friction and cohesion fall linearly to their residual values; left out: at once",
+            OPTIONAL,
+        ),
         "stiffness": Field(_JOINT, "stiffness of the joint, in place of numerics.contact.stiffness", OPTIONAL),
     }
 )

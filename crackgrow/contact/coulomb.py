@@ -11,8 +11,10 @@ increments, and d = tan(psi)
     gap = du_n - d |s0 + du_t|.
 
 A point that slips or opens is broken: its friction is the residual one from then on, and its cohesion lost unless it is
-kept. The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a point passes
-a cohesion of zero where the bond is lost; an open point then carries no shear.
+kept. With a weakening length D slip takes both linearly: a share |du_t - du_t'| / D of what can be lost is lost besides
+what was before, until all is; a point that opens loses all. The law is taken as written: b is the cohesion at an open
+point too. Whoever knows the history of a point passes a cohesion of zero where the bond is lost; an open point then
+carries no shear.
 """
 
 from __future__ import annotations
@@ -44,6 +46,18 @@ class ContactLaw:
     kept: Bools | None = None  # (n,) whether such points that are closed cohere; None: they don't
     dilation: Floats | None = None  # (n,) tan(dilation angle); None: zero
     shear_compliance: Floats | None = None  # (n,) m/Pa: the same along the faces; None: as across
+    weakening: Floats | None = None  # (n,) m: slip that takes all that can be lost; 0: any slip does. None: zero
+
+    @property
+    def weakens(self) -> Bools:
+        """Which points (n,) lose by and by what they can lose."""
+        return np.zeros(len(self.friction), dtype=bool) if self.weakening is None else self.weakening > 0.0
+
+    def worn(self, slip: Floats) -> Floats:
+        """The share (n,) of what can be lost that slip (n,) m, less its elastic part, takes: of points that weaken."""
+        if self.weakening is None:
+            return np.zeros(len(slip))
+        return np.divide(np.abs(slip), self.weakening, out=np.zeros(len(slip)), where=self.weakens)
 
     @property
     def along(self) -> Floats:
@@ -89,7 +103,7 @@ class ContactMemory:
     """What contact points keep from one increment to the next."""
 
     slip: Floats  # (n,) m, less its elastic part
-    lost: Floats  # (n,) share, 0 to 1, of what it can lose: all of it once it has slipped or opened
+    lost: Floats  # (n,) share, 0 to 1, of what it can lose; without a weakening length all, once it has slipped
     closed: Bools | None = None  # (n,) is not open; None: where it is not broken
 
     @property

@@ -9,8 +9,8 @@ Points remember (`ContactMemory`): a point sticks where it stuck before,
 
     du_t = du_t' where |p_t| < b, else du_t - du_t' has the sign of p_t,    gap >= tan(dilation) |du_t|,
 
-with du_t' the slip after the increment before. What breaks in an increment is broken in all of it: the increment is
-solved again until no more points break.
+with du_t' the slip after the increment before. What breaks in an increment is broken in all of it, what slip
+wears is worn as at its end: the increment is solved again until no more points break or wear.
 """
 
 from __future__ import annotations
@@ -49,6 +49,12 @@ SPOILT = 1e-2
 GAIN = 0.5
 """Corrections that leave more than this part of the difference end: it is round-off of the displacements themselves."""
 
+WORN = 1e-7
+"""Less than this share of what slip can take is nothing: what slip has taken is found by repetition."""
+
+MOST_WEARS = 1000
+"""Repetitions. Where a fall of strength is just what the rock can follow each of them changes next to nothing."""
+
 UNSURE = 1e-8
 """The same, left at the end, of which the outcome carries a note."""
 
@@ -83,6 +89,7 @@ class Trial:
     taken: Bools  # (n,) points that are among the unknowns
     lost: Floats  # (n,) share of what points can lose that is gone, in this increment or before
     opened: Bools  # (n,) points that have opened in this increment: they do not cohere in it
+    wears: int = 0  # how often slip has taken some of what can be lost
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -162,7 +169,8 @@ class Increment:
         """What points keep of their states."""
         apart = (state.state == OPEN) & (state.gap > self.tolerance)
         slip = state.slip - self.contact.law.along * state.tangential
-        return ContactMemory(slip, np.where((state.state == SLIP) | apart, 1.0, state.trial.lost), ~apart)
+        breaks = apart | ((state.state == SLIP) & ~self.contact.law.weakens)
+        return ContactMemory(slip, np.where(breaks, 1.0, state.trial.lost), ~apart)
 
     def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
         """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""
@@ -267,11 +275,22 @@ class Increment:
         missed = ~trial.taken & (found.gap < -self.tolerance)
         if missed.any():
             return replace(trial, taken=trial.taken | missed)
-        breaking = trial.taken & (found.state != STICK) & (trial.lost < 1.0) & self.contact.law.breakable
+        law = self.contact.law
+        breaking = trial.taken & (found.state != STICK) & (trial.lost < 1.0) & law.breakable & ~law.weakens
         if breaking.any():
             return replace(trial, lost=np.where(breaking, 1.0, trial.lost))
+        worn = self._worn(found)
+        if trial.wears < MOST_WEARS and (worn > trial.lost + WORN).any():
+            return replace(trial, lost=np.maximum(worn, trial.lost), wears=trial.wears + 1)
         opening = trial.taken & (found.state == OPEN) & found.coheres & ~trial.opened
         return replace(trial, opened=trial.opened | opening) if opening.any() else None
+
+    def _worn(self, found: PointStates) -> Floats:
+        """What points that slip have lost (n,) by then; all others what the trial says."""
+        law = self.contact.law
+        slips = found.trial.taken & (found.state == SLIP) & law.weakens
+        moved = found.slip - law.along * found.tangential - self.memory.slip
+        return np.where(slips, np.minimum(self.memory.lost + law.worn(moved), 1.0), found.trial.lost)
 
 
 def solved(

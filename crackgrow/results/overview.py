@@ -149,6 +149,8 @@ def _law(contact: CoulombContact) -> str:
         words.append("cohesion kept after slip")
     if contact.dilation_angle:
         words.append(f"dilation angle {contact.dilation_angle:g} deg")
+    if contact.weakening_length:
+        words.append(f"weakening over {contact.weakening_length:g} m of slip")
     if contact.stiffness is not None:
         words.append("stiffness {:g} and {:g} GPa/m".format(*(k / 1e9 for k in contact.stiffness)))
     return ", ".join(words)

@@ -319,7 +319,7 @@ def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
 
 def _law(scene: Scene, cover: Cover, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
-    friction, cohesion, compliance, along, residual, dilation = np.zeros((6, faces.n))
+    friction, cohesion, compliance, along, residual, dilation, weakening = np.zeros((7, faces.n))
     kept = np.zeros(faces.n, dtype=bool)
     for index, law in enumerate(scene.laws):
         if law.contact is None:
@@ -330,14 +330,22 @@ def _law(scene: Scene, cover: Cover, faces: ContactFaces, growing: tuple[Growing
         compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
         residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
         dilation[mine] = np.tan(np.deg2rad(law.contact.dilation_angle))
+        weakening[mine] = law.contact.weakening_length
         if index < len(growing):
             crack = growing[index]
             given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.steps == 0]
             new = mine & ((faces.s < given[0] - ON_GIVEN_FACES) | (faces.s > given[-1] + ON_GIVEN_FACES))
             cohesion[new], friction[new] = 0.0, law.contact.residual_friction
-    dilates, joints = dilation.any(), any(law.joint for law in scene.laws)
+    joints = any(law.joint for law in scene.laws)
     return ContactLaw(
-        friction, cohesion, compliance, residual, kept, dilation if dilates else None, along if joints else None
+        friction,
+        cohesion,
+        compliance,
+        residual,
+        kept,
+        dilation=dilation if dilation.any() else None,
+        shear_compliance=along if joints else None,
+        weakening=weakening if weakening.any() else None,
     )
 
 

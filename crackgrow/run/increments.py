@@ -189,12 +189,12 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
             was = at.remembered
             tractions = np.concatenate([was.normal, was.tangential])
             way = ((at.factor, at.holding), end)
-            states, load, jumps = next_piece(configuration, was.memory, tractions, way, in_turn)
+            states, load, piece = next_piece(configuration, was.memory, tractions, way, in_turn)
             state = _stated(configuration, at, states, load)
         else:
-            state, jumps = _part(configuration, at, end), True
-        in_turn = in_turn + 1 if jumps else 0
-        reached.append(_booked(state, at) if jumps else state)
+            state, piece = _part(configuration, at, end), "jump"
+        in_turn = in_turn + 1 if piece == "jump" else 0
+        reached.append(state if piece == "straight" else _booked(state, at))
         at = _on_from(reached[-1])
     *via, last = reached
     notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], in_turn > MOST_JUMPS))
@@ -274,9 +274,11 @@ def _dissipated(configuration: Configuration, was: Remembered, state: LoadState)
     kinds = states.state.copy()
     if states.active is not None:  # at the end of a piece points are about to leave these branches
         kinds[states.trial.taken] = states.active.states()
-    friction, cohesion = law.bound_of(now.memory.lost)
-    cohesion[states.trial.opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
-    bounds = [np.maximum(cohesion - friction * normal, 0.0) for normal in (was.normal, now.normal)]
+    bounds = []
+    for memory, normal in ((was.memory, was.normal), (now.memory, now.normal)):
+        friction, cohesion = law.bound_of(np.where(law.weakens, memory.lost, now.memory.lost))
+        cohesion[states.trial.opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
+        bounds.append(np.maximum(cohesion - friction * normal, 0.0))
     by_slip = (bounds[0] + bounds[1]) * np.abs(now.memory.slip - was.memory.slip)
     by_dilation = (was.normal + now.normal) * (now.dilation - was.dilation)
     return 0.5 * float(weights @ (np.where(kinds == SLIP, by_slip, 0.0) + np.where(kinds != OPEN, by_dilation, 0.0)))

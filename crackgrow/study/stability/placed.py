@@ -175,7 +175,12 @@ def _law(contact: CoulombContact, placement: Placement) -> CoulombContact:
     if stiffness is not None:
         per = placement.stress / placement.displacement
         stiffness = (per * stiffness[0], per * stiffness[1])
-    return replace(contact, cohesion=placement.stress * contact.cohesion, stiffness=stiffness)
+    return replace(
+        contact,
+        cohesion=placement.stress * contact.cohesion,
+        stiffness=stiffness,
+        weakening_length=placement.displacement * contact.weakening_length,
+    )
 
 
 def _interface(interface: Interface, placement: Placement) -> Interface:
