@@ -35,6 +35,7 @@ from crackgrow.case.model import (
     PointSupport,
     Ring,
     Strength,
+    StrengthReduction,
     Support,
 )
 
@@ -66,6 +67,7 @@ __all__ = [
     "PointSupport",
     "Ring",
     "Strength",
+    "StrengthReduction",
     "Support",
     "dump_case",
     "load_case",

@@ -34,10 +34,13 @@ from crackgrow.case.model import (
     Ring,
     RockPoint,
     Strength,
+    StrengthReduction,
     Support,
 )
 from crackgrow.case.neighbours import shared_lines
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
+
+REDUCTION = "strength_reduction"
 
 
 def build_case(name: str, scene: Scene) -> Case:
@@ -129,7 +132,9 @@ def _load(scene: Scene, index: int, load: Resolved) -> Load:
 
 
 def _loading(loading: Resolved | str) -> Loading:
-    return CriticalLoad() if isinstance(loading, str) else LoadHistory(tuple(loading["history"]))
+    if isinstance(loading, str):
+        return StrengthReduction() if loading == REDUCTION else CriticalLoad()
+    return LoadHistory(tuple(loading["history"]))
 
 
 def _growth(growth: Resolved) -> Growth:

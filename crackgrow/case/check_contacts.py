@@ -12,7 +12,7 @@ from crackgrow.case.shapes import Resolved
 
 def check_contacts(scene: Scene) -> None:
     """Report a residual friction above the friction, and a dilation steeper than the residual friction."""
-    for key, law in _laws(scene):
+    for key, law in contact_laws(scene):
         friction, residual, dilation = law["friction"], law["residual_friction"], law["dilation_angle"]
         if residual > friction:
             message = f"{residual:g} given; wanted: at most the friction, {friction:g}: slip wears faces, it cannot"
@@ -28,7 +28,7 @@ def check_contacts(scene: Scene) -> None:
             scene.report.fault((*key, "weakening_length"), message)
 
 
-def _laws(scene: Scene) -> Iterator[tuple[Path, Resolved]]:
+def contact_laws(scene: Scene) -> Iterator[tuple[Path, Resolved]]:
     """Yield every law that is given and sound, with its key."""
     for name in named(scene.resolved, "cracks"):
         law = scene.get("cracks", name, "contact")

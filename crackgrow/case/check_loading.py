@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from crackgrow.case.check_contacts import contact_laws
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.shapes import Resolved
 
@@ -15,9 +16,23 @@ def check_loading(scene: Scene) -> None:
     loading = scene.get("loading")
     if loading == "critical":
         _check_critical(scene)
+    elif loading == "strength_reduction":
+        _check_reduction(scene)
     elif loading is not None and not loading["history"]:
         message = "no factor given; wanted: at least one, such as [1.0], or loading: critical"
         scene.report.fault(("loading", "history"), message)
+
+
+def _check_reduction(scene: Scene) -> None:
+    """Strength is reduced of contact, without growth, and there must be some."""
+    if "growth" in scene.resolved:
+        message = "strength_reduction is of friction and cohesion of contact, under loads that stay; leave out `growth`"
+        scene.report.fault(("loading",), message)
+    laws = [law for _, law in contact_laws(scene)]
+    sound = all(scene.report.sound(key) for key in ("cracks", "interfaces", "supports"))
+    if sound and not any(law[key] > 0.0 for law in laws for key in ("friction", "cohesion")):
+        message = "strength_reduction divides friction and cohesion of contact, and no crack, interface or foundation"
+        scene.report.fault(("loading",), f"{message} has any")
 
 
 def _check_critical(scene: Scene) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from crackgrow.case.load import read_case
-from crackgrow.case.model import Case, LoadHistory
+from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Loading
 from crackgrow.errors import CaseError, Fault
 
 DERIVED: Final = ("name", "resolved", "moved")  # of a case: the file does not hold them, or they are what it holds
@@ -63,7 +63,7 @@ def _settings(case: Case) -> dict[str, Any]:
         "title": case.title,
         "source": case.source,
         "plane": case.plane,
-        "loading": {"history": list(case.loading.factors)} if isinstance(case.loading, LoadHistory) else "critical",
+        "loading": _loading(case.loading),
         "numerics": {
             "accuracy": numerics.accuracy,
             "spacing": numerics.spacing,
@@ -88,6 +88,12 @@ def _settings(case: Case) -> dict[str, Any]:
         if growth.tip_radius is not None:
             found["growth"]["tip_stress"] = {"radius": growth.tip_radius}
     return found
+
+
+def _loading(loading: Loading) -> object:
+    if isinstance(loading, LoadHistory):
+        return {"history": list(loading.factors)}
+    return "critical" if isinstance(loading, CriticalLoad) else "strength_reduction"
 
 
 def _same(one: Any, other: Any) -> bool:

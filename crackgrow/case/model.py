@@ -191,7 +191,14 @@ class CriticalLoad:
     """Every step takes the factor at which the criterion is just met."""
 
 
-Loading = LoadHistory | CriticalLoad
+@dataclass(frozen=True, slots=True, eq=False)
+class StrengthReduction:
+    """Friction and cohesion of contact are divided by a factor until the scene fails, under all of its loads."""
+
+    factors: tuple[float, ...] = (1.0,)  # of the loads
+
+
+Loading = LoadHistory | CriticalLoad | StrengthReduction
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -328,4 +335,6 @@ class Case:
         """Number of the last step, counted from 0, if nothing ends the run before."""
         if self.growth is not None:
             return self.growth.steps
+        if isinstance(self.loading, StrengthReduction):
+            return 1
         return len(self.loading.factors) - 1 if isinstance(self.loading, LoadHistory) else 0

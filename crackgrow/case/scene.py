@@ -239,7 +239,8 @@ LOAD: Final = OneOf(
 )
 
 LOADING: Final = WordOr(
-    ("critical",), Mapping({"history": Field(ListOf(Number()), "load factors applied in turn", [1.0])})
+    ("critical", "strength_reduction"),
+    Mapping({"history": Field(ListOf(Number()), "load factors applied in turn", [1.0])}),
 )
 
 TIP_STRESS: Final = Mapping(

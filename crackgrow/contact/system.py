@@ -8,7 +8,7 @@ its bits do not depend on what was asked for first.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -64,6 +64,14 @@ class ContactSystem:
             if off <= ROUGH * float(np.abs(refined).max(initial=0.0)):
                 return np.asarray(compliance * weights)
         return np.asarray(self.operator @ self._per_traction[0])
+
+    def with_law(self, law: ContactLaw) -> ContactSystem:
+        """The same rock behind another law; what is known of it stays known where the same points resist slip."""
+        other = replace(self, law=law)
+        if np.array_equal(law.resists, self.law.resists):
+            known = ("operator", "rock", "_per_traction", "moving")
+            other.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
+        return other
 
     @property
     def _few(self) -> bool:

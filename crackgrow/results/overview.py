@@ -26,6 +26,7 @@ from crackgrow.case.model import (
     Interface,
     LoadHistory,
     PointSupport,
+    StrengthReduction,
 )
 from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.results.log import counted
@@ -117,6 +118,8 @@ def _support_lines(case: Case) -> list[str]:
 def _loading(case: Case) -> str:
     if isinstance(case.loading, CriticalLoad):
         return "each step at its critical load factor"
+    if isinstance(case.loading, StrengthReduction):
+        return "all of them, with friction and cohesion divided by a factor until the scene fails"
     factors = [f"{factor:g}" for factor in case.loading.factors]
     if len(factors) > SHOWN_FACTORS:
         return f"{len(factors)} load factors {', '.join(factors[:SHOWN_FACTORS])}, ..., {factors[-1]}"

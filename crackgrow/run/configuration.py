@@ -130,12 +130,24 @@ class Configuration:
         except NotSolvedError as error:
             if self.contact.loose is None:
                 raise
-            names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
-            check_can_hold(self.contact, names, self.loads(factor, holding), memory)
+            self.check_can_hold(factor, memory, holding)
             pieces = ", ".join(str(piece) for piece in self.contact.loose.pieces)
             raise NotSolvedError(f"contact alone holds {pieces}, perhaps only just: {error}") from error
         check_magnitude("contact tractions", found.tractions, LARGEST, "Pa")
         return found
+
+    def under_laws(self, scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
+        """The same rock and loads with the laws of contact of another scene; what is known of the rock stays known."""
+        contact = self.contact.with_law(_law(scene, self.cover, self.faces, growing))
+        other = replace(self, scene=scene, contact=contact)
+        other.__dict__["_units"] = self._units
+        return other
+
+    def check_can_hold(self, factor: float, memory: ContactMemory | None = None, holding: float = 1.0) -> None:
+        """Raise FreePieceError where no tractions that contact can carry hold a piece at a load factor."""
+        if self.contact.loose is not None:
+            names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
+            check_can_hold(self.contact, names, self.loads(factor, holding), memory)
 
     def conjugates(self, factor: float, holding: float, states: PointStates) -> Floats:
         """(3,): displacement under the loads per load factor, m N/m; under held loads; support force."""

@@ -9,7 +9,7 @@ from crackgrow.case.model import CriticalLoad, LoadHistory
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
-from crackgrow.run.history import on_the_way
+from crackgrow.run.history import history_of
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, carried, from_state, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import Scene
@@ -40,18 +40,13 @@ def load_history(
     for number, factor in enumerate(scene.case.loading.factors[first:], first):
         origin = Origin(start=start)
         state = increment(configuration, held_loads(configuration) if start is None else start, factor)
-        solution = replace(judged(state), origin=origin, passed=_told_of(state)[:-1])
+        solution = replace(judged(state), origin=origin, passed=history_of(state)[:-1])
         if number:  # the configuration was paid for by the first state
             solution = replace(solution, factorizations=0)
         if number > first:
             solution = replace(solution, seconds={**solution.seconds, **dict.fromkeys(configuration.seconds, 0.0)})
         yield solution
         start = from_state(state)
-
-
-def _told_of(state: LoadState) -> tuple[LoadState, ...]:
-    """The states of an increment that the case's history tells of, the last one included; they are large."""
-    return on_the_way(state) if state.configuration.scene.case.output.points else ()
 
 
 def _origin(configuration: Configuration, before: StepSolution | None) -> Origin:
@@ -76,6 +71,6 @@ def _loaded(configuration: Configuration, cracks: tuple[GrowingCrack, ...], orig
         for factor in loading.factors:
             state = increment(configuration, start, factor)
             start = from_state(state)
-            states += _told_of(state)
+            states += history_of(state)
         solution = replace(judged(state), passed=tuple(states[:-1]))
     return replace(solution, origin=origin)
