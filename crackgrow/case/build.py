@@ -28,6 +28,7 @@ from crackgrow.case.model import (
     Material,
     Numerics,
     Output,
+    PointForce,
     PointPair,
     PointSupport,
     Refinement,
@@ -117,6 +118,10 @@ def _contact(contact: Resolved) -> CoulombContact:
 
 
 def _component(value: float | str | None) -> Component | None:
+    return None if value is None else _given(value)
+
+
+def _given(value: float | str) -> Component:
     return CoordinateFormula(value) if isinstance(value, str) else value
 
 
@@ -125,10 +130,14 @@ def _load(scene: Scene, index: int, load: Resolved) -> Load:
     if "gravity" in load:
         return Gravity(load["body"], tuple(load["gravity"]), held)
     if "pressure" in load:
-        return CrackPressure(load["crack"], load["pressure"], held)
+        return CrackPressure(load["crack"], _given(load["pressure"]), held)
+    if "force" in load:
+        key = ("loads", index, "at")
+        return PointForce(scene.holders[key], scene.places[key], tuple(load["force"]), held)
     if "stress" in load:
         return InSituStress(load["body"], tuple(load["stress"]), held)
-    return EdgeTraction(scene.regions["loads", index, "on"], tuple(load["traction"]), held)
+    x, y = (_given(component) for component in load["traction"])
+    return EdgeTraction(scene.regions["loads", index, "on"], (x, y), held)
 
 
 def _loading(loading: Resolved | str) -> Loading:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from crackgrow.case.check_contacts import contact_laws
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.shapes import Resolved
 
-LOADS = ("traction", "gravity", "pressure", "stress")  # the key that holds the size of a load
+LOADS = ("traction", "gravity", "pressure", "stress", "force")  # the key that holds the size of a load
 
 
 def check_loading(scene: Scene) -> None:
@@ -65,5 +63,7 @@ def _has_scaled(scene: Scene) -> bool:
 
 
 def _size(load: Resolved) -> float:
-    """Return the largest component of a load, without its sign."""
-    return float(np.abs([load[key] for key in LOADS if key in load]).max())
+    """Return the largest component of a load, without its sign; a formula counts as if it were one."""
+    given = next(load[key] for key in LOADS if key in load)
+    parts = given if isinstance(given, list) else [given]
+    return max(1.0 if isinstance(part, str) else abs(part) for part in parts)

@@ -29,7 +29,7 @@ def check_points(scene: Scene) -> None:
             continue
         if "between" in point:
             for end in range(2):
-                _in_rock(scene, (*key, "between", end), point["between"][end], {})
+                place_in_rock(scene, (*key, "between", end), point["between"][end], {})
             if np.array_equal(*point["between"]):
                 scene.report.fault((*key, "between"), "the two points are one")
         elif "crack" in point:
@@ -37,10 +37,10 @@ def check_points(scene: Scene) -> None:
         elif "interface" in point:
             _on_interface(scene, key, point)
         else:
-            _in_rock(scene, (*key, "at"), point["at"], point)
+            place_in_rock(scene, (*key, "at"), point["at"], point)
 
 
-def _in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved) -> None:
+def place_in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved) -> None:
     """Note the body of a point, and where it lies; it lies on no crack, where fields have two values."""
     place = np.array(at)
     where, point = scene.exact_point(place), Point(place)
@@ -64,7 +64,9 @@ def _in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved) -> No
         for name, line in scene.cracks.items():
             if len(line) > 1 and LineString(line).dwithin(point, scene.tolerance):
                 message = f"{where} lies on crack '{name}', where fields have two values; move it a little"
-                scene.report.fault(key, f"{message}, or give {{crack: {name}, at: [x, y]}} for its opening and slip")
+                if key[0] == "output":
+                    message = f"{message}, or give {{crack: {name}, at: [x, y]}} for its opening and slip"
+                scene.report.fault(key, message)
         _note(scene, key, scene.bodies[nearest].polygon, point)
         scene.holders[key] = nearest
 

@@ -13,10 +13,10 @@ from crackgrow.case.read_only import read_only
 
 
 class Formula(Protocol):
-    """A displacement component as a function of the place."""
+    """A component of a displacement or a load as a function of the place."""
 
     def __call__(self, points: Floats) -> Floats:
-        """Values (n,) m at points (n, 2) m."""
+        """Values (n,) in SI at points (n, 2) m."""
         ...
 
 
@@ -141,10 +141,10 @@ class ContactSupport:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeTraction:
-    """Uniform traction on an edge."""
+    """Traction on an edge."""
 
     region: EdgeRegion
-    traction: tuple[float, float]  # Pa
+    traction: tuple[Component, Component]  # Pa
     held: bool = False  # acts in full at every load factor
 
 
@@ -162,7 +162,7 @@ class CrackPressure:
     """Pressure of a fluid on both faces of a crack."""
 
     crack: str
-    pressure: float  # Pa, positive pushes the faces apart
+    pressure: Component  # Pa, positive pushes the faces apart
     held: bool = False
 
 
@@ -175,8 +175,18 @@ class InSituStress:
     held: bool = False
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PointForce:
+    """A force at a point of a body."""
+
+    body: str
+    point: Floats  # (2,) m
+    force: tuple[float, float]  # N per metre of thickness
+    held: bool = False
+
+
 Support = PointSupport | EdgeSupport | ContactSupport
-Load = EdgeTraction | Gravity | CrackPressure | InSituStress
+Load = EdgeTraction | Gravity | CrackPressure | InSituStress | PointForce
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,7 @@ from typing import Final
 
 from crackgrow.case.accuracy import AUTO, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
-from crackgrow.case.formula import LengthOrFormula
+from crackgrow.case.formula import OrFormula
 from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, without_file
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import (
@@ -184,8 +184,8 @@ INTERFACE: Final = Mapping(
 
 DISPLACEMENT: Final = Mapping(
     {
-        "x": Field(LengthOrFormula(), "displacement along x; left out: free", OPTIONAL),
-        "y": Field(LengthOrFormula(), "displacement along y; left out: free", OPTIONAL),
+        "x": Field(OrFormula(), "displacement along x; left out: free", OPTIONAL),
+        "y": Field(OrFormula(), "displacement along y; left out: free", OPTIONAL),
     },
     at_least_one=True,
 )
@@ -213,7 +213,13 @@ _HELD: Final = Field(Switch(), "acts in full at every load factor", False)
 
 LOAD: Final = OneOf(
     (
-        Mapping({"on": _ON, "traction": Field(ListOf(Quantity("stress"), 2), "force per area, [x, y]"), "held": _HELD}),
+        Mapping(
+            {
+                "on": _ON,
+                "traction": Field(ListOf(OrFormula("stress"), 2), "force per area, [x, y]"),
+                "held": _HELD,
+            }
+        ),
         Mapping(
             {
                 "body": _BODY_NAME,
@@ -224,7 +230,7 @@ LOAD: Final = OneOf(
         Mapping(
             {
                 "crack": Field(Text(), "name of a crack"),
-                "pressure": Field(Quantity("stress"), "pressure of a fluid on both faces"),
+                "pressure": Field(OrFormula("stress"), "pressure of a fluid on both faces"),
                 "held": _HELD,
             }
         ),
@@ -232,6 +238,14 @@ LOAD: Final = OneOf(
             {
                 "body": _BODY_NAME,
                 "stress": Field(ListOf(Quantity("stress"), 3), "in-situ stress, [xx, yy, xy]"),
+                "held": _HELD,
+            }
+        ),
+        Mapping(
+            {
+                "at": Field(POINT, "a point, [x, y]"),
+                "force": Field(ListOf(Quantity("force"), 2), "force per thickness, [x, y]"),
+                "body": _OF_BODY,
                 "held": _HELD,
             }
         ),

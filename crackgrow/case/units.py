@@ -28,6 +28,7 @@ UNITS: dict[str, dict[str, Fraction]] = {
         "MPa sqrt(mm)": Fraction(math.sqrt(1e9)),
     },
 }
+UNITS["force"] = {"N/m": Fraction(1), "kN/m": Fraction(10**3), "MN/m": Fraction(10**6), "N/mm": Fraction(10**3)}
 UNITS["stiffness"] = {
     f"{stress}/{length}": one / other
     for length, other in UNITS["length"].items()
@@ -69,6 +70,8 @@ class Units:
 
     def bare(self, kind: str) -> bool:
         """Whether a bare number says all: of a toughness in a case in mm it might be MPa sqrt(m) or MPa sqrt(mm)."""
+        if kind == "force":  # in N/m in SI alone
+            return (self.length, self.stress) == ("m", "Pa")
         return kind != "toughness" or self.length == "m"
 
     def show(self, value: float, kind: str, digits: int = 6) -> str:
@@ -111,7 +114,8 @@ def parse_quantity(text: str, kind: str, units: Units) -> float:
     text = text.strip()
     if is_number(text):
         if not units.bare(kind):
-            raise QuantityError(f"needs a unit, such as {units.of(kind)}, where units.length is {units.length}")
+            given = f"units.length is {units.length}" + (f" and units.stress {units.stress}" if kind == "force" else "")
+            raise QuantityError(f"needs a unit, such as {units.of(kind)}, where {given}")
         return parse_number(text, UNITS[kind][units.of(kind)])
     match = _QUANTITY.fullmatch(text)
     if match is None:

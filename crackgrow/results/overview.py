@@ -9,10 +9,12 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import STANDARD
+from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import (
     Body,
     Case,
+    Component,
     ContactSupport,
     CoulombContact,
     Crack,
@@ -25,6 +27,7 @@ from crackgrow.case.model import (
     InSituStress,
     Interface,
     LoadHistory,
+    PointForce,
     PointSupport,
     StrengthReduction,
 )
@@ -137,7 +140,9 @@ def _loads(case: Case) -> str:
         if isinstance(load, Gravity):
             words.append(f"gravity on {load.body}{held}")
         elif isinstance(load, CrackPressure):
-            words.append(f"pressure {stress_text(load.pressure)} in {load.crack}{held}")
+            words.append(f"pressure {component_text(load.pressure)} in {load.crack}{held}")
+        elif isinstance(load, PointForce):
+            words.append(f"a force at a point of {load.body}{held}")
         elif isinstance(load, InSituStress):
             words.append(f"in-situ stress in {load.body}{held}")
     return ", ".join(words)
@@ -230,6 +235,13 @@ def length_unit(case: Case) -> tuple[float, str]:
     """How many of the unit that suits the scene are a metre, and its name."""
     size = float(np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max())
     return (1e3, "mm") if size < 1 else (1.0, "m")
+
+
+def component_text(value: Component) -> str:
+    """A stress (Pa), or the formula that it follows."""
+    if isinstance(value, CoordinateFormula):
+        return f"{value.text[:40]} [Pa]"
+    return "by a formula" if callable(value) else stress_text(value)
 
 
 def stress_text(value: float) -> str:

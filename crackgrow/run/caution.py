@@ -27,6 +27,11 @@ class Cause(Enum):
         "{what} are carried by supports at points, where a plane gives way without bound: displacements depend on the "
         "spacing, and the stress there is not that of a specimen; balance the loads, or hold an edge",
     )  # fmt: skip
+    POINT_FORCE = (
+        0.0, "", "displacement at the point grows by 2 F ln(2) / (pi E') on an edge whenever cells are halved",
+        "{place} acts on a point: displacement and stress there grow without bound as cells get smaller; where they "
+        "matter give a traction on a part of an edge",
+    )  # fmt: skip
     RESIDUAL = (
         1e-9, "forces", "digits of the equilibrium are lost",
         "the equilibrium residual is {size:.2g}: the system is ill conditioned",

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.faces import ContactFaces
+from crackgrow.contact.faces import ContactFaces, points_at
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
@@ -154,7 +154,6 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
     """All that acts between the faces of a crack."""
     configuration, outcome = state.configuration, state.outcome
     scene, cover, faces = configuration.scene, configuration.cover, configuration.faces
-    pressure = scene.fluid_pressure(crack, state.factor)
     law = configuration.contact.law
     pointwise = scene.laws[crack].elastic and scene.case.numerics.contact.discretization == "gauss"
 
@@ -164,6 +163,7 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
         else:
             known = (outcome.normal_traction, outcome.tangential_traction)
             normal, tangential = between_contact_points(faces, crack, s, *known)
-        return normal - pressure, tangential
+        places = cover.lattice.to_metres(points_at(cover, crack, s).points)
+        return normal - scene.fluid_pressure(crack, state.factor, places), tangential
 
     return traction

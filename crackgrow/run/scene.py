@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
+from crackgrow.case.formula import component_at
 from crackgrow.case.model import Case, ContactSupport, CoulombContact, CrackPressure, Gravity, InSituStress, Load
 from crackgrow.case.toughness import averaging_radius
 from crackgrow.cover.cover import Foundation
@@ -60,11 +61,13 @@ class Scene:
     crack_bodies: tuple[int, ...]  # crack by crack, the body it lies in
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
 
-    def fluid_pressure(self, crack: int, load_factor: float) -> float:
-        """Pressure (Pa) on the faces of a crack at a load factor."""
-        name = self.case.cracks[crack].name
-        pressures = (load for load in self.case.loads if isinstance(load, CrackPressure) and load.crack == name)
-        return sum(load.pressure * _share(load, load_factor) for load in pressures)
+    def fluid_pressure(self, crack: int, load_factor: float, places: Floats) -> Floats:
+        """Pressure (n,) Pa on the faces of a crack at places (n, 2) m, at a load factor."""
+        name, total = self.case.cracks[crack].name, np.zeros(len(places))
+        for load in self.case.loads:
+            if isinstance(load, CrackPressure) and load.crack == name:
+                total += component_at(load.pressure, places) * _share(load, load_factor)
+        return total
 
     def weight(self, body: int, load_factor: float) -> Floats:
         """Body force (2,) N/m^3 at a load factor."""

@@ -10,7 +10,7 @@ import shapely
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
 from crackgrow.case.meetings import scene_size
-from crackgrow.case.model import Case, Crack, EdgeTraction, Gravity, PointSupport
+from crackgrow.case.model import Case, Crack, EdgeTraction, Gravity, PointForce, PointSupport
 from crackgrow.case.snapping import SNAP
 from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.contact.cell_lengths import cell_lengths
@@ -46,6 +46,9 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
         yield Cause.SUPPORT.at(support=support)
     if contact.discretization == "mortar" and contact.spacing < Cause.CONTACT_SPACING.limit and n_contact:
         yield Cause.CONTACT_SPACING.at(spacing=contact.spacing)
+    for load in case.loads:
+        if isinstance(load, PointForce) and any(load.force):
+            yield Cause.POINT_FORCE.at(f"the force at ({load.point[0]:.6g}, {load.point[1]:.6g}) m")
     yield from _soft_contact(scene, cover)
     yield from _contact_layers(scene, cover)
     yield from _incompressible(scene)

@@ -92,17 +92,21 @@ def test_block_on_an_incline(friction: float, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("contact", "friction", "cohesion", "water"),
+    ("contact", "friction", "cohesion", "pressure", "water"),
     [
-        ("friction: 0.9, cohesion: 0", 0.9, 0.0, 0.0),
-        ("friction: 0.9, cohesion: 0", 0.9, 0.0, 1e4),
-        ("friction: 0.6, cohesion: 1e4, cohesion_after_slip: kept", 0.6, 1e4, 0.0),
+        ("friction: 0.9, cohesion: 0", 0.9, 0.0, "0", 0.0),
+        ("friction: 0.9, cohesion: 0", 0.9, 0.0, "10 kPa", 1e4),
+        ("friction: 0.9, cohesion: 0", 0.9, 0.0, '"9810*min(y - 1, 7 - y)"', 9810.0 * 1.5),
+        ("friction: 0.6, cohesion: 1e4, cohesion_after_slip: kept", 0.6, 1e4, "0", 0.0),
     ],
-    ids=["friction", "water", "cohesion"],
+    ids=["friction", "water", "water of a triangle", "cohesion"],
 )
-def test_slope_with_a_joint(contact: str, friction: float, cohesion: float, water: float, tmp_path: Path) -> None:
+def test_slope_with_a_joint(
+    contact: str, friction: float, cohesion: float, pressure: str, water: float, tmp_path: Path
+) -> None:
+    """The triangle is that of Hoek and Bray: from nothing at both ends to the most half way."""
     began = time.process_time()
-    text = ROCK_SLOPE.replace("CONTACT", contact).replace("WATER", str(water))
+    text = ROCK_SLOPE.replace("CONTACT", contact).replace("WATER", pressure)
     steps, end = run(tmp_path, text)
     weight, normal = WEIGHT * AREA, WEIGHT * AREA * np.cos(SLOPE) - water * LENGTH
     expected = (cohesion * LENGTH + friction * normal) / (weight * np.sin(SLOPE))
