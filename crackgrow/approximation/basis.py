@@ -53,16 +53,18 @@ class Basis:
         """The derivatives (n, n_functions) by x and by y."""
         return self._matrix(1), self._matrix(2)
 
-    def by_element(self, counts: Ints) -> Iterator[Floats]:
-        """The functions (components, k, points) of each element, as `Cover.functions_on` lists them.
+    def of_alike(self, groups: Sequence[tuple[int, int]]) -> Iterator[Floats]:
+        """The functions (components, e, k, n) of groups of e elements with n points each and equally many functions.
 
-        Points of an element follow each other: `counts` (e,) of each.
+        Points follow each other element by element and group by group. Functions are as `Cover.functions_on` has them.
         """
-        first, parts = starts_of(counts), (self.phi, self._on_singular_patches(range(len(self.phi))))
+        first = starts_of(np.array([e * n for e, n in groups], dtype=np.int64))
+        parts = (self.phi, self._on_singular_patches(range(len(self.phi))))
         starts = (self.patches.start[first].tolist(), self._tip_start[first].tolist())
-        for e, n in enumerate(counts.tolist()):
-            pieces = (part[:, start[e] : start[e + 1]] for part, start in zip(parts, starts, strict=True))
-            yield np.concatenate([p.reshape(len(p), n, p.shape[1] // max(n, 1)) for p in pieces], axis=2).swapaxes(1, 2)
+        for group, (e, n) in enumerate(groups):
+            pieces = [part[:, start[group] : start[group + 1]] for part, start in zip(parts, starts, strict=True)]
+            tables = [p.reshape(len(p), e, n, p.shape[1] // max(e * n, 1)) for p in pieces if p.size]
+            yield (tables[0] if len(tables) == 1 else np.concatenate(tables, axis=3)).swapaxes(2, 3)
 
     def field(self, coefficients: Floats) -> Floats:
         """Fields (components, n, m) with `coefficients` (n_functions, m): the products with all rows at once.
@@ -143,7 +145,8 @@ def _in_irregular_windows(windows: Windows, number: Ints, some: Ints, local: Flo
         step = max(1, AT_ONCE // k)
         for start in range(0, len(mine), step):
             part = mine[start : start + step]
-            nodes, half = windows.nodes[number[part], :k].transpose(2, 1, 0), windows.half[number[part], :k].T
+            nodes = np.ascontiguousarray(windows.nodes[number[part], :k].transpose(2, 1, 0))
+            half = np.ascontiguousarray(windows.half[number[part], :k].T)
             yield part, mls_round(local[part], nodes, half, derivatives)
 
 

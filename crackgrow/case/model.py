@@ -234,13 +234,16 @@ class ContactNumerics:
     spacing: float  # distance of the mortar nodes, in lattice spacings
 
 
+Halvings = int | Literal["auto"]
+
+
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """How often cells are halved at places that ask for small ones."""
+    """How often cells are halved at places that ask for small ones; auto: until they are as small as accuracy asks."""
 
-    tips: int = 0
-    kinks: int = 0  # kinks, meetings and ends of cracks
-    corners: int = 0  # re-entrant corners, point supports, ends of loaded and supported parts
+    tips: Halvings = 0
+    kinks: Halvings = 0  # kinks, meetings and ends of cracks
+    corners: Halvings = 0  # re-entrant corners, point supports, ends of loaded and supported parts
     rings: float = 2.0  # cells of each size on every side of such a place
 
 

@@ -28,6 +28,13 @@ def averaging_radius(growth: Growth, strength: Strength) -> float:
     return growth.tip_radius
 
 
+def length_of_average(growth: Growth, strength: Strength | None) -> float:
+    """The radius (m) that cells at a tip are to resolve; infinite where K_I and K_II are all that counts."""
+    if strength is not None and strength.toughness is not None:
+        return np.inf if growth.criterion in BY_K else averaging_radius(growth, strength)
+    return np.inf if growth.tip_radius is None else growth.tip_radius
+
+
 def radius_of(criterion: str, tension: float, toughness: float) -> float:
     """R (m) at which a criterion lets mode I grow at a toughness (Pa sqrt(m)), for a tensile strength (Pa)."""
     return float((MODE_I[criterion] * toughness / tension) ** 2 / (2.0 * np.pi))

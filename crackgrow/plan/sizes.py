@@ -63,7 +63,7 @@ def sizes_of(case: Case) -> Sizes:
         *settings_cautions(scene, cover, len(faces.surface)),
         *unbalanced_loads(scene, cover),
         *closeness_cautions(scene, cover),
-        *_short_increment(case),
+        *_short_increment(case, cover),
     ]
     return Sizes(
         n_dofs=cover.n_dofs,
@@ -95,7 +95,7 @@ def _rough(law: SurfaceLaw) -> bool:
     return contact is not None and max(contact.friction, contact.residual_friction, contact.cohesion) > 0.0
 
 
-def _short_increment(case: Case) -> Iterator[Caution]:
-    growth, spacing = case.growth, case.numerics.spacing * 0.5**case.numerics.refine.tips
+def _short_increment(case: Case, cover: Cover) -> Iterator[Caution]:
+    growth, spacing = case.growth, cover.lattice.spacing * max((tip.size for tip in cover.tips), default=0.0)
     if growth is not None and growth.steps > 0 and growth.increment < Cause.SHORT_INCREMENT.limit * spacing:
         yield Cause.SHORT_INCREMENT.at(increment=growth.increment, spacing=spacing)

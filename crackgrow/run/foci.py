@@ -15,15 +15,18 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
+from crackgrow.case.accuracy import AUTO, PRESETS
+from crackgrow.case.features import line_length, stretches
 from crackgrow.case.model import ContactSupport, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.scene import Scene
 
-SHARP_KINK = np.deg2rad(10.0)
-"""Less sharp kinks are as good as straight: of grown wings the kink at the flaw counts, not the turns of a path."""
+Asking = Iterator[tuple[shapely.Geometry, float]]
+"""Places and the largest cells that they allow, both in lattice units."""
 
 SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
@@ -31,39 +34,92 @@ SHARP_CORNER = np.deg2rad(20.0)
 
 def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Lattice | None) -> Lattice:
     """The lattice of a scene with these cracks; that of the configuration before if its cells are the same."""
-    refine = scene.case.numerics.refine
-    asking = (
-        (refine.tips, _tips(cracks)),
-        (refine.kinks, chain(_kinks(scene, cracks), _meetings(cracks))),
-        (refine.corners, chain(_corners(scene), _ends_of_regions(scene))),
-    )
-    found = [(place, 0.5**levels) for levels, places in asking if levels for place in places]
-    if not found:
-        return scene.lattice
-    places, sizes = (np.array(values) for values in zip(*found, strict=True))
-    return refined(scene.lattice, Focus(shapely.points(places), sizes), refine.rings, before)
+    focus = focus_of(scene, cracks)
+    return refined(scene.lattice, focus, scene.case.numerics.refine.rings, before) if len(focus.size) else scene.lattice
 
 
-def _tips(cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
-    return (crack.seen_from(at_end)[0] for crack in cracks for at_end in crack.tips())
+def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
+    """The places that ask for cells smaller than the largest."""
+    asking = chain(_at_tips(scene, cracks), _at_kinks(scene, cracks), _at_corners(scene))
+    found = [(place, size) for place, size in asking if size < 1.0]
+    return Focus(np.array([place for place, _ in found], dtype=object), np.array([size for _, size in found]))
 
 
-def _kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
-    """Sharp kinks, and ends that are no tips: they lie on outlines or on other cracks."""
+def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
+    """Tips: by the length of the crack, of the stretch behind the tip, of what it grows by, and by its room."""
+    halvings, growth = scene.case.numerics.refine.tips, scene.case.growth
+    tips = [(number, crack.seen_from(at_end)) for number, crack in enumerate(cracks) for at_end in crack.tips()]
+    if halvings != AUTO:
+        yield from ((shapely.Point(points[0]), 0.5**halvings) for _, points in tips)
+        return
+    preset, spacing = PRESETS[scene.case.numerics.accuracy], scene.lattice.spacing
+    others = _Others(scene, cracks)
+    for number, points in tips:
+        crack, grown = cracks[number], np.inf
+        if growth is not None and growth.steps > 0:
+            radius = length_of_average(growth, scene.case.bodies[scene.crack_bodies[number]].strength)
+            grown = min(growth.increment / preset.per_increment, radius / preset.per_radius) / spacing
+        size = min(grown, line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
+        room = others.nearest(crack, points[0], size * preset.per_room)
+        yield shapely.Point(points[0]), min(size, room / preset.per_room)
+
+
+def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
+    """Sharp kinks, meetings of cracks, and ends that are no tips: they lie on outlines or on other cracks."""
+    halvings, preset = scene.case.numerics.refine.kinks, PRESETS[scene.case.numerics.accuracy]
+    for line in (*cracks, *scene.interfaces):
+        sharp, parts = stretches(line.points)
+        beside = np.sort([parts[:-1], parts[1:]], axis=0)
+        sizes = np.minimum(beside[0] / preset.per_stretch, beside[1] / preset.per_longer)
+        for place, size in zip(sharp.tolist(), sizes.tolist(), strict=True):
+            yield shapely.Point(line.points[place]), size if halvings == AUTO else 0.5**halvings
     for crack in cracks:
-        yield from crack.points[1:-1][np.abs(kink_angles(crack.points)) > SHARP_KINK]
-        yield from (crack.points[place] for place, tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)) if not tip)
-    for line in scene.interfaces:
-        yield from line.points[1:-1][np.abs(kink_angles(line.points)) > SHARP_KINK]
+        size = line_length(crack.points) / preset.per_crack
+        for place, is_tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)):
+            if not is_tip:
+                yield shapely.Point(crack.points[place]), size if halvings == AUTO else 0.5**halvings
+    for place, length in _meetings(cracks):
+        yield shapely.Point(place), length / preset.per_crack if halvings == AUTO else 0.5**halvings
 
 
-def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
-    """Where cracks cross or end on each other."""
+def _at_corners(scene: Scene) -> Asking:
+    """Re-entrant corners and places of supports and loads, or all lengths that the stress varies over."""
+    halvings, preset = scene.case.numerics.refine.corners, PRESETS[scene.case.numerics.accuracy]
+    if halvings != AUTO:
+        yield from ((shapely.Point(p), 0.5**halvings) for p in chain(_corners(scene), _ends_of_regions(scene)))
+        return
+    for length in scene.lengths:
+        if length.where is not None:
+            where = shapely.transform(length.where, scene.lattice.to_lattice)
+            yield where, length.metres / preset.parts(length.kind) / scene.lattice.spacing
+
+
+class _Others:
+    """Lines that a tip may come near to: cracks, interfaces, outlines."""
+
+    def __init__(self, scene: Scene, cracks: Sequence[CrackGeometry]) -> None:
+        rings = [np.concatenate([ring, ring[:1]]) for body in scene.bodies for ring in body.rings]
+        lines = [*(crack.points for crack in cracks), *(line.points for line in scene.interfaces), *rings]
+        self._lines = np.array([shapely.LineString(points) for points in lines], dtype=object)
+        self._number = {crack.name: number for number, crack in enumerate(cracks)}
+        self._tree = shapely.STRtree(self._lines)
+
+    def nearest(self, crack: CrackGeometry, place: Floats, reach: float) -> float:
+        """Distance of the nearest other line from a tip of a crack; inf where there is none within `reach`."""
+        tip, own = shapely.Point(place), self._number[crack.name]
+        near = self._tree.query(tip, "dwithin", distance=reach)
+        return float(shapely.distance(tip, self._lines[near[near != own]]).min(initial=np.inf))
+
+
+def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[tuple[Floats, float]]:
+    """Where cracks cross or end on each other, and the length of the shorter one."""
     lines = np.array([shapely.LineString(crack.points) for crack in cracks], dtype=object)
     first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
     for i, j in zip(first.tolist(), second.tolist(), strict=True):
         if i < j:
-            yield from shapely.get_coordinates(shapely.intersection(lines[i], lines[j]))
+            shorter = float(shapely.length(lines[[i, j]]).min())
+            for place in shapely.get_coordinates(shapely.intersection(lines[i], lines[j])):
+                yield place, shorter
 
 
 def _corners(scene: Scene) -> Iterator[Floats]:

@@ -54,7 +54,7 @@ def test_numerics_may_be_left_out_and_empty(tmp_path: Path):
     for numerics in ("", "numerics: {}\n", "numerics: {accuracy: standard}\n"):
         path.write_text(text[:start] + numerics, encoding="utf-8")
         case = load_case(path)
-        assert (case.numerics.accuracy, case.numerics.spacing) == ("standard", pytest.approx(0.01 / 6))
+        assert (case.numerics.accuracy, case.numerics.spacing) == ("standard", pytest.approx(0.0031))
     assert "allowed: accuracy, spacing, support, quadrature, refine, contact" in told("numerics.rule=3")
 
 

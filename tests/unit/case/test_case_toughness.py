@@ -10,7 +10,10 @@ import pytest
 from crackgrow.case import Case, load_case
 from crackgrow.case.dump import dump_case
 from crackgrow.case.toughness import averaging_radius
+from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import CaseError, Fault
+from crackgrow.run.foci import focus_of
+from crackgrow.run.scene import make_scene
 
 CASES = Path(__file__).parents[3] / "cases"
 TEXT = (CASES / "compression30.yaml").read_text(encoding="utf-8")
@@ -93,16 +96,23 @@ def test_direction_that_is_given_wins(tmp_path: Path) -> None:
 
 
 def test_automatic_spacing_resolves_the_radius_that_is_averaged_over(tmp_path: Path) -> None:
-    overrides = [
-        "numerics.spacing=auto",
-        "growth.criterion=strength",
-        "bodies.rock.strength.toughness=0.01 MPa sqrt(m)",
-    ]
-    case = load_case(tough(tmp_path), overrides)
+    overrides = ["numerics.spacing=auto", "numerics.refine.tips=0", "bodies.rock.strength.toughness=0.01 MPa sqrt(m)"]
+    case = load_case(tough(tmp_path), [*overrides, "growth.criterion=strength"])
     assert case.numerics.spacing == pytest.approx(2.0 * radius_of(case))  # half a spacing wide at least
     assert "toughness of body 'rock'" in str(case.numerics.auto_rule)
-    case = load_case(tough(tmp_path), [*overrides[:1], "growth.criterion=max_hoop_stress", overrides[2]])
-    assert "crack" in str(case.numerics.auto_rule)  # nothing is averaged
+    case = load_case(tough(tmp_path), [*overrides, "growth.criterion=max_hoop_stress"])
+    assert "toughness" not in str(case.numerics.auto_rule)  # nothing is averaged
+
+
+@pytest.mark.parametrize(("criterion", "halved"), [("strength", True), ("max_hoop_stress", False)])
+def test_cells_at_tips_resolve_the_radius_that_is_averaged_over(criterion: str, halved: bool, tmp_path: Path) -> None:
+    """With automatic cells, whose spacing follows the body; a radius beyond what the crack asks for changes nothing."""
+    small = ["numerics.spacing=auto", "growth.steps=1", f"growth.criterion={criterion}"]
+    case = load_case(tough(tmp_path, "0.005 MPa sqrt(m)"), small)
+    scene = make_scene(case)
+    focus = focus_of(scene, [CrackGeometry("flaw", scene.lattice.to_lattice(case.cracks[0].points), True, True)])
+    finest = float(focus.size.min(initial=1.0)) * case.numerics.spacing
+    assert (finest <= 2.0 * radius_of(case) * (1.0 + 1e-9)) == halved
 
 
 @pytest.mark.parametrize(
