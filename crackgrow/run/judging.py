@@ -163,7 +163,9 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
         else:
             known = (outcome.normal_traction, outcome.tangential_traction)
             normal, tangential = between_contact_points(faces, crack, s, *known)
-        places = cover.lattice.to_metres(points_at(cover, crack, s).points)
-        return normal - scene.fluid_pressure(crack, state.factor, places), tangential
+        if scene.has_fluid(crack):
+            places = cover.lattice.to_metres(points_at(cover, crack, s).points)
+            normal = normal - scene.fluid_pressure(crack, state.factor, places)
+        return normal, tangential
 
     return traction

@@ -75,11 +75,18 @@ class Scene:
 
     def fluid_pressure(self, crack: int, load_factor: float, places: Floats) -> Floats:
         """Pressure (n,) Pa on the faces of a crack at places (n, 2) m, at a load factor."""
-        name, total = self.case.cracks[crack].name, np.zeros(len(places))
-        for load in self.case.loads:
-            if isinstance(load, CrackPressure) and load.crack == name:
-                total += component_at(load.pressure, places) * _share(load, load_factor)
+        total = np.zeros(len(places))
+        for load in self._fluids(crack):
+            total += component_at(load.pressure, places) * _share(load, load_factor)
         return total
+
+    def has_fluid(self, crack: int) -> bool:
+        """Whether a fluid presses on the faces of a crack."""
+        return bool(self._fluids(crack))
+
+    def _fluids(self, crack: int) -> list[CrackPressure]:
+        name = self.case.cracks[crack].name
+        return [load for load in self.case.loads if isinstance(load, CrackPressure) and load.crack == name]
 
     def weight(self, body: int, load_factor: float) -> Floats:
         """Body force (2,) N/m^3 at a load factor."""
