@@ -10,21 +10,23 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-all browser verify stability lint check bench wheel readme clean clean-outputs distclean
+.PHONY: help run case-exists test test-physics test-all browser verify stability lint check bench wheel readme docs clean clean-outputs distclean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make run CASE=name [ARGS=...]  run cases/name.yaml into outputs/name"
-	@echo "make test                      tests without the slow ones"
+	@echo "make test                      tests that take no long solves: about a minute"
+	@echo "make test-physics              those that solve scenes, without the slow ones: some minutes"
 	@echo "make test-all                  all tests"
 	@echo "make browser                   the report in Chromium (needs chromium and chromedriver)"
 	@echo "make verify                    references and exact solutions: a table and pictures in outputs/verification"
 	@echo "make stability [ARGS=--short]  extremes of all kinds: a table and a picture in outputs/stability"
 	@echo "make lint                      ruff and mypy"
-	@echo "make check                     lint and test"
+	@echo "make check                     lint, test and test-physics"
 	@echo "make bench [ARGS=--quick]      benchmarks: ratios against a baseline, tables in tests/benchmarks"
 	@echo "make wheel                     the package as a wheel, in dist"
-	@echo "make readme [ARGS=--all]       run the commands of README.md, with --all the long ones too"
+	@echo "make readme [ARGS=--all]       run the commands of all READMEs, with --all the long ones too"
+	@echo "make docs [ARGS=--measured]    write the parts of the READMEs that are made of declarations or measured"
 	@echo "make clean | distclean         remove caches | and .venv"
 	@echo "make clean-outputs             remove all results in outputs, after asking"
 
@@ -53,11 +55,16 @@ case-exists:
 		echo "cases:" $$(ls cases 2>/dev/null | sed -n 's/\.yaml$$//p') >&2; exit 2; \
 	fi
 
+PYTEST := -m pytest -q -n auto --maxprocesses 8
+
 test: $(STAMP)
-	@$(PY) -m pytest -q -m "not slow" -n 2 --dist loadfile
+	@$(PY) $(PYTEST) -m "not physics and not slow" --dist loadfile
+
+test-physics: $(STAMP)
+	@$(PY) $(PYTEST) -m "physics and not slow" --dist loadfile
 
 test-all: $(STAMP)
-	@$(PY) -m pytest -q
+	@$(PY) $(PYTEST) --dist loadfile
 
 browser: $(STAMP)
 	@$(PY) -m pytest -q -m browser tests/browser
@@ -72,7 +79,7 @@ lint: $(STAMP)
 	@$(PY) -m ruff check .
 	@$(PY) -m mypy
 
-check: lint test
+check: lint test test-physics
 
 bench: $(STAMP)
 	@$(PY) -m tests.benchmarks.run $(ARGS)
@@ -86,18 +93,21 @@ wheel: $(STAMP)
 readme: $(STAMP)
 	@$(PY) -m tests.readme.run $(ARGS)
 
+docs: $(STAMP)
+	@$(PY) -m tests.readme.generated $(ARGS)
+
 clean:
 	@rm -rf build dist .pytest_cache .mypy_cache .ruff_cache
 	@find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
 
 # Results are the user's: nothing else of this file removes them.
 clean-outputs:
-	@n=$$(find outputs -mindepth 1 -maxdepth 1 ! -name .gitkeep | wc -l); \
+	@n=$$(find outputs -mindepth 1 -maxdepth 1 ! -path outputs/README.md | wc -l); \
 	if [ $$n -eq 0 ]; then echo "outputs is empty"; exit 0; fi; \
-	find outputs -mindepth 1 -maxdepth 1 ! -name .gitkeep | sort; \
+	find outputs -mindepth 1 -maxdepth 1 ! -path outputs/README.md | sort; \
 	printf 'remove these and all that is in them? [y/N] '; read answer || answer=; \
 	case "$$answer" in \
-		y|Y|yes) find outputs -mindepth 1 ! -name .gitkeep -delete; echo "removed";; \
+		y|Y|yes) find outputs -mindepth 1 ! -path outputs/README.md -delete; echo "removed";; \
 		*) echo "nothing is removed";; \
 	esac
 

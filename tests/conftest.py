@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,6 +36,34 @@ from crackgrow.solid.supports import constraints
 Floats = NDArray[np.float64]
 Support = PointSupport | EdgeSupport
 EDGES = ("bottom", "right", "top", "left")
+
+
+TESTS = Path(__file__).parent
+PHYSICS = (
+    "properties/", "regression/", "stability/", "verification/", "unit/estimate/", "unit/run/",
+    "unit/benchmarks/test_benchmarks.py::test_a_measurement", "unit/benchmarks/test_benchmarks.py::test_the_spacing",
+    "unit/case/test_case_features.py::test_displacement", "unit/case/test_case_features.py::test_stress",
+    "unit/case/test_case_files.py::test_damaged_cases", "unit/case/test_case_snapping.py::test_block_on_an_incline",
+    "unit/contact/test_contact_limit.py", "unit/contact/test_contact_tractions.py",
+    "unit/cover/test_cover_before.py", "unit/cover/test_cover_elements.py::test_awkward_places",
+    "unit/cover/test_cover_enrichment.py::test_a_tip_among", "unit/direct/test_direct_multifrontal.py",
+    "unit/results/test_lock.py", "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run",
+    "unit/results/test_resume.py", "unit/results/test_style.py", "unit/solid/test_solid_clusters.py",
+    "unit/study/sweep/test_sweep_runs.py", "unit/study/test_stability.py", "unit/study/trade/test_trade_runs.py",
+)  # fmt: skip
+"""How the names of tests begin that solve scenes for long: they are marked `physics`, and not part of `make test`."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that solve scenes for long."""
+    for item in items:
+        if is_physics(item.path, item.name):
+            item.add_marker(pytest.mark.physics)
+
+
+def is_physics(path: Path, name: str) -> bool:
+    """Whether a test is one of PHYSICS."""
+    return path.is_relative_to(TESTS) and f"{path.relative_to(TESTS)}::{name}".startswith(PHYSICS)
 
 
 def pytest_configure() -> None:
@@ -89,8 +118,10 @@ class Build:
         return EdgeRegion("rock", name, np.array([EDGES.index(name)]), np.array([[low, high]]))
 
     @staticmethod
-    def crack(points: ArrayLike, tips: tuple[bool, bool] = (True, True), name: str = "crack") -> CrackGeometry:
-        return CrackGeometry(name, np.asarray(points, dtype=float), *tips)
+    def crack(
+        points: ArrayLike, tips: tuple[bool, bool] = (True, True), name: str = "crack", gathered: bool = False
+    ) -> CrackGeometry:
+        return CrackGeometry(name, np.asarray(points, dtype=float), *tips, gathered=gathered)
 
     @staticmethod
     def graded(lattice: Lattice, places: ArrayLike, levels: int, rings: float = 2.0) -> Lattice:
@@ -116,7 +147,7 @@ class Build:
         lattice = place_lattice(np.asarray(lower, dtype=float), np.asarray(upper, dtype=float), spacing, support)
         lattice = cls.graded(lattice, lattice.to_lattice(np.asarray(places, dtype=float).reshape(-1, 2)), levels, rings)
         body = cls.body(lower, upper, young)
-        inside = [CrackGeometry(c.name, lattice.to_lattice(c.points), c.tip_at_start, c.tip_at_end) for c in cracks]
+        inside = [replace(crack, points=lattice.to_lattice(crack.points)) for crack in cracks]
         cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),))], inside)
         return Sample(lattice, body, cover, plane_elasticity(young, 0.25, "strain"))
 

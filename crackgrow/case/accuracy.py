@@ -1,6 +1,6 @@
 """Presets of the numerical settings, and the sizes of cells that follow from a scene.
 
-The numbers are chosen from the measurement of `crackgrow trade`: README, "The trade between accuracy and time".
+The numbers are chosen from the measurement of `crackgrow trade`: tests/benchmarks/README.md.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ PRESETS: Final[Mapping[str, Preset]] = {
     "fine": Preset(
         per_crack=12.0,
         per_stretch=24.0,
-        per_longer=150.0,
+        per_longer=300.0,
         per_room=4.0,
         per_increment=2.0,
         per_radius=1.0,

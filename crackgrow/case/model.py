@@ -257,7 +257,13 @@ class Numerics:
     contact: ContactNumerics
     accuracy: str = "standard"  # the preset of what the case leaves out
     refine: Refinement = Refinement()
+    tip_functions: Literal["auto", "patch", "gathered"] = "auto"
     auto_rule: str | None = None  # what gave an automatic spacing; None: it was given
+
+    @property
+    def gathers_tip_functions(self) -> bool:
+        """Whether the functions of tips with room are gathered: they take several cells, so in small ones."""
+        return self.tip_functions == "gathered" or (self.tip_functions == "auto" and self.refine.tips != 0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -306,6 +306,10 @@ _CONTACT_STIFFNESS: Final = WordOr(("rigid",), Number(POSITIVE))
 _SUPPORT_WIDTH: Final = Number(Bounds(at_least=1.25, at_most=4), 0.25)
 _GAUSS_POINTS: Final = Integer(Bounds(at_least=2, at_most=10))
 _LEVELS: Final = WordOr((AUTO,), Integer(Bounds(at_least=0, at_most=MOST_LEVELS)))
+_TIP_FUNCTIONS: Final = Choice(
+    (AUTO, "patch", "gathered"),
+    ("gathered where refine.tips is not 0", "a set on every patch that a tip lies in", "one set a tip, if it has room"),
+)
 _REFINE: Final = Mapping(
     {
         "tips": Field(_LEVELS, "halvings of the cells at crack tips; auto: what accuracy asks for", OPTIONAL),
@@ -341,6 +345,7 @@ def _numerics(preset: Preset, spacing: object) -> Mapping:
             "support": Field(_SUPPORT_WIDTH, "half width of a patch, in spacings", preset.support),
             "quadrature": Field(_GAUSS_POINTS, "Gauss points per direction on an uncut cell", preset.quadrature),
             "refine": Field(_REFINE, "how often cells are halved, and where", BY_PARTS),
+            "tip_functions": Field(_TIP_FUNCTIONS, "functions that follow the singular stress at tips", AUTO),
             "contact": Field(contact, "how contact is discretized and solved", BY_PARTS),
         }
     )

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
-from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.console import EXIT_DONE, hand_out, say
+
+if TYPE_CHECKING:
+    from crackgrow.case.model import Case
 
 HELP = """\
 Validate a case and print the plan of its run: bodies, cracks and tips, what is modelled and why, the unknowns of the
@@ -28,6 +33,8 @@ examples:
 def check(arguments: argparse.Namespace) -> int:
     """`crackgrow check`: validate a case, say what it models, and draw it if asked to."""
     case = load_case_file(arguments)
+    if arguments.json:
+        return _check_as_json(case, arguments)
     say(crackgrow.plan_text(case))
     if arguments.picture is not None:
         crackgrow.draw_scene(arguments.picture, case)
@@ -36,6 +43,18 @@ def check(arguments: argparse.Namespace) -> int:
         say("\nsolutions of the contact")
         for line in crackgrow.unique_text(case):
             say(line)
+    return EXIT_DONE
+
+
+def _check_as_json(case: Case, arguments: argparse.Namespace) -> int:
+    from crackgrow.plan.text import plan_record  # only now: it loads numpy
+
+    record = plan_record(case)
+    if arguments.picture is not None:
+        crackgrow.draw_scene(arguments.picture, case)
+    if arguments.unique:
+        record["unique"] = list(crackgrow.unique_text(case))
+    hand_out(json.dumps(record, indent=2, allow_nan=False) + "\n")
     return EXIT_DONE
 
 
@@ -50,6 +69,7 @@ def add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser], cas
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("--picture", type=_picture, metavar="FILE.png|svg", help="draw the scene, too")
+    command.add_argument("--json", action="store_true", help="print the plan as JSON")
     command.add_argument(
         "--unique", action="store_true", help="solve the first step: does friction leave one solution?"
     )

@@ -13,10 +13,13 @@ from crackgrow.cli.check import add_check
 from crackgrow.cli.compare import add_compare
 from crackgrow.cli.completion import add_completion
 from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, write_any_character
+from crackgrow.cli.explain import add_explain
+from crackgrow.cli.list_cases import add_list
 from crackgrow.cli.new import add_new
+from crackgrow.cli.parser import Parser, grouped
 from crackgrow.cli.render import add_render
 from crackgrow.cli.report import add_report
-from crackgrow.cli.run import run
+from crackgrow.cli.run import add_run
 from crackgrow.cli.schema import add_schema
 from crackgrow.cli.stability import add_stability
 from crackgrow.cli.sweep import add_sweep
@@ -24,20 +27,13 @@ from crackgrow.cli.trade import add_trade
 from crackgrow.errors import CaseError, CrackgrowError, is_out_of_memory, reason_of
 from crackgrow.results.style import pass_over_settings
 
-RUN_EXAMPLES = """\
-examples:
-  crackgrow run cases/compression30.yaml
-  crackgrow run cases/compression30.yaml --set cracks.flaw.contact.friction=0.3 --out outputs/rough
-  crackgrow run cases/random_flaws.yaml --resume
-"""
-
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` (default: that of the process) and return the exit code."""
     one_thread()
     pass_over_settings()
     write_any_character()
-    arguments = _parser().parse_args(argv)
+    arguments = command_line().parse_args(argv)
     command: Callable[[argparse.Namespace], int] = arguments.command
     try:
         return command(arguments)
@@ -60,34 +56,35 @@ def main(argv: Sequence[str] | None = None) -> int:
         return EXIT_BUG
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="crackgrow", description="Frictional crack growth in rock by MLS-NMM.")
+def command_line() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    parser: argparse.ArgumentParser = Parser(
+        prog="crackgrow",
+        usage="crackgrow [-h] [--version] COMMAND ...",
+        description="Friction, slip and growth of closed cracks in rock, in two dimensions.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(prog="crackgrow", required=True, metavar="COMMAND", help=argparse.SUPPRESS)
     case = argparse.ArgumentParser(add_help=False)
     case.add_argument("case", type=Path, metavar="CASE.yaml", help="the case file")
     case.add_argument(
         "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
     )
-    command = commands.add_parser(
-        "run",
-        parents=[case],
-        help="run a case and write its results",
-        epilog=RUN_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<case>)")
-    command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")
-    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
-    command.set_defaults(command=run)
+    add_list(commands)
+    add_new(commands)
     add_check(commands, case)
+    add_explain(commands)
+    add_run(commands, case)
     add_report(commands)
     add_render(commands)
     add_compare(commands)
-    add_stability(commands)
-    add_trade(commands, case)
-    add_new(commands)
-    add_schema(commands)
     add_sweep(commands)
+    add_trade(commands, case)
+    add_stability(commands)
+    add_schema(commands)
     add_completion(commands, parser)
+    for command in commands.choices.values():
+        command.set_defaults(parser=command)
+    parser.epilog = f"{grouped(commands)}\n\n`crackgrow COMMAND --help` has the options of a command, and examples."
     return parser

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 
 import crackgrow
-from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, say
+from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
 from crackgrow.results.atomic import write_text
 
 HELP = """\
@@ -15,7 +16,9 @@ Hausdorff and Frechet distance of what has grown, distance of the tips, the plac
 """
 EXAMPLES = """\
 A CSV has columns x and y in m, or x_mm and y_mm, and may have crack, vertex and step. Without step it may hold a
-part of a path, such as one wing: then the part that both have is compared. Exit code 1: beyond the tolerance.
+part of a path, such as one wing: then the part that both have is compared.
+
+exit codes: 0 done; 2 or 3 a path cannot be read; 4 beyond the tolerance (1 in versions before this one).
 
 examples:
   crackgrow compare outputs/before outputs/after --tolerance "0.15 mm"
@@ -25,6 +28,8 @@ examples:
 
 def compare(arguments: argparse.Namespace) -> int:
     """`crackgrow compare`: how far apart the crack paths of two runs are."""
+    from crackgrow.study.comparison_text import comparison_record  # only now: it loads numpy
+
     comparison = crackgrow.compare_paths(
         arguments.a,
         arguments.b,
@@ -33,7 +38,10 @@ def compare(arguments: argparse.Namespace) -> int:
         tip=arguments.tip,
         columns=arguments.columns,
     )
-    say(crackgrow.comparison_text(comparison))
+    if arguments.json:
+        hand_out(json.dumps(comparison_record(comparison), indent=2, allow_nan=False) + "\n")
+    else:
+        say(crackgrow.comparison_text(comparison))
     if arguments.csv is not None:
         write_text(arguments.csv, crackgrow.comparison_csv(comparison))
     return EXIT_DONE if comparison.agrees else EXIT_DIFFERENT
@@ -54,6 +62,7 @@ def add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "--tolerance", metavar="LENGTH", help='largest distance allowed: "0.15 mm", or a bare number in m'
     )
     command.add_argument("--csv", type=Path, metavar="FILE", help="write the rows of the table, SI, to a file")
+    command.add_argument("--json", action="store_true", help="print all of it as JSON, SI, in place of the table")
     command.add_argument("--crack", metavar="NAME", help="compare this crack alone")
     command.add_argument("--tip", choices=("start", "end"), help="compare what has grown at this tip alone")
     command.add_argument("--columns", type=_two_names, metavar="X,Y", help="columns of x and y of a CSV with several")

@@ -29,6 +29,19 @@ if TYPE_CHECKING:
     from crackgrow.results.writer import RunWriter
     from crackgrow.run.result import RunEnd, StepResult
 
+HELP = """\
+Run a case: solve the contact of its cracks, let them grow step by step, and write the results as they come. What was
+solved is kept whatever ends the run, and --resume goes on with it.
+"""
+EXAMPLES = """\
+exit codes: 0 done; 2 the case is wrong; 3 not solved or written as asked; 130 interrupted.
+
+examples:
+  crackgrow run cases/compression30.yaml
+  crackgrow run cases/compression30.yaml --set cracks.flaw.contact.friction=0.3 --out outputs/rough
+  crackgrow run cases/random_flaws.yaml --resume
+"""
+
 
 def run(arguments: argparse.Namespace) -> int:
     """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run, and can be gone on from."""
@@ -167,3 +180,19 @@ def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
     settings = [word for setting in arguments.overrides for word in ("--set", setting)]
     quiet = ["--quiet"] if arguments.quiet else []
     return spelled("run", str(arguments.case), "--out", str(folder), *settings, *quiet, "--resume")
+
+
+def add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
+    """Add the command and its arguments to those of `case`."""
+    command = commands.add_parser(
+        "run",
+        parents=[case],
+        help="run a case and write its results",
+        description=HELP,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<case>)")
+    command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    command.set_defaults(command=run)

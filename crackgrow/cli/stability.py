@@ -15,7 +15,7 @@ stability.csv, stability.md and stability.png. Without a case: the scenes of the
 what holds for any scene, that is balance, units, where the lattice lies, the scene turned, mirrored and moved.
 """
 EXAMPLES = """\
-verdicts: yes: within the tolerance; said: no good, or refused, and the program says so; NO: neither. Exit code 1: a NO.
+verdicts: yes: within the tolerance; said: no good, or refused, and the program says so; NO: neither. Exit code 4: a NO.
 
 examples:
   crackgrow stability --short

@@ -15,7 +15,7 @@ from crackgrow.results.progress import duration
 from crackgrow.run.configuration import first_cells
 from crackgrow.run.scene import make_scene
 
-SINGULAR_AT_A_TIP: Final = 16  # patches that carry its functions
+CARRIERS_AT_A_TIP: Final = (16, 3)  # of its functions: one for each patch, or gathered
 SPACINGS_OF_A_POINT: Final = 2.0  # along a crack, of contact points
 MOST_SHARE: Final = 0.9  # of the machine's memory: others need some, too
 
@@ -32,7 +32,8 @@ class Outlook:
     def words(self) -> str:
         """What to expect, on a line."""
         later = f", {_seconds(self.cost.later_step)} each of {self.cost.n_later} more" if self.cost.n_later else ""
-        return f"{self.needs}, {_seconds(self.cost.first_step)} of CPU for the first step{later}"
+        first = f"{_seconds(self.cost.first_step)} of CPU for the first step"
+        return f"about {_memory(self.cost.memory)} of memory, {first}{later}"
 
     @property
     def needs(self) -> str:
@@ -64,7 +65,7 @@ def outlook(case: Case) -> Outlook:
     nodes = estimated_nodes(case) + _n_halved(case)
     tips = sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
     tiles = 1 if support % 1.0 == 0.0 else 4 if support % 0.5 == 0.0 else 9  # of a cell, cut by the edges of patches
-    elements, singular = nodes * tiles, SINGULAR_AT_A_TIP * tips
+    elements, singular = nodes * tiles, CARRIERS_AT_A_TIP[case.numerics.gathers_tip_functions] * tips
     lines = [crack.points for crack in case.cracks if crack.contact is not None]
     lines += [line for interface in case.interfaces for line in interface.lines]
     length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)

@@ -34,7 +34,7 @@ class Sizes:
 
     n_dofs: int
     n_patches: int  # physical
-    n_singular: int  # pairs of a tip and a patch that carries its functions
+    n_singular: int  # carriers of tip functions
     n_tips: int
     n_elements: int
     n_pairs: int  # of the physical patches that meet on an element, over all elements
@@ -42,6 +42,7 @@ class Sizes:
     n_multipliers: int  # of supports and bonds
     surfaces: tuple[SurfacePlan, ...]
     cautions: tuple[Caution, ...]
+    n_gathered: int = 0  # tips whose functions are gathered
     cells: tuple[tuple[float, int], ...] = ()  # sides (m) of cells that rock lies in, largest first, and their numbers
 
     @property
@@ -68,7 +69,7 @@ def sizes_of(case: Case) -> Sizes:
     return Sizes(
         n_dofs=cover.n_dofs,
         n_patches=len(cover.patch_nodes),
-        n_singular=sum(len(tip.patches) for tip in cover.tips),
+        n_singular=sum(tip.carriers.n for tip in cover.tips),
         n_tips=len(cover.tips),
         n_elements=cover.elements.n,
         n_pairs=int((cover.patches.of_element.counts**2).sum()),
@@ -76,6 +77,7 @@ def sizes_of(case: Case) -> Sizes:
         n_multipliers=len(held.given),
         surfaces=surfaces,
         cautions=tuple(known),
+        n_gathered=sum(tip.carriers.gathered for tip in cover.tips),
         cells=_cells(cover),
     )
 

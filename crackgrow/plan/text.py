@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import asdict
 
 from crackgrow.case.model import Case
 from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
@@ -20,16 +20,32 @@ def plan_text(case: Case) -> str:
     """Lines of text: the overview of the case, the model of step 0, its cost, warnings. Raises GeometryError."""
     sizes = sizes_of(case)
     cost = estimated_cost(case, sizes)
-    warnings = _warnings([*sizes.cautions, *_memory_cautions(cost)])
+    warnings = [f"warning: {text}" for text in _warnings(sizes, cost)] or ["no warnings"]
     return "\n".join([overview(case), *_model(case, sizes), *_cost(case, cost), *warnings])
+
+
+def plan_record(case: Case) -> dict[str, object]:
+    """The model of step 0, its cost and the warnings, in what JSON can hold; s, MiB, m. Raises GeometryError."""
+    sizes = sizes_of(case)
+    cost = estimated_cost(case, sizes)
+    known = asdict(sizes)
+    return {
+        "case": case.name,
+        "title": case.title,
+        "spacing": case.numerics.spacing,
+        "model": {name: value for name, value in known.items() if name != "cautions"},
+        "cost": {**asdict(cost), "total": cost.total},
+        "warnings": _warnings(sizes, cost),
+    }
 
 
 def _model(case: Case, sizes: Sizes) -> list[str]:
     standard, singular = 2 * sizes.n_patches, 8 * sizes.n_singular
+    gathered = f" (gathered at {sizes.n_gathered})" if sizes.n_gathered else ""
     lines = [
         "model of step 0:",
         f"  {sizes.n_dofs} dofs: {standard} of {sizes.n_patches} physical patches"
-        + (f", {singular} of {sizes.n_singular} singular patches at {counted(sizes.n_tips, 'tip')}" if singular else "")
+        + (f", {singular} of tip functions at {counted(sizes.n_tips, 'tip')}{gathered}" if singular else "")
         + f"; {sizes.n_elements} manifold elements",
         f"  {counted(sizes.n_multipliers, 'multiplier')} for supports and bonds",
     ]
@@ -81,10 +97,10 @@ def _memory_cautions(cost: Cost) -> list[Caution]:
     return [Caution(Cause.MEMORY, words)]
 
 
-def _warnings(cautions: Sequence[Caution]) -> list[str]:
+def _warnings(sizes: Sizes, cost: Cost) -> list[str]:
     gathered = Gathered()
-    gathered.add(0, cautions)
-    return [f"warning: {text}" for text in gathered.sentences(with_steps=False)] or ["no warnings"]
+    gathered.add(0, [*sizes.cautions, *_memory_cautions(cost)])
+    return list(gathered.sentences(with_steps=False))
 
 
 def _seconds(value: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 from datetime import datetime
@@ -9,11 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crackgrow.results.atomic import append_text, write_text
+from crackgrow.results.units import INTENSITIES, LENGTHS, unit_of
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
-    from crackgrow.run.result import Event, StepResult
+    from crackgrow.run.result import Event, StepResult, TipResult
 
 
+MOST_TIPS = 3  # that a line tells of
 FIRST_LINE = re.compile(rb" *\d+\.\d\d s  crackgrow \S+, case ")
 
 
@@ -82,6 +85,43 @@ def step_line(result: StepResult, n_steps: int | None) -> str:
             f"{sum(result.seconds.values()):.2f} s",
         ]
     )
+
+
+def told_line(result: StepResult, n_steps: int | None) -> str:
+    """One line on a solved step for who looks on: load factor, the tips that advanced or else the largest K, length."""
+    moved = [tip for tip in result.tips if tip.advanced]
+    known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
+    largest = max(known, key=lambda tip: float(f"{math.hypot(tip.K_I, tip.K_II):.6g}"), default=None)  # not round-off
+    shown = moved or ([largest] if largest else [])
+    arrested = bool(result.tips) and not moved and n_steps is not None
+    return ", ".join(
+        [
+            step_label(result.step, n_steps),
+            f"load factor {result.load_factor:.4g}",
+            *(["no tip advanced"] if arrested else []),
+            *(_tip_words(tip) for tip in shown[:MOST_TIPS]),
+            *([f"{len(shown) - MOST_TIPS} more"] if len(shown) > MOST_TIPS else []),
+            *length_words(result),
+        ]
+    )
+
+
+def _tip_words(tip: TipResult) -> str:
+    """A tip with its K in one unit, to three digits of the larger one."""
+    size, unit = unit_of((tip.K_I, tip.K_II), INTENSITIES)
+    largest = max((abs(K) / size for K in (tip.K_I, tip.K_II) if math.isfinite(K)), default=0.0)
+    decimals = max(0, 2 - math.floor(math.log10(largest))) if largest >= 1.0 else 3
+    values = (f"{round(K / size, decimals) + 0.0:.{decimals}f}" for K in (tip.K_I, tip.K_II))
+    branch = f" ({tip.criterion})" if tip.advanced else ""
+    return f"{tip.crack} {tip.tip}{branch} K_I {' K_II '.join(values)} {unit.replace('√m', ' sqrt(m)')}"
+
+
+def length_words(result: StepResult) -> list[str]:
+    """How long the cracks are; empty where there are none."""
+    if not result.cracks:
+        return []
+    size, unit = unit_of([result.crack_length], LENGTHS)
+    return [f"cracks {result.crack_length / size:.4g} {unit.replace('µ', 'u')} long"]
 
 
 def event_line(event: Event) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from crackgrow.results.gathered import Gathered
-from crackgrow.results.log import counted, event_line, step_label, step_line
+from crackgrow.results.log import counted, event_line, length_words, step_label, told_line
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.case.model import Case
@@ -49,9 +49,10 @@ class Progress:
         self._times.append(time.perf_counter())
         self._warnings.add(result.step, result.cautions)
         if self._width is None:
-            self._say(step_line(result, self._n_steps), "\n")
+            self._say(told_line(result, self._n_steps), "\n")
         advances = f", {counted(self._n_advances, 'tip advance')}" if self._n_steps is not None else ""
-        self._show_live(result.step, f"{advances}, {counted(result.contact_iterations, 'contact iteration')}")
+        what = [f"load factor {result.load_factor:.4g}", *length_words(result)]
+        self._show_live(result.step, f", {', '.join(what)}{advances}")
         self.tell(result.events)
 
     def tell(self, events: Sequence[Event]) -> None:

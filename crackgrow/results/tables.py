@@ -6,24 +6,19 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from zlib import crc32
 
+from crackgrow.results import declarations
 from crackgrow.results.atomic import append_text, write_text
+from crackgrow.results.declarations import PHASES
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, History, StepResult
 
 Value = str | bool | int | float
 
-TIPS = ("step", "crack", "tip", "x", "y", "K_I", "K_II", "sigma_1", "sigma_3", "criterion", "kink_deg", "advanced",
-        "load_factor", "K_I_error", "K_II_error", "K_radius", "K_note", "K_I_faces", "K_II_faces", "K_I_spread",
-        "K_II_spread", "cell_size")  # fmt: skip
-PATHS = ("crack", "vertex", "x", "y", "step")
-CONTACT = ("step", "crack", "s", "x", "y", "normal_traction", "tangential_traction", "opening", "slip", "state",
-           "mean_opening", "mean_slip")  # fmt: skip
-EVENTS = ("step", "kind", "crack", "tip", "x", "y", "met")
-REACTIONS = ("step", "where", "force_x", "force_y", "load_factor")
-PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
-STEPS = ("step", "n_dofs", "n_contact", "contact_iterations", "factorizations", "residual", "penetration",
-         *(f"seconds_{phase}" for phase in PHASES),
-         "load_factor", "contact_status", "complementarity", "overlap", "work", "strain_energy", "dissipation",
-         "released_energy", "energy_error", "load_displacement", "crack_length", "overlap_share")  # fmt: skip
+TIPS = declarations.TIPS.header
+PATHS = declarations.PATHS.header
+CONTACT = declarations.CONTACT.header
+EVENTS = declarations.EVENTS.header
+REACTIONS = declarations.REACTIONS.header
+STEPS = declarations.STEPS.header
 
 
 Mark = tuple[int, int]

@@ -305,7 +305,8 @@ def crack_geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeome
     first, last = np.flatnonzero(growing.steps == 0)[[0, -1]]
     given = shapely.get_coordinates(shapely.simplify(shapely.LineString(points[first : last + 1]), ON_LINE))
     points = np.concatenate([points[:first], given, points[last + 1 :]])
-    return CrackGeometry(growing.crack.name, points, inside[0], inside[1])
+    gathered = scene.case.numerics.gathers_tip_functions
+    return CrackGeometry(growing.crack.name, points, inside[0], inside[1], gathered=gathered)
 
 
 def _faces(scene: Scene, cover: Cover) -> ContactFaces:

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, PRESETS
+from crackgrow.case.accuracy import AUTO, PRESETS, Preset
 from crackgrow.case.features import line_length, stretches
 from crackgrow.case.model import ContactSupport, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.case.toughness import length_of_average
@@ -27,6 +27,9 @@ from crackgrow.run.scene import Scene
 
 Asking = Iterator[tuple[shapely.Geometry, float]]
 """Places and the largest cells that they allow, both in lattice units."""
+
+ROUGHEST = 4.0
+"""Jogs of a rough line, and hardly any room, get no smaller cells than the middle of a line so many times shorter."""
 
 SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
@@ -55,13 +58,13 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     preset, spacing = PRESETS[scene.case.numerics.accuracy], scene.lattice.spacing
     others = _Others(scene, cracks)
     for number, points in tips:
-        crack, grown = cracks[number], np.inf
+        grown = np.inf
         if growth is not None and growth.steps > 0:
             radius = length_of_average(growth, scene.case.bodies[scene.crack_bodies[number]].strength)
             grown = min(growth.increment / preset.per_increment, radius / preset.per_radius) / spacing
-        size = min(grown, line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
-        room = others.nearest(crack, points[0], size * preset.per_room)
-        yield shapely.Point(points[0]), min(size, room / preset.per_room)
+        size = min(line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
+        room = others.nearest(cracks[number], points[0], size * preset.per_room) / preset.per_room
+        yield shapely.Point(points[0]), min(grown, max(min(size, room), _least(points, preset)))
 
 
 def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
@@ -71,6 +74,7 @@ def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         sharp, parts = stretches(line.points)
         beside = np.sort([parts[:-1], parts[1:]], axis=0)
         sizes = np.minimum(beside[0] / preset.per_stretch, beside[1] / preset.per_longer)
+        sizes = np.maximum(sizes, _least(line.points, preset))
         for place, size in zip(sharp.tolist(), sizes.tolist(), strict=True):
             yield shapely.Point(line.points[place]), size if halvings == AUTO else 0.5**halvings
     for crack in cracks:
@@ -109,6 +113,11 @@ class _Others:
         tip, own = shapely.Point(place), self._number[crack.name]
         near = self._tree.query(tip, "dwithin", distance=reach)
         return float(shapely.distance(tip, self._lines[near[near != own]]).min(initial=np.inf))
+
+
+def _least(points: Floats, preset: Preset) -> float:
+    """The smallest size that jogs and room ask for along a line."""
+    return line_length(points) / (ROUGHEST * preset.per_longer)
 
 
 def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[tuple[Floats, float]]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Final
 
+from crackgrow.results.declarations import Column, File
 from crackgrow.results.tables import Value, format_value
 from crackgrow.study.comparison import Comparison, Deviation, Pair, Place
 from crackgrow.study.path_files import PathSet
@@ -14,11 +16,33 @@ MOST_MILLIMETRES = 1.0  # m, of the longest part: from there on lengths are prin
 HEADINGS = ("crack", "part", "length A", "length B", "Hausdorff", "Frechet", "ends apart",
             "worst at, in A", "along", "step", "in B", "along", "step")  # fmt: skip
 N_WORDS = 2  # columns of words come first, left-aligned
-CSV_COLUMNS = (
-    "crack", "part", "length_a", "length_b", "hausdorff", "frechet", "end_distance",
-    "x_a", "y_a", "s_a", "step_a", "x_b", "y_b", "s_b", "step_b",
-    "common_length_a", "common_length_b", "common_hausdorff", "common_frechet", "verdict",
-)  # fmt: skip
+CSV: Final = File(
+    "--csv FILE",
+    "a row for each part of each crack that `crackgrow compare` has compared; empty where there is no value",
+    (
+        Column("crack", "", "name of the crack"),
+        Column("part", "", "`given`, `start`, `end`; `path` of a file without steps; or `only in A`, `only in B`"),
+        Column("length_a", "m", "length of the part in A"),
+        Column("length_b", "m", "length of the part in B"),
+        Column("hausdorff", "m", "largest distance of a point of either path from the other"),
+        Column("frechet", "m", "the same for points in the order of the paths"),
+        Column("end_distance", "m", "distance of the tips"),
+        Column("x_a", "m", "where the Hausdorff distance is, in A"),
+        Column("y_a", "m", "where the Hausdorff distance is, in A"),
+        Column("s_a", "m", "arc length of that place from the root of the part"),
+        Column("step_a", "", "step whose advance made that place"),
+        Column("x_b", "m", "where the Hausdorff distance is, in B"),
+        Column("y_b", "m", "where the Hausdorff distance is, in B"),
+        Column("s_b", "m", "arc length of that place from the root of the part"),
+        Column("step_b", "", "step whose advance made that place"),
+        Column("common_length_a", "m", "length in A of the part that both have"),
+        Column("common_length_b", "m", "length in B of the part that both have"),
+        Column("common_hausdorff", "m", "Hausdorff distance over the part that both have"),
+        Column("common_frechet", "m", "Frechet distance over the part that both have"),
+        Column("verdict", "", "`within` or `beyond` the tolerance; empty without one"),
+    ),
+)
+CSV_COLUMNS: Final = CSV.header
 
 
 def comparison_text(comparison: Comparison) -> str:
@@ -46,6 +70,29 @@ def comparison_csv(comparison: Comparison) -> str:
     blank = [""] * (len(CSV_COLUMNS) - 3)
     rows += [(crack, f"only in {name}", *blank, "beyond" if judged else "") for crack, name in comparison.in_one_only]
     return "".join(",".join(format_value(value) for value in row) + "\n" for row in rows)
+
+
+def comparison_record(comparison: Comparison) -> dict[str, object]:
+    """All of it in what JSON can hold, SI: the rows of the CSV with null where there is no value."""
+    beyond = comparison.beyond
+    rows = [
+        {**dict(zip(CSV_COLUMNS, (value if value != "" else None for value in _pair_values(pair)), strict=False)),
+         "beyond": pair in beyond}
+        for pair in comparison.pairs
+    ]  # fmt: skip
+    a, b = comparison.a.settings or {}, comparison.b.settings or {}
+    return {
+        "a": {"source": str(comparison.a.source), "status": comparison.a.status},
+        "b": {"source": str(comparison.b.source), "status": comparison.b.status},
+        "settings": {
+            key: {"a": a.get(key), "b": b.get(key)} for key in dict.fromkeys([*a, *b]) if a.get(key) != b.get(key)
+        },
+        "tolerance": comparison.tolerance,
+        "agrees": comparison.agrees,
+        "parts": rows,
+        "only_in_a": list(comparison.only_in_a),
+        "only_in_b": list(comparison.only_in_b),
+    }
 
 
 class _Lengths:

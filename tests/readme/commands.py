@@ -1,4 +1,4 @@
-"""The commands that README.md shows.
+"""The commands that a README shows.
 
 An indented block holds shell commands, one a line, or longer with a backslash at the end. A fenced block says what it
 is: `sh` the same, `console` commands after `$ ` with what they print below, `python` a program; other words are text.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 INDENT = "    "
 FENCE = "```"
@@ -18,27 +18,33 @@ COMMENT = re.compile(r"\s+# .*$")
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A command of the README."""
+    """A command of a README."""
 
     text: str
     line: int  # of the README, counted from 1
     language: str  # sh | python
     prints: tuple[str, ...] = ()  # lines that the README shows of its output
+    file: str = "README.md"
+
+    @property
+    def place(self) -> str:
+        """Where it stands."""
+        return f"{self.file}:{self.line}"
 
 
-def commands(readme: str) -> list[Command]:
-    """All commands, in order; raises ValueError for a fenced block whose word is none of those above."""
+def commands(readme: str, file: str = "README.md") -> list[Command]:
+    """All commands of a README, in order; raises ValueError for a block that is none of those above."""
     found: list[Command] = []
     for line, language, block in _blocks(readme.splitlines()):
         if language == "sh":
-            found.extend(_shell(block, line))
+            found.extend(_shell(block, line, file))
         elif language == "console":
             found.extend(_console(block, line))
         elif language == "python":
             found.append(Command("\n".join(block), line, "python"))
         elif language not in TEXTS:
-            raise ValueError(f"README.md:{line}: a block of {language!r}: wanted is sh, console, python, {TEXTS}")
-    return found
+            raise ValueError(f"{file}:{line}: a block of {language!r}: wanted is sh, console, python, {TEXTS}")
+    return [replace(command, file=file) for command in found]
 
 
 def _blocks(lines: list[str]) -> Iterator[tuple[int, str, list[str]]]:
@@ -56,7 +62,7 @@ def _blocks(lines: list[str]) -> Iterator[tuple[int, str, list[str]]]:
         number += 1
 
 
-def _shell(block: list[str], line: int) -> Iterator[Command]:
+def _shell(block: list[str], line: int, file: str) -> Iterator[Command]:
     text, begun = "", line
     for number, part in enumerate(block, line):
         begun = begun if text else number
@@ -67,7 +73,7 @@ def _shell(block: list[str], line: int) -> Iterator[Command]:
             yield Command(text, begun, "sh")
             text = ""
     if text:
-        raise ValueError(f"README.md:{begun}: the command goes on after its block")
+        raise ValueError(f"{file}:{begun}: the command goes on after its block")
 
 
 def _console(block: list[str], line: int) -> Iterator[Command]:

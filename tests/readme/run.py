@@ -1,6 +1,6 @@
-"""Run the commands of README.md, in its order, in a copy of the checkout. Exit code 1: one of them fails.
+"""Run the commands of all READMEs, in their order, in a copy of the checkout. Exit code 1: one of them fails.
 
-python -m tests.readme.run [--all]
+python -m tests.readme.run [--all] [--only FILE ...]
 """
 
 from __future__ import annotations
@@ -22,6 +22,13 @@ from tests.readme.commands import Command, commands
 
 ROOT = Path(__file__).resolve().parents[2]
 
+READMES = (
+    "README.md", "cases/README.md", "cases/PYTHON.md", "cases/GLOSSARY.md", "cases/sweeps/README.md",
+    "outputs/README.md", "crackgrow/README.md", "tests/README.md", "tests/verification/README.md",
+    "tests/benchmarks/README.md", "tests/stability/README.md",
+)  # fmt: skip
+"""All that is written for people, in the order in which one may read it; later ones use results of earlier ones."""
+
 NEEDS_A_WINDOW = (
     "paraview outputs/compression30/compression30.pvd",
     "paraview outputs/my_rock/my_rock.pvd",
@@ -37,13 +44,15 @@ LONG = (
 )
 """Minutes each: only with --all."""
 
-EXIT_CODES = {'crackgrow compare outputs/coarse outputs/compression30 --tolerance "0.15 mm"': 1}
+EXIT_CODES = {'crackgrow compare outputs/coarse outputs/compression30 --tolerance "0.15 mm"': 4}
 """Of commands that are meant to end otherwise than with 0."""
 
 BESIDE = " &"
 """How a command ends that the next ones need running: it must run until all are done."""
 
-COPIED = ("Makefile", "README.md", "pyproject.toml", ".requirements.lock", "crackgrow", "cases", "tests")
+COPIED = (
+    "Makefile", "README.md", "pyproject.toml", ".requirements.lock", "crackgrow", "cases", "tests", "outputs/README.md",
+)  # fmt: skip
 TIMEOUT = 1800  # s
 SHOWN_LINES = 30  # of a command that fails, its last ones
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
@@ -53,27 +62,32 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the commands; returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--all", action="store_true", help="the long ones too")
-    left_out = NEEDS_A_WINDOW if parser.parse_args(argv).all else (*NEEDS_A_WINDOW, *LONG)
+    parser.add_argument("--only", nargs="+", choices=READMES, metavar="FILE", help="the commands of these alone")
+    arguments = parser.parse_args(argv)
+    left_out = NEEDS_A_WINDOW if arguments.all else (*NEEDS_A_WINDOW, *LONG)
     failed, n_run = 0, 0
     with tempfile.TemporaryDirectory() as name, ExitStack() as beside:
         folder = checkout(Path(name))
-        for command in commands((ROOT / "README.md").read_text(encoding="utf-8")):
+        for command in all_commands(arguments.only or READMES):
             if command.text in left_out:
-                print(f"README.md:{command.line}: left out: {command.text}", flush=True)
+                print(f"{command.place}: left out: {command.text}", flush=True)
                 continue
             if command.text.endswith(BESIDE):
-                print(f"README.md:{command.line}: runs beside the next ones: {command.text}", flush=True)
+                print(f"{command.place}: runs beside the next ones: {command.text}", flush=True)
                 beside.enter_context(run_beside(command, folder))
                 continue
             started = time.perf_counter()
             fault = fault_of(command, folder)
             words = f"FAILED, {fault}" if fault else "done"
-            print(
-                f"README.md:{command.line}: {time.perf_counter() - started:.0f} s, {words}: {command.text}", flush=True
-            )
+            print(f"{command.place}: {time.perf_counter() - started:.0f} s, {words}: {command.text}", flush=True)
             failed, n_run = failed + bool(fault), n_run + 1
     print(f"{n_run - failed} passed, {failed} failed")
     return 1 if failed else 0
+
+
+def all_commands(files: Sequence[str] = READMES) -> list[Command]:
+    """The commands of some READMEs, in order."""
+    return [command for file in files for command in commands((ROOT / file).read_text(encoding="utf-8"), file)]
 
 
 def checkout(folder: Path) -> Path:
@@ -82,6 +96,7 @@ def checkout(folder: Path) -> Path:
         if (ROOT / name).is_dir():
             shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
         else:
+            (folder / name).parent.mkdir(exist_ok=True)
             shutil.copy2(ROOT / name, folder / name)  # with its time, which says whether the environment is up to date
     (folder / ".venv").symlink_to(ROOT / ".venv")
     return folder
@@ -113,7 +128,7 @@ def run_beside(command: Command, folder: Path) -> Iterator[None]:
     try:
         yield
         if process.poll() is not None:
-            raise RuntimeError(f"README.md:{command.line}: ended with exit code {process.returncode}: {command.text}")
+            raise RuntimeError(f"{command.place}: ended with exit code {process.returncode}: {command.text}")
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGTERM)  # with the processes it has begun

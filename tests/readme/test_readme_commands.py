@@ -1,4 +1,4 @@
-"""What is taken for a command of the README, and that the lists of those not run name nothing else."""
+"""What is taken for a command of a README, and that the lists of those not run name nothing else."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.readme.commands import Command, commands
-from tests.readme.run import EXIT_CODES, LONG, NEEDS_A_WINDOW, ROOT, fault_of, run_beside
-
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+from tests.readme.run import EXIT_CODES, LONG, NEEDS_A_WINDOW, READMES, ROOT, all_commands, fault_of, run_beside
 
 
 def test_indented_lines_are_shell_commands() -> None:
@@ -62,12 +60,18 @@ def test_command_beside_others_runs_until_they_are_done(tmp_path: Path) -> None:
         fault_of(Command("sleep 0.5", 2, "sh"), tmp_path)
 
 
-def test_lists_name_commands_of_the_readme() -> None:
-    shown = {command.text for command in commands(README)}
+def test_lists_name_commands_of_the_readmes() -> None:
+    shown = {command.text for command in all_commands()}
     assert {*NEEDS_A_WINDOW, *LONG, *EXIT_CODES} - shown == set()
 
 
-def test_most_of_the_readme_is_run() -> None:
-    shown = commands(README)
+def test_every_readme_is_run() -> None:
+    files = (path.relative_to(ROOT) for path in ROOT.rglob("README.md"))
+    written = {str(file) for file in files if not any(part.startswith(".") for part in file.parts)}
+    assert written <= set(READMES)
+
+
+def test_most_commands_are_run() -> None:
+    shown = all_commands()
     assert {"make run CASE=compression30"} <= {command.text for command in shown}
     assert len(shown) > 2 * len({*NEEDS_A_WINDOW, *LONG})

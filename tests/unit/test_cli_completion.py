@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from crackgrow.cli.command_line import _parser
+from crackgrow.cli.command_line import command_line
 from crackgrow.cli.completion import SHELLS, completion_script
 
 
 def completed(line: list[str], folder: Path) -> set[str]:
     """What bash offers for the last word of a command line."""
-    (folder / "script").write_text(completion_script(_parser(), "bash"))
+    (folder / "script").write_text(completion_script(command_line(), "bash"))
     words = " ".join(f"'{word}'" for word in line)
     ask = f"source ./script; COMP_WORDS=({words}); COMP_CWORD={len(line) - 1}; _crackgrow; "
     ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
@@ -52,7 +52,7 @@ def test_bash_completes(line: list[str], offered: set[str], folder: Path) -> Non
 
 
 def test_bash_escapes_spaces_in_names_as_they_are_typed(folder: Path) -> None:
-    (folder / "script").write_text(completion_script(_parser(), "bash"))
+    (folder / "script").write_text(completion_script(command_line(), "bash"))
     (folder / "shown").write_text("crackgrow() { printf '<%s>' \"$@\"; echo ' shown'; }\n")
     typed = b". ./script; . ./shown\ncrackgrow run cases/my\t\nexit\n"
     controller, terminal = pty.openpty()
@@ -69,7 +69,7 @@ def test_bash_escapes_spaces_in_names_as_they_are_typed(folder: Path) -> None:
 
 @pytest.mark.parametrize("shell", SHELLS)
 def test_every_command_and_option_is_there(shell: str) -> None:
-    script = completion_script(_parser(), shell)
+    script = completion_script(command_line(), shell)
     for word in ("run", "check", "compare", "new", "schema", "completion", "resume", "picture", "template", "version"):
         assert word in script
 
@@ -77,5 +77,5 @@ def test_every_command_and_option_is_there(shell: str) -> None:
 def test_every_command_has_examples_or_is_plain(capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("run", "check", "compare", "stability", "trade", "new", "schema", "completion"):
         with pytest.raises(SystemExit):
-            _parser().parse_args([name, "--help"])
+            command_line().parse_args([name, "--help"])
         assert "examples:" in capsys.readouterr().out, name

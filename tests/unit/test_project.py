@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import crackgrow
+from tests.conftest import PHYSICS, is_physics
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -46,17 +47,37 @@ def test_the_version_stands_in_one_place_and_the_citation_has_it() -> None:
     assert re.findall(r"version = \{(.*)\}", text) == [crackgrow.__version__]
 
 
+@pytest.mark.parametrize("begin", PHYSICS)
+def test_tests_that_solve_for_long_are_there(begin: str) -> None:
+    file, _, name = begin.partition("::")
+    place = ROOT / "tests" / file
+    if file.endswith("/"):
+        assert list(place.rglob("test_*.py"))
+    else:
+        assert f"def {name or 'test_'}" in place.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("name", "physics"), [
+    ("properties/test_a.py::test_b", True), ("unit/run/test_a.py::test_b", True),
+    ("unit/cover/test_a.py::test_b", False), ("unit/results/test_report.py::test_a_long_run[1]", True),
+    ("unit/results/test_report.py::test_short", False),
+])  # fmt: skip
+def test_tiers_are_told_apart_by_the_names_of_tests(name: str, physics: bool) -> None:
+    file, _, test = name.partition("::")
+    assert is_physics(ROOT / "tests" / file, test) == physics
+
+
 @pytest.mark.parametrize(("target", "answer", "stays"), [
     ("clean", "", True), ("clean-outputs", "", True), ("clean-outputs", "n\n", True), ("clean-outputs", "y\n", False),
 ])  # fmt: skip
 def test_results_go_only_where_the_user_says_so(target: str, answer: str, stays: bool, tmp_path: Path) -> None:
     shutil.copy(ROOT / "Makefile", tmp_path)
     result, cache = tmp_path / "outputs" / "mine" / "summary.json", tmp_path / ".pytest_cache" / "x"
-    for file in (result, cache, tmp_path / "outputs" / ".gitkeep"):
+    for file in (result, cache, tmp_path / "outputs" / "README.md"):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text("mine")
     done = subprocess.run(["make", target], cwd=tmp_path, input=answer, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert result.exists() == stays
-    assert (tmp_path / "outputs" / ".gitkeep").exists()
+    assert (tmp_path / "outputs" / "README.md").exists()
     assert cache.exists() == (target != "clean")

@@ -7,12 +7,33 @@ import io
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import fields
 from itertools import groupby
+from typing import Final
 
+from crackgrow.results.declarations import Column, File
 from crackgrow.study.stability.trial import Row
 
-COLUMNS = (*(field.name for field in fields(Row) if field.name not in ("refusable",)), "verdict")
+FILE: Final = File(
+    "stability.csv",
+    "a row for each scene that `crackgrow stability` has taken to an extreme; `stability.md` is the same for reading, "
+    "`stability.png` draws it",
+    (
+        Column("axis", "", "what is taken to extremes"),
+        Column("value", "", "its value"),
+        Column("compared", "", "what is held against what"),
+        Column("deviation", "", "how far the result is off"),
+        Column("tolerance", "", "how far it may be off, relative"),
+        Column("condition", "", "estimate of the condition number of the scaled stiffness"),
+        Column("iterations", "", "iterations of the contact solver; -1 where nothing was solved"),
+        Column("residual", "", "what equilibrium misses, relative"),
+        Column("status", "", "`solved`, `warned` (of more than at the usual value), `refused` or `crashed`"),
+        Column("reason", "", "why the scene was refused, or what the program warned of"),
+        Column("seconds", "s", "wall time"),
+        Column("verdict", "", "`yes`: within the tolerance; `said`: no good or refused, and the program says so; "
+               "`NO`: neither"),
+    ),
+)  # fmt: skip
+COLUMNS: Final = FILE.header
 
 LONGEST_REASON = 160  # characters in Markdown; the CSV has all of it
 

@@ -15,8 +15,9 @@ from matplotlib.lines import Line2D
 
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.style import own_style
+from crackgrow.study.trade.columns import ENERGY, ERRORS
 from crackgrow.study.trade.pareto import pareto_front
-from crackgrow.study.trade.row import ENERGY, ERRORS, REFERENCE, Row
+from crackgrow.study.trade.row import REFERENCE, Row
 
 TIME = "cpu_seconds"
 LABELS = {

@@ -7,28 +7,21 @@ import io
 import json
 import statistics
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from crackgrow.case import Case
 from crackgrow.errors import CaseError, Fault
+from crackgrow.results.declarations import PHASES
 from crackgrow.results.resume import FINISHED
 from crackgrow.study.cells import cell_text
+from crackgrow.study.trade.columns import COLUMNS, ENERGY
 from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.measures import NO_ERRORS, Errors
 from crackgrow.study.trade.worker import Cost
 
 REFERENCE = "reference"  # the name of its row
-PHASES = ("cover", "assembly", "factorize", "contact", "criterion", "output")
-SETTINGS = (
-    "accuracy", "spacing", "support", "quadrature", "contact_spacing", "stiffness", "solver", "tip_radius", "increment",
-)  # fmt: skip
-ENERGY = ("true_energy_error", "error_estimate")  # of the same norm, against the reference and by the run itself
-ERRORS = tuple(field.name for field in fields(Errors))
-COSTS = ("cpu_seconds", "wall_seconds", "cpu_first_step", "cpu_step", "wall_first_step", "wall_step",
-         *(f"wall_{phase}" for phase in PHASES), "peak_memory_mb")  # fmt: skip
-COLUMNS = ("setting", "preset", *SETTINGS, "status", "reason", "steps", "n_dofs", *ERRORS, *ENERGY, *COSTS, "repeats")
 
 NAN = float("nan")
 Value = str | float | int | None

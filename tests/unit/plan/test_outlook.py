@@ -34,7 +34,8 @@ def test_guess_is_near_to_the_count(name: str, settings: list[str]) -> None:
     counted = estimated_cost(case, sizes)
     assert found.cost.memory == pytest.approx(counted.memory, rel=0.3)
     assert counted.first_step / 2.0 < found.cost.first_step < 2.0 * counted.first_step
-    assert f"about {found.n_dofs} dofs, " in found.words
+    assert f"about {found.n_dofs} dofs, " in found.needs
+    assert "dofs" not in found.words
 
 
 def test_a_scene_that_takes_minutes_to_lay_out_is_guessed_at_once_and_warned_of(

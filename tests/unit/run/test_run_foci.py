@@ -136,6 +136,14 @@ def test_automatic_cells_at_a_kink_follow_both_parts_beside_it() -> None:
     assert size_at(cover, (0.0, 0.0)) == halved_to(wanted, cover.lattice.spacing)
 
 
+def test_a_rough_crack_gets_no_cells_for_each_of_its_jogs() -> None:
+    x = np.linspace(-8.0, 8.0, 81)
+    points = np.column_stack([x, 0.05 * (-1.0) ** np.arange(81)])
+    cover = cover_of(case("compression30", AUTO, "growth.steps=0", f"cracks.flaw.path={{points: {points.tolist()}}}"))
+    assert cover.lattice.cells.size.min() / cover.lattice.cells.size.max() >= 0.5 * 0.016 / 200.0 / 0.0031
+    assert cover.n_dofs < 20_000
+
+
 def test_automatic_cells_along_a_hole_follow_its_width() -> None:
     hole = "bodies.rock.shape.holes=[{disk: {center: [0, 12], radius: 1}}]"
     cover = cover_of(case("compression30", AUTO, FLAW, "growth.steps=0", hole))

@@ -341,7 +341,7 @@ def test_exit_code_and_last_line_tell_of_the_tolerance(tmp_path: Path, capsys: p
     assert out[-1].startswith("largest: Hausdorff 0.300 mm, Frechet 0.300 mm, flaw end: (7.000, ")
     assert cli.main(["compare", a, b, "--tolerance", "0.31 mm"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "within the tolerance of 0.310 mm"
-    assert cli.main(["compare", a, b, "--tolerance", "0.00029"]) == 1
+    assert cli.main(["compare", a, b, "--tolerance", "0.00029"]) == 4
     assert capsys.readouterr().out.splitlines()[-1] == "beyond the tolerance of 0.290 mm: flaw end (0.300 mm)"
     assert cli.main(["compare", a, b, "--tolerance", "0.3 bananas"]) == 2
     assert capsys.readouterr().err.startswith("--tolerance: '0.3 bananas' has an unknown unit; allowed is a length")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ from crackgrow.study.stability.measures import everything, overall
 from crackgrow.study.stability.placed import mirrored, moved, placed, scaled, turned
 from crackgrow.study.stability.scenes import Scenes
 from crackgrow.study.stability.solved import Solved, solved
-from crackgrow.study.stability.table import csv_text, summary_text
+from crackgrow.study.stability.table import COLUMNS, csv_text, summary_text
 from crackgrow.study.stability.trial import Row, Trial, evaluate
 from crackgrow.study.stability.writer import write_stability
 
@@ -125,6 +125,10 @@ def test_files_are_written(tmp_path: Path) -> None:
         "stability.png",
     ]
     assert "why / not" in (tmp_path / "new" / "stability.md").read_text(encoding="utf-8")
+
+
+def test_all_that_is_known_of_a_row_is_a_column() -> None:
+    assert set(COLUMNS) == {field.name for field in fields(Row)} - {"refusable"} | {"verdict"}
 
 
 def test_a_NO_is_the_exit_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, flaw: Solved) -> None:

@@ -274,7 +274,7 @@ def test_recipe_for_slurm_needs_no_more_of_its_cluster_than_an_address(
         def scale(self, jobs: int) -> None:
             assert jobs > 0
 
-    scripts = (ROOT / "README.md").read_text(encoding="utf-8").split("```text\n")[1:]
+    scripts = (ROOT / "cases/sweeps/README.md").read_text(encoding="utf-8").split("```text\n")[1:]
     script = next(text for text in scripts if "SLURMCluster" in text).split("```")[0]
     monkeypatch.setitem(sys.modules, "dask_jobqueue", SimpleNamespace(SLURMCluster=Cluster))
     monkeypatch.chdir(tmp_path)

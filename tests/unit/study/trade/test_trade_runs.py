@@ -11,11 +11,13 @@ import pytest
 from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, SolveError
+from crackgrow.results.declarations import PHASES
 from crackgrow.study.trade import process
+from crackgrow.study.trade.columns import COLUMNS
 from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.plan import Plan, plan_trade
 from crackgrow.study.trade.process import median_cost, run_in_processes
-from crackgrow.study.trade.row import COLUMNS, PHASES, Row, Run, read_rows, row_of
+from crackgrow.study.trade.row import Row, Run, read_rows, row_of
 from crackgrow.study.trade.runner import trade
 from crackgrow.study.trade.worker import Cost
 

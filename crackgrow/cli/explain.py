@@ -1,0 +1,48 @@
+"""`crackgrow explain`."""
+
+from __future__ import annotations
+
+import argparse
+
+from crackgrow.cli.console import EXIT_DONE, hand_out
+from crackgrow.errors import CaseError, Fault
+
+HELP = """\
+Say what a key of a case means, its type, unit, default and what is allowed; or what is in a file or column of the
+results. Without a name: the first keys of a case, and the files of a run.
+"""
+EXAMPLES = """\
+examples:
+  crackgrow explain numerics.spacing
+  crackgrow explain cracks                 # with all keys below it
+  crackgrow explain friction               # every key of that name
+  crackgrow explain tips.csv
+  crackgrow explain K_II
+"""
+
+
+def explain_name(arguments: argparse.Namespace) -> int:
+    """`crackgrow explain`: print what is to be known of a key, a file or a column."""
+    from crackgrow.cli.reference import explain, nearest, overview  # only now: they load numpy
+
+    name: str = arguments.name
+    found = explain(name) if name else overview()
+    if not found:
+        near = nearest(name)
+        hint = f"; did you mean {' or '.join(near)}?" if near else "; `crackgrow explain` lists what there is"
+        raise CaseError([Fault("explain", None, name, f"is no key of a case, file or column of results{hint}")])
+    hand_out("\n".join(line for entry in found for line in entry.lines()) + "\n")
+    return EXIT_DONE
+
+
+def add_explain(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command and its arguments."""
+    command = commands.add_parser(
+        "explain",
+        help="say what a key of a case, or a column of the results, means",
+        description=HELP,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("name", nargs="?", default="", metavar="KEY|COLUMN", help="a key, a file or a column")
+    command.set_defaults(command=explain_name)

@@ -1,0 +1,72 @@
+"""`crackgrow list`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+
+import yaml
+
+from crackgrow.cli.console import EXIT_DONE, hand_out
+from crackgrow.cli.template import templates
+from crackgrow.errors import CaseError, Fault
+
+HELP = "List the cases of a folder with their titles, its sweeps, and the templates of `crackgrow new`."
+EXAMPLES = """\
+examples:
+  crackgrow list
+  crackgrow list studies/shear
+"""
+
+
+def list_cases(arguments: argparse.Namespace) -> int:
+    """`crackgrow list`: what there is to run, and to start from."""
+    folder: Path = arguments.folder or Path("cases")
+    if arguments.folder is not None and not folder.is_dir():
+        raise CaseError([Fault(str(folder), None, "", "is no folder")])
+    lines = [*_listed(folder, "cases", "run"), *_listed(folder / "sweeps", "sweeps", "sweep")]
+    lines += ["templates: crackgrow new NAME --template ...", *_aligned(templates())]
+    hand_out("\n".join(lines) + "\n")
+    return EXIT_DONE
+
+
+def _listed(folder: Path, what: str, command: str) -> Iterator[str]:
+    """A line for each YAML file of a folder, if there are any."""
+    files = sorted(folder.glob("*.yaml"))
+    if files:
+        yield f"{what} in {folder}: crackgrow {command} FILE"
+        yield from _aligned({str(file): _title(file) for file in files})
+
+
+def _title(file: Path) -> str:
+    """The title of a case, or the comment at the top; nothing where neither is a line that can be read."""
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return "(cannot be read)"
+    for line in lines:
+        if line.startswith("title:"):
+            try:
+                return str(yaml.safe_load(line)["title"])
+            except yaml.YAMLError:
+                return ""
+    return lines[0].removeprefix("#").strip() if lines and lines[0].startswith("#") else ""
+
+
+def _aligned(rows: dict[str, str]) -> list[str]:
+    width = max(len(name) for name in rows)
+    return [f"  {name:<{width}}  {words}".rstrip() for name, words in rows.items()]
+
+
+def add_list(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command and its arguments."""
+    command = commands.add_parser(
+        "list",
+        help="list the cases that are here, and the templates",
+        description=HELP,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("folder", nargs="?", type=Path, metavar="DIR", help="a folder of cases (default: cases)")
+    command.set_defaults(command=list_cases)

@@ -1,0 +1,95 @@
+"""The parser of the command line: commands in groups, and hints for what is mistyped."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import shlex
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any, Final, NoReturn
+
+GROUPS: Final = {
+    "start": ("list", "new", "check", "explain"),
+    "run": ("run",),
+    "look": ("report", "render", "view"),
+    "study": ("compare", "sweep", "trade", "stability"),
+    "tools": ("schema", "completion"),
+}
+"""Commands by what one wants."""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that says what may have been meant; those of its commands are such, too."""
+
+    def parse_args(  # type: ignore[override]  # argparse has it overloaded for namespaces of other types
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> argparse.Namespace:
+        """Parse the words; what is left of them is a fault of the command, not of the program."""
+        words = list(sys.argv[1:] if args is None else args)
+        found, rest = self.parse_known_args(words, namespace)
+        if rest:
+            parser: Parser = getattr(found, "parser", self)
+            parser.error(f"unknown: {shlex.join(rest)}{parser.hint(rest, words)}")
+        return found
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and where the examples are; exit code 2."""
+        self.print_usage(sys.stderr)
+        self.exit(2, f"{self.prog}: {message}\n`{self.prog} --help` has all options, and examples\n")
+
+    def hint(self, rest: Sequence[str], words: Sequence[str]) -> str:
+        """What may have been meant by words that a command does not take."""
+        option, given, value = rest[0].partition("=")
+        known = list(self._option_string_actions)
+        if not option.startswith("--"):
+            parted = [key for word, key, after in _triples(words) if (word, after) == ("--set", rest[0])]
+            return f"; did you mean --set {parted[0]}={rest[0]}?" if parted and "=" not in parted[0] else ""
+        keys = keys_of(option.removeprefix("--")) if "--set" in known else []
+        if keys:
+            following = value if given else rest[1] if len(rest) > 1 else "VALUE"
+            return f"; did you mean --set {keys[0]}={following}?"
+        near = difflib.get_close_matches(option, known, n=1)
+        return f"; did you mean {near[0]}?" if near else ""
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse a word that is none of a few; argparse's own way lists them and says no more."""
+        if action.choices is None or value in action.choices:
+            return
+        near = difflib.get_close_matches(str(value), [str(choice) for choice in action.choices], n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        allowed = ", ".join(str(choice) for choice in action.choices)
+        raise argparse.ArgumentError(action, f"{str(value)!r} is none of {allowed}{hint}")
+
+
+def _triples(words: Sequence[str]) -> Iterable[tuple[str, str, str]]:
+    return zip(words, words[1:], words[2:], strict=False)
+
+
+def keys_of(name: str) -> list[str]:
+    """Keys of a case that end in a name, the shortest first."""
+    from crackgrow.case.keys import case_keys  # only now: it loads numpy
+
+    found = {key.name for key in case_keys() if key.name.rpartition(".")[2] == name.replace("-", "_")}
+    return sorted(found, key=len)
+
+
+def commands_of(parser: argparse.ArgumentParser) -> argparse._SubParsersAction[argparse.ArgumentParser]:
+    """The commands of a parser."""
+    return next(action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+
+
+def grouped(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> str:
+    """The commands and what they do, by group."""
+    helps = helps_of(commands)
+    parts = []
+    for group, names in GROUPS.items():
+        parts.append(f"{group}:")
+        parts += [f"  {name:<11} {helps[name]}" for name in names]
+    return "\n".join(parts)
+
+
+def helps_of(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> dict[str, str]:
+    """What each command does, in a line."""
+    choices: Iterable[argparse.Action] = commands._choices_actions
+    return {choice.dest: choice.help or "" for choice in choices}

@@ -1,0 +1,149 @@
+"""The parts of the READMEs that are made of declarations, or of what a command has measured; never written by hand.
+
+python -m tests.readme.generated [--measured]
+
+A part lies between `<!-- generated: NAME -->` and `<!-- end -->`. With --measured also the tables that `make verify`
+and `make stability` have written to outputs/.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Final
+
+from crackgrow.case.accuracy import PRESETS
+from crackgrow.cli.command_line import command_line
+from crackgrow.cli.parser import GROUPS, commands_of, helps_of
+from crackgrow.cli.reference import FOLDERS, column_entry, key_entry, sections
+from crackgrow.results.declarations import File
+
+ROOT = Path(__file__).resolve().parents[2]
+BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
+KEY_FACTS: Final = ("meaning", "type", "unit", "default", "allowed")
+
+CELL_RULES: Final = {
+    "per_width": "smaller side of the narrowest body",
+    "per_crack": "length of a crack; of cells at its tips and ends, and where it meets another",
+    "per_stretch": "part of a crack between kinks and tips; of cells at both",
+    "per_longer": "longer one of the two parts beside a kink; of cells at the kink",
+    "per_room": "way from a tip to the nearest other crack, interface or outline",
+    "per_increment": "growth increment; of cells at tips",
+    "per_radius": "averaging radius of the tip stress; of cells at tips",
+    "per_feature": "width of a hole, diameter of a re-entrant corner or curve",
+    "per_bridge": "rock between holes, outline and re-entrant corners",
+    "per_support": "supported part of an edge or interface",
+    "per_load": "loaded part of an edge",
+}
+"""What the numbers of a preset are that begin so: parts of a length."""
+PRESET_KEYS: Final = {"support": "support", "quadrature": "quadrature", "contact.spacing": "contact_spacing"}
+
+MEASURED: Final = {
+    ("tests/verification/README.md", "verification"): "outputs/verification/table.md",
+    ("tests/stability/README.md", "stability"): "outputs/stability/stability.md",
+}
+"""Parts by file and name, and the file that a command has written them to: its first table with what is below it."""
+
+
+def commands() -> str:
+    """The commands by group, with what they do."""
+    helps = helps_of(commands_of(command_line()))
+    rows = [[group, f"`crackgrow {name}`", helps[name]] for group, names in GROUPS.items() for name in names]
+    return table(("group", "command", "what it does"), rows)
+
+
+def keys() -> str:
+    """Every key of a case, a table for each that a case begins with."""
+    parts = []
+    for name, found in sections():
+        rows = [[f"`{key.name}`", *(key_entry(key).facts.get(fact, "") for fact in KEY_FACTS)] for key in found]
+        parts.append(f"### `{name}`\n\n{table(('key', *KEY_FACTS), rows)}")
+    return "\n".join(parts)
+
+
+def presets() -> str:
+    """How small cells are at what, for each preset, and its other settings."""
+    words = {**CELL_RULES, **{name: f"`numerics.{key}`" for key, name in PRESET_KEYS.items()}}
+    rows = [[words[name], *(f"{getattr(p, name):g}" for p in PRESETS.values())] for name in words]
+    return table(("length", *(f"`{name}`" for name in PRESETS)), rows)
+
+
+def files() -> str:
+    """The files of a run."""
+    return table(("file", "content"), [[f"`{file.name}`", file.doc] for file in FOLDERS["run"]])
+
+
+def columns(command: str) -> Callable[[], str]:
+    """The columns of the files that a command writes, a table for each file."""
+
+    def part() -> str:
+        tables = [f"### `{file.name}`\n\n{columns_of(file)}" for file in FOLDERS[command] if file.columns]
+        return "\n".join(tables)
+
+    return part
+
+
+def columns_of(file: File) -> str:
+    """A table of the columns of a file."""
+    facts = [(column.name, column_entry(file, column).facts) for column in file.columns]
+    rows = [[f"`{name}`", known.get("unit", ""), known["meaning"]] for name, known in facts]
+    return table(("name", "unit", "meaning"), rows)
+
+
+PARTS: Final[dict[tuple[str, str], Callable[[], str]]] = {
+    ("README.md", "commands"): commands,
+    ("cases/README.md", "presets"): presets,
+    ("cases/README.md", "keys"): keys,
+    ("cases/sweeps/README.md", "columns"): columns("sweep"),
+    ("outputs/README.md", "files"): files,
+    ("outputs/README.md", "columns"): columns("run"),
+    ("outputs/README.md", "compare"): columns("compare"),
+    ("tests/benchmarks/README.md", "columns"): columns("trade"),
+    ("tests/stability/README.md", "columns"): columns("stability"),
+}
+"""What is made of declarations, by file and name."""
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
+
+
+def part_of(text: str, name: str) -> str:
+    """The part that a README has; raises ValueError where it has none of that name."""
+    found = re.search(f"{BEGIN.format(name)}\n(.*?){END}", text, re.DOTALL)
+    if found is None:
+        raise ValueError(f"no part {BEGIN.format(name)} ... {END}")
+    return found[1]
+
+
+def with_part(text: str, name: str, part: str) -> str:
+    """The README with another part."""
+    begin = BEGIN.format(name)
+    return text.replace(f"{begin}\n{part_of(text, name)}{END}", f"{begin}\n\n{part.strip()}\n\n{END}")
+
+
+def measured(path: Path) -> str:
+    """What a command has written, up to its second table."""
+    return re.split(r"\n(?=\|[^\n]*\|\n\|[ |-]*\|\n)", path.read_text(encoding="utf-8"))[0]
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Write all parts."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--measured", action="store_true", help="tables of make verify and make stability, too")
+    made = {place: make() for place, make in PARTS.items()}
+    if parser.parse_args(argv).measured:
+        made |= {place: measured(ROOT / source) for place, source in MEASURED.items()}
+    for (file, name), part in made.items():
+        path = ROOT / file
+        path.write_text(with_part(path.read_text(encoding="utf-8"), name, part), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

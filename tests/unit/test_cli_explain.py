@@ -1,0 +1,97 @@
+"""`crackgrow explain` and `crackgrow list`: what they print, and what they say where there is nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from crackgrow import cli
+from crackgrow.case.keys import case_keys
+from crackgrow.case.scalars import POSITIVE, Bounds, Integer, Number, Quantity
+from crackgrow.case.schema import OPTIONAL, Chosen, Field, ListOf, Mapping, Named
+
+
+def explained(name: str, capsys: pytest.CaptureFixture[str]) -> str:
+    assert cli.main(["explain", name] if name else ["explain"]) == 0
+    return capsys.readouterr().out
+
+
+def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert explained("growth.tip_stress.radius", capsys).splitlines() == [
+        "growth.tip_stress.radius",
+        "  meaning  Shepard averaging radius, a material length",
+        "  type     length",
+        "  unit     m, cm, mm, um, km; bare: that of units.length",
+        "  default  required",
+        "  allowed  > 0",
+    ]
+
+
+@pytest.mark.parametrize(("name", "heads"), [
+    ("cracks.my_own.contact.friction", ["cracks.NAME.contact.friction"]),
+    ("friction", ["cracks.NAME.contact.friction"]),  # once, though interfaces and foundations have it, too
+    ("interfaces.0.contact.friction", ["interfaces.N.contact.friction"]),
+    ("output", ["output", "output.frames", "output.fields", "output.figures", "output.report"]),
+    ("paths.csv", ["paths.csv", "crack", "vertex", "x", "y", "step"]),
+    ("kink_deg", ["kink_deg"]),
+])  # fmt: skip
+def test_names_are_found(name: str, heads: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    found = [line for line in explained(name, capsys).splitlines() if not line.startswith(" ")]
+    assert found[: len(heads)] == heads
+    assert name == "output" or len(found) == len(heads)
+
+
+def test_without_a_name_the_first_keys_and_the_files_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    heads = [line for line in explained("", capsys).splitlines() if not line.startswith(" ")]
+    assert {"title", "numerics", "tips.csv", "report.html"} <= set(heads)
+
+
+def test_an_unknown_name_is_a_fault_with_what_may_be_meant(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["explain", "frction"]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert "did you mean friction" in told.err
+
+
+def test_keys_of_a_format_appear_by_themselves() -> None:
+    law = Mapping({"mu": Field(Number(), "friction")})
+
+    def settings(n: int) -> Mapping:
+        return Mapping({"kind": Field(Integer(), "kind", 0), "n": Field(Integer(), "how many", n)})
+
+    spec = Mapping({
+        "size": Field(ListOf(Quantity("length", POSITIVE), 2), "how large"),
+        "faults": Field(Named("fault", law), "by name", {}),
+        "joints": Field(ListOf(law), "in order", OPTIONAL),
+        "fine": Field(Chosen("kind", {"a": settings(1), "b": settings(2)}, settings(1)), "chosen"),
+        "own": Field(Number(Bounds(at_least=0, below=1)), "written by the program", offered=False),
+    })  # fmt: skip
+    found = {key.name: key for key in case_keys(spec)}
+    assert list(found) == ["size", "faults", "faults.NAME.mu", "joints", "joints.N.mu", "fine", "fine.kind", "fine.n"]
+    assert (found["size"].kind, found["size"].allowed) == ("[length, length]", "> 0")
+    assert found["joints"].like == "faults"
+    assert found["fine.n"].default == "1 (b: 2)"
+
+
+def test_cases_are_listed_with_their_titles(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "one.yaml").write_text('# a note\ntitle: "A plate: with a crack"\nplane: strain\n')
+    (tmp_path / "two.yaml").write_text("# what it is\nplane: strain\n")
+    (tmp_path / "three.yaml").write_bytes(b"title: \xff\n")
+    assert cli.main(["list", str(tmp_path)]) == 0
+    lines = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()[1:4]]
+    assert lines == [[str(tmp_path / "one.yaml"), "A plate: with a crack"],
+                     [str(tmp_path / "three.yaml"), "(cannot be read)"],
+                     [str(tmp_path / "two.yaml"), "what it is"]]  # fmt: skip
+
+
+def test_templates_are_listed_where_there_are_no_cases(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["list"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("templates: ")
+    assert "  foundation  " in out
+    assert cli.main(["list", "nowhere"]) == 2
+    assert capsys.readouterr().err == "nowhere: is no folder\n"
