@@ -121,6 +121,11 @@ class _Tables:
         return data_frames.reactions_frame(self.results)
 
     @property
+    def history(self) -> pd.DataFrame:
+        """As history.csv, a row for each increment: what the points of `output.points` see, and the reactions."""
+        return data_frames.history_frame(self.results)
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What is unsure in these steps, and why, one sentence a cause as in summary.json; empty if nothing is."""
         gathered = Gathered()

@@ -32,9 +32,11 @@ from crackgrow.case.model import (
     Material,
     Numerics,
     Output,
+    PointForce,
     PointSupport,
     Ring,
     Strength,
+    StrengthReduction,
     Support,
 )
 
@@ -63,9 +65,11 @@ __all__ = [
     "Material",
     "Numerics",
     "Output",
+    "PointForce",
     "PointSupport",
     "Ring",
     "Strength",
+    "StrengthReduction",
     "Support",
     "dump_case",
     "load_case",

@@ -16,8 +16,10 @@ from crackgrow.case.model import (
     CriticalLoad,
     EdgeSupport,
     EdgeTraction,
+    FacePoint,
     Gravity,
     Growth,
+    HistoryPoint,
     InSituStress,
     Interface,
     Load,
@@ -26,14 +28,20 @@ from crackgrow.case.model import (
     Material,
     Numerics,
     Output,
+    PointForce,
+    PointPair,
     PointSupport,
     Refinement,
     Ring,
+    RockPoint,
     Strength,
+    StrengthReduction,
     Support,
 )
 from crackgrow.case.neighbours import shared_lines
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
+
+REDUCTION = "strength_reduction"
 
 
 def build_case(name: str, scene: Scene) -> Case:
@@ -52,7 +60,7 @@ def build_case(name: str, scene: Scene) -> Case:
         loading=_loading(resolved["loading"]),
         growth=_growth(resolved["growth"]) if "growth" in resolved else None,
         numerics=_numerics(resolved["numerics"]),
-        output=_output(resolved["output"]),
+        output=_output(scene, resolved["output"]),
         resolved=resolved,
         moved=tuple(move for move in scene.moves if move.distance > scene.tolerance),
     )
@@ -97,16 +105,23 @@ def _support(scene: Scene, index: int, support: Resolved) -> Support:
 
 
 def _contact(contact: Resolved) -> CoulombContact:
+    joint = contact.get("stiffness")
     return CoulombContact(
         friction=contact["friction"],
         cohesion=contact["cohesion"],
         residual_friction=contact["residual_friction"],
         cohesion_kept=contact["cohesion_after_slip"] == "kept",
         dilation_angle=contact["dilation_angle"],
+        stiffness=(joint["normal"], joint["shear"]) if joint else None,
+        weakening_length=contact.get("weakening_length", 0.0),
     )
 
 
 def _component(value: float | str | None) -> Component | None:
+    return None if value is None else _given(value)
+
+
+def _given(value: float | str) -> Component:
     return CoordinateFormula(value) if isinstance(value, str) else value
 
 
@@ -115,14 +130,20 @@ def _load(scene: Scene, index: int, load: Resolved) -> Load:
     if "gravity" in load:
         return Gravity(load["body"], tuple(load["gravity"]), held)
     if "pressure" in load:
-        return CrackPressure(load["crack"], load["pressure"], held)
+        return CrackPressure(load["crack"], _given(load["pressure"]), held)
+    if "force" in load:
+        key = ("loads", index, "at")
+        return PointForce(scene.holders[key], scene.places[key], tuple(load["force"]), held)
     if "stress" in load:
         return InSituStress(load["body"], tuple(load["stress"]), held)
-    return EdgeTraction(scene.regions["loads", index, "on"], tuple(load["traction"]), held)
+    x, y = (_given(component) for component in load["traction"])
+    return EdgeTraction(scene.regions["loads", index, "on"], (x, y), held)
 
 
 def _loading(loading: Resolved | str) -> Loading:
-    return CriticalLoad() if isinstance(loading, str) else LoadHistory(tuple(loading["history"]))
+    if isinstance(loading, str):
+        return StrengthReduction() if loading == REDUCTION else CriticalLoad()
+    return LoadHistory(tuple(loading["history"]))
 
 
 def _growth(growth: Resolved) -> Growth:
@@ -132,7 +153,7 @@ def _growth(growth: Resolved) -> Growth:
         advance=growth["advance"],
         criterion=growth["criterion"],
         direction=growth["direction"],
-        tip_radius=growth["tip_stress"]["radius"],
+        tip_radius=growth["tip_stress"]["radius"] if "tip_stress" in growth else None,
         unload_between_steps=growth["unload_between_steps"],
     )
 
@@ -153,5 +174,22 @@ def _numerics(numerics: Resolved) -> Numerics:
     )
 
 
-def _output(output: Resolved) -> Output:
-    return Output(output["frames"], tuple(dict.fromkeys(output["fields"])), output["figures"], output["report"])
+def _output(scene: Scene, output: Resolved) -> Output:
+    points = tuple(_history_point(scene, name, point) for name, point in output.get("points", {}).items())
+    fields = tuple(dict.fromkeys(output["fields"]))
+    return Output(output["frames"], fields, output["figures"], output["report"], points)
+
+
+def _history_point(scene: Scene, name: str, point: Resolved) -> HistoryPoint:
+    key = ("output", "points", name)
+    if "between" in point:
+        ends = [(*key, "between", end) for end in range(2)]
+        first, second = (scene.holders[end] for end in ends)
+        return PointPair(name, (first, second), frozen([scene.places[end] for end in ends]))
+    place = scene.places[*key, "at"]
+    if "crack" in point:
+        return FacePoint(name, point["crack"], place)
+    if "interface" in point:
+        first, second = point["interface"]
+        return FacePoint(name, (first, second), place)
+    return RockPoint(name, scene.holders[*key, "at"], place)

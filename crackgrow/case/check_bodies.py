@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from crackgrow.case.check_points import place_in_rock
 from crackgrow.case.check_regions import knows_body
+from crackgrow.case.check_supports import check_formula, sampled
 from crackgrow.case.layout import Scene, named
+from crackgrow.case.regions import ends_of
 from crackgrow.case.report import Path, did_you_mean, quoted
 
 
@@ -47,7 +52,7 @@ def _check_pair(scene: Scene, key: Path, pair: list[str], seen: dict[frozenset[s
 
 
 def check_loads(scene: Scene) -> None:
-    """Report loads on bodies and cracks that the case does not have."""
+    """Report loads on bodies and cracks that the case does not have, and formulas without a value where they act."""
     for kind in ("gravity", "stress"):
         for index, load in scene.items("loads", kind):
             knows_body(scene, ("loads", index, "body"), load["body"])
@@ -57,3 +62,15 @@ def check_loads(scene: Scene) -> None:
             hint = f"{', '.join(cracks) or 'none'}{did_you_mean(load['crack'], cracks)}"
             message = f"no crack {quoted(load['crack'])}; the case has: {hint}"
             scene.report.fault(("loads", index, "crack"), message)
+        elif load["crack"] in scene.cracks and len(scene.cracks[load["crack"]]) > 1:
+            points = scene.cracks[load["crack"]]
+            ends = np.stack([points[:-1], points[1:]], axis=1)
+            check_formula(scene, ("loads", index, "pressure"), load["pressure"], sampled(ends))
+    for index, load in scene.items("loads", "traction"):
+        region = scene.regions.get(("loads", index, "on"))
+        if region is not None:
+            points = sampled(ends_of(scene.bodies[region.body], region))
+            for axis, component in enumerate(load["traction"]):
+                check_formula(scene, ("loads", index, "traction", axis), component, points)
+    for index, load in scene.items("loads", "force") if scene.complete else ():
+        place_in_rock(scene, ("loads", index, "at"), load["at"], load)

@@ -12,7 +12,7 @@ from crackgrow.case.shapes import Resolved
 
 def check_contacts(scene: Scene) -> None:
     """Report a residual friction above the friction, and a dilation steeper than the residual friction."""
-    for key, law in _laws(scene):
+    for key, law in contact_laws(scene):
         friction, residual, dilation = law["friction"], law["residual_friction"], law["dilation_angle"]
         if residual > friction:
             message = f"{residual:g} given; wanted: at most the friction, {friction:g}: slip wears faces, it cannot"
@@ -22,9 +22,13 @@ def check_contacts(scene: Scene) -> None:
             limit = f"at most {steepest:.4g} deg, whose tangent is the residual friction, {residual:g}"
             why = "faces that rise more steeply than friction holds them back would create energy when they slip"
             scene.report.fault((*key, "dilation_angle"), f"{dilation:g} deg given; wanted: {limit}: {why}")
+        keeps = law["cohesion"] == 0.0 or law["cohesion_after_slip"] == "kept"
+        if "weakening_length" in law and residual == friction and keeps:
+            message = "nothing weakens: give a residual_friction below the friction, or a cohesion that slip takes"
+            scene.report.fault((*key, "weakening_length"), message)
 
 
-def _laws(scene: Scene) -> Iterator[tuple[Path, Resolved]]:
+def contact_laws(scene: Scene) -> Iterator[tuple[Path, Resolved]]:
     """Yield every law that is given and sound, with its key."""
     for name in named(scene.resolved, "cracks"):
         law = scene.get("cracks", name, "contact")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from crackgrow.case.check_contacts import contact_laws
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.shapes import Resolved
 
-LOADS = ("traction", "gravity", "pressure", "stress")  # the key that holds the size of a load
+LOADS = ("traction", "gravity", "pressure", "stress", "force")  # the key that holds the size of a load
 
 
 def check_loading(scene: Scene) -> None:
@@ -15,9 +14,23 @@ def check_loading(scene: Scene) -> None:
     loading = scene.get("loading")
     if loading == "critical":
         _check_critical(scene)
+    elif loading == "strength_reduction":
+        _check_reduction(scene)
     elif loading is not None and not loading["history"]:
         message = "no factor given; wanted: at least one, such as [1.0], or loading: critical"
         scene.report.fault(("loading", "history"), message)
+
+
+def _check_reduction(scene: Scene) -> None:
+    """Strength is reduced of contact, without growth, and there must be some."""
+    if "growth" in scene.resolved:
+        message = "strength_reduction is of friction and cohesion of contact, under loads that stay; leave out `growth`"
+        scene.report.fault(("loading",), message)
+    laws = [law for _, law in contact_laws(scene)]
+    sound = all(scene.report.sound(key) for key in ("cracks", "interfaces", "supports"))
+    if sound and not any(law[key] > 0.0 for law in laws for key in ("friction", "cohesion")):
+        message = "strength_reduction divides friction and cohesion of contact, and no crack, interface or foundation"
+        scene.report.fault(("loading",), f"{message} has any")
 
 
 def _check_critical(scene: Scene) -> None:
@@ -50,5 +63,7 @@ def _has_scaled(scene: Scene) -> bool:
 
 
 def _size(load: Resolved) -> float:
-    """Return the largest component of a load, without its sign."""
-    return float(np.abs([load[key] for key in LOADS if key in load]).max())
+    """Return the largest component of a load, without its sign; a formula counts as if it were one."""
+    given = next(load[key] for key in LOADS if key in load)
+    parts = given if isinstance(given, list) else [given]
+    return max(1.0 if isinstance(part, str) else abs(part) for part in parts)

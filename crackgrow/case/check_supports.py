@@ -89,14 +89,25 @@ def _check_formulas(scene: Scene) -> None:
         if points is not None and len(points) > 1:  # ends of sides, in order: places between them
             points = np.concatenate([a + SAMPLES[:, None] * (b - a) for a, b in pairwise(points)])
         for component, value in support["displacement"].items():
-            if not isinstance(value, str) or points is None:
-                continue
-            try:
-                CoordinateFormula(value)(points)
-            except CaseError as error:
-                message = error.faults[0].message.partition(" (")[0]
-                place = next(point for point in points if not _has_value(value, point))
-                scene.report.fault(("supports", index, "displacement", component), f"{message} {scene.point(place)}")
+            if points is not None:
+                check_formula(scene, ("supports", index, "displacement", component), value, points)
+
+
+def check_formula(scene: Scene, key: Path, value: object, points: Floats) -> None:
+    """Report a formula that has no finite value at one of some points (n, 2) m."""
+    if not isinstance(value, str):
+        return
+    try:
+        CoordinateFormula(value)(points)
+    except CaseError as error:
+        message = error.faults[0].message.partition(" (")[0]
+        place = next(point for point in points if not _has_value(value, point))
+        scene.report.fault(key, f"{message} {scene.point(place)}")
+
+
+def sampled(ends: Floats) -> Floats:
+    """Places (n, 2) m along lines (k, 2, 2) m, their ends included."""
+    return np.asarray(ends[:, :1] + SAMPLES[:, None] * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
 
 
 def _has_value(formula: str, point: Floats) -> bool:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from crackgrow.case.layout import SHORTEST, Scene, named
 from crackgrow.case.shapes import BodyShape
 
@@ -16,18 +14,13 @@ STIFFEST_GAUSS = 1e5  # numerics.contact.stiffness of gauss points; beyond, thei
 
 
 def check_counts(scene: Scene) -> None:
-    """At least one body; a corrected direction is for the criterion that knows K."""
-    report = scene.report
-    if not named(scene.resolved, "bodies") and report.sound("bodies"):
-        report.fault(("bodies",), "no body given; a case needs one")
-    criterion = scene.get("growth", "criterion")
-    if scene.get("growth", "direction") == "implicit" and criterion not in (None, "max_hoop_stress"):
-        message = f"implicit is for criterion max_hoop_stress, {criterion} given; use explicit"
-        report.fault(("growth", "direction"), message)
+    """At least one body."""
+    if not named(scene.resolved, "bodies") and scene.report.sound("bodies"):
+        scene.report.fault(("bodies",), "no body given; a case needs one")
 
 
 def check_material(scene: Scene) -> None:
-    """Poisson's ratio near 1/2 is not for plane strain; growth needs a strength, gravity a density."""
+    """Poisson's ratio near 1/2 is not for plane strain; gravity needs a density."""
     report = scene.report
     for name in named(scene.resolved, "bodies"):
         poisson = scene.get("bodies", name, "material", "poisson")
@@ -36,37 +29,11 @@ def check_material(scene: Scene) -> None:
                 f"{poisson:g} given; wanted in plane strain: > -1 and <= {LARGEST_POISSON:g} (0.5: incompressible)"
             )
             report.fault(("bodies", name, "material", "poisson"), message)
-        strength = ("bodies", name, "strength")
-        if _has_growing_cracks(scene, name) and report.sound(*strength) and scene.get(*strength) is None:
-            message = "missing: cracks can grow in it, so it needs a strength {tension, cohesion, friction_angle}"
-            report.fault(strength, message)
-        _check_tension(scene, name)
     for index, load in scene.items("loads", "gravity"):
         key = ("bodies", load["body"], "material", "density")
         known = load["body"] in named(scene.resolved, "bodies") and report.sound(*key)
         if known and scene.get(*key) is None:
             report.fault(key, f"missing: loads.{index} is gravity, so the body needs a density")
-
-
-def _has_growing_cracks(scene: Scene, body: str) -> bool:
-    """Whether growth is given and a crack in the body, or one that may lie in it, has a tip that can grow."""
-    if "growth" not in scene.resolved:
-        return False
-    only = len(named(scene.resolved, "bodies")) == 1
-    cracks = [name for name in named(scene.resolved, "cracks") if only or scene.hosts.get(name) == body]
-    return any(scene.get("cracks", name, "tips") != "none" for name in cracks)
-
-
-def _check_tension(scene: Scene, name: str) -> None:
-    """The tensile strength cuts off the Mohr-Coulomb cone below its apex, c / tan(phi)."""
-    strength = scene.get("bodies", name, "strength")
-    if strength is None or not scene.report.sound("bodies", name, "strength"):
-        return
-    slope = np.tan(np.deg2rad(strength["friction_angle"]))
-    if strength["tension"] * slope > strength["cohesion"]:
-        apex = scene.units.show(strength["cohesion"] / slope, "stress")
-        message = f"above the apex of the shear strength, cohesion / tan(friction_angle) = {apex}; wanted: at most that"
-        scene.report.fault(("bodies", name, "strength", "tension"), message)
 
 
 def check_numerics(scene: Scene) -> None:
@@ -79,10 +46,6 @@ def check_numerics(scene: Scene) -> None:
         if increment is not None and increment < SHORTEST * spacing:
             limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
             report.fault(("growth", "increment"), f"{scene.length(increment)} is less than {limit}")
-    radius = scene.get("growth", "tip_stress", "radius")
-    if radius is not None and scene.complete and radius > scene.size:
-        message = f"{scene.length(radius)} is more than the size of the scene, {scene.length(scene.size)}"
-        report.fault(("growth", "tip_stress", "radius"), f"{message}; wanted: a length of the material")
     stiffness = scene.get("numerics", "contact", "stiffness")
     rigid = stiffness == "rigid" or (isinstance(stiffness, float) and stiffness > STIFFEST_GAUSS)
     if scene.get("numerics", "contact", "discretization") == "gauss" and rigid:

@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from crackgrow.case.load import read_case
-from crackgrow.case.model import Case, LoadHistory
+from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Loading
 from crackgrow.errors import CaseError, Fault
 
 DERIVED: Final = ("name", "resolved", "moved")  # of a case: the file does not hold them, or they are what it holds
@@ -56,13 +56,14 @@ def _text(resolved: object) -> str:
 def _settings(case: Case) -> dict[str, Any]:
     """What a case says beside its bodies, cracks, supports and loads, as a mapping in the case format."""
     numerics, growth, output = case.numerics, case.growth, case.output
+    given: Any = case.resolved["output"]
     contact = {part.name: getattr(numerics.contact, part.name) for part in fields(numerics.contact)}
     contact["stiffness"] = "rigid" if numerics.contact.stiffness is None else numerics.contact.stiffness
     found: dict[str, Any] = {
         "title": case.title,
         "source": case.source,
         "plane": case.plane,
-        "loading": {"history": list(case.loading.factors)} if isinstance(case.loading, LoadHistory) else "critical",
+        "loading": _loading(case.loading),
         "numerics": {
             "accuracy": numerics.accuracy,
             "spacing": numerics.spacing,
@@ -78,14 +79,22 @@ def _settings(case: Case) -> dict[str, Any]:
             "fields": list(output.fields),
             "figures": output.figures,
             "report": output.report,
+            **({"points": given["points"]} if output.points else {}),
         },
     }
     if growth is not None:
         found["growth"] = {
             part.name: getattr(growth, part.name) for part in fields(growth) if part.name != "tip_radius"
         }
-        found["growth"]["tip_stress"] = {"radius": growth.tip_radius}
+        if growth.tip_radius is not None:
+            found["growth"]["tip_stress"] = {"radius": growth.tip_radius}
     return found
+
+
+def _loading(loading: Loading) -> object:
+    if isinstance(loading, LoadHistory):
+        return {"history": list(loading.factors)}
+    return "critical" if isinstance(loading, CriticalLoad) else "strength_reduction"
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case.model import Component
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, did_you_mean, quoted
 from crackgrow.case.scalars import INVALID, Context, Quantity, given
@@ -59,12 +60,12 @@ class FormulaError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoordinateFormula:
-    """A length in m as a function of the place; made by `parse_formula` only, so that the text is known to be one."""
+    """A value as a function of the place; made by `parse_formula` only, so that the text is known to be one."""
 
     text: str  # in SI
 
     def __call__(self, points: Floats) -> Floats:
-        """Values `(n,) float` m at points `(n, 2) float` m.
+        """Values `(n,) float` in SI at points `(n, 2) float` m.
 
         Raises CaseError where the formula has no finite value.
         """
@@ -78,20 +79,28 @@ class CoordinateFormula:
         return values
 
 
-def parse_formula(text: str, unit: float = 1.0) -> str:
-    """Return the formula in SI: the same function, of x and y in m, with values in m.
+def component_at(component: Component, places: Floats) -> Floats:
+    """Values (n,) of a number or a formula at places (n, 2) m."""
+    return component(places) if callable(component) else np.full(len(places), component)
 
-    unit: m, length of the unit in which x, y and the values of `text` are
+
+def parse_formula(text: str, unit: float = 1.0, of_value: float | None = None) -> str:
+    """Return the formula in SI: the same function, of x and y in m, with values in SI.
+
+    unit: m, length of the unit in which x and y of `text` are
+    of_value: the unit of its values in SI; that of x and y if None
 
     Raises FormulaError for what is none.
     """
+    of_value = unit if of_value is None else of_value
     if len(text) > LONGEST:
         raise FormulaError(f"is longer than {LONGEST} characters")
     tree = _parse(text)
     if unit != 1.0:
-        scale = ast.Constant(unit)
-        tree = ast.BinOp(scale, ast.Mult(), _Rescaled(scale).visit(tree))
-        _check(tree)
+        tree = _Rescaled(ast.Constant(unit)).visit(tree)
+    if of_value != 1.0:
+        tree = ast.BinOp(ast.Constant(of_value), ast.Mult(), tree)
+    _check(tree)
     in_si = ast.unparse(tree)
     if len(in_si) > LONGEST:
         raise FormulaError(f"is longer than {LONGEST} characters in SI")
@@ -99,22 +108,25 @@ def parse_formula(text: str, unit: float = 1.0) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class LengthOrFormula:
-    """A length, or a formula in x and y; x, y and the value are in the length unit of the case."""
+class OrFormula:
+    """A quantity, or a formula in x and y; x, y and the value are in the units of the case."""
+
+    kind: str = "length"
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
-        return 'a length or a formula in x and y such as "0.09*x - 0.1"'
+        return f'a {self.kind} or a formula in x and y such as "0.09*x - 0.1"'
 
     def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the float in m, or the text of the formula in SI."""
+        """Return the float in SI, or the text of the formula in SI."""
         if not isinstance(node, Scalar) or node.is_null:
-            return Quantity("length", note=" or a formula in x and y").read(node, path, context)
+            return Quantity(self.kind, note=" or a formula in x and y").read(node, path, context)
         text = node.text.strip()
         if is_number(text) or _QUANTITY.fullmatch(text):
-            return Quantity("length", note=" or a formula in x and y").read(node, path, context)
+            return Quantity(self.kind, note=" or a formula in x and y").read(node, path, context)
         try:
-            formula = parse_formula(text, float(UNITS["length"][context.units.length]))
+            units = (float(UNITS[kind][context.units.of(kind)]) for kind in ("length", self.kind))
+            formula = parse_formula(text, *units)
         except FormulaError as error:
             context.report.fault(path, f"{given(node)} {error}; wanted: {self.describe()}")
             return INVALID

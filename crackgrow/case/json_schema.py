@@ -11,7 +11,7 @@ import re
 from typing import Any, Final
 
 from crackgrow.case.along import LengthOrAngle
-from crackgrow.case.formula import ALPHABET, ONE_VALUE, LengthOrFormula
+from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import ENDINGS, OutlineFile
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
@@ -90,9 +90,9 @@ def _scalar(spec: Spec) -> Schema:
         case LengthOrAngle():
             texts = [_with_unit(kind, ANY) for kind in ("length", "angle")]
             return {"anyOf": [_bare("length", ANY), *texts]}
-        case LengthOrFormula():
+        case OrFormula(kind):
             formula = {"type": "string", "pattern": rf"^(?!\s*{_NUMBER}\s*$){_NO_FORMULA}({ALPHABET})+$"}
-            return {"anyOf": [_bare("length", ANY), _with_unit("length", ANY), formula]}
+            return {"anyOf": [_bare(kind, ANY), _with_unit(kind, ANY), formula]}
         case OutlineFile():
             letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in ENDINGS]
             return {"type": "string", "pattern": rf"\.({'|'.join(letters)})$"}
@@ -125,10 +125,16 @@ def _units(spec: Spec) -> str:
     """The units that a quantity, or each item of a list of them, may have, and what a bare number means."""
     match spec:
         case Quantity(kind):
-            bare = {"length": "in units.length", "stress": "in units.stress"}.get(kind, f"in {next(iter(UNITS[kind]))}")
+            chosen = {
+                "length": "in units.length",
+                "stress": "in units.stress",
+                "toughness": "in units.stress sqrt(m), where units.length is m",
+                "stiffness": "in units.stress / units.length",
+            }
+            bare = chosen.get(kind, f"in {next(iter(UNITS[kind]))}")
             return f" ({' | '.join(UNITS[kind])}; a bare number is {bare})"
-        case LengthOrFormula():
-            return _units(Quantity("length"))
+        case OrFormula(kind):
+            return _units(Quantity(kind))
         case ListOf(inner) | WordOr(_, inner):
             return _units(inner)
     return ""

@@ -19,6 +19,7 @@ from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import segments_of
 from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
 from crackgrow.case.snapping import SNAP, size_of, snapped_bodies, snapped_cracks
+from crackgrow.case.toughness import BY_K, MODE_I, radius_of
 from crackgrow.case.units import Units
 
 SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
@@ -47,6 +48,8 @@ class Scene:
     shared: dict[tuple[str, str], tuple[Floats, ...]] = field(default_factory=dict)  # of bodies with a common boundary
     hosts: dict[str, str] = field(default_factory=dict)  # for a crack, the body in which most of it lies
     regions: dict[Path, EdgeRegion] = field(default_factory=dict)  # by key of `on`, filled by check_regions
+    places: dict[Path, Floats] = field(default_factory=dict)  # (2,) m by key, where `output.points` lie
+    holders: dict[Path, str] = field(default_factory=dict)  # by key, the bodies that they lie in
 
     @property
     def size(self) -> float:
@@ -89,6 +92,18 @@ class Scene:
                 return None
             value = value[key]
         return value
+
+    def averaging_radii(self) -> Iterator[tuple[str | None, tuple[str, ...], float]]:
+        """Radii (m) to average over, with their keys: the one that is given, then, with its name, that of each body
+        whose toughness is known, unless the criterion goes by K alone."""
+        given, criterion = self.get("growth", "tip_stress", "radius"), self.get("growth", "criterion")
+        if given is not None:
+            yield None, ("growth", "tip_stress", "radius"), given
+        for name in named(self.resolved, "bodies") if criterion in MODE_I.keys() - BY_K else ():
+            strength = self.get("bodies", name, "strength")
+            if isinstance(strength, dict) and "toughness" in strength:
+                radius = radius_of(criterion, strength["tension"], strength["toughness"])
+                yield name, ("bodies", name, "strength", "toughness"), radius
 
     def items(self, key: str, kind: str) -> list[tuple[int, Resolved]]:
         """Return the items of a list that have a key and no fault, with their numbers."""
@@ -210,11 +225,12 @@ def _lengths(scene: Scene) -> Iterator[Length]:
     loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
     yield from part_lengths("support", bodies, supported, "supported")
     yield from part_lengths("load", bodies, loaded, "loaded")
-    increment, radius = scene.get("growth", "increment"), scene.get("growth", "tip_stress", "radius")
+    increment = scene.get("growth", "increment")
     if increment is not None:
         yield Length("increment", increment, "growth.increment")
-    if radius is not None:
-        yield Length("radius", radius, "growth.tip_stress.radius")
+    for body_name, key, radius in scene.averaging_radii():
+        what = ".".join(key) if body_name is None else f"averaging radius by the toughness of body '{body_name}'"
+        yield Length("radius", radius, what)
 
 
 def _place(scene: Scene) -> None:

@@ -12,7 +12,9 @@ from crackgrow.case.check_contacts import check_contacts
 from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_foundations import check_foundations
 from crackgrow.case.check_loading import check_loading
+from crackgrow.case.check_points import check_points
 from crackgrow.case.check_regions import check_regions
+from crackgrow.case.check_strength import check_strength, settle_direction
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
 from crackgrow.case.layout import Scene, place_cracks, scene_of, settle_spacing
@@ -30,6 +32,8 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     place_cracks,
     check_counts,
     check_material,
+    settle_direction,
+    check_strength,
     check_numerics,
     check_cracks,
     check_contacts,
@@ -38,6 +42,7 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     check_supports,
     check_loads,
     check_loading,
+    check_points,
 )
 
 

@@ -13,10 +13,10 @@ from crackgrow.case.read_only import read_only
 
 
 class Formula(Protocol):
-    """A displacement component as a function of the place."""
+    """A component of a displacement or a load as a function of the place."""
 
     def __call__(self, points: Floats) -> Floats:
-        """Values (n,) m at points (n, 2) m."""
+        """Values (n,) in SI at points (n, 2) m."""
         ...
 
 
@@ -39,6 +39,7 @@ class Strength:
     tension: float  # Pa
     cohesion: float  # Pa
     friction_angle: float  # degrees
+    toughness: float | None = None  # Pa sqrt(m), K_Ic; the averaging radius follows from it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,6 +78,8 @@ class CoulombContact:
     residual_friction: float  # of broken points
     cohesion_kept: bool  # whether broken points cohere where they are closed
     dilation_angle: float = 0.0  # degrees
+    stiffness: tuple[float, float] | None = None  # Pa/m: normal, shear; None: that of the numerics
+    weakening_length: float = 0.0  # m of slip over which friction and cohesion fall; 0: with the first slip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,10 +141,10 @@ class ContactSupport:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeTraction:
-    """Uniform traction on an edge."""
+    """Traction on an edge."""
 
     region: EdgeRegion
-    traction: tuple[float, float]  # Pa
+    traction: tuple[Component, Component]  # Pa
     held: bool = False  # acts in full at every load factor
 
 
@@ -159,7 +162,7 @@ class CrackPressure:
     """Pressure of a fluid on both faces of a crack."""
 
     crack: str
-    pressure: float  # Pa, positive pushes the faces apart
+    pressure: Component  # Pa, positive pushes the faces apart
     held: bool = False
 
 
@@ -172,8 +175,18 @@ class InSituStress:
     held: bool = False
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PointForce:
+    """A force at a point of a body."""
+
+    body: str
+    point: Floats  # (2,) m
+    force: tuple[float, float]  # N per metre of thickness
+    held: bool = False
+
+
 Support = PointSupport | EdgeSupport | ContactSupport
-Load = EdgeTraction | Gravity | CrackPressure | InSituStress
+Load = EdgeTraction | Gravity | CrackPressure | InSituStress | PointForce
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,7 +201,14 @@ class CriticalLoad:
     """Every step takes the factor at which the criterion is just met."""
 
 
-Loading = LoadHistory | CriticalLoad
+@dataclass(frozen=True, slots=True, eq=False)
+class StrengthReduction:
+    """Friction and cohesion of contact are divided by a factor until the scene fails, under all of its loads."""
+
+    factors: tuple[float, ...] = (1.0,)  # of the loads
+
+
+Loading = LoadHistory | CriticalLoad | StrengthReduction
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,7 +220,7 @@ class Growth:
     advance: Literal["most_critical", "in_turn", "all"]
     criterion: Literal["strength", "directional_strength", "max_hoop_stress"]
     direction: Literal["explicit", "implicit"]  # implicit: the kink is corrected until K_II vanishes at the new tip
-    tip_radius: float  # m, Shepard averaging radius
+    tip_radius: float | None  # m, Shepard averaging radius where rock has no toughness
     unload_between_steps: bool
 
 
@@ -247,6 +267,36 @@ class Numerics:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RockPoint:
+    """A point of a body: displacement and stress."""
+
+    name: str
+    body: str
+    point: Floats  # (2,) m
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FacePoint:
+    """A place on a crack or an interface: opening and slip."""
+
+    name: str
+    surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
+    point: Floats  # (2,) m
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointPair:
+    """Two points: by how much they come closer."""
+
+    name: str
+    bodies: tuple[str, str]
+    points: Floats  # (2, 2) m
+
+
+HistoryPoint = RockPoint | FacePoint | PointPair
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Output:
     """What is written."""
 
@@ -254,6 +304,7 @@ class Output:
     fields: tuple[str, ...]  # of "displacement", "stress"
     figures: bool
     report: bool = True
+    points: tuple[HistoryPoint, ...] = ()  # whose course is written
 
 
 @dataclass(frozen=True, slots=True)
@@ -303,4 +354,6 @@ class Case:
         """Number of the last step, counted from 0, if nothing ends the run before."""
         if self.growth is not None:
             return self.growth.steps
+        if isinstance(self.loading, StrengthReduction):
+            return 1
         return len(self.loading.factors) - 1 if isinstance(self.loading, LoadHistory) else 0

@@ -211,7 +211,8 @@ class Quantity:
         def convert(text: str) -> float:
             return parse_quantity(text, self.kind, context.units)
 
-        hint = f" ({' | '.join(UNITS[self.kind])}; a bare number means {context.units.of(self.kind)}){self.note}"
+        bare = f"; a bare number means {context.units.of(self.kind)}" if context.units.bare(self.kind) else ""
+        hint = f" ({' | '.join(UNITS[self.kind])}{bare}){self.note}"
         return _read_float(node, path, context, self, self.bounds, convert, hint)
 
 

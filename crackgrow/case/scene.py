@@ -6,7 +6,7 @@ from typing import Final
 
 from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
-from crackgrow.case.formula import LengthOrFormula
+from crackgrow.case.formula import OrFormula
 from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, without_file
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import (
@@ -89,6 +89,9 @@ STRENGTH: Final = Mapping(
         "tension": Field(Quantity("stress", POSITIVE), "tensile strength"),
         "cohesion": Field(Quantity("stress", NOT_NEGATIVE), "cohesion of the intact rock"),
         "friction_angle": Field(Quantity("angle", Bounds(at_least=0, below=90)), "angle of internal friction"),
+        "toughness": Field(
+            Quantity("toughness", POSITIVE), "K_Ic, from which the averaging radius of the criterion follows", OPTIONAL
+        ),
     }
 )
 
@@ -116,6 +119,13 @@ PATH: Final = OneOf(
 
 _AFTER_SLIP: Final = Choice(("lost", "kept"), ("none is left", "stays where the point is closed"))
 
+_JOINT: Final = Mapping(
+    {
+        "normal": Field(Quantity("stiffness", POSITIVE), "pressure per closure"),
+        "shear": Field(Quantity("stiffness", POSITIVE), "shear stress per elastic slip"),
+    }
+)
+
 _CONTACT_KEYS: Final = Mapping(
     {
         "friction": Field(Number(NOT_NEGATIVE), "Coulomb's friction coefficient"),
@@ -123,6 +133,12 @@ _CONTACT_KEYS: Final = Mapping(
         "residual_friction": Field(Number(NOT_NEGATIVE), "friction of points that have slipped or opened", OPTIONAL),
         "cohesion_after_slip": Field(_AFTER_SLIP, "cohesion of points that slipped or opened", "lost"),
         "dilation_angle": Field(Quantity("angle", Bounds(at_least=0, below=90)), "faces part by tan of it x slip", 0.0),
+        "weakening_length": Field(
+            Quantity("length", POSITIVE),
+            "slip over which friction and cohesion fall linearly to their residual values; left out: at once",
+            OPTIONAL,
+        ),
+        "stiffness": Field(_JOINT, "stiffness of the joint, in place of numerics.contact.stiffness", OPTIONAL),
     }
 )
 
@@ -131,8 +147,8 @@ def _with_residual(value: object, path: Path, context: Context) -> object:
     """Return a law of contact with its residual friction, which is the friction if it is left out."""
     if not isinstance(value, dict):
         return value
-    residual = value.get("residual_friction", value.get("friction"))
-    return {key: residual if key == "residual_friction" else value[key] for key in _CONTACT_KEYS.fields}
+    every = {"residual_friction": value.get("friction"), **value}
+    return {key: every[key] for key in _CONTACT_KEYS.fields if key in every}
 
 
 CONTACT: Final = Converted(_CONTACT_KEYS, _with_residual)
@@ -168,8 +184,8 @@ INTERFACE: Final = Mapping(
 
 DISPLACEMENT: Final = Mapping(
     {
-        "x": Field(LengthOrFormula(), "displacement along x; left out: free", OPTIONAL),
-        "y": Field(LengthOrFormula(), "displacement along y; left out: free", OPTIONAL),
+        "x": Field(OrFormula(), "displacement along x; left out: free", OPTIONAL),
+        "y": Field(OrFormula(), "displacement along y; left out: free", OPTIONAL),
     },
     at_least_one=True,
 )
@@ -177,6 +193,7 @@ DISPLACEMENT: Final = Mapping(
 _ON: Final = Field(REGION, "an edge or a part of one", also=("true",))  # what writers of YAML 1.1 make of `on`
 _DISPLACEMENT_FIELD: Final = Field(DISPLACEMENT, "prescribed displacement")
 _BODY_NAME: Final = Field(Text(), "name of a body")
+_OF_BODY: Final = Field(Text(), "the body, if the point lies on more than one", OPTIONAL)
 
 SUPPORT: Final = OneOf(
     (
@@ -184,7 +201,7 @@ SUPPORT: Final = OneOf(
             {
                 "at": Field(POINT, "a point, [x, y]"),
                 "displacement": _DISPLACEMENT_FIELD,
-                "body": Field(Text(), "the body, if the point lies on more than one", OPTIONAL),
+                "body": _OF_BODY,
             }
         ),
         Mapping({"on": _ON, "displacement": _DISPLACEMENT_FIELD}),
@@ -196,7 +213,13 @@ _HELD: Final = Field(Switch(), "acts in full at every load factor", False)
 
 LOAD: Final = OneOf(
     (
-        Mapping({"on": _ON, "traction": Field(ListOf(Quantity("stress"), 2), "force per area, [x, y]"), "held": _HELD}),
+        Mapping(
+            {
+                "on": _ON,
+                "traction": Field(ListOf(OrFormula("stress"), 2), "force per area, [x, y]"),
+                "held": _HELD,
+            }
+        ),
         Mapping(
             {
                 "body": _BODY_NAME,
@@ -207,7 +230,7 @@ LOAD: Final = OneOf(
         Mapping(
             {
                 "crack": Field(Text(), "name of a crack"),
-                "pressure": Field(Quantity("stress"), "pressure of a fluid on both faces"),
+                "pressure": Field(OrFormula("stress"), "pressure of a fluid on both faces"),
                 "held": _HELD,
             }
         ),
@@ -218,11 +241,20 @@ LOAD: Final = OneOf(
                 "held": _HELD,
             }
         ),
+        Mapping(
+            {
+                "at": Field(POINT, "a point, [x, y]"),
+                "force": Field(ListOf(Quantity("force"), 2), "force per thickness, [x, y]"),
+                "body": _OF_BODY,
+                "held": _HELD,
+            }
+        ),
     )
 )
 
 LOADING: Final = WordOr(
-    ("critical",), Mapping({"history": Field(ListOf(Number()), "load factors applied in turn", [1.0])})
+    ("critical", "strength_reduction"),
+    Mapping({"history": Field(ListOf(Number()), "load factors applied in turn", [1.0])}),
 )
 
 TIP_STRESS: Final = Mapping(
@@ -253,8 +285,10 @@ GROWTH: Final = Mapping(
         "increment": Field(Quantity("length", POSITIVE), "length added to a tip in one step"),
         "advance": Field(ADVANCE, "tips that advance in a step"),
         "criterion": Field(CRITERION, "when and where a tip grows"),
-        "direction": Field(DIRECTION, "implicit: corrected at the new tip", "explicit"),
-        "tip_stress": Field(TIP_STRESS, "how the stress at a tip is taken"),
+        "direction": Field(
+            DIRECTION, "left out: implicit for max_hoop_stress in rock with a toughness, else explicit", OPTIONAL
+        ),
+        "tip_stress": Field(TIP_STRESS, "how the stress at a tip is taken where rock has no toughness", OPTIONAL),
         "unload_between_steps": Field(
             Switch(), "start every step from the unloaded state; false: friction remembers", True
         ),
@@ -323,12 +357,34 @@ NUMERICS: Final = Chosen(
     _numerics(PRESETS[STANDARD], AUTO),
 )
 
+HISTORY_POINT: Final = OneOf(
+    (
+        Mapping({"at": Field(POINT, "a point of the rock, [x, y]: its displacement and stress"), "body": _OF_BODY}),
+        Mapping(
+            {
+                "crack": Field(Text(), "name of a crack: its opening and slip"),
+                "at": Field(POINT, "where on it, [x, y]; at its mouth the crack-mouth opening"),
+            }
+        ),
+        Mapping(
+            {
+                "interface": Field(ListOf(Text(), 2), "names of two bodies: opening and slip of what is between them"),
+                "at": Field(POINT, "where on it, [x, y]"),
+            }
+        ),
+        Mapping({"between": Field(ListOf(POINT, 2), "two points of the rock: how much closer they come")}),
+    )
+)
+
 OUTPUT: Final = Mapping(
     {
         "frames": Field(Choice(("every_step", "first_and_last", "none")), "steps written as frames", "every_step"),
         "fields": Field(ListOf(Choice(("displacement", "stress"))), "fields in a frame", ["displacement", "stress"]),
         "figures": Field(Switch(), "draw pictures and plots", True),
         "report": Field(Switch(), "write report.html at the end", True),
+        "points": Field(
+            Named("point", HISTORY_POINT), "places whose course history.csv tells, with reactions", OPTIONAL
+        ),
     }
 )
 

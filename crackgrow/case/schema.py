@@ -55,7 +55,11 @@ class Mapping:
 
     def form(self) -> str:
         """Write the keys that tell this mapping from others: those that must be given."""
-        return f"{{{', '.join(key for key, field in self.fields.items() if field.default is REQUIRED)}}}"
+        return f"{{{', '.join(key for key in self.fields if key in self.required())}}}"
+
+    def required(self) -> set[str]:
+        """The keys that must be given."""
+        return {key for key, field in self.fields.items() if field.default is REQUIRED}
 
     def defaults(self) -> dict[str, object]:
         """Return what the mapping holds if no key is given; only for mappings without required keys."""
@@ -147,6 +151,8 @@ class OneOf:
         if len(matches) > 1:  # a misspelt key may tell them apart, but never chooses a form alone
             meant = given | ({nearest(key, free) for key in node.entries.keys() - given} - {None})
             matches = [form for form in matches if meant <= form.fields.keys()]
+            whole = [form for form in matches if form.required() <= given]  # no other key is wanted
+            matches = whole if len(whole) == 1 else matches
         if len(matches) == 1:
             return matches[0].read(node, path, context)
         for key, entry in node.entries.items():

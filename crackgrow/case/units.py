@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
@@ -19,6 +20,19 @@ UNITS: dict[str, dict[str, Fraction]] = {
     "density": {"kg/m^3": Fraction(1), "g/cm^3": Fraction(1000), "t/m^3": Fraction(1000)},
     "acceleration": {"m/s^2": Fraction(1), "mm/s^2": Fraction(1, 1000)},
     "angle": {"deg": Fraction(1)},
+    "toughness": {
+        "Pa sqrt(m)": Fraction(1),
+        "kPa sqrt(m)": Fraction(10**3),
+        "MPa sqrt(m)": Fraction(10**6),
+        "GPa sqrt(m)": Fraction(10**9),
+        "MPa sqrt(mm)": Fraction(math.sqrt(1e9)),
+    },
+}
+UNITS["force"] = {"N/m": Fraction(1), "kN/m": Fraction(10**3), "MN/m": Fraction(10**6), "N/mm": Fraction(10**3)}
+UNITS["stiffness"] = {
+    f"{stress}/{length}": one / other
+    for length, other in UNITS["length"].items()
+    for stress, one in UNITS["stress"].items()
 }
 
 # No number of a rock-mechanics case comes near these; their squares and products stay finite.
@@ -45,9 +59,20 @@ class Units:
     stress: str = "Pa"
 
     def of(self, kind: str) -> str:
-        """Return the unit of a bare number of this kind."""
-        chosen = {"length": self.length, "stress": self.stress}
+        """Return the unit of a bare number of this kind, as far as it has one (`bare`)."""
+        chosen = {
+            "length": self.length,
+            "stress": self.stress,
+            "toughness": f"{self.stress} sqrt(m)",
+            "stiffness": f"{self.stress}/{self.length}",
+        }
         return chosen.get(kind) or next(iter(UNITS[kind]))
+
+    def bare(self, kind: str) -> bool:
+        """Whether a bare number says all: of a toughness in a case in mm it might be MPa sqrt(m) or MPa sqrt(mm)."""
+        if kind == "force":  # in N/m in SI alone
+            return (self.length, self.stress) == ("m", "Pa")
+        return kind != "toughness" or self.length == "m"
 
     def show(self, value: float, kind: str, digits: int = 6) -> str:
         """Write an SI value in the units of the case, for messages."""
@@ -88,6 +113,9 @@ def parse_quantity(text: str, kind: str, units: Units) -> float:
     """
     text = text.strip()
     if is_number(text):
+        if not units.bare(kind):
+            given = f"units.length is {units.length}" + (f" and units.stress {units.stress}" if kind == "force" else "")
+            raise QuantityError(f"needs a unit, such as {units.of(kind)}, where {given}")
         return parse_number(text, UNITS[kind][units.of(kind)])
     match = _QUANTITY.fullmatch(text)
     if match is None:

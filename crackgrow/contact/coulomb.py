@@ -11,8 +11,10 @@ increments, and d = tan(psi)
     gap = du_n - d |s0 + du_t|.
 
 A point that slips or opens is broken: its friction is the residual one from then on, and its cohesion lost unless it is
-kept. The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a point passes
-a cohesion of zero where the bond is lost; an open point then carries no shear.
+kept. With a weakening length D slip takes both linearly: a share |du_t - du_t'| / D of what can be lost is lost besides
+what was before, until all is; a point that opens loses all. The law is taken as written: b is the cohesion at an open
+point too. Whoever knows the history of a point passes a cohesion of zero where the bond is lost; an open point then
+carries no shear.
 """
 
 from __future__ import annotations
@@ -39,16 +41,40 @@ class ContactLaw:
 
     friction: Floats  # (n,)
     cohesion: Floats  # (n,) Pa
-    compliance: Floats  # (n,) m/Pa: 1/k, zero for rigid contact
-    residual_friction: Floats | None = None  # (n,) of broken points; None: as before
-    kept: Bools | None = None  # (n,) whether broken points that are closed cohere; None: they don't
+    compliance: Floats  # (n,) m/Pa: 1/k across the faces, zero for rigid contact
+    residual_friction: Floats | None = None  # (n,) of points that have lost all; None: as before
+    kept: Bools | None = None  # (n,) whether such points that are closed cohere; None: they don't
     dilation: Floats | None = None  # (n,) tan(dilation angle); None: zero
+    shear_compliance: Floats | None = None  # (n,) m/Pa: the same along the faces; None: as across
+    weakening: Floats | None = None  # (n,) m: slip that takes all that can be lost; 0: any slip does. None: zero
 
-    def bound_of(self, broken: Bools) -> tuple[Floats, Floats]:
-        """Friction (n,) and cohesion (n,) where some points are `broken` (n,)."""
+    @property
+    def weakens(self) -> Bools:
+        """Which points (n,) lose by and by what they can lose."""
+        return np.zeros(len(self.friction), dtype=bool) if self.weakening is None else self.weakening > 0.0
+
+    def worn(self, slip: Floats) -> Floats:
+        """The share (n,) of what can be lost that slip (n,) m, less its elastic part, takes: of points that weaken."""
+        if self.weakening is None:
+            return np.zeros(len(slip))
+        return np.divide(np.abs(slip), self.weakening, out=np.zeros(len(slip)), where=self.weakens)
+
+    @property
+    def along(self) -> Floats:
+        """Compliance (n,) m/Pa of shear."""
+        return self.compliance if self.shear_compliance is None else self.shear_compliance
+
+    @property
+    def compliances(self) -> Floats:
+        """Compliance (2 n,) m/Pa across the faces, then along them."""
+        return np.concatenate([self.compliance, self.along])
+
+    def bound_of(self, lost: Floats) -> tuple[Floats, Floats]:
+        """Friction (n,) and cohesion (n,) where a share `lost` (n,), 0 to 1, of what points can lose is gone."""
         friction = self.friction if self.residual_friction is None else self.residual_friction
-        cohesion = np.zeros(len(broken)) if self.kept is None else np.where(self.kept, self.cohesion, 0.0)
-        return np.where(broken, friction, self.friction), np.where(broken, cohesion, self.cohesion)
+        cohesion = np.zeros(len(lost)) if self.kept is None else np.where(self.kept, self.cohesion, 0.0)
+        rest = 1.0 - lost
+        return rest * self.friction + lost * friction, rest * self.cohesion + lost * cohesion
 
     @property
     def dilating(self) -> Floats:
@@ -62,13 +88,13 @@ class ContactLaw:
     @property
     def resists(self) -> Bools:
         """At which points (n,) something can resist slip: others carry no shear in any state."""
-        laws = [np.maximum(*self.bound_of(np.full(len(self.friction), broken))) for broken in (False, True)]
+        laws = [np.maximum(*self.bound_of(np.full(len(self.friction), lost))) for lost in (0.0, 1.0)]
         return np.asarray((laws[0] > 0.0) | (laws[1] > 0.0) | (self.dilating > 0.0))
 
     @property
     def breakable(self) -> Bools:
         """Which points (n,) have something to lose."""
-        friction, cohesion = self.bound_of(np.ones(len(self.friction), dtype=bool))
+        friction, cohesion = self.bound_of(np.ones(len(self.friction)))
         return np.asarray((friction < self.friction) | (cohesion < self.cohesion))
 
 
@@ -77,18 +103,23 @@ class ContactMemory:
     """What contact points keep from one increment to the next."""
 
     slip: Floats  # (n,) m, less its elastic part
-    broken: Bools  # (n,) has slipped or opened
+    lost: Floats  # (n,) share, 0 to 1, of what it can lose; without a weakening length all, once it has slipped
     closed: Bools | None = None  # (n,) is not open; None: where it is not broken
+
+    @property
+    def broken(self) -> Bools:
+        """Which points (n,) have slipped or opened."""
+        return np.asarray(self.lost > 0.0)
 
     def coheres(self, law: ContactLaw) -> Bools:
         """Which points (n,) the bond holds."""
-        _, cohesion = law.bound_of(self.broken)
+        _, cohesion = law.bound_of(self.lost)
         return np.asarray((cohesion > 0.0) & (~self.broken if self.closed is None else self.closed))
 
     @classmethod
     def fresh(cls, n: int) -> ContactMemory:
         """Memory of n points that nothing has happened to."""
-        return cls(np.zeros(n), np.zeros(n, dtype=bool))
+        return cls(np.zeros(n), np.zeros(n))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

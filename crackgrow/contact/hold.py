@@ -34,7 +34,7 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
     """
     free, law = contact.loose, contact.law
     assert free is not None
-    friction, cohesion = (law.friction, law.cohesion) if memory is None else law.bound_of(memory.broken)
+    friction, cohesion = (law.friction, law.cohesion) if memory is None else law.bound_of(memory.lost)
     gap, slip = np.split(contact.moving, 2)
     size, pull = float(np.abs(loads).sum()), free.along(loads)
     left, way = least_unbalanced(gap, slip, contact.weights, pull, size, friction, cohesion)

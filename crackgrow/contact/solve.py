@@ -9,8 +9,8 @@ Points remember (`ContactMemory`): a point sticks where it stuck before,
 
     du_t = du_t' where |p_t| < b, else du_t - du_t' has the sign of p_t,    gap >= tan(dilation) |du_t|,
 
-with du_t' the slip after the increment before. What breaks in an increment is broken in all of it: the increment is
-solved again until no more points break.
+with du_t' the slip after the increment before. What breaks in an increment is broken in all of it, what slip
+wears is worn as at its end: the increment is solved again until no more points break or wear.
 """
 
 from __future__ import annotations
@@ -49,6 +49,12 @@ SPOILT = 1e-2
 GAIN = 0.5
 """Corrections that leave more than this part of the difference end: it is round-off of the displacements themselves."""
 
+WORN = 1e-7
+"""Less than this share of what slip can take is nothing: what slip has taken is found by repetition."""
+
+MOST_WEARS = 1000
+"""Repetitions. Where a fall of strength is just what the rock can follow each of them changes next to nothing."""
+
 UNSURE = 1e-8
 """The same, left at the end, of which the outcome carries a note."""
 
@@ -81,8 +87,9 @@ class Trial:
     """What an increment is taken to do."""
 
     taken: Bools  # (n,) points that are among the unknowns
-    broken: Bools  # (n,) points whose bond is broken, in this increment or before
+    lost: Floats  # (n,) share of what points can lose that is gone, in this increment or before
     opened: Bools  # (n,) points that have opened in this increment: they do not cohere in it
+    wears: int = 0  # how often slip has taken some of what can be lost
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -161,8 +168,9 @@ class Increment:
     def remembered(self, state: PointStates) -> ContactMemory:
         """What points keep of their states."""
         apart = (state.state == OPEN) & (state.gap > self.tolerance)
-        slip = state.slip - self.contact.law.compliance * state.tangential
-        return ContactMemory(slip, state.trial.broken | (state.state == SLIP) | apart, ~apart)
+        slip = state.slip - self.contact.law.along * state.tangential
+        breaks = apart | ((state.state == SLIP) & ~self.contact.law.weakens)
+        return ContactMemory(slip, np.where(breaks, 1.0, state.trial.lost), ~apart)
 
     def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
         """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""
@@ -197,7 +205,7 @@ class Increment:
         sees = np.any(self.contact.moving != 0.0, axis=1).reshape(2, -1).any(axis=0)
         taken = self.memory.coheres(law) | (gap - dilation < -self.tolerance) | sees
         none, nothing = np.zeros(n, dtype=bool), np.zeros(n)
-        trial = Trial(taken, self.memory.broken, none)
+        trial = Trial(taken, self.memory.lost, none)
         return PointStates(trial, nothing, nothing, gap - dilation, slip, dilation, np.full(n, OPEN), none)
 
     def _tried(self, trial: Trial, free: Floats, start: PointStates) -> PointStates:
@@ -225,7 +233,7 @@ class Increment:
     def _problem(self, trial: Trial, free: Floats) -> ContactProblem:
         """The problem of a trial, with the jumps `free` (2 n,) m without tractions."""
         contact, law, before = self.contact, self.contact.law, self.memory.slip
-        friction, cohesion = law.bound_of(trial.broken)
+        friction, cohesion = law.bound_of(trial.lost)
         cohesion[trial.opened] = 0.0
         rows, n = np.flatnonzero(trial.taken), len(friction)
         at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (law.dilating > 0.0)
@@ -244,7 +252,7 @@ class Increment:
         p[np.concatenate([rows, n + rows])] = solution.traction
         p_n, p_t = np.split(p, 2)
         gap, slip = np.split(free - contact.rock @ p + contact.moving @ solution.motion, 2)
-        dilation = law.opening(slip - law.compliance * p_t)
+        dilation = law.opening(slip - law.along * p_t)
         state, coheres = np.full(n, OPEN), np.zeros(n, dtype=bool)
         coheres[rows] = problem.cohesion > 0.0
         state[rows] = _states(problem, solution, (gap - dilation)[rows], problem.cohesion)
@@ -267,11 +275,22 @@ class Increment:
         missed = ~trial.taken & (found.gap < -self.tolerance)
         if missed.any():
             return replace(trial, taken=trial.taken | missed)
-        breaking = trial.taken & (found.state != STICK) & ~trial.broken & self.contact.law.breakable
+        law = self.contact.law
+        breaking = trial.taken & (found.state != STICK) & (trial.lost < 1.0) & law.breakable & ~law.weakens
         if breaking.any():
-            return replace(trial, broken=trial.broken | breaking)
+            return replace(trial, lost=np.where(breaking, 1.0, trial.lost))
+        worn = self._worn(found)
+        if trial.wears < MOST_WEARS and (worn > trial.lost + WORN).any():
+            return replace(trial, lost=np.maximum(worn, trial.lost), wears=trial.wears + 1)
         opening = trial.taken & (found.state == OPEN) & found.coheres & ~trial.opened
         return replace(trial, opened=trial.opened | opening) if opening.any() else None
+
+    def _worn(self, found: PointStates) -> Floats:
+        """What points that slip have lost (n,) by then; all others what the trial says."""
+        law = self.contact.law
+        slips = found.trial.taken & (found.state == SLIP) & law.weakens
+        moved = found.slip - law.along * found.tangential - self.memory.slip
+        return np.where(slips, np.minimum(self.memory.lost + law.worn(moved), 1.0), found.trial.lost)
 
 
 def solved(

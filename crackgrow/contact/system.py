@@ -8,7 +8,7 @@ its bits do not depend on what was asked for first.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -65,6 +65,14 @@ class ContactSystem:
                 return np.asarray(compliance * weights)
         return np.asarray(self.operator @ self._per_traction[0])
 
+    def with_law(self, law: ContactLaw) -> ContactSystem:
+        """The same rock behind another law; what is known of it stays known where the same points resist slip."""
+        other = replace(self, law=law)
+        if np.array_equal(law.resists, self.law.resists):
+            known = ("operator", "rock", "_per_traction", "moving")
+            other.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
+        return other
+
     @property
     def _few(self) -> bool:
         """Whether displacements per unit traction are few numbers: what to find is the same whatever is asked for."""
@@ -98,7 +106,7 @@ class ContactSystem:
         off = float(np.abs(symmetric - symmetric.T).max())
         if least <= 0.0 or off > UNSYMMETRIC * largest:
             raise spoilt("not positive" if least <= 0.0 else f"unsymmetric by {off / largest:.1g} of its largest entry")
-        rock[np.diag_indices_from(rock)] += np.tile(self.law.compliance, 2)[at]
+        rock[np.diag_indices_from(rock)] += self.law.compliances[at]
         if len(rock) == 2 * k:
             return rock
         rows = np.concatenate([np.arange(k), k + np.flatnonzero(resists)])

@@ -45,10 +45,10 @@ def elastic_tractions(
     """Normal and tangential traction (n,) Pa at arc lengths s (n,) of a crack, from the jump there by the elastic law.
 
     For contact points that are the points where the law holds: between them and on to the tip, where the jump vanishes
-    with the square root of the distance, the law says more than their tractions, interpolated, do. With e the
-    compliance (m/Pa) and d the tangent of the dilation angle
+    with the square root of the distance, the law says more than their tractions, interpolated, do. With e and e_t the
+    compliances (m/Pa) across the faces and along them, and d the tangent of the dilation angle
 
-        p_n = (gap - d |slip - e p_t|) / e,    p_t = slip / e where the faces have never slipped.
+        p_n = (gap - d |slip - e_t p_t|) / e,    p_t = slip / e_t where the faces have never slipped.
 
     Elsewhere p_t is in proportion to p_n, as at the contact points, but for the cohesion of faces that slip.
     """
@@ -56,14 +56,14 @@ def elastic_tractions(
         return np.zeros(len(s)), np.zeros(len(s))
     nearest = nearest_contact_point(faces, crack, s)
     gap, slip = gap_and_slip(cover, points_at(cover, crack, s), outcome.u)
-    known = (outcome.normal_traction, outcome.tangential_traction, law.compliance)
-    normal, tangential, compliance = between_contact_points(faces, crack, s, *known)
+    known = (outcome.normal_traction, outcome.tangential_traction, law.compliance, law.along)
+    normal, tangential, across, along = between_contact_points(faces, crack, s, *known)
     broken = outcome.memory.broken
     if law.dilation is not None:
-        gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - compliance * tangential)
-    p_n = np.where(normal < 0.0, np.minimum(gap, 0.0) / compliance, 0.0)
+        gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - along * tangential)
+    p_n = np.where(normal < 0.0, np.minimum(gap, 0.0) / across, 0.0)
     ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal < 0.0)
-    _, cohesion = law.bound_of(broken)
+    _, cohesion = law.bound_of(outcome.memory.lost)
     cohesive = np.where(outcome.state == SLIP, np.copysign(cohesion, outcome.tangential_traction), 0.0)[nearest]
     never_slipped = ((outcome.state == STICK) & ~broken)[nearest]
-    return p_n, np.where(never_slipped, slip / compliance, cohesive + ratio * (tangential - cohesive))
+    return p_n, np.where(never_slipped, slip / along, cohesive + ratio * (tangential - cohesive))

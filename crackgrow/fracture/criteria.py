@@ -18,6 +18,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Strength
+from crackgrow.case.toughness import BY_K
 from crackgrow.fracture.tip_stress import TipField
 from crackgrow.solid.recovery import principal
 
@@ -85,12 +86,11 @@ class Criterion:
 
     name: str  # as in a case file
     judge: Callable[[TipLoading, Strength], Verdict]
-    mode_I: float  # s_yy sqrt(2 pi R) / K_I that it sees in pure mode I: averaged over the disc or a ray, at the radius
-    by_K: bool = False  # whether it needs K_I and K_II; else the field alone will do
 
-    def toughness(self, tension: float, radius: float) -> float:
-        """K_I (Pa sqrt(m)) at which it lets mode I grow, for a tensile strength (Pa) and a radius R (m)."""
-        return float(tension * np.sqrt(2.0 * np.pi * radius) / self.mode_I)
+    @property
+    def by_K(self) -> bool:
+        """Whether it needs K_I and K_II; else the field alone will do."""
+        return self.name in BY_K
 
 
 def strength(loading: TipLoading, limits: Strength) -> Verdict:
@@ -163,9 +163,9 @@ def hoop_stress_kink(K_I: float, K_II: float) -> float:
 CRITERIA = {
     criterion.name: criterion
     for criterion in (
-        Criterion("strength", strength, 1.5279),
-        Criterion("directional_strength", directional_strength, 2.0),
-        Criterion("max_hoop_stress", max_hoop_stress, 1.0, by_K=True),
+        Criterion("strength", strength),
+        Criterion("directional_strength", directional_strength),
+        Criterion("max_hoop_stress", max_hoop_stress),
     )
 }
 

@@ -49,13 +49,14 @@ class TipField:
 
 
 def tip_fields(
-    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tips: Sequence[int], radius: float
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tips: Sequence[int], radius: float | Sequence[float]
 ) -> list[TipField]:
-    """Stress round the `tips` of the cover within `radius` (m); `u` (n_dofs,) m."""
+    """Stress round the `tips` of the cover within `radius` (m), one or one a tip; `u` (n_dofs,) m."""
     fields = []
+    radii = np.broadcast_to(radius, len(tips)).tolist()
     for first in range(0, len(tips), TIPS_AT_ONCE):
         some = [cover.tips[tip] for tip in tips[first : first + TIPS_AT_ONCE]]
-        rules = [_rule(cover, tip, radius) for tip in some]
+        rules = [_rule(cover, *each) for each in zip(some, radii[first : first + TIPS_AT_ONCE], strict=True)]
         points = np.concatenate([rule.points(tip.point) for tip, rule in zip(some, rules, strict=True)])
         body = np.repeat([tip.body for tip in some], N_RAYS * N_RADIAL)
         elements = locate(cover.lattice, cover.elements, points, body)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -14,7 +15,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as LinePath
 
 from crackgrow.arrays import Floats
-from crackgrow.case.formula import CoordinateFormula
+from crackgrow.case.formula import CoordinateFormula, component_at
 from crackgrow.case.model import (
     Body,
     Case,
@@ -27,12 +28,13 @@ from crackgrow.case.model import (
     EdgeTraction,
     Gravity,
     InSituStress,
+    PointForce,
     PointSupport,
 )
 from crackgrow.cover.squares import QUANTA
 from crackgrow.plan.glyphs import GIVEN, LOAD, arrow, beside, dimension, hatch, label, rollers, triangle
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.overview import length_unit, stress_text
+from crackgrow.results.overview import component_text, length_unit, stress_text
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.configuration import first_cells
 from crackgrow.run.scene import make_scene
@@ -205,7 +207,13 @@ def _draw_loads(axes: Axes, case: Case, size: float) -> None:
             label(axes, middle + 1.3 * ARROW * size * way, f"g = {np.hypot(*load.acceleration):g} m/s²{held}", LOAD)
         elif isinstance(load, CrackPressure):
             crack = next(crack for crack in case.cracks if crack.name == load.crack)
-            label(axes, crack.points.mean(axis=0) - [0.0, 0.06 * size], f"p = {stress_text(load.pressure)}{held}", LOAD)
+            place = crack.points.mean(axis=0) - [0.0, 0.06 * size]
+            label(axes, place, f"p = {component_text(load.pressure)}{held}", LOAD)
+        elif isinstance(load, PointForce):
+            force = np.array(load.force)
+            way = ARROW * size * force / max(float(np.hypot(*force)), 1e-300)
+            arrow(axes, load.point - way, load.point, LOAD)
+            label(axes, load.point - 1.3 * way, f"F = {np.hypot(*force):g} N/m{held}", LOAD)
         elif isinstance(load, InSituStress):
             values = ", ".join(stress_text(value) for value in load.stress)
             notes.append(f"in-situ stress xx, yy, xy in {load.body}: {values}{held}")
@@ -217,9 +225,10 @@ def _draw_loads(axes: Axes, case: Case, size: float) -> None:
 
 def _draw_traction(axes: Axes, case: Case, load: EdgeTraction, size: float, held: str) -> None:
     """Arrows along an edge that push on it or pull at it, or, where they only shear it, run beside it."""
-    traction = np.array(load.traction)
-    strength = float(np.hypot(*traction))
     parts = _parts(case, load.region)
+    ends = np.concatenate([line for line, _ in parts])
+    traction = _mean([component_at(component, ends) for component in load.traction])
+    strength = float(np.hypot(*traction))
     if strength == 0.0:
         return
     way = ARROW * size * traction / strength
@@ -244,8 +253,15 @@ def _draw_traction(axes: Axes, case: Case, load: EdgeTraction, size: float, held
     away = (1.35 * ARROW + (0.0 if free else gap)) * size
     middle = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0]) + away * outward
     given = ", ".join(f"t{axis}" for axis, value in zip("xy", traction, strict=True) if value)
-    values = ", ".join(stress_text(value) for value in traction if value)
+    values = ", ".join(component_text(of) for of, value in zip(load.traction, traction, strict=True) if value)
     label(axes, middle, f"{given} = {values}{held}", LOAD, rotation=90.0 if abs(outward[0]) > SHEAR else 0.0)
+
+
+def _mean(components: Sequence[Floats]) -> Floats:
+    """The mean (2,) of two components at places; what it has no sign of is told by the largest value."""
+    return np.array(
+        [values.mean() if values.mean() != 0.0 else values[np.argmax(np.abs(values))] for values in components]
+    )
 
 
 def _parts(case: Case, region: EdgeRegion) -> list[tuple[Floats, Floats]]:

@@ -25,6 +25,12 @@ def reactions_frame(results: Iterable[StepResult]) -> pd.DataFrame:
     return _frame(tables.REACTIONS, [row for result in results for row in tables.reaction_rows(result)])
 
 
+def history_frame(results: Sequence[StepResult]) -> pd.DataFrame:
+    """Rows of history.csv: one for each increment; empty where the case names no points."""
+    columns = next((tables.history_columns(result.history) for result in results if result.history), ())
+    return _frame(columns, [row for result in results for row in tables.history_rows(result)])
+
+
 def steps_frame(results: Iterable[StepResult]) -> pd.DataFrame:
     """Rows of steps.csv: one for each step; `seconds_output` is without the writing of frames."""
     return _frame(tables.STEPS, [tables.step_row(result, seconds_frames=0.0) for result in results])

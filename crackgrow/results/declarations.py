@@ -120,6 +120,27 @@ EVENTS: Final = File(
     ),
 )
 
+HISTORY: Final = File(
+    "history.csv",
+    "what the places of `output.points` see, and all reactions: a row for each step and increment of its loads, the "
+    "states at which contact points change included (100 of a load at most); where the case names points",
+    (
+        _STEP,
+        Column("increment", "", "number of the increment in its step, from 0"),
+        _LOAD_FACTOR,
+        Column("NAME.u_x", "m", "displacement of a point"),
+        Column("NAME.u_y", "m", "displacement of a point"),
+        Column("NAME.stress_xx", "Pa", "stress at a point, tension positive"),
+        Column("NAME.stress_yy", "Pa", "stress at a point, tension positive"),
+        Column("NAME.stress_xy", "Pa", "stress at a point"),
+        Column("NAME.opening", "m", "jump of displacement across a crack or an interface, at a place on it"),
+        Column("NAME.slip", "m", "jump of displacement along it"),
+        Column("NAME.convergence", "m", "by how much two points have come closer"),
+        Column("WHERE.force_x", "N/m", "force of a support, a foundation or an interface, as in `reactions.csv`"),
+        Column("WHERE.force_y", "N/m", "force of a support, a foundation or an interface, as in `reactions.csv`"),
+    ),
+)
+
 REACTIONS: Final = File(
     "reactions.csv",
     "the force that each support, foundation and interface carries: a row for each step and one of them",
@@ -190,6 +211,8 @@ SUMMARY: Final = File(
         Column("peak_memory_mb", "MB", "most memory of the process"),
         Column("resumed_with_steps", "", "steps with which the run was gone on"),
         Column("effective_toughness_K_I", "Pa sqrt(m)", "K_I at which the criterion lets mode I grow"),
+        Column("safety", "", "with `loading: strength_reduction`: the `factor` of safety, the next one tried, at which "
+               "it `fails_at`, and the `mechanism`; null where it does not fail"),
         Column("worst_checks", "", f"worst value and its step, of {_CHECKS}"),
         Column("error_estimate", "%", "`energy_norm_percent` of the first and the last step, `K_percent_at_most`, "
                "`K_spread_percent`"),
@@ -235,6 +258,7 @@ RUN: Final = (
     PATHS,
     CONTACT,
     REACTIONS,
+    HISTORY,
     EVENTS,
     File("report.html", "all of it on one page that needs no network; `output.report: false` leaves it out"),
     File("NAME.pvd", "opens the frames of all steps in ParaView"),

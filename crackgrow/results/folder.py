@@ -86,6 +86,7 @@ class RunFolder:
     contact: TextTable
     paths: TextTable
     events: TextTable
+    history: TextTable | None = None  # where the case names points
 
     @property
     def solved(self) -> list[int]:
@@ -113,7 +114,10 @@ def read_run(folder: Path) -> RunFolder:
     solved = steps.steps().tolist()
     tips, contact = (_table(folder, name).of_steps(solved) for name in ("tips.csv", "contact.csv"))
     case = load_case(folder / "case.yaml")
-    return RunFolder(folder, summary, case, case_text, steps, tips, contact, paths, events)
+    history = None
+    if case.output.points and (folder / "history.csv").is_file():
+        history = _read_table(folder, "history.csv").of_steps(solved)
+    return RunFolder(folder, summary, case, case_text, steps, tips, contact, paths, events, history)
 
 
 def damaged(path: Path, what: str) -> FolderError:
@@ -148,15 +152,22 @@ def _text(folder: Path, name: str) -> str:
 
 
 def _table(folder: Path, name: str) -> TextTable:
+    """A table whose columns are the same in every run."""
+    table = _read_table(folder, name)
+    header = list(table.columns)
+    earlier = [column for column in COLUMNS[name] if column not in LATER.get(name, ())]
+    if header not in (list(COLUMNS[name]), earlier):
+        raise damaged(table.path, f"its columns are {', '.join(header) or 'none'}, not {', '.join(COLUMNS[name])}")
+    return table
+
+
+def _read_table(folder: Path, name: str) -> TextTable:
     path = folder / name
     try:
         rows = list(csv.reader(io.StringIO(_text(folder, name), newline="")))
     except csv.Error as error:
         raise damaged(path, str(error)) from error
     header = rows.pop(0) if rows else []
-    earlier = [column for column in COLUMNS[name] if column not in LATER.get(name, ())]
-    if header not in (list(COLUMNS[name]), earlier):
-        raise damaged(path, f"its columns are {', '.join(header) or 'none'}, not {', '.join(COLUMNS[name])}")
     for number, row in enumerate(rows, 1):
         if len(row) != len(header):
             raise damaged(path, f"row {number} has {len(row)} values, the header has {len(header)}")

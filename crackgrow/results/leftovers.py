@@ -32,7 +32,7 @@ OWN_KEYS = (
     "worst_checks",
 )  # of a summary, all of them in that of every version
 FILES = ("case.yaml", SUMMARY, "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
-         "events.csv", LOG, REPORT)  # fmt: skip
+         "events.csv", "history.csv", LOG, REPORT)  # fmt: skip
 FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
            "figures/load_curve.png")  # fmt: skip
 SERIES = {

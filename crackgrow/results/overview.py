@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import STANDARD
+from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import (
     Body,
     Case,
+    Component,
     ContactSupport,
     CoulombContact,
     Crack,
@@ -20,11 +23,15 @@ from crackgrow.case.model import (
     EdgeSupport,
     EdgeTraction,
     Gravity,
+    Growth,
     InSituStress,
     Interface,
     LoadHistory,
+    PointForce,
     PointSupport,
+    StrengthReduction,
 )
+from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.results.log import counted
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
@@ -114,6 +121,8 @@ def _support_lines(case: Case) -> list[str]:
 def _loading(case: Case) -> str:
     if isinstance(case.loading, CriticalLoad):
         return "each step at its critical load factor"
+    if isinstance(case.loading, StrengthReduction):
+        return "all of them, with friction and cohesion divided by a factor until the scene fails"
     factors = [f"{factor:g}" for factor in case.loading.factors]
     if len(factors) > SHOWN_FACTORS:
         return f"{len(factors)} load factors {', '.join(factors[:SHOWN_FACTORS])}, ..., {factors[-1]}"
@@ -131,7 +140,9 @@ def _loads(case: Case) -> str:
         if isinstance(load, Gravity):
             words.append(f"gravity on {load.body}{held}")
         elif isinstance(load, CrackPressure):
-            words.append(f"pressure {stress_text(load.pressure)} in {load.crack}{held}")
+            words.append(f"pressure {component_text(load.pressure)} in {load.crack}{held}")
+        elif isinstance(load, PointForce):
+            words.append(f"a force at a point of {load.body}{held}")
         elif isinstance(load, InSituStress):
             words.append(f"in-situ stress in {load.body}{held}")
     return ", ".join(words)
@@ -146,6 +157,10 @@ def _law(contact: CoulombContact) -> str:
         words.append("cohesion kept after slip")
     if contact.dilation_angle:
         words.append(f"dilation angle {contact.dilation_angle:g} deg")
+    if contact.weakening_length:
+        words.append(f"weakening over {contact.weakening_length:g} m of slip")
+    if contact.stiffness is not None:
+        words.append("stiffness {:g} and {:g} GPa/m".format(*(k / 1e9 for k in contact.stiffness)))
     return ", ".join(words)
 
 
@@ -186,12 +201,26 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
         return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"
-    in_spacings = f"{growth.tip_radius / case.numerics.spacing:.3g} x the spacing"
-    radius = f"tip radius {growth.tip_radius * scale:g} {unit} ({in_spacings})"
+    radius = ", ".join(_radii(case, growth, scale, unit))
     if growth.steps == 0:
         return f"growth: none, {growth.criterion} is judged, {radius}"
     steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
     return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}, {radius}{memory}"
+
+
+def _radii(case: Case, growth: Growth, scale: float, unit: str) -> Iterator[str]:
+    """The averaging radius that is given, and the toughness of the bodies with cracks, with the radius that follows."""
+
+    def text(radius: float) -> str:
+        return f"tip radius {radius * scale:.6g} {unit} ({radius / case.numerics.spacing:.3g} x the spacing)"
+
+    if growth.tip_radius is not None:
+        yield text(growth.tip_radius)
+    hosts = {crack.body for crack in case.cracks}
+    for body in case.bodies:
+        if body.name in hosts and body.strength is not None and body.strength.toughness is not None:
+            averages = "" if growth.criterion in BY_K else f" ({text(averaging_radius(growth, body.strength))})"
+            yield f"toughness of '{body.name}' {body.strength.toughness / 1e6:g} MPa sqrt(m){averages}"
 
 
 def _rule(case: Case) -> str:
@@ -206,6 +235,13 @@ def length_unit(case: Case) -> tuple[float, str]:
     """How many of the unit that suits the scene are a metre, and its name."""
     size = float(np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max())
     return (1e3, "mm") if size < 1 else (1.0, "m")
+
+
+def component_text(value: Component) -> str:
+    """A stress (Pa), or the formula that it follows."""
+    if isinstance(value, CoordinateFormula):
+        return f"{value.text[:40]} [Pa]"
+    return "by a formula" if callable(value) else stress_text(value)
 
 
 def stress_text(value: float) -> str:

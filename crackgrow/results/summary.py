@@ -15,7 +15,7 @@ from typing import Any
 from crackgrow import __version__
 from crackgrow.case.model import Case
 from crackgrow.results.gathered import Gathered
-from crackgrow.run.result import Event, RunEnd, StepResult, TipResult, event_of, event_record
+from crackgrow.run.result import Event, RunEnd, Safety, StepResult, TipResult, event_of, event_record
 
 ROUND_OFF = 1e-8  # of the loads' K, their force over the root of a length: a smaller K tells nothing
 MEMORY_FILE = Path("/proc/self/status")  # of Linux
@@ -120,6 +120,7 @@ def summarize(
         "peak_memory_mb": round(memory, 1),
         "resumed_with_steps": list(resumed),
         "effective_toughness_K_I": _finite(tally.effective_toughness),
+        **({} if end.safety is None else {"safety": _safety(end.safety)}),
         "worst_checks": {
             check: {"value": _finite(value), "step": step} for check, (value, step) in tally.worst.items()
         },
@@ -132,6 +133,13 @@ def summarize(
         "warnings": tally.warnings,
         "cautions": [{**record, "size": _finite(record["size"])} for record in tally.cautions.records()],
     }
+
+
+def _safety(safety: Safety) -> dict[str, object]:
+    """How safe a scene is; null: it does not fail."""
+    return {
+        "factor": _finite(safety.factor), "fails_at": _finite(safety.fails_at), "mechanism": safety.mechanism or None
+    }  # fmt: skip
 
 
 def error_line(tally: Tally, end: RunEnd) -> str:

@@ -9,7 +9,7 @@ from zlib import crc32
 from crackgrow.results import declarations
 from crackgrow.results.atomic import append_text, write_text
 from crackgrow.results.declarations import PHASES
-from crackgrow.run.result import STATE_NAMES, CrackPath, Event, StepResult
+from crackgrow.run.result import STATE_NAMES, CrackPath, Event, History, StepResult
 
 Value = str | bool | int | float
 
@@ -139,6 +139,20 @@ def contact_rows(result: StepResult) -> list[tuple[Value, ...]]:
 def reaction_rows(result: StepResult) -> list[tuple[Value, ...]]:
     """Rows of reactions.csv: N per metre of thickness, on the rock; of an interface on its first body."""
     return [(int(result.step), item.where, *item.force, float(result.load_factor)) for item in result.reactions]
+
+
+def history_columns(history: History) -> tuple[str, ...]:
+    """Columns of history.csv, those of the case's own points and reactions among them."""
+    return ("step", "increment", "load_factor", *history.columns)
+
+
+def history_rows(result: StepResult) -> list[tuple[Value, ...]]:
+    """Rows of history.csv: the increments of a step in turn, the last one being the step's."""
+    history = result.history
+    if history is None:
+        return []
+    rows = zip(history.load_factor.tolist(), history.values.tolist(), strict=True)
+    return [(int(result.step), number, factor, *values) for number, (factor, values) in enumerate(rows)]
 
 
 def event_rows(events: Iterable[Event]) -> list[tuple[Value, ...]]:

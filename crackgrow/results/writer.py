@@ -37,6 +37,7 @@ from crackgrow.results.summary import Tally, error_line, peak_memory_mb, program
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
 RUNNING = RunEnd("running", "the run goes on, or was broken off without a word", ())
+HISTORY = "history.csv"
 SPARE = 2**23  # bytes: what the last files of a run take, and more
 
 
@@ -80,7 +81,8 @@ class RunWriter:
         self._steps = tables.Table(folder / "steps.csv", tables.STEPS)
         self._events = tables.Table(folder / "events.csv", tables.EVENTS)
         self.error_line = ""  # what `finish` knows of the error of the run
-        self._growing = (self._tips, self._contact, self._reactions, self._steps, self._events)
+        self._growing = [self._tips, self._contact, self._reactions, self._steps, self._events]
+        self._history: tables.Table | None = None  # its columns come with the first step
         self._settings = dump_case(case)
         self._curve: list[LoadPoint] = []
         self._last: StepResult | None = None
@@ -127,6 +129,8 @@ class RunWriter:
         remove_half_written(self.folder, self.case.name)
         remove_file(self.folder / REPORT)  # of a run that had ended
         write_text(self.folder / "case.yaml", self._settings)
+        if HISTORY in results["tables"]:
+            self._begin_history(())
         for table in self._growing:
             table.cut(results["tables"][table.path.name])
         specimen_series, crack_series = series_names(self.case.name)
@@ -161,6 +165,7 @@ class RunWriter:
         self._reactions.extend(tables.reaction_rows(result))
         self._steps.extend([tables.step_row(result, seconds)])
         self._write_tables(self._tips, self._contact, self._reactions, self._steps)
+        self._write_history(result)
         self._write_paths(result.cracks)
         self._curve.append(load_point(result))
         self._write_events(result.events)
@@ -266,6 +271,17 @@ class RunWriter:
         table = tables.Table(self.folder / "paths.csv", tables.PATHS)
         table.extend(tables.path_rows(cracks))
         table.write()
+
+    def _begin_history(self, columns: Sequence[str]) -> tables.Table:
+        self._history = tables.Table(self.folder / HISTORY, columns)
+        self._growing.append(self._history)
+        return self._history
+
+    def _write_history(self, result: StepResult) -> None:
+        if result.history is not None:
+            table = self._history or self._begin_history(tables.history_columns(result.history))
+            table.extend(tables.history_rows(result))
+            table.write()
 
     def _write_events(self, events: Sequence[Event]) -> None:
         if events:

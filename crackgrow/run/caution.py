@@ -27,6 +27,11 @@ class Cause(Enum):
         "{what} are carried by supports at points, where a plane gives way without bound: displacements depend on the "
         "spacing, and the stress there is not that of a specimen; balance the loads, or hold an edge",
     )  # fmt: skip
+    POINT_FORCE = (
+        0.0, "", "displacement at the point grows by 2 F ln(2) / (pi E') on an edge whenever cells are halved",
+        "{place} acts on a point: displacement and stress there grow without bound as cells get smaller; where they "
+        "matter give a traction on a part of an edge",
+    )  # fmt: skip
     RESIDUAL = (
         1e-9, "forces", "digits of the equilibrium are lost",
         "the equilibrium residual is {size:.2g}: the system is ill conditioned",
@@ -134,6 +139,13 @@ class Cause(Enum):
         0.5, "spacings", "the averaged stress varies by less than 2.5 % with the spacing from it on",
         "the averaging radius {radius:g} m is below {limit:g} spacings ({spacing:g} m): the tip stress may depend on "
         "the spacing",
+    )  # fmt: skip
+    WIDE_AVERAGE = (
+        0.05, "length of the crack", "a straight crack in tension grows within 1 % of the toughness up to it, 2 to 4 % "
+        "below at twice that",
+        "{place} is short beside the averaging radius that follows from tension and toughness, {radius:.3g} m: "
+        "{criterion} averages over more than the field of K, and mode I growth begins at a K off by up to "
+        "{percent:.2g} %; use max_hoop_stress, or a larger tension where cracks are all that breaks",
     )  # fmt: skip
     SHORT_INCREMENT = (
         1.0, "spacings", "kinks that follow closer on each other share all of their patches",

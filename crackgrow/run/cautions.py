@@ -116,7 +116,7 @@ def _on_points(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
     if any(isinstance(load, Gravity) for load in case.loads):
         yield from unbalanced_loads(scene, solution.cover)
         return
-    found = reactions(solution)
+    found = reactions(solution.state)
     size = float(np.abs(solution.loads).sum() + sum(np.hypot(*reaction.force) for reaction in found))
     points = {f"supports.{n}" for n, support in enumerate(case.supports) if isinstance(support, PointSupport)}
     for reaction in found:

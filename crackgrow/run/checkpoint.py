@@ -91,7 +91,7 @@ def _arrays(start: Start) -> dict[str, NDArray[Any] | None]:
     remembered = start.remembered
     return {
         "slip": remembered.memory.slip,
-        "broken": remembered.memory.broken,
+        "lost": remembered.memory.lost,
         "closed": remembered.memory.closed,
         "normal": remembered.normal,
         "tangential": remembered.tangential,
@@ -101,13 +101,13 @@ def _arrays(start: Start) -> dict[str, NDArray[Any] | None]:
 
 
 def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
-    slip, broken, normal, tangential, dilation, conjugates = (
-        arrays[f"start_{name}"] for name in ("slip", "broken", "normal", "tangential", "dilation", "conjugates")
+    slip, lost, normal, tangential, dilation, conjugates = (
+        arrays[f"start_{name}"] for name in ("slip", "lost", "normal", "tangential", "dilation", "conjugates")
     )
     return Start(
         values["factor"],
         values["holding"],
-        Remembered(ContactMemory(slip, broken, arrays.get("start_closed")), normal, tangential, dilation),
+        Remembered(ContactMemory(slip, lost, arrays.get("start_closed")), normal, tangential, dilation),
         Energy(**values["energy"]),
         conjugates,
         values["grown"],

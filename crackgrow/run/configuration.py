@@ -132,12 +132,24 @@ class Configuration:
         except NotSolvedError as error:
             if self.contact.loose is None:
                 raise
-            names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
-            check_can_hold(self.contact, names, self.loads(factor, holding), memory)
+            self.check_can_hold(factor, memory, holding)
             pieces = ", ".join(str(piece) for piece in self.contact.loose.pieces)
             raise NotSolvedError(f"contact alone holds {pieces}, perhaps only just: {error}") from error
         check_magnitude("contact tractions", found.tractions, LARGEST, "Pa")
         return found
+
+    def under_laws(self, scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
+        """The same rock and loads with the laws of contact of another scene; what is known of the rock stays known."""
+        contact = self.contact.with_law(_law(scene, self.cover, self.faces, growing))
+        other = replace(self, scene=scene, contact=contact)
+        other.__dict__["_units"] = self._units
+        return other
+
+    def check_can_hold(self, factor: float, memory: ContactMemory | None = None, holding: float = 1.0) -> None:
+        """Raise FreePieceError where no tractions that contact can carry hold a piece at a load factor."""
+        if self.contact.loose is not None:
+            names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
+            check_can_hold(self.contact, names, self.loads(factor, holding), memory)
 
     def conjugates(self, factor: float, holding: float, states: PointStates) -> Floats:
         """(3,): displacement under the loads per load factor, m N/m; under held loads; support force."""
@@ -330,23 +342,34 @@ def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
 
 def _law(scene: Scene, cover: Cover, faces: ContactFaces, growing: tuple[GrowingCrack, ...]) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
-    friction, cohesion, compliance, residual, dilation = np.zeros((5, faces.n))
+    friction, cohesion, compliance, along, residual, dilation, weakening = np.zeros((7, faces.n))
     kept = np.zeros(faces.n, dtype=bool)
     for index, law in enumerate(scene.laws):
         if law.contact is None:
             continue
         mine = faces.surface == index
         friction[mine], cohesion[mine] = law.contact.friction, law.contact.cohesion
-        size = cell_lengths(cover, index).size(faces.s[mine])
-        compliance[mine] = law.compliance(size * scene.lattice.spacing)
+        size = cell_lengths(cover, index).size(faces.s[mine]) * scene.lattice.spacing
+        compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
         residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
         dilation[mine] = np.tan(np.deg2rad(law.contact.dilation_angle))
+        weakening[mine] = law.contact.weakening_length
         if index < len(growing):
             crack = growing[index]
             given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.steps == 0]
             new = mine & ((faces.s < given[0] - ON_GIVEN_FACES) | (faces.s > given[-1] + ON_GIVEN_FACES))
             cohesion[new], friction[new] = 0.0, law.contact.residual_friction
-    return ContactLaw(friction, cohesion, compliance, residual, kept, dilation if dilation.any() else None)
+    joints = any(law.joint for law in scene.laws)
+    return ContactLaw(
+        friction,
+        cohesion,
+        compliance,
+        residual,
+        kept,
+        dilation=dilation if dilation.any() else None,
+        shear_compliance=along if joints else None,
+        weakening=weakening if weakening.any() else None,
+    )
 
 
 def _residual(

@@ -189,8 +189,12 @@ class _Search:
             if CRITERIA[self._growth.criterion].by_K:
                 loadings = [tip.loading for tip in tip_states(state, materials, fields)]
             else:
-                radius = self._growth.tip_radius
-                loadings = [None if field is None else TipLoading(field, np.nan, np.nan, radius) for field in fields]
+                scene, ends = self._configuration.scene, self._configuration.cover.tip_ends
+                bodies = [scene.crack_bodies[crack] for crack, _ in ends]
+                loadings = [
+                    None if field is None else TipLoading(field, np.nan, np.nan, scene.averaging_radius(body))
+                    for field, body in zip(fields, bodies, strict=True)
+                ]
             return _Trial(state.factor, loadings, self._largest_criticality(loadings), state)
 
     def _at_rest(self) -> _Trial:

@@ -18,6 +18,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, PRESETS
 from crackgrow.case.features import line_length, stretches
 from crackgrow.case.model import ContactSupport, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import CrackGeometry
@@ -47,18 +48,19 @@ def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
 def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     """Tips: by the length of the crack, of the stretch behind the tip, of what it grows by, and by its room."""
     halvings, growth = scene.case.numerics.refine.tips, scene.case.growth
-    tips = [(crack, crack.seen_from(at_end)) for crack in cracks for at_end in crack.tips()]
+    tips = [(number, crack.seen_from(at_end)) for number, crack in enumerate(cracks) for at_end in crack.tips()]
     if halvings != AUTO:
         yield from ((shapely.Point(points[0]), 0.5**halvings) for _, points in tips)
         return
     preset, spacing = PRESETS[scene.case.numerics.accuracy], scene.lattice.spacing
-    grown = np.inf
-    if growth is not None and growth.steps > 0:
-        grown = min(growth.increment / preset.per_increment, growth.tip_radius / preset.per_radius) / spacing
     others = _Others(scene, cracks)
-    for crack, points in tips:
+    for number, points in tips:
+        grown = np.inf
+        if growth is not None and growth.steps > 0:
+            radius = length_of_average(growth, scene.case.bodies[scene.crack_bodies[number]].strength)
+            grown = min(growth.increment / preset.per_increment, radius / preset.per_radius) / spacing
         size = min(line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
-        room = others.nearest(crack, points[0], size * preset.per_room) / preset.per_room
+        room = others.nearest(cracks[number], points[0], size * preset.per_room) / preset.per_room
         yield shapely.Point(points[0]), min(grown, max(min(size, room), line_length(points) / preset.per_rough))
 
 

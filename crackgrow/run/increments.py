@@ -147,24 +147,24 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     old, faces, outcome = state.configuration, configuration.faces, state.outcome
     n = faces.n
     jump = np.zeros(len(faces.lengths))  # at the integration points
-    elastic, normal, tangential, dilation = np.zeros((4, n))
-    broken, closed = np.zeros(n, dtype=bool), np.ones(n, dtype=bool)
+    elastic, normal, tangential, dilation, lost = np.zeros((5, n))
+    closed = np.ones(n, dtype=bool)
     for index, surface in enumerate(old.cover.surfaces):
         points, s = _on_old_faces(faces.points, index, surface)
         jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
         mine, s = _on_old_faces(faces.nodes, index, surface)
         for values, found in (
-            (elastic, old.contact.law.compliance * outcome.tangential_traction),
+            (elastic, old.contact.law.along * outcome.tangential_traction),
             (normal, outcome.normal_traction),
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),
         ):
             (values[mine],) = between_contact_points(old.faces, index, s, found)
         nearest = nearest_contact_point(old.faces, index, s)
-        broken[mine] = np.append(outcome.memory.broken, False)[nearest]
+        lost[mine] = np.append(outcome.memory.lost, 0.0)[nearest]
         closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
-    remembered = Remembered(ContactMemory(slip, broken, closed | ~broken), normal, tangential, dilation)
+    remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0)), normal, tangential, dilation)
     return Start(state.factor, state.holding, remembered, state.energy, state.conjugates, grown=True)
 
 
@@ -189,12 +189,12 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
             was = at.remembered
             tractions = np.concatenate([was.normal, was.tangential])
             way = ((at.factor, at.holding), end)
-            states, load, jumps = next_piece(configuration, was.memory, tractions, way, in_turn)
+            states, load, piece = next_piece(configuration, was.memory, tractions, way, in_turn)
             state = _stated(configuration, at, states, load)
         else:
-            state, jumps = _part(configuration, at, end), True
-        in_turn = in_turn + 1 if jumps else 0
-        reached.append(_booked(state, at) if jumps else state)
+            state, piece = _part(configuration, at, end), "jump"
+        in_turn = in_turn + 1 if piece == "jump" else 0
+        reached.append(state if piece == "straight" else _booked(state, at))
         at = _on_from(reached[-1])
     *via, last = reached
     notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], in_turn > MOST_JUMPS))
@@ -261,7 +261,7 @@ def _strain(state: LoadState) -> tuple[float, float]:
     contact, states = state.configuration.contact, state.states
     loads = state.conjugates * (state.factor, state.holding, state.factor)
     jumps = np.concatenate([states.gap + states.dilation, states.slip])
-    elastic = np.tile(contact.law.compliance, 2) * states.tractions
+    elastic = contact.law.compliances * states.tractions
     tractions = np.tile(contact.weights, 2) * states.tractions
     terms = float(np.abs(loads).sum() + np.abs(tractions * jumps).sum())
     return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)), ROUND_OFF * terms
@@ -274,9 +274,11 @@ def _dissipated(configuration: Configuration, was: Remembered, state: LoadState)
     kinds = states.state.copy()
     if states.active is not None:  # at the end of a piece points are about to leave these branches
         kinds[states.trial.taken] = states.active.states()
-    friction, cohesion = law.bound_of(now.memory.broken)
-    cohesion[states.trial.opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
-    bounds = [np.maximum(cohesion - friction * normal, 0.0) for normal in (was.normal, now.normal)]
+    bounds = []
+    for memory, normal in ((was.memory, was.normal), (now.memory, now.normal)):
+        friction, cohesion = law.bound_of(np.where(law.weakens, memory.lost, now.memory.lost))
+        cohesion[states.trial.opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
+        bounds.append(np.maximum(cohesion - friction * normal, 0.0))
     by_slip = (bounds[0] + bounds[1]) * np.abs(now.memory.slip - was.memory.slip)
     by_dilation = (was.normal + now.normal) * (now.dilation - was.dilation)
     return 0.5 * float(weights @ (np.where(kinds == SLIP, by_slip, 0.0) + np.where(kinds != OPEN, by_dilation, 0.0)))

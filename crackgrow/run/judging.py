@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.faces import ContactFaces
+from crackgrow.contact.faces import ContactFaces, points_at
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
@@ -53,6 +53,7 @@ class StepSolution:
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     origin: Origin = FROM_REST
+    passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
 
     @property
     def cover(self) -> Cover:
@@ -113,9 +114,10 @@ def stress_fields(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> l
     growth = scene.case.growth
     if growth is None:
         return fields
-    bodies = [scene.case.bodies[scene.crack_bodies[crack]] for crack, _ in cover.tip_ends]
-    tips = [tip for tip, body in enumerate(bodies) if body.strength is not None]
-    for tip, field in zip(tips, tip_fields(cover, materials, state.outcome.u, tips, growth.tip_radius), strict=True):
+    bodies = [scene.crack_bodies[crack] for crack, _ in cover.tip_ends]
+    tips = [tip for tip, body in enumerate(bodies) if scene.case.bodies[body].strength is not None]
+    radii = [scene.averaging_radius(bodies[tip]) for tip in tips]
+    for tip, field in zip(tips, tip_fields(cover, materials, state.outcome.u, tips, radii), strict=True):
         fields[tip] = field
     return fields
 
@@ -133,10 +135,9 @@ def tip_states(
     weights = [scene.weight(body, state.factor) for body in bodies]
     intensities = interaction_integrals(cover, materials, u, tips, tractions, weights)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
-    growth = scene.case.growth
     for tip, field in enumerate(fields):
-        if growth is not None and field is not None:
-            loading = TipLoading(field, *found[tip].K, growth.tip_radius)
+        if field is not None:
+            loading = TipLoading(field, *found[tip].K, scene.averaging_radius(bodies[tip]))
             found[tip] = replace(found[tip], loading=loading, verdict=verdict(scene, bodies[tip], loading))
     return tuple(found)
 
@@ -153,9 +154,8 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
     """All that acts between the faces of a crack."""
     configuration, outcome = state.configuration, state.outcome
     scene, cover, faces = configuration.scene, configuration.cover, configuration.faces
-    pressure = scene.fluid_pressure(crack, state.factor)
     law = configuration.contact.law
-    pointwise = np.isfinite(scene.laws[crack].stiffness) and scene.case.numerics.contact.discretization == "gauss"
+    pointwise = scene.laws[crack].elastic and scene.case.numerics.contact.discretization == "gauss"
 
     def traction(s: Floats) -> tuple[Floats, Floats]:
         if pointwise:
@@ -163,6 +163,9 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
         else:
             known = (outcome.normal_traction, outcome.tangential_traction)
             normal, tangential = between_contact_points(faces, crack, s, *known)
-        return normal - pressure, tangential
+        if scene.has_fluid(crack):
+            places = cover.lattice.to_metres(points_at(cover, crack, s).points)
+            normal = normal - scene.fluid_pressure(crack, state.factor, places)
+        return normal, tangential
 
     return traction

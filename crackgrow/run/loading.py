@@ -9,7 +9,8 @@ from crackgrow.case.model import CriticalLoad, LoadHistory
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
-from crackgrow.run.increments import FROM_REST, Origin, carried, from_state, held_loads, increment
+from crackgrow.run.history import history_of
+from crackgrow.run.increments import FROM_REST, LoadState, Origin, carried, from_state, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import Scene
 
@@ -39,7 +40,7 @@ def load_history(
     for number, factor in enumerate(scene.case.loading.factors[first:], first):
         origin = Origin(start=start)
         state = increment(configuration, held_loads(configuration) if start is None else start, factor)
-        solution = replace(judged(state), origin=origin)
+        solution = replace(judged(state), origin=origin, passed=history_of(state)[:-1])
         if number:  # the configuration was paid for by the first state
             solution = replace(solution, factorizations=0)
         if number > first:
@@ -66,8 +67,10 @@ def _loaded(configuration: Configuration, cracks: tuple[GrowingCrack, ...], orig
         solution = critically_loaded(configuration, cracks, origin.guess)
     else:
         start = held_loads(configuration)
+        states: list[LoadState] = []
         for factor in loading.factors:
             state = increment(configuration, start, factor)
             start = from_state(state)
-        solution = judged(state)
+            states += history_of(state)
+        solution = replace(judged(state), passed=tuple(states[:-1]))
     return replace(solution, origin=origin)

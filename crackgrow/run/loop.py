@@ -10,7 +10,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.blas import single_threaded
-from crackgrow.case.model import Case, Growth, LoadHistory
+from crackgrow.case.model import Case, Growth, LoadHistory, StrengthReduction
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack, growing_tips
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
@@ -21,8 +21,9 @@ from crackgrow.run.increments import Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load, load_again, load_history
 from crackgrow.run.report import paths_of, step_result
-from crackgrow.run.result import Checkpoint, RunEnd, StepResult
+from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene
+from crackgrow.run.strength_reduction import strength_reduction
 from crackgrow.solid.rigid_modes import all_pieces
 
 
@@ -66,7 +67,10 @@ def _solved_steps(
 ) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     scene = make_scene(case)
     begun = beginning(case) if checkpoint is None else restored(case, checkpoint)
-    steps = _static(scene, begun) if case.growth is None else _growth(scene, case.growth, begun)
+    if isinstance(case.loading, StrengthReduction):
+        steps = _reduced(scene, begun)
+    else:
+        steps = _static(scene, begun) if case.growth is None else _growth(scene, case.growth, begun)
     last: tuple[StepResult, StepSolution] | None = None
     while True:
         try:
@@ -133,6 +137,21 @@ def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSo
     return RunEnd(
         "completed", "the static solve is done" if n == 1 else f"all {n} load factors are done", paths_of(cracks)
     )
+
+
+def _reduced(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
+    """The scene as it is, if it holds, and its last stable state while its strength is reduced."""
+    cracks, chosen, step = begun.cracks, np.empty(0, dtype=np.int64), 0
+    found = strength_reduction(scene, cracks)
+    while True:
+        try:
+            solution = next(found)
+        except StopIteration as stop:
+            safety: Safety = stop.value
+            return RunEnd("completed", str(safety), paths_of(cracks), safety=safety)
+        if step >= begun.step:  # those before were told of when they were solved first
+            yield _reported(solution.configuration.scene, RunState(step, cracks), solution, chosen), solution
+        step += 1
 
 
 def _choose(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolution, last: bool) -> Ints:

@@ -8,12 +8,13 @@ that only its bond holds opens, a sticking one comes to its limit, or slip that 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Literal
 
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats
-from crackgrow.contact.coulomb import ContactMemory
+from crackgrow.contact.coulomb import SLIP, ContactMemory
 from crackgrow.contact.solve import PointStates
 from crackgrow.run.configuration import Configuration
 
@@ -30,8 +31,17 @@ lie anywhere no branches lead back."""
 ON_PATH = 1e-9
 """Branches lead back to a state if they miss its tractions and slips by less, relative to the largest ones."""
 
+WEAR = 0.02
+"""Of what points can lose by slip, that a piece of the way takes at most: between its ends strength falls linearly."""
+
+PROBE = 1e-3
+"""Of the rest of the way: how fast slip wears is seen from this part of it."""
+
 BEYOND = 2.0
 """Times the gap up to which faces that cohere touch: there a point that only its bond holds has opened for certain."""
+
+Piece = Literal["straight", "bent", "jump"]
+"""Of the path: as linear in the load, with strength that falls with slip, or across a load at which points jump."""
 
 Load = tuple[float, float]
 """The load factor, and the share of the held loads."""
@@ -39,8 +49,8 @@ Load = tuple[float, float]
 
 def next_piece(
     configuration: Configuration, memory: ContactMemory, tractions: Floats, way: tuple[Load, Load], jumps: int
-) -> tuple[PointStates, Load, bool]:
-    """States of the contact points at the end of the next piece of a way, the load there, and whether they jump.
+) -> tuple[PointStates, Load, Piece]:
+    """States of the contact points at the end of the next piece of a way, the load there, and what the piece is.
 
     It sets out from the state of `tractions` (2 n,) Pa and `memory` at the first load; `jumps` are those in turn that
     have led there. Raises SolveError where there are no states.
@@ -58,18 +68,53 @@ def next_piece(
         return increment.on_branch(like, free)
 
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
-    for share in (*(share for share in SHARES if share > least), least):
+
+    def at(share: float) -> PointStates:
         factor, holding = load(share)
-        states = configuration.states(factor, memory, holding)
+        return configuration.states(factor, memory, holding)
+
+    if configuration.contact.law.weakens.any() and _wear(configuration, memory, at(least)) > 0.0:
+        share, states = _while_wearing(configuration, memory, at, least)
+        return states, load(share), "jump" if share == least else "bent"
+    for share in (*(share for share in SHARES if share > least), least):
+        states = at(share)
+        if _wear(configuration, memory, states) > 0.0:
+            continue  # it begins on the way
         begin = on_branch(states, 0.0)
         if _leads_back(configuration, begin, states, memory, tractions):
             break
     else:
-        return states, load(share), True
+        return states, load(share), "jump"
     if share == 1.0:
-        return states, last, False
+        return states, last, "straight"
     event = max(_first_event(configuration, begin, on_branch(states, 1.0)), share)
-    return on_branch(states, event), load(event), False
+    return on_branch(states, event), load(event), "straight"
+
+
+def _while_wearing(
+    configuration: Configuration, memory: ContactMemory, at: Callable[[float], PointStates], least: float
+) -> tuple[float, PointStates]:
+    """A share of the way on which slip takes at most `WEAR` of what points can lose, or the `least`, with its states.
+
+    Along such a piece strength falls with slip, and tractions and slip are not linear in the load.
+    """
+    probe = max(PROBE, least)
+    share = min(1.0, probe * WEAR / max(_wear(configuration, memory, at(probe)), probe * WEAR))
+    while True:
+        share = max(share, least)
+        states = at(share)
+        wear = _wear(configuration, memory, states)
+        if wear <= WEAR or share == least:
+            return share, states
+        share *= min(max(0.8 * WEAR / wear, 0.1), 0.5)
+
+
+def _wear(configuration: Configuration, memory: ContactMemory, states: PointStates) -> float:
+    """The largest share of what weakening points can lose, and have not lost yet, that their slip is of."""
+    law = configuration.contact.law
+    slips = (states.state == SLIP) & law.weakens & (memory.lost < 1.0) & states.trial.taken
+    moved = states.slip - law.along * states.tangential - memory.slip
+    return float(np.max(law.worn(moved)[slips], initial=0.0))
 
 
 def _leads_back(
@@ -80,12 +125,12 @@ def _leads_back(
     `begin` are the states on these branches at the load of the memory.
     """
     law = configuration.contact.law
-    if bool((states.trial.broken & ~memory.broken & law.breakable).any()):
+    if bool(((states.trial.lost > memory.lost) & law.breakable).any()):
         return False
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
     length = size * float(configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
     length = max(length, float(np.abs(memory.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
-    moved = np.where(states.trial.taken, begin.slip - law.compliance * begin.tangential - memory.slip, 0.0)
+    moved = np.where(states.trial.taken, begin.slip - law.along * begin.tangential - memory.slip, 0.0)
     off = float(np.abs(begin.tractions - tractions).max(initial=0.0))
     return off <= ON_PATH * size and float(np.abs(moved).max(initial=0.0)) <= ON_PATH * length
 
@@ -105,7 +150,7 @@ def _rooms(
 ) -> Iterator[tuple[Bools, Floats, Floats]]:
     """What is left until points leave their branches: which it is asked of, and two times (n,), at begin and end."""
     law, trial, n = configuration.contact.law, begin.trial, len(begin.gap)
-    friction, cohesion = law.bound_of(trial.broken)
+    friction, cohesion = law.bound_of(trial.lost)
     cohesion = np.where(trial.opened, 0.0, cohesion)
     closed, sticks, sense = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros(n)
     if begin.active is not None:
@@ -119,5 +164,5 @@ def _rooms(
     for way in (-1.0, 1.0):
         left, there = (cohesion - friction * some.normal - way * some.tangential for some in (begin, end))
         yield sticks, left, there
-    slips = [sense * (some.slip - law.compliance * some.tangential) for some in (begin, end)]
+    slips = [sense * (some.slip - law.along * some.tangential) for some in (begin, end)]
     yield closed & ~sticks & (law.dilating > 0.0), slips[0], slips[1]

@@ -6,32 +6,33 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
+from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Reaction
 
 
-def reactions(solution: StepSolution) -> tuple[Reaction, ...]:
+def reactions(state: LoadState) -> tuple[Reaction, ...]:
     """Force of every support and foundation on the rock, and of the second body of an interface on the first."""
-    found, scene = [], solution.configuration.scene
-    held, multipliers = solution.held, solution.outcome.multipliers
+    found, scene = [], state.configuration.scene
+    held, multipliers = state.configuration.held, state.outcome.multipliers
     for number in np.unique(held.support[held.support >= 0]).tolist():
         force = [-float(multipliers[(held.support == number) & (held.component == axis)].sum()) for axis in range(2)]
         found.append(Reaction(f"supports.{number}", (force[0], force[1])))
-    cover = solution.cover
+    cover = state.configuration.cover
     for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
         if law.kind == "crack":
             continue
-        forces = _face_forces(solution, index)
+        forces = _face_forces(state, index)
         body = cover.elements.body[surface.edges.plus[0]]
         found.append(Reaction(surface.name, _resultant(cover, forces, int(body))))
     return tuple(found)
 
 
-def _face_forces(solution: StepSolution, surface: int) -> Floats:
+def _face_forces(state: LoadState, surface: int) -> Floats:
     """Forces (n_dofs,) N/m of a surface's contact or bond on the rock on both of its sides."""
-    mine = solution.held.surface == surface
-    bond = solution.held.matrix[mine].T @ solution.outcome.multipliers[mine]
-    contact, outcome, here = solution.contact, solution.outcome, solution.faces.surface == surface
+    held, contact, outcome = state.configuration.held, state.configuration.contact, state.outcome
+    mine, here = held.surface == surface, state.configuration.faces.surface == surface
+    bond = held.matrix[mine].T @ outcome.multipliers[mine]
     normal = contact.gap_of[here].T @ (contact.weights * outcome.normal_traction)[here]
     tangential = contact.slip_of[here].T @ (contact.weights * outcome.tangential_traction)[here]
     return np.asarray(-(bond + normal + tangential))
@@ -57,7 +58,7 @@ def imbalance(solution: StepSolution) -> float:
     that is many times softer, and moves that many times further than it strains.
     """
     interfaces = {surface.name for surface in solution.configuration.scene.interfaces}
-    held = [np.array(reaction.force) for reaction in reactions(solution) if reaction.where not in interfaces]
+    held = [np.array(reaction.force) for reaction in reactions(solution.state) if reaction.where not in interfaces]
     size = float(np.abs(solution.loads).sum() + sum(np.hypot(*force) for force in held))
     left = float(np.abs(sum(held, start=total_load(solution))).max())
     return left / size if size > 0.0 else 0.0

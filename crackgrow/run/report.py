@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import FacePoints, joined, points_at
@@ -17,13 +18,13 @@ from crackgrow.contact.tractions import between_contact_points, nearest_contact_
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.criteria import CRITERIA
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
+from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions
@@ -64,7 +65,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         tips=tips,
         contact=contact,
         faces=faces,
-        reactions=reactions(solution),
+        reactions=reactions(solution.state),
         mesh=FrameOnDemand(make) if with_frame else None,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.n_unknowns,
@@ -82,6 +83,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         effective_toughness=_toughness(scene),
         cautions=cautions(scene, solution, faces, shares, state.step),
         norm_error=error.relative if error else float("nan"),
+        history=history([*solution.passed, solution.state]),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
 
@@ -196,4 +198,4 @@ def _toughness(scene: Scene) -> float:
     strength = scene.case.bodies[scene.crack_bodies[0]].strength if scene.crack_bodies else None
     if growth is None or strength is None:
         return float("nan")
-    return CRITERIA[growth.criterion].toughness(strength.tension, growth.tip_radius)
+    return toughness_of(growth.criterion, strength.tension, averaging_radius(growth, strength))

@@ -176,6 +176,15 @@ class Checkpoint:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class History:
+    """What named places see at the increments of a step, and the reactions."""
+
+    columns: tuple[str, ...]  # "wall.u_x" (m), "wall.stress_xx" (Pa), "mouth.opening" (m), "supports.0.force_x" (N/m)
+    load_factor: Floats  # (n,) of the increments, in turn; the last one is the step's
+    values: Floats  # (n, columns)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Energy:
     """Energies since the unloaded state, J per metre of thickness."""
 
@@ -216,6 +225,7 @@ class StepResult:
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
     norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
+    history: History | None = None  # where the case names points
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 
     @property
@@ -229,6 +239,25 @@ class StepResult:
         return None if self.mesh is None else self.mesh()
 
 
+FARTHEST = 1024.0
+"""Factors of strength beyond this, and below its inverse, are not tried."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Safety:
+    """How safe a scene is."""
+
+    factor: float  # the largest at which it holds; infinite where it holds at all that are tried
+    fails_at: float  # the next one that was tried
+    mechanism: str  # what moves, and how; empty where it never fails
+
+    def __str__(self) -> str:
+        if np.isinf(self.factor):
+            return f"the scene does not fail: with friction and cohesion divided by {FARTHEST:g} it still holds"
+        how = f"with friction and cohesion divided by {self.fails_at:.6g} {self.mechanism}"
+        return f"the factor of safety is {self.factor:.5g}: {how}"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class RunEnd:
     """Why a run ended, or that it has not."""
@@ -238,3 +267,4 @@ class RunEnd:
     cracks: tuple[CrackPath, ...]  # the final paths, the last advance included
     events: tuple[Event, ...] = ()  # of an advance that was not solved any more
     norm_error: float = float("nan")  # percent of the energy norm, estimated for the last step; nan if it is unknown
+    safety: Safety | None = None  # where strength was reduced

@@ -10,6 +10,7 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
+from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
     ContactSupport,
@@ -21,6 +22,7 @@ from crackgrow.case.model import (
     Load,
     PointSupport,
 )
+from crackgrow.case.toughness import averaging_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
@@ -37,9 +39,23 @@ class SurfaceLaw:
     bonded: bool
     stiffness: float  # Pa: kappa E, of which k = kappa E / h; infinite for rigid contact
 
+    @property
+    def joint(self) -> tuple[float, float] | None:
+        """Its own stiffness, Pa/m: normal and shear; None: that of the numerics holds."""
+        return None if self.contact is None else self.contact.stiffness
+
+    @property
+    def elastic(self) -> bool:
+        """Whether closed faces give way."""
+        return self.joint is not None or bool(np.isfinite(self.stiffness))
+
     def compliance(self, size: Floats) -> Floats:
-        """1/k (n,) m/Pa beside cells of these sizes h (n,) m; zero for rigid contact."""
-        return np.asarray(size / self.stiffness)
+        """1/k (n,) m/Pa across the faces beside cells of these sizes h (n,) m; zero for rigid contact."""
+        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[0])
+
+    def shear_compliance(self, size: Floats) -> Floats:
+        """The same along the faces."""
+        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,11 +73,20 @@ class Scene:
     lengths: tuple[Length, ...]  # what the stress varies over besides cracks
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
 
-    def fluid_pressure(self, crack: int, load_factor: float) -> float:
-        """Pressure (Pa) on the faces of a crack at a load factor."""
+    def fluid_pressure(self, crack: int, load_factor: float, places: Floats) -> Floats:
+        """Pressure (n,) Pa on the faces of a crack at places (n, 2) m, at a load factor."""
+        total = np.zeros(len(places))
+        for load in self._fluids(crack):
+            total += component_at(load.pressure, places) * _share(load, load_factor)
+        return total
+
+    def has_fluid(self, crack: int) -> bool:
+        """Whether a fluid presses on the faces of a crack."""
+        return bool(self._fluids(crack))
+
+    def _fluids(self, crack: int) -> list[CrackPressure]:
         name = self.case.cracks[crack].name
-        pressures = (load for load in self.case.loads if isinstance(load, CrackPressure) and load.crack == name)
-        return sum(load.pressure * _share(load, load_factor) for load in pressures)
+        return [load for load in self.case.loads if isinstance(load, CrackPressure) and load.crack == name]
 
     def weight(self, body: int, load_factor: float) -> Floats:
         """Body force (2,) N/m^3 at a load factor."""
@@ -72,6 +97,13 @@ class Scene:
                 assert density is not None  # the case was checked
                 force += density * np.asarray(load.acceleration) * _share(load, load_factor)
         return force
+
+    def averaging_radius(self, body: int) -> float:
+        """Radius (m) of the criterion in a body that has a strength, of a case with growth."""
+        growth, strength = self.case.growth, self.case.bodies[body].strength
+        assert growth is not None
+        assert strength is not None
+        return averaging_radius(growth, strength)
 
     def materials_at(self, load_factor: float) -> tuple[PlaneElasticity, ...]:
         """Materials, body by body, with their in-situ stress at a load factor."""

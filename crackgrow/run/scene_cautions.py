@@ -8,9 +8,11 @@ import numpy as np
 import shapely
 
 from crackgrow.case.accuracy import PRESETS
+from crackgrow.case.features import line_length
 from crackgrow.case.meetings import scene_size
-from crackgrow.case.model import Gravity, PointSupport
+from crackgrow.case.model import Crack, Gravity, PointForce, PointSupport
 from crackgrow.case.snapping import SNAP
+from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
@@ -32,8 +34,11 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     case = scene.case
     growth, support, contact = case.growth, case.numerics.support, case.numerics.contact
     at_tips = max((tip.size for tip in cover.tips), default=1.0) * scene.lattice.spacing
-    if growth is not None and growth.tip_radius < Cause.SMALL_RADIUS.limit * at_tips:
-        yield Cause.SMALL_RADIUS.at(radius=growth.tip_radius, spacing=at_tips)
+    radii = [] if growth is None or growth.tip_radius is None else [growth.tip_radius]
+    radii += [radius for radius, _ in _by_toughness(scene)]
+    if min(radii, default=np.inf) < Cause.SMALL_RADIUS.limit * at_tips:
+        yield Cause.SMALL_RADIUS.at(radius=min(radii), spacing=at_tips)
+    yield from _wide_averages(scene)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
     if growth is not None and growth.steps > 0 and not growing:
         yield Cause.NO_TIPS.at(steps=growth.steps)
@@ -41,8 +46,11 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
         yield Cause.SUPPORT.at(support=support)
     if contact.discretization == "mortar" and contact.spacing < Cause.CONTACT_SPACING.limit and n_contact:
         yield Cause.CONTACT_SPACING.at(spacing=contact.spacing)
+    for load in case.loads:
+        if isinstance(load, PointForce) and any(load.force):
+            yield Cause.POINT_FORCE.at(f"the force at ({load.point[0]:.6g}, {load.point[1]:.6g}) m")
     yield from _soft_contact(scene, cover)
-    yield from _contact_layers(scene)
+    yield from _contact_layers(scene, cover)
     yield from _incompressible(scene)
     for crack in case.cracks:
         if crack.left_out:
@@ -53,6 +61,27 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
             yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
     yield from _unresolved(scene, cover)
     yield from _moved(scene)
+
+
+def _by_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
+    """Radii (m) that follow from a toughness and that the criterion averages over, crack by crack."""
+    case = scene.case
+    if case.growth is None or case.growth.criterion in BY_K:
+        return
+    for crack, body in zip(case.cracks, scene.crack_bodies, strict=True):
+        strength = case.bodies[body].strength
+        if strength is not None and strength.toughness is not None:
+            yield averaging_radius(case.growth, strength), crack
+
+
+def _wide_averages(scene: Scene) -> Iterator[Caution]:
+    """Cracks so short beside the averaging radius that the average is not that of their K."""
+    for radius, crack in _by_toughness(scene):
+        share = radius / line_length(crack.points)
+        if share > Cause.WIDE_AVERAGE.limit:
+            criterion = scene.case.growth.criterion if scene.case.growth else ""
+            told = {"radius": radius, "criterion": criterion, "percent": 50.0 * share}
+            yield Cause.WIDE_AVERAGE.at(f"crack '{crack.name}'", share, **told)
 
 
 def _unresolved(scene: Scene, cover: Cover) -> Iterator[Caution]:
@@ -98,27 +127,26 @@ def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:
     softest, limit = min(material.young_prime for material in scene.materials), Cause.SOFT_CONTACT.limit
     for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
         share = cell_lengths(cover, index).mean_size / float(arc_lengths(surface.points)[-1])
-        ratio = 0.0 if law.contact is None else 0.5 * share * softest / law.stiffness
+        ratio = 0.0 if law.contact is None or law.joint else 0.5 * share * softest / law.stiffness
         if ratio > limit:
             told = {"stiffness": stiffness, "percent": 100.0 / (1.0 + ratio), "enough": stiffness * ratio / limit}
             yield Cause.SOFT_CONTACT.at(f"'{surface.name}'", ratio, **told)
 
 
-def _contact_layers(scene: Scene) -> Iterator[Caution]:
+def _contact_layers(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Tips at which faces give way over less than contact points resolve, and by more than next to nothing.
 
     The K_I of that layer is the pressure times the root of its length.
     """
     contact = scene.case.numerics.contact
-    if contact.stiffness is None:
-        return
     least, most, points, much, other = 0.0, Cause.CONTACT_LAYER.limit, "gauss points", "a quarter of the spacing", ""
     if contact.discretization == "mortar":
         least, most, points, much = THINNEST_LAYER * contact.spacing, contact.spacing, "mortar nodes", "their distance"
         other = "numerics.contact.discretization gauss with "
-    for body, law in zip(scene.crack_bodies, scene.laws[: len(scene.crack_bodies)], strict=True):
-        layer = 0.5 * scene.materials[body].young_prime / law.stiffness  # cells
-        if least < layer < most:
+    for index, (body, law) in enumerate(zip(scene.crack_bodies, scene.laws, strict=False)):  # cracks come first
+        size = np.array([cell_lengths(cover, index).mean_size * scene.lattice.spacing])
+        layer = 0.5 * scene.materials[body].young_prime * float(law.compliance(size)[0]) / float(size[0])  # cells
+        if law.contact is not None and least < layer < most:
             yield Cause.CONTACT_LAYER.at(points=points, much=much, other=other)
             return
 

@@ -1,4 +1,4 @@
-"""Loads on bodies: tractions on edges, weight, in-situ stress. Those on crack faces are in `contact.face_loads`."""
+"""Loads on bodies: on edges, at points, weight, in-situ stress. Those on crack faces are in `contact.face_loads`."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ import numpy as np
 
 from crackgrow.approximation.basis import values_at
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Body, EdgeTraction, Gravity, InSituStress, Load
+from crackgrow.case.formula import component_at
+from crackgrow.case.model import Body, EdgeTraction, Gravity, InSituStress, Load, PointForce
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.elements import locate
+from crackgrow.errors import GeometryError
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rims import points_on_outlines
@@ -31,7 +34,19 @@ def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: 
             f += np.outer(_volume_of_functions(cover, body, n), density * np.asarray(load.acceleration))
         elif isinstance(load, InSituStress):
             f -= _rim_tractions(cover, body_index(bodies, load.body), np.asarray(load.stress))
+        elif isinstance(load, PointForce):
+            f += _at_point(cover, body_index(bodies, load.body), load)
     return f.ravel()
+
+
+def _at_point(cover: Cover, body: int, load: PointForce) -> Floats:
+    """Work (n_functions, 2) N/m of a force at a point. Raises GeometryError where no rock of the body is."""
+    at = cover.lattice.to_lattice(load.point[None])
+    element = locate(cover.lattice, cover.elements, at, body)
+    if element[0] < 0:
+        x, y = load.point
+        raise GeometryError(f"the force at ({x:g}, {y:g}) m lies outside of body '{load.body}'")
+    return np.asarray(values_at(cover, at, element).values().T @ np.asarray(load.force)[None])
 
 
 def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeTraction]) -> Floats:
@@ -40,7 +55,11 @@ def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeTr
         return np.zeros((cover.n_functions, 2))
     edges = edge_points(cover, bodies, [load.region for load in loads])
     points, elements = (np.concatenate(arrays) for arrays in zip(*((e.points, e.elements) for e in edges), strict=True))
-    forces = [edge.lengths[:, None] * np.asarray(load.traction) for edge, load in zip(edges, loads, strict=True)]
+    forces = []
+    for edge, load in zip(edges, loads, strict=True):
+        places = cover.lattice.to_metres(edge.points)
+        traction = np.stack([component_at(component, places) for component in load.traction], axis=1)
+        forces.append(edge.lengths[:, None] * traction)
     return np.asarray(values_at(cover, points, elements).values().T @ np.concatenate(forces))
 
 

@@ -145,7 +145,7 @@ def test_a_block_that_contact_alone_holds(tmp_path: Path) -> None:
 def test_reactions_balance_the_loads(tmp_path: Path) -> None:
     push = "loads=[{on: {body: block, edge: top}, traction: [20, -100]}]"
     _, solution = solve(tmp_path, BLOCK, push)
-    (foundation,) = reactions(solution)
+    (foundation,) = reactions(solution.state)
     assert foundation.where == "block.bottom"
     np.testing.assert_allclose(foundation.force, [-80.0, 400.0], rtol=1e-8)
     np.testing.assert_allclose(total_load(solution), [80.0, -400.0], rtol=1e-8)
@@ -165,7 +165,7 @@ def test_a_block_slides_off_beyond_its_friction(tmp_path: Path, push: float) -> 
             solve(tmp_path, BLOCK, *settings)
         return
     _, solution = solve(tmp_path, BLOCK, *settings)
-    np.testing.assert_allclose(reactions(solution)[0].force, [-4 * push, 400.0], rtol=1e-8)
+    np.testing.assert_allclose(reactions(solution.state)[0].force, [-4 * push, 400.0], rtol=1e-8)
 
 
 def test_a_frictionless_block_slides_at_any_push(tmp_path: Path) -> None:
@@ -192,10 +192,10 @@ def test_weight_of_a_column(tmp_path: Path, spacing: float) -> None:
     found = displacement(scene, solution, metres)
     assert np.abs(found[:, 1] - exact).max() < 2e-3 * 0.14
     assert np.abs(found[:, 0]).max() < 2e-3 * 0.14
-    np.testing.assert_allclose(reactions(solution)[0].force, [0.0, 8 * 70.0], rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(reactions(solution.state)[0].force, [0.0, 8 * 70.0], rtol=1e-6, atol=1e-6)
     holes = "bodies.block.shape.holes=[{rectangle: {center: [0.4, 1.1], width: 0.7, height: 0.5}}]"
     scene, solution = solve(tmp_path, BLOCK, *settings, holes)
-    np.testing.assert_allclose(reactions(solution)[0].force, [0.0, 7.65 * 70.0], rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(reactions(solution.state)[0].force, [0.0, 7.65 * 70.0], rtol=1e-6, atol=1e-6)
 
 
 def test_in_situ_stress_that_tractions_balance_displaces_nothing(tmp_path: Path) -> None:
@@ -287,7 +287,7 @@ def test_traction_on_an_arc_has_its_resultant(tmp_path: Path) -> None:
     length = 30 * chord + 0.5 * chord + (0.5 * chord - 3.0 * np.cos(np.deg2rad(0.5)) * np.tan(np.deg2rad(0.25)))
     assert cut > 0.0
     np.testing.assert_allclose(total_load(solution), [2.0 * length, -length], rtol=1e-7)
-    forces = {item.where: np.array(item.force) for item in reactions(solution)}
+    forces = {item.where: np.array(item.force) for item in reactions(solution.state)}
     np.testing.assert_allclose(sum(forces.values()), [-2.0 * length, length], rtol=1e-8)
 
 
@@ -389,7 +389,7 @@ def test_a_plate_hangs_on_a_pin(tmp_path: Path) -> None:
     """Tractions on an arc act along many normals; their resultant is the weight all the same."""
     _, solution = solve(tmp_path, HOLED)
     sides = 180.0 * 0.5**2 * np.sin(np.deg2rad(1.0))  # area of the hole, a polygon of 360 sides
-    (pin,) = reactions(solution)
+    (pin,) = reactions(solution.state)
     np.testing.assert_allclose(pin.force, [0.0, 25000.0 * (16.0 - sides)], rtol=1e-8, atol=1e-3)
 
 
@@ -421,7 +421,7 @@ def test_two_foundations_on_one_edge_have_their_own_names(tmp_path: Path) -> Non
         " {on: {body: block, edge: bottom, from: 1, to: 2}, contact: {friction: 0.5, cohesion: 0}}]"
     )
     _, solution = solve(tmp_path, BLOCK, posts)
-    forces = {item.where: item.force for item in reactions(solution)}
+    forces = {item.where: item.force for item in reactions(solution.state)}
     assert list(forces) == ["block.bottom.0", "block.bottom.1"]
     np.testing.assert_allclose([force[1] for force in forces.values()], 200.0, rtol=1e-6)
 
@@ -454,4 +454,4 @@ def test_gauss_points_on_an_arc_are_as_many_as_on_a_line(tmp_path: Path, discret
     _, solution = solve(tmp_path, DISK, part, numerics, weight, material)
     assert solution.faces.n <= 50
     area = 180.0 * 3.0**2 * np.sin(np.deg2rad(1.0))
-    np.testing.assert_allclose(reactions(solution)[0].force, [0.0, area], rtol=1e-7, atol=1e-6)
+    np.testing.assert_allclose(reactions(solution.state)[0].force, [0.0, area], rtol=1e-7, atol=1e-6)

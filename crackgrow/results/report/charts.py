@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from crackgrow.arrays import Floats
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.units import (
     ENERGIES,
+    FORCES,
     INTENSITIES,
     LENGTHS,
     STRESSES,
@@ -23,6 +24,14 @@ Chart = dict[str, Any]
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9")
 MOST_TIPS = 6  # that one plot shows
+HISTORIES = (
+    ("Displacement of points", ("u_x", "u_y"), LENGTHS),
+    ("Stress at points", ("stress_xx", "stress_yy", "stress_xy"), STRESSES),
+    ("Opening and slip at points", ("opening", "slip"), LENGTHS),
+    ("Convergence", ("convergence",), LENGTHS),
+    ("Reactions", ("force_x", "force_y"), FORCES),
+)
+"""Title, what the columns of history.csv end with, and units."""
 
 
 def charts(run: RunFolder) -> list[Chart]:
@@ -31,10 +40,11 @@ def charts(run: RunFolder) -> list[Chart]:
     A chart has title, xlabel, ylabel and series; a series has name, colour, dash, x, y and `steps`, the step of each
     of its points.
     """
+    history = list(_history_charts(run))
     if len(run.solved) < 2:
-        return []
+        return history
     factor = run.steps.numbers("load_factor")
-    found = [*_tip_charts(run)]
+    found = [*history, *_tip_charts(run)]
     if len(set(factor.tolist())) > 1:
         found.append(_load_curve(run, factor))
         found.append(_by_step(run, "Load factor", "load factor", [("load factor", factor)], (1.0, "")))
@@ -83,6 +93,29 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
                 series.append(_series(name, COLOURS[number], dash, steps[mine].tolist(), y, steps[mine].tolist()))
         found.append(_chart(f"{title}{rest}", "step", f"{', '.join(columns)} [{unit[1]}]", series))
     return found
+
+
+def _history_charts(run: RunFolder) -> Iterator[Chart]:
+    """What the case's points see, increment by increment: those of a step at fractions of it."""
+    table = run.history
+    if table is None or len(table) < 2:
+        return
+    steps, increment = table.steps(), table.numbers("increment")
+    n_in_step = np.array([(steps == step).sum() for step in steps.tolist()])
+    x = rounded_all(steps - 1.0 + (increment + 1.0) / n_in_step)
+    for title, endings, units in HISTORIES:
+        columns = [column for column in table.columns if column.rpartition(".")[2] in endings]
+        drawn = columns[: len(COLOURS)]
+        if not drawn:
+            continue
+        values = [table.numbers(column) for column in drawn]
+        unit = unit_of(np.concatenate(values), units)
+        series = [
+            _series(column, colour, "", x, rounded_all(of_column, unit[0]), steps.tolist())
+            for column, colour, of_column in zip(drawn, COLOURS, values, strict=False)
+        ]
+        rest = f" ({len(drawn)} of {len(columns)})" if len(columns) > len(drawn) else ""
+        yield _chart(f"{title}{rest}", "step", f"[{unit[1]}]", series)
 
 
 def _load_curve(run: RunFolder, factor: Floats) -> Chart:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Body,
     Case,
@@ -17,6 +18,7 @@ from crackgrow.case.model import (
     EdgeTraction,
     Gravity,
     Load,
+    PointForce,
     PointSupport,
     Support,
 )
@@ -126,10 +128,19 @@ def _prescribed(support: EdgeSupport, case: Case, view: View) -> Markup:
 
 
 def _load(load: Load, case: Case, view: View) -> Markup:
-    if isinstance(load, EdgeTraction) and any(load.traction):
+    if isinstance(load, EdgeTraction):
         name = tag("title", f"traction on {load.region.body}.{load.region.edge}")
-        lines = _lines(load.region, case, view, symbols.ARROW_GAP)
-        return tag("g", name, *(symbols.arrows_along(line, _flip(load.traction), outward) for line, outward in lines))
+        drawn = []
+        for line, outward in _lines(load.region, case, view, symbols.ARROW_GAP):
+            middle = view.metres(line.mean(axis=0)[None])
+            traction = [float(component_at(component, middle)[0]) for component in load.traction]
+            if any(traction):
+                drawn.append(symbols.arrows_along(line, _flip(traction), outward))
+        return tag("g", name, *drawn) if drawn else Markup("")
+    if isinstance(load, PointForce) and any(load.force):
+        head = view.pixels(load.point[None])[0]
+        reach = symbols.ARROW * _flip(load.force) / np.linalg.norm(load.force)
+        return tag("g", tag("title", f"force on {load.body}"), symbols.arrow(head - reach, head))
     if isinstance(load, Gravity) and any(load.acceleration):
         outline = view.pixels(_body_of(load.body, case).outline)
         middle = (outline.min(axis=0) + outline.max(axis=0)) / 2

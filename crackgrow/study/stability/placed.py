@@ -22,6 +22,7 @@ from crackgrow.case.model import (
     InSituStress,
     Interface,
     Load,
+    PointForce,
     PointSupport,
     Ring,
     Support,
@@ -113,7 +114,9 @@ def placed(case: Case, placement: Placement) -> Case:
     growth = case.growth
     if growth is not None:
         growth = replace(
-            growth, increment=placement.size * growth.increment, tip_radius=placement.size * growth.tip_radius
+            growth,
+            increment=placement.size * growth.increment,
+            tip_radius=None if growth.tip_radius is None else placement.size * growth.tip_radius,
         )
     corners = {body.name: [len(ring.points) for ring in body.rings] for body in case.bodies}
     return replace(
@@ -136,8 +139,12 @@ def placed(case: Case, placement: Placement) -> Case:
 def _body(body: Body, placement: Placement) -> Body:
     strength = body.strength
     if strength is not None:
+        K = strength.toughness
         strength = replace(
-            strength, tension=placement.stress * strength.tension, cohesion=placement.stress * strength.cohesion
+            strength,
+            tension=placement.stress * strength.tension,
+            cohesion=placement.stress * strength.cohesion,
+            toughness=None if K is None else placement.stress * float(np.sqrt(placement.size)) * K,
         )
     material = replace(body.material, young=placement.young * body.material.young)
     return replace(
@@ -165,7 +172,16 @@ def _region(region: EdgeRegion, placement: Placement, corners: dict[str, list[in
 
 
 def _law(contact: CoulombContact, placement: Placement) -> CoulombContact:
-    return replace(contact, cohesion=placement.stress * contact.cohesion)
+    stiffness = contact.stiffness
+    if stiffness is not None:
+        per = placement.stress / placement.displacement
+        stiffness = (per * stiffness[0], per * stiffness[1])
+    return replace(
+        contact,
+        cohesion=placement.stress * contact.cohesion,
+        stiffness=stiffness,
+        weakening_length=placement.displacement * contact.weakening_length,
+    )
 
 
 def _interface(interface: Interface, placement: Placement) -> Interface:
@@ -179,21 +195,21 @@ def _interface(interface: Interface, placement: Placement) -> Interface:
 def _support(support: Support, placement: Placement, corners: dict[str, list[int]]) -> Support:
     if isinstance(support, ContactSupport):
         return ContactSupport(_region(support.region, placement, corners), _law(support.contact, placement))
-    displacement = _components(support.displacement, placement)
+    displacement = _components(support.displacement, placement, placement.displacement)
     if isinstance(support, PointSupport):
         return replace(support, point=placement.points(support.point[None])[0], displacement=displacement)
     return EdgeSupport(_region(support.region, placement, corners), displacement)
 
 
-def _components(displacement: Pair, placement: Placement) -> Pair:
-    """Prescribed components turned; those that are free stay so."""
+def _components(displacement: Pair, placement: Placement, size: float) -> Pair:
+    """Prescribed components turned and multiplied by `size`; those that are free stay so."""
     found: list[Component | None] = []
     for row in placement.turn:
         along = np.flatnonzero(row)
         if len(along) != 1:
             raise ValueError("supports of single components can be turned by right angles only")
         component = displacement[along[0]]
-        factor = float(row[along[0]]) * placement.displacement
+        factor = float(row[along[0]]) * size
         if component is None:
             found.append(None)
         else:
@@ -201,14 +217,31 @@ def _components(displacement: Pair, placement: Placement) -> Pair:
     return found[0], found[1]
 
 
+def _traction(given: tuple[Component, Component], placement: Placement) -> tuple[Component, Component]:
+    """Components of a traction turned; formulas by right angles only."""
+    x, y = given
+    if not callable(x) and not callable(y):
+        return placement.vector((x, y), placement.stress)
+    first, second = _components(given, placement, placement.stress)
+    assert first is not None
+    assert second is not None
+    return first, second
+
+
 def _load(load: Load, placement: Placement, corners: dict[str, list[int]]) -> Load:
     if isinstance(load, EdgeTraction):
-        traction = placement.vector(load.traction, placement.stress)
+        traction = _traction(load.traction, placement)
         return replace(load, region=_region(load.region, placement, corners), traction=traction)
     if isinstance(load, Gravity):
         return replace(load, acceleration=placement.vector(load.acceleration, placement.stress / placement.size))
     if isinstance(load, CrackPressure):
-        return replace(load, pressure=placement.stress * load.pressure)
+        pressure = load.pressure
+        if callable(pressure):
+            return replace(load, pressure=_Moved(pressure, placement.stress, placement))
+        return replace(load, pressure=placement.stress * pressure)
+    if isinstance(load, PointForce):
+        force = placement.vector(load.force, placement.stress * placement.size)
+        return replace(load, point=placement.points(load.point[None])[0], force=force)
     assert isinstance(load, InSituStress)
     xx, yy, xy = load.stress
     stress = placement.stress * placement.turn @ np.array([[xx, xy], [xy, yy]]) @ placement.turn.T

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft7Validator
 
-from crackgrow.case.formula import LengthOrFormula
+from crackgrow.case.formula import OrFormula
 from crackgrow.case.json_schema import case_schema, schema_of
 from crackgrow.case.reader import parse
 from crackgrow.case.report import Place, Report
@@ -82,7 +82,7 @@ def test_everything_is_accepted():
         (SHAPE, ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
          ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dxf}", "{circle: 1}"]),
         (REGION, ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
-        (LengthOrFormula(), ["sin(x) + cos(y)", "max(x, y, 0)", "min(sin(x), 1.5)", "sin(x,)", "1.5*x + 2.5", "2.*x"],
+        (OrFormula(), ["sin(x) + cos(y)", "max(x, y, 0)", "min(sin(x), 1.5)", "sin(x,)", "1.5*x + 2.5", "2.*x"],
          ["sin(x, y)", "1 + cos (x, 2)", "1.2.3", "x + 1..2", "x.real"]),
         (SUPPORT, ["{at: [0, 0], displacement: {x: 0}}", '{at: [0, 0], displacement: {y: "0.09*x - max(y, 1)"}}',
                    "{on: {body: a, edge: b}, contact: {friction: 1, cohesion: 0}}"],

@@ -80,8 +80,12 @@ def test_a_word_gives_way_at_loading_only():
 @pytest.mark.parametrize(
     ("setting", "key", "words"),
     [
-        ("loading=", "loading", "no value given; wanted: critical | a mapping of history"),
-        ("loading=crit", "loading", "'crit' given; wanted: critical | a mapping of history; did you mean 'critical'?"),
+        ("loading=", "loading", "no value given; wanted: critical | strength_reduction | a mapping of history"),
+        (
+            "loading=crit",
+            "loading",
+            "'crit' given; wanted: critical | strength_reduction | a mapping of history; did you mean 'critical'?",
+        ),
         ("loading=1", "loading", "'1' given; wanted: critical"),
         ("loading=[1]", "loading", "a list given; wanted: a mapping of history"),
         (

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case.model import Strength
+from crackgrow.case.toughness import MODE_I, radius_of, toughness_of
 from crackgrow.fracture.criteria import (
     CRITERIA,
     LARGEST_KINK,
@@ -210,18 +211,24 @@ def test_directional_shear_follows_mohr_coulomb_on_the_ray_of_uniform_stress() -
 @pytest.mark.parametrize("radius", [RADIUS, 3e-3])
 def test_effective_toughness_is_the_K_I_that_just_grows(criterion: Criterion, radius: float) -> None:
     limits = Strength(tension=5e5, cohesion=1e9, friction_angle=40.0)
-    toughness = criterion.toughness(limits.tension, radius)
+    toughness = toughness_of(criterion.name, limits.tension, radius)
     field = near_field(toughness * np.sqrt(RADIUS / radius), 0.0)  # made for RADIUS
     assert criterion.judge(field, limits).criticality == pytest.approx(1.0, rel=RAYS)
+
+
+@pytest.mark.parametrize("criterion", CRITERIA)
+def test_radius_of_a_toughness_stands_for_it(criterion: str) -> None:
+    radius = radius_of(criterion, 3.5e5, 4.43e4)
+    assert toughness_of(criterion, 3.5e5, radius) == pytest.approx(4.43e4, rel=1e-12)
 
 
 def test_mean_factor_is_that_of_a_disc_with_weight_one_over_r() -> None:
     """Mean over the angle of cos t/2 (1 + sin t/2 sin 3t/2) times the mean 2 of (R / r)^1/2 along a ray."""
     t = (np.arange(100_000) + 0.5) / 100_000 * 2.0 * np.pi - np.pi
     angular = np.cos(t / 2) * (1.0 + np.sin(t / 2) * np.sin(3 * t / 2))
-    assert CRITERIA["strength"].mode_I == pytest.approx(2.0 * angular.mean(), abs=5e-5)  # given to four decimals
+    assert MODE_I["strength"] == pytest.approx(2.0 * angular.mean(), abs=5e-5)  # given to four decimals
     assert 2.0 * angular.mean() == pytest.approx(24.0 / (5.0 * np.pi), rel=1e-8)
-    assert CRITERIA["directional_strength"].mode_I == 2.0  # straight ahead the angular part is 1
+    assert MODE_I["directional_strength"] == 2.0  # straight ahead the angular part is 1
 
 
 @pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())

@@ -1,0 +1,99 @@
+"""What growth needs of the rock: a strength, and an averaging radius that is given or follows from a toughness."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crackgrow.case.layout import Scene, named
+from crackgrow.case.scene import GROWTH
+from crackgrow.case.toughness import BY_K
+
+
+def settle_direction(scene: Scene) -> None:
+    """Fill in a direction that is left out: implicit where K_I and K_II decide all, else explicit."""
+    growth = scene.resolved.get("growth")
+    if not isinstance(growth, dict):
+        return
+    if "direction" not in growth:
+        tough = _strengths(scene, with_toughness=True)
+        found = {"direction": "implicit" if tough and growth.get("criterion") in BY_K else "explicit"}
+        ordered = {key: (growth | found)[key] for key in GROWTH.fields if key in growth or key in found}
+        scene.resolved["growth"] = ordered
+    criterion = scene.get("growth", "criterion")
+    if scene.get("growth", "direction") == "implicit" and criterion not in (None, *BY_K):
+        message = f"implicit is for criterion max_hoop_stress, {criterion} given; use explicit"
+        scene.report.fault(("growth", "direction"), message)
+
+
+def check_strength(scene: Scene) -> None:
+    """Rock in which cracks can grow has a strength; the radius of its criterion is told once, and is a length of it."""
+    report = scene.report
+    for name in named(scene.resolved, "bodies"):
+        key = ("bodies", name, "strength")
+        if _has_growing_cracks(scene, name) and report.sound(*key) and scene.get(*key) is None:
+            message = "missing: cracks can grow in it, so it needs a strength {tension, cohesion, friction_angle}"
+            report.fault(key, message)
+        _check_tension(scene, name)
+    if isinstance(scene.resolved.get("growth"), dict) and report.sound("growth", "tip_stress"):
+        if report.sound("bodies"):
+            _check_told_once(scene)
+        _check_sizes(scene)
+
+
+def _has_growing_cracks(scene: Scene, body: str) -> bool:
+    """Whether growth is given and a crack in the body, or one that may lie in it, has a tip that can grow."""
+    if "growth" not in scene.resolved:
+        return False
+    only = len(named(scene.resolved, "bodies")) == 1
+    cracks = [name for name in named(scene.resolved, "cracks") if only or scene.hosts.get(name) == body]
+    return any(scene.get("cracks", name, "tips") != "none" for name in cracks)
+
+
+def _check_tension(scene: Scene, name: str) -> None:
+    """The tensile strength cuts off the Mohr-Coulomb cone below its apex, c / tan(phi)."""
+    strength = scene.get("bodies", name, "strength")
+    if strength is None or not scene.report.sound("bodies", name, "strength"):
+        return
+    slope = np.tan(np.deg2rad(strength["friction_angle"]))
+    if strength["tension"] * slope > strength["cohesion"]:
+        apex = scene.units.show(strength["cohesion"] / slope, "stress")
+        message = f"above the apex of the shear strength, cohesion / tan(friction_angle) = {apex}; wanted: at most that"
+        scene.report.fault(("bodies", name, "strength", "tension"), message)
+
+
+def _strengths(scene: Scene, with_toughness: bool) -> list[str]:
+    """The bodies with cracks, or all where there is none, whose strength has a toughness, or has none."""
+    hosts = set(scene.hosts.values()) or set(named(scene.resolved, "bodies"))
+    strengths = {name: scene.get("bodies", name, "strength") for name in named(scene.resolved, "bodies")}
+    return [
+        name
+        for name, strength in strengths.items()
+        if name in hosts and isinstance(strength, dict) and ("toughness" in strength) == with_toughness
+    ]
+
+
+def _check_told_once(scene: Scene) -> None:
+    """A radius is given where rock has no toughness, and nowhere else."""
+    key = ("growth", "tip_stress")
+    without, tough = (_strengths(scene, with_toughness=known) for known in (False, True))
+    if "tip_stress" not in scene.resolved["growth"]:
+        if without or not tough:
+            where = f"bodies.{without[0]}.strength" if without else "the strength of the rock"
+            message = "missing: {radius: R}, the averaging radius, a length of the material"
+            scene.report.fault(key, f"{message}; or give {where} a toughness, from which it follows")
+    elif tough and not without:
+        message = f"the averaging radius follows from the toughness of body '{tough[0]}'"
+        scene.report.fault(key, f"{message}, and cannot be given besides; leave out one of the two")
+
+
+def _check_sizes(scene: Scene) -> None:
+    """A radius that a criterion averages over is no larger than the scene."""
+    for name, key, radius in scene.averaging_radii() if scene.complete else ():
+        if radius <= scene.size:
+            continue
+        message = f"{scene.length(radius)} is more than the size of the scene, {scene.length(scene.size)}"
+        if name is None:
+            scene.report.fault(key, f"{message}; wanted: a length of the material")
+        else:
+            told = f"asks {scene.get('growth', 'criterion')} for an averaging radius by the tension that is too large"
+            scene.report.fault(key, f"{told}: {message}; max_hoop_stress needs none")

@@ -1,0 +1,45 @@
+"""The radius over which a criterion averages stress: from the toughness of the rock, or as it is given.
+
+In pure mode I a criterion sees the stress mode_I K_I / sqrt(2 pi R). It reaches the tensile strength T0 at
+K_I = T0 sqrt(2 pi R) / mode_I, so that a radius stands for a toughness, and a toughness for a radius.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from crackgrow.case.model import Growth, Strength
+
+MODE_I: Final[Mapping[str, float]] = {"strength": 1.5279, "directional_strength": 2.0, "max_hoop_stress": 1.0}
+"""s_yy sqrt(2 pi R) / K_I that a criterion sees in pure mode I: over the disc (4.8 / pi), a ray, at the radius."""
+
+BY_K: Final = frozenset({"max_hoop_stress"})
+"""Criteria that go by K_I and K_II alone, and need no radius where the toughness is known."""
+
+
+def averaging_radius(growth: Growth, strength: Strength) -> float:
+    """R (m) in rock of a strength."""
+    if strength.toughness is not None:
+        return radius_of(growth.criterion, strength.tension, strength.toughness)
+    assert growth.tip_radius is not None  # the case was checked
+    return growth.tip_radius
+
+
+def length_of_average(growth: Growth, strength: Strength | None) -> float:
+    """The radius (m) that cells at a tip are to resolve; infinite where K_I and K_II are all that counts."""
+    if strength is not None and strength.toughness is not None:
+        return np.inf if growth.criterion in BY_K else averaging_radius(growth, strength)
+    return np.inf if growth.tip_radius is None else growth.tip_radius
+
+
+def radius_of(criterion: str, tension: float, toughness: float) -> float:
+    """R (m) at which a criterion lets mode I grow at a toughness (Pa sqrt(m)), for a tensile strength (Pa)."""
+    return float((MODE_I[criterion] * toughness / tension) ** 2 / (2.0 * np.pi))
+
+
+def toughness_of(criterion: str, tension: float, radius: float) -> float:
+    """K_I (Pa sqrt(m)) at which a criterion lets mode I grow, for a tensile strength (Pa) and a radius R (m)."""
+    return float(tension * np.sqrt(2.0 * np.pi * radius) / MODE_I[criterion])

@@ -1,0 +1,128 @@
+"""The factor of safety: friction and cohesion of contact divided by a factor until nothing holds the scene any more.
+
+tan(phi) and c of every surface, residual values and the tangent of the dilation angle included, are divided by the
+same factor (Zienkiewicz, Humpheson, Lewis 1975). Every factor is a fresh start: the loads come on with the strength
+that is left. The scene holds where contact and rock find a balance; where they don't, the limit analysis of the pieces
+that contact alone holds says which of them moves, and how.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import replace
+
+import numpy as np
+
+from crackgrow.case.model import CoulombContact
+from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.history import history_of
+from crackgrow.run.increments import LoadState, held_loads, increment
+from crackgrow.run.judging import StepSolution, judged
+from crackgrow.run.result import FARTHEST, Safety
+from crackgrow.run.scene import Scene
+
+NARROW = 1e-4
+"""The factor of safety is found to this fraction."""
+
+BEYOND = (1.0 + 1e-3, 1.01, 1.1)
+"""Times the least factor without a state, at which a mechanism is looked for where none shows there, or a state."""
+
+MOST_RETURNS = 3
+"""States beyond a factor at which none was found, after which that is how it is."""
+
+
+def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Generator[StepSolution, None, Safety]:
+    """The scene as it is, if it holds, and its last stable state; returns how safe it is.
+
+    Raises SolveError where it does not hold at any factor.
+    """
+    given = assemble(scene, cracks)
+    search = _Search(lambda factor: _loaded(given, cracks, factor))
+    safety = search.found()
+    for state in dict.fromkeys(state for state in (search.as_given, search.last) if state is not None):
+        yield replace(judged(state), passed=history_of(state)[:-1])
+    return safety
+
+
+class _Search:
+    """The search for the largest factor that has a state."""
+
+    def __init__(self, state_at: Callable[[float], LoadState]) -> None:
+        self._state_at = state_at
+        self._why: SolveError | None = None  # there is none at `_above`
+        self._below, self._above = 0.0, np.inf
+        self.as_given: LoadState | None = None
+        self.last: LoadState | None = None  # of the largest factor that has one
+
+    def found(self) -> Safety:
+        """How safe the scene is. Raises SolveError where no factor has a state."""
+        factor = 1.0
+        if self._holds(factor):
+            self.as_given = self.last
+            while self._holds(factor := 2.0 * factor):
+                if factor >= FARTHEST:
+                    return Safety(np.inf, np.inf, "")
+        else:
+            while not self._holds(factor := 0.5 * factor):
+                if factor <= 1.0 / FARTHEST:
+                    assert self._why is not None
+                    raise self._why
+        self._narrow()
+        returns = 0
+        while not isinstance(self._why, FreePieceError) and returns < MOST_RETURNS and self._holds_beyond():
+            self._narrow()
+            returns += 1
+        what = self._why.what if isinstance(self._why, FreePieceError) else f"no state was found: {self._why}"
+        return Safety(self._below, self._above, what)
+
+    def _narrow(self) -> None:
+        while self._above > (1.0 + NARROW) * self._below:
+            self._holds(float(np.sqrt(self._below * self._above)))
+
+    def _holds_beyond(self) -> bool:
+        """Whether there is a state beyond the least factor at which none was found; else a mechanism is looked for."""
+        above, why = self._above, self._why
+        for times in BEYOND:
+            self._above = np.inf
+            if self._holds(times * above):
+                self._above, self._why = 2.0 * times * above, why
+                while self._holds(self._above):
+                    self._above *= 2.0
+                return True
+            self._above = above
+            if isinstance(self._why, FreePieceError):
+                return False
+        self._why = why
+        return False
+
+    def _holds(self, factor: float) -> bool:
+        """Whether there is a state at a factor; the interval ends there."""
+        try:
+            self.last, self._below = self._state_at(factor), factor
+        except (FreePieceError, NotSolvedError) as error:
+            self._above, self._why = factor, error
+            return False
+        return True
+
+
+def _loaded(given: Configuration, cracks: tuple[GrowingCrack, ...], factor: float) -> LoadState:
+    """The scene under its loads with its strength divided by a factor. Raises SolveError where nothing holds it."""
+    laws = tuple(
+        law if law.contact is None else replace(law, contact=_weaker(law.contact, factor)) for law in given.scene.laws
+    )
+    configuration = given.under_laws(replace(given.scene, laws=laws), cracks) if factor != 1.0 else given
+    configuration.check_can_hold(1.0)  # limit analysis, which sees at once what solvers look for in vain for long
+    return increment(configuration, held_loads(configuration), 1.0)
+
+
+def _weaker(contact: CoulombContact, factor: float) -> CoulombContact:
+    """A law with its strength divided by a factor."""
+    return replace(
+        contact,
+        friction=contact.friction / factor,
+        cohesion=contact.cohesion / factor,
+        residual_friction=contact.residual_friction / factor,
+        dilation_angle=float(np.rad2deg(np.arctan(np.tan(np.deg2rad(contact.dilation_angle)) / factor))),
+    )

@@ -1,0 +1,163 @@
+"""The toughness of the rock, and the averaging radius that follows from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import Case, load_case
+from crackgrow.case.dump import dump_case
+from crackgrow.case.toughness import averaging_radius
+from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.errors import CaseError, Fault
+from crackgrow.run.foci import focus_of
+from crackgrow.run.scene import make_scene
+
+CASES = Path(__file__).parents[3] / "cases"
+TEXT = (CASES / "compression30.yaml").read_text(encoding="utf-8")
+RADIUS = "  tip_stress:\n    radius: 1 "
+
+
+def edited(folder: Path, *edits: tuple[str, str]) -> Path:
+    """The file of compression30 with texts replaced."""
+    text = TEXT
+    for old, new in edits:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    path = folder / "scene.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def tough(folder: Path, toughness: str = "0.04 MPa sqrt(m)", *edits: tuple[str, str]) -> Path:
+    """compression30 with a toughness in place of its radius."""
+    return edited(folder, ("tension: 0.5", f"toughness: {toughness}\n      tension: 0.5"), (RADIUS, "#"), *edits)
+
+
+def faults_of(path: Path) -> tuple[Fault, ...]:
+    with pytest.raises(CaseError) as caught:
+        load_case(path)
+    return caught.value.faults
+
+
+def radius_of(case: Case) -> float:
+    strength = case.bodies[0].strength
+    assert case.growth is not None
+    assert strength is not None
+    return averaging_radius(case.growth, strength)
+
+
+def test_radius_follows_from_tension_and_toughness(tmp_path: Path) -> None:
+    case = load_case(tough(tmp_path))
+    assert case.growth is not None
+    assert case.growth.tip_radius is None
+    assert radius_of(case) == pytest.approx((2.0 * 0.04 / 0.5) ** 2 / (2.0 * np.pi), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("40 kPa sqrt(m)", 4e4), ("40000 Pa sqrt(m)", 4e4), ("4e-5 GPa sqrt(m)", 4e4), ("1 MPa sqrt(mm)", 1e6 / 1e3**0.5)],
+)
+def test_units_of_a_toughness(text: str, value: float, tmp_path: Path) -> None:
+    strength = load_case(tough(tmp_path, text)).bodies[0].strength
+    assert strength is not None
+    assert strength.toughness == pytest.approx(value, rel=1e-15)
+
+
+def test_case_with_a_toughness_reads_back(tmp_path: Path) -> None:
+    case = load_case(tough(tmp_path))
+    path = tmp_path / "again.yaml"
+    path.write_text(dump_case(case), encoding="utf-8")
+    again = load_case(path)
+    assert dump_case(again) == dump_case(case)
+    assert radius_of(again) == radius_of(case)
+
+
+@pytest.mark.parametrize(
+    ("criterion", "direction"), [("max_hoop_stress", "implicit"), ("directional_strength", "explicit")]
+)
+def test_direction_that_is_left_out_is_corrected_where_K_decides_all(
+    criterion: str, direction: str, tmp_path: Path
+) -> None:
+    case = load_case(tough(tmp_path), [f"growth.criterion={criterion}"])
+    assert case.growth is not None
+    assert case.growth.direction == direction
+    plain = load_case(edited(tmp_path), [f"growth.criterion={criterion}"])
+    assert plain.growth is not None
+    assert plain.growth.direction == "explicit"  # as ever without a toughness
+
+
+def test_direction_that_is_given_wins(tmp_path: Path) -> None:
+    case = load_case(tough(tmp_path), ["growth.criterion=max_hoop_stress", "growth.direction=explicit"])
+    assert case.growth is not None
+    assert case.growth.direction == "explicit"
+
+
+def test_automatic_spacing_resolves_the_radius_that_is_averaged_over(tmp_path: Path) -> None:
+    overrides = ["numerics.spacing=auto", "numerics.refine.tips=0", "bodies.rock.strength.toughness=0.01 MPa sqrt(m)"]
+    case = load_case(tough(tmp_path), [*overrides, "growth.criterion=strength"])
+    assert case.numerics.spacing == pytest.approx(2.0 * radius_of(case))  # half a spacing wide at least
+    assert "toughness of body 'rock'" in str(case.numerics.auto_rule)
+    case = load_case(tough(tmp_path), [*overrides, "growth.criterion=max_hoop_stress"])
+    assert "toughness" not in str(case.numerics.auto_rule)  # nothing is averaged
+
+
+@pytest.mark.parametrize(("criterion", "halved"), [("strength", True), ("max_hoop_stress", False)])
+def test_cells_at_tips_resolve_the_radius_that_is_averaged_over(criterion: str, halved: bool, tmp_path: Path) -> None:
+    """With automatic cells, whose spacing follows the body; a radius beyond what the crack asks for changes nothing."""
+    small = ["numerics.spacing=auto", "growth.steps=1", f"growth.criterion={criterion}"]
+    case = load_case(tough(tmp_path, "0.005 MPa sqrt(m)"), small)
+    scene = make_scene(case)
+    focus = focus_of(scene, [CrackGeometry("flaw", scene.lattice.to_lattice(case.cracks[0].points), True, True)])
+    finest = float(focus.size.min(initial=1.0)) * case.numerics.spacing
+    assert (finest <= 2.0 * radius_of(case) * (1.0 + 1e-9)) == halved
+
+
+@pytest.mark.parametrize(
+    ("toughness", "words"),
+    [
+        ("0 MPa sqrt(m)", "wanted: a toughness > 0"),
+        ("-1 MPa sqrt(m)", "out of range"),
+        ("1.2", "needs a unit, such as MPa sqrt(m), where units.length is mm"),
+        ("1.2 MPa", "has a unit of stress"),
+        ("1.2 MPa m", "unknown unit"),
+        (".nan MPa sqrt(m)", "neither a number nor"),
+    ],
+)
+def test_faults_of_a_toughness(toughness: str, words: str, tmp_path: Path) -> None:
+    (fault,) = faults_of(tough(tmp_path, toughness))
+    assert fault.key == "bodies.rock.strength.toughness"
+    assert words in fault.message
+
+
+def test_bare_number_is_taken_in_metres(tmp_path: Path) -> None:
+    edits = (
+        ("units: {length: mm, stress: MPa}", "units: {length: m, stress: MPa}"),
+        ("spacing: 1.5", "spacing: 1500 mm"),
+    )
+    strength = load_case(tough(tmp_path, "0.04", *edits)).bodies[0].strength
+    assert strength is not None
+    assert strength.toughness == 4e4
+
+
+def test_radius_beside_a_toughness_is_refused(tmp_path: Path) -> None:
+    path = edited(tmp_path, ("tension: 0.5", "toughness: 0.04 MPa sqrt(m)\n      tension: 0.5"))
+    (fault,) = faults_of(path)
+    assert fault.key == "growth.tip_stress"
+    assert "follows from the toughness of body 'rock'" in fault.message
+
+
+def test_neither_radius_nor_toughness_is_refused(tmp_path: Path) -> None:
+    (fault,) = faults_of(edited(tmp_path, (RADIUS, "#")))
+    assert fault.key == "growth.tip_stress"
+    assert "bodies.rock.strength a toughness" in fault.message
+
+
+def test_average_wider_than_the_scene_is_refused_where_there_is_one(tmp_path: Path) -> None:
+    path = tough(tmp_path, "10 MPa sqrt(m)")
+    (fault,) = faults_of(path)
+    assert fault.key == "bodies.rock.strength.toughness"
+    assert "more than the size of the scene" in fault.message
+    assert load_case(path, ["growth.criterion=max_hoop_stress"]).growth is not None

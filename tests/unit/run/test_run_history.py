@@ -1,0 +1,178 @@
+"""The course of named points: exact fields, the increments of a step, files, resuming, faults."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.__main__ import main
+from crackgrow.case import dump_case, load_case
+from crackgrow.errors import CaseError
+from crackgrow.run.result import History
+from tests.whole_run import whole_run
+
+YOUNG, STRESS = 1e9, 1e6  # Pa
+
+BAR = """
+title: a bar
+plane: stress
+bodies:
+  rock:
+    shape: {rectangle: {center: [0, 0], width: 0.02, height: 0.04}}
+    material: {young: 1e9, poisson: 0.25}
+supports:
+  - {on: {body: rock, edge: bottom}, displacement: {y: 0}}
+  - {at: [0, -0.02], displacement: {x: 0}}
+loads: [{on: {body: rock, edge: top}, traction: [0, 1e6]}]
+loading: {history: [0.5, -1]}
+numerics: {spacing: 0.004}
+output: {frames: none, figures: false, points: {corner: {at: [0.01, 0.02]}, gauge: {between: [[0, -0.01], [0, 0.01]]}}}
+"""
+
+STACK = """
+title: a block on another
+plane: strain
+bodies:
+  low: {shape: {rectangle: {center: [0, 0.05], width: 0.2, height: 0.1}}, material: {young: 1e9, poisson: 0.2}}
+  top: {shape: {rectangle: {center: [0, 0.15], width: 0.1, height: 0.1}}, material: {young: 1e9, poisson: 0.2}}
+interfaces: [{between: [low, top], contact: {friction: 0.2, cohesion: 0}}]
+supports:
+  - {on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}
+  - {on: {body: top, edge: top}, displacement: {x: 0.001}}
+loads: [{on: {body: top, edge: top}, traction: [0, -1e6], held: true}]
+loading: {history: [1, -1]}
+numerics: {spacing: 0.02}
+output:
+  frames: none
+  figures: false
+  points: {joint: {interface: [top, low], at: [0, 0.1]}, above: {at: [0, 0.1], body: top}}
+"""
+
+NOTCHED = """
+title: a notched plate
+plane: strain
+bodies:
+  rock:
+    shape: {rectangle: {center: [0, 0], width: 0.02, height: 0.04}}
+    material: {young: 1e9, poisson: 0.25}
+    strength: {tension: 1e6, cohesion: 1e8, friction_angle: 30}
+cracks: {notch: {path: {points: [[-0.01, 0], [-0.004, 0]]}, tips: end, contact: {friction: 0, cohesion: 0}}}
+supports:
+  - {on: {body: rock, edge: bottom}, displacement: {y: 0}}
+  - {at: [0, -0.02], displacement: {x: 0}}
+loads: [{on: {body: rock, edge: top}, traction: [0, 1e6]}]
+loading: {history: [0.5, 1]}
+growth: {steps: 2, increment: 0.002, advance: all, criterion: max_hoop_stress, tip_stress: {radius: 0.0005}}
+numerics: {spacing: 0.002}
+output: {frames: none, figures: false, points: {mouth: {crack: notch, at: [-0.01, 0]}}}
+"""
+
+
+def written(folder: Path, text: str, *edits: tuple[str, str]) -> Path:
+    for old, new in edits:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    path = folder / "scene.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def histories(folder: Path, text: str, *overrides: str) -> list[History]:
+    results, _ = whole_run(load_case(written(folder, text), overrides))
+    found = [result.history for result in results]
+    assert all(found)
+    return [history for history in found if history is not None]
+
+
+def column(history: History, name: str) -> np.ndarray:
+    return history.values[:, history.columns.index(name)]
+
+
+def test_points_of_a_bar_in_tension_have_its_exact_fields(tmp_path: Path) -> None:
+    for history, factor in zip(histories(tmp_path, BAR), (0.5, -1.0), strict=True):
+        strain = factor * STRESS / YOUNG
+        assert history.load_factor.tolist() == [factor]
+        assert column(history, "corner.u_y") == pytest.approx([0.04 * strain], rel=1e-9)
+        assert column(history, "corner.u_x") == pytest.approx([-0.25 * 0.01 * strain], rel=1e-9)
+        assert column(history, "corner.stress_yy") == pytest.approx([factor * STRESS], rel=1e-9)
+        assert column(history, "corner.stress_xy") == pytest.approx([0.0], abs=1e-3)
+        assert column(history, "gauge.convergence") == pytest.approx([-0.02 * strain], rel=1e-8)
+        assert column(history, "supports.0.force_y") == pytest.approx([-0.02 * factor * STRESS], rel=1e-9)
+
+
+def test_increments_inside_a_step_follow_the_friction(tmp_path: Path) -> None:
+    """The block is pushed, slips, and is pushed back: shear rises to its limit, stays, and turns round."""
+    forward, back = histories(tmp_path, STACK)
+    assert len(forward.load_factor) > 2
+    assert np.all(np.diff(forward.load_factor) > 0.0)
+    assert np.all(np.diff(back.load_factor) < 0.0)
+    limit = 0.2 * 1e6 * 0.1  # N/m: friction times the weight on top
+    pull = np.concatenate([column(some, "low/top.force_x") for some in (forward, back)])
+    assert np.abs(pull).max() <= limit * (1.0 + 1e-6)
+    assert abs(column(forward, "low/top.force_x")[-1]) == pytest.approx(limit, rel=1e-6)
+    assert column(back, "low/top.force_x")[-1] == pytest.approx(-column(forward, "low/top.force_x")[-1], rel=1e-6)
+    slip = column(forward, "joint.slip")
+    assert slip[-1] != 0.0
+    assert np.sign(column(back, "joint.slip")[-1]) == -np.sign(slip[-1])
+
+
+def test_mouth_opens_as_the_crack_grows_at_the_same_place(tmp_path: Path) -> None:
+    steps = histories(tmp_path, NOTCHED)
+    assert [history.load_factor.tolist() for history in steps] == [[0.5, 1.0]] * 3
+    opening = np.array([column(history, "mouth.opening") for history in steps])
+    np.testing.assert_allclose(opening[:, 1], 2.0 * opening[:, 0], rtol=1e-9)
+    assert np.all(np.diff(opening[:, 1]) > 0.0)
+
+
+def test_history_is_a_file_that_a_resumed_run_goes_on_with(tmp_path: Path) -> None:
+    case = written(tmp_path, NOTCHED)
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    assert main(["run", str(case), "--out", str(whole), "--quiet"]) == 0
+    assert main(["run", str(case), "--out", str(parts), "--quiet", "--set", "growth.steps=1"]) == 0
+    assert main(["run", str(case), "--out", str(parts), "--quiet", "--resume"]) == 0
+    text = (whole / "history.csv").read_text(encoding="utf-8")
+    assert (parts / "history.csv").read_text(encoding="utf-8") == text
+    rows = list(csv.DictReader(text.splitlines()))
+    assert [(row["step"], row["increment"]) for row in rows] == [(s, i) for s in "012" for i in "01"]
+    assert "Opening and slip at points" in (whole / "report.html").read_text(encoding="utf-8")
+
+
+def test_case_with_points_reads_back(tmp_path: Path) -> None:
+    case = load_case(written(tmp_path, STACK))
+    again = tmp_path / "again.yaml"
+    again.write_text(dump_case(case), encoding="utf-8")
+    assert dump_case(load_case(again)) == dump_case(case)
+
+
+def test_nothing_is_told_where_no_point_is_named(tmp_path: Path) -> None:
+    (result, _), _ = whole_run(load_case(written(tmp_path, BAR.partition("output:")[0])))
+    assert result.history is None
+
+
+@pytest.mark.parametrize(
+    ("text", "edits", "key", "words"),
+    [
+        (BAR, [("at: [0.01, 0.02]", "at: [0.02, 0.02]")], "corner.at", "lies outside of body 'rock', 0.01 m from it"),
+        (BAR, [("[[0, -0.01], [0, 0.01]]", "[[0, 0], [0, 0]]")], "gauge.between", "the two points are one"),
+        (BAR, [("[[0, -0.01], [0, 0.01]]", "[[0, 0], [0, 1]]")], "gauge.between.1", "outside of body 'rock'"),
+        (BAR, [("at: [0.01, 0.02]", "at: [0.01, 0.02], body: roch")], "corner.body", "did you mean 'rock'?"),
+        (STACK, [("at: [0, 0.1], body: top", "at: [0, 0.1]")], "above.at", "say whose point it is"),
+        (STACK, [("interface: [top, low]", "interface: [top, top]")], "joint.interface", "no interface between"),
+        (STACK, [("[top, low], at: [0, 0.1]", "[top, low], at: [0, 0.11]")], "joint.at", "0.01 m from the interface"),
+        (NOTCHED, [("crack: notch", "crack: noch")], "mouth.crack", "did you mean 'notch'?"),
+        (NOTCHED, [("at: [-0.01, 0]", "at: [0, 0]")], "mouth.at", "0.004 m from crack 'notch'"),
+        (NOTCHED, [("{crack: notch, at: [-0.01, 0]}", "{at: [-0.005, 0]}")], "mouth.at", "two values"),
+        (NOTCHED, [("{crack: notch, at: [-0.01, 0]}", "{crack: notch}")], "mouth.at", "missing"),
+        (NOTCHED, [("{crack: notch, at: [-0.01, 0]}", "{}")], "mouth", "give either {at}"),
+    ],
+)
+def test_faults(text: str, edits: Sequence[tuple[str, str]], key: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(CaseError) as caught:
+        load_case(written(tmp_path, text, *edits))
+    (fault,) = caught.value.faults
+    assert fault.key == f"output.points.{key}"
+    assert words in fault.message

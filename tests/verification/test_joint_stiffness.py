@@ -1,0 +1,155 @@
+"""Joints with a stiffness of their own, across and along (Goodman, Taylor, Brekke 1968): uniform stress, closed form.
+
+A block of height H under pressure p and shear q on an elastic joint: the joint closes by p / k_n and slips by q / k_s,
+the block deforms as without it. Nothing depends on the lattice.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.errors import CaseError
+from crackgrow.run.result import StepResult
+from tests.whole_run import whole_run
+
+YOUNG = 1e10  # Pa; Poisson's ratio is zero: shear modulus E/2
+NORMAL, SHEAR = 2e10, 5e9  # Pa/m
+PRESSURE, STRESS = 3e6, 1e6  # Pa
+
+TWO_BLOCKS = """
+title: two blocks and a joint
+plane: stress
+bodies:
+  low: {{shape: {{rectangle: {{center: [0, -0.05], width: 0.1, height: 0.1}}}}, material: {{young: 1e4, poisson: 0}}}}
+  top: {{shape: {{rectangle: {{center: [0, 0.05], width: 0.1, height: 0.1}}}}, material: {{young: 1e4, poisson: 0}}}}
+interfaces:
+  - {{between: [top, low], contact: {{friction: 0.6, cohesion: 0, stiffness: {{normal: 20 GPa/m, shear: 5000}}}}}}
+units: {{stress: MPa}}
+supports:
+  - {{on: {{body: low, edge: bottom}}, displacement: {{x: 0, y: 0}}}}
+loads:
+  - {{on: {{body: top, edge: top}}, traction: [1, -3]}}
+  - {{on: {{body: top, edge: left}}, traction: [0, -1]}}
+  - {{on: {{body: top, edge: right}}, traction: [0, 1]}}
+  - {{on: {{body: low, edge: left}}, traction: [0, -1]}}
+  - {{on: {{body: low, edge: right}}, traction: [0, 1]}}
+numerics: {{spacing: {spacing}}}
+output: {{frames: none, figures: false, points: {{joint: {{interface: [top, low], at: [0.02, 0]}}}}}}
+"""
+
+ON_FOUNDATION = """
+title: a block on an elastic foundation
+plane: stress
+units: {stress: MPa}
+bodies:
+  top: {shape: {rectangle: {center: [0, 0.05], width: 0.1, height: 0.1}}, material: {young: 10000, poisson: 0}}
+supports:
+  - {on: {body: top, edge: bottom}, contact: {friction: 0.6, cohesion: 0, stiffness: {normal: 20000, shear: 5000}}}
+loads:
+  - {on: {body: top, edge: top}, traction: [1, -3]}
+  - {on: {body: top, edge: left}, traction: [0, -1]}
+  - {on: {body: top, edge: right}, traction: [0, 1]}
+numerics: {spacing: 0.013}
+output: {frames: none, figures: false, points: {top: {at: [0.03, 0.1]}}}
+"""
+
+
+def solved(folder: Path, text: str, *overrides: str) -> StepResult:
+    path = folder / "joint.yaml"
+    path.write_text(text, encoding="utf-8")
+    (result, *_), _ = whole_run(load_case(path, overrides))
+    return result
+
+
+def seen(result: StepResult, name: str) -> float:
+    assert result.history is not None
+    return float(result.history.values[-1, result.history.columns.index(name)])
+
+
+@pytest.mark.parametrize("spacing", [0.05, 0.02, 0.013])
+def test_joint_between_blocks_closes_and_slips_by_its_stiffness(spacing: float, tmp_path: Path) -> None:
+    result = solved(tmp_path, TWO_BLOCKS.format(spacing=spacing))
+    assert seen(result, "joint.opening") == pytest.approx(-PRESSURE / NORMAL, rel=1e-8)
+    assert abs(seen(result, "joint.slip")) == pytest.approx(STRESS / SHEAR, rel=1e-8)
+    np.testing.assert_allclose(result.contact.normal_traction, -PRESSURE, rtol=1e-7)
+    np.testing.assert_allclose(np.abs(result.contact.tangential_traction), STRESS, rtol=1e-7)
+    strain_energy = 0.1 * (PRESSURE**2 / NORMAL + STRESS**2 / SHEAR) / 2.0
+    strain_energy += 0.02 * (PRESSURE**2 + 2.0 * STRESS**2) / (2.0 * YOUNG)
+    assert result.energy.strain == pytest.approx(strain_energy, rel=1e-8)
+    assert result.energy.error < 1e-9
+
+
+def test_block_on_a_foundation_with_a_stiffness(tmp_path: Path) -> None:
+    result = solved(tmp_path, ON_FOUNDATION)
+    assert seen(result, "top.u_y") == pytest.approx(-PRESSURE / NORMAL - 0.1 * PRESSURE / YOUNG, rel=1e-8)
+    assert seen(result, "top.u_x") == pytest.approx(STRESS / SHEAR + 0.1 * STRESS / (0.5 * YOUNG), rel=1e-8)
+
+
+SHEARED = """
+title: a flat, stiff block, sheared on an elastic foundation and back
+plane: stress
+bodies:
+  top: {shape: {rectangle: {center: [0, 0.001], width: 0.1, height: 0.002}}, material: {young: 1e15, poisson: 0}}
+supports:
+  - {on: {body: top, edge: bottom}, contact: {friction: 0.6, cohesion: 0, stiffness: {normal: 2e10, shear: 5e9}}}
+  - {on: {body: top, edge: top}, displacement: {x: 0.0006}}
+loads: [{on: {body: top, edge: top}, traction: [0, -3e6], held: true}]
+loading: {history: [1, 0]}
+numerics: {spacing: 0.001}
+output: {frames: none, figures: false}
+"""
+
+
+def test_slip_beyond_friction_is_not_elastic(tmp_path: Path) -> None:
+    """Sheared by d and back to none, a joint that has slipped by s = d - mu p / k_s is sheared by k_s s the other way.
+
+    The block turns a little, by its height times which its base slips less than its top: 0.2 % of the slip, each way.
+    """
+    path = tmp_path / "sheared.yaml"
+    path.write_text(SHEARED, encoding="utf-8")
+    results, _ = whole_run(load_case(path))
+    (there, back) = ({r.where: r.force[0] for r in result.reactions}["supports.1"] / 0.1 for result in results)
+    assert there == pytest.approx(0.6 * PRESSURE, rel=1e-4)
+    assert back == pytest.approx(-(SHEAR * 0.0006 - 0.6 * PRESSURE), rel=5e-3)
+
+
+def test_stiffness_of_a_crack_is_that_of_the_numerics_where_it_is_the_same(tmp_path: Path) -> None:
+    """kappa E / h, given in one way or the other."""
+    cases = Path(__file__).parents[2] / "cases"
+    settings = ["growth.steps=0", "numerics.spacing=1", "output.frames=none", "output.figures=false"]
+    k = 100.0 * 10000.0 / 1.0  # MPa/mm
+    found = [
+        whole_run(load_case(cases / "compression30.yaml", [*settings, *more]))[0][0]
+        for more in (
+            ["numerics.contact.stiffness=100"],
+            [f"cracks.flaw.contact.stiffness.normal={k}", f"cracks.flaw.contact.stiffness.shear={k}"],
+        )
+    ]
+    for one, other in zip(*(result.tips for result in found), strict=True):
+        assert pytest.approx((other.K_I, other.K_II), rel=1e-9) == (one.K_I, one.K_II)
+    np.testing.assert_allclose(found[0].contact.normal_traction, found[1].contact.normal_traction, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "key", "words"),
+    [
+        ("{normal: 0, shear: 1}", ".normal", "wanted: a stiffness > 0"),
+        ("{normal: -1 GPa/m, shear: 1}", ".normal", "out of range"),
+        ("{normal: 1 GPa, shear: 1}", ".normal", "has a unit of stress"),
+        ("{normal: 1 GPa/inch, shear: 1}", ".normal", "unknown unit"),
+        ("{normal: 1}", ".shear", "missing"),
+        ("rigid", "", "wanted: a mapping of normal, shear"),
+        ("{normal: 1, sheer: 1}", ".sheer", "did you mean 'shear'?"),
+    ],
+)
+def test_faults_of_a_stiffness(stiffness: str, key: str, words: str, tmp_path: Path) -> None:
+    text = ON_FOUNDATION.replace("{normal: 20000, shear: 5000}", stiffness)
+    with pytest.raises(CaseError) as caught:
+        solved(tmp_path, text)
+    (fault,) = caught.value.faults
+    assert fault.key == f"supports.0.contact.stiffness{key}"
+    assert words in fault.message

@@ -1,0 +1,138 @@
+"""Friction and cohesion that fall linearly over a length of slip (Ida 1972), in direct shear.
+
+A stiff block on a joint of shear stiffness k slips as one: under a displacement d its force per length rises to
+b_0 = c + mu p, falls by (b_0 - b_r) s / D with the slip s = d - force / k, and stays at b_r = mu_r p.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.errors import CaseError
+from crackgrow.run.result import History, StepResult
+from tests.whole_run import whole_run
+
+PRESSURE, SHEAR, WEAKENING, WIDTH = 2e6, 1e10, 2e-3, 0.1  # Pa, Pa/m, m, m
+PEAK, RESIDUAL = 0.8 * PRESSURE + 5e5, 0.6 * PRESSURE  # Pa
+
+STIFF = """
+title: a flat, stiff block, sheared
+plane: stress
+bodies:
+  top: {shape: {rectangle: {center: [0, 0.001], width: 0.1, height: 0.002}}, material: {young: 1e14, poisson: 0}}
+supports:
+  - on: {body: top, edge: bottom}
+    contact: {friction: 0.8, residual_friction: 0.6, cohesion: 5e5, weakening_length: 0.002,
+              stiffness: {normal: 1e12, shear: 1e10}}
+  - {on: {body: top, edge: top}, displacement: {x: 0.003}}
+loads: [{on: {body: top, edge: top}, traction: [0, -2e6], held: true}]
+loading: {history: [0.4, 1]}
+numerics: {spacing: 0.001, contact: {spacing: 4}}
+output: {frames: none, figures: false, points: {middle: {at: [0, 0.002]}}}
+"""
+
+DIRECT_SHEAR = """
+title: two blocks in direct shear
+plane: strain
+units: {length: mm, stress: MPa}
+bodies:
+  low: {shape: {rectangle: {center: [0, -25], width: 200, height: 50}}, material: {young: 10000, poisson: 0.2}}
+  top: {shape: {rectangle: {center: [0, 25], width: 200, height: 50}}, material: {young: 10000, poisson: 0.2}}
+interfaces:
+  - between: [top, low]
+    contact: {friction: 0.8, residual_friction: 0.6, cohesion: 0.5, weakening_length: 0.5}
+supports:
+  - {on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}
+  - {on: {body: top, edge: top}, displacement: {x: 1}}
+loads: [{on: {body: top, edge: top}, traction: [0, -2], held: true}]
+numerics: {spacing: 20}
+output: {frames: none, figures: false, points: {middle: {at: [0, 50]}}}
+"""
+
+
+def steps(folder: Path, text: str, *overrides: str) -> list[StepResult]:
+    path = folder / "shear.yaml"
+    path.write_text(text, encoding="utf-8")
+    return whole_run(load_case(path, overrides))[0]
+
+
+def force(history: History | None) -> tuple[np.ndarray, np.ndarray]:
+    """Load factors and the force (N/m) of the support that pulls."""
+    assert history is not None
+    return history.load_factor, history.values[:, history.columns.index("supports.1.force_x")]
+
+
+def test_force_follows_the_closed_form(tmp_path: Path) -> None:
+    found = [force(result.history) for result in steps(tmp_path, STIFF)]
+    d = 0.003 * np.concatenate([factor for factor, _ in found])
+    pull = np.concatenate([each for _, each in found]) / WIDTH
+    assert pull.max() == pytest.approx(PEAK, rel=0.01)
+    assert pull[-1] == pytest.approx(RESIDUAL, rel=1e-4)
+    fall = (PEAK - RESIDUAL) / WEAKENING
+    slip = (SHEAR * d - PEAK) / (SHEAR - fall)  # of a point whose shear is b_0 - fall s = k (d - s)
+    expected = np.where(slip < 0.0, SHEAR * d, np.maximum(PEAK - fall * slip, RESIDUAL))
+    np.testing.assert_allclose(pull, expected, rtol=0.01)
+    assert np.sum((pull < 0.99 * PEAK) & (pull > 1.01 * RESIDUAL)) > 20
+
+
+def test_friction_and_fall_take_what_the_law_says(tmp_path: Path) -> None:
+    """The residual friction over all of the slip, and the triangle above it over the weakening length."""
+    last = steps(tmp_path, STIFF)[-1]
+    slip = 0.003 - RESIDUAL / SHEAR
+    expected = WIDTH * (RESIDUAL * slip + 0.5 * (PEAK - RESIDUAL) * WEAKENING)
+    assert last.energy.dissipated + last.energy.released == pytest.approx(expected, rel=2e-3)
+    assert abs(last.energy.released) < 1e-3 * expected
+    assert last.energy.error < 1e-6
+
+
+def test_peak_is_a_property_of_the_joint_and_not_of_the_lattice(tmp_path: Path) -> None:
+    found = [steps(tmp_path, DIRECT_SHEAR, f"numerics.spacing={h}")[-1] for h in (20, 14, 10)]
+    peaks = np.array([force(result.history)[1].max() for result in found])
+    np.testing.assert_allclose(peaks, peaks.mean(), rtol=0.01)
+    assert np.all(peaks < 0.2 * PEAK)  # its ends have slipped before its middle
+    assert np.all(peaks > 0.2 * RESIDUAL)
+    np.testing.assert_allclose([force(result.history)[1][-1] for result in found], 0.2 * RESIDUAL, rtol=1e-6)
+
+
+def test_a_joint_remembers_how_much_it_has_lost(tmp_path: Path) -> None:
+    """Pushed back after a part of the weakening length it yields at what is left, and loses on."""
+    half = 0.003 * 0.5
+    there, back = steps(tmp_path, STIFF, "loading.history=[0.5, -0.05]")
+    fall = (PEAK - RESIDUAL) / WEAKENING
+    slip = (SHEAR * half - PEAK) / (SHEAR - fall)
+    assert force(there.history)[1][-1] == pytest.approx(WIDTH * (PEAK - fall * slip), rel=0.01)
+    assert np.abs(force(back.history)[1]).max() == pytest.approx(WIDTH * (PEAK - fall * slip), rel=0.01)
+    more = abs(force(back.history)[1][-1])
+    assert more < 0.999 * WIDTH * (PEAK - fall * slip)
+
+
+def test_brittle_joints_are_as_without_a_length(tmp_path: Path) -> None:
+    """A length that is next to nothing beside the elastic slip is none: the force falls at once."""
+    found = steps(tmp_path, STIFF.replace("weakening_length: 0.002,", "weakening_length: 1e-7,"))
+    assert force(found[-1].history)[1][-1] == pytest.approx(WIDTH * RESIDUAL, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("edits", "words"),
+    [
+        ([("weakening_length: 0.002", "weakening_length: 0")], "wanted: a length > 0"),
+        ([("weakening_length: 0.002", "weakening_length: -1 mm")], "out of range"),
+        ([("weakening_length: 0.002", "weakening_length: 1 MPa")], "has a unit of stress"),
+        ([("residual_friction: 0.6, cohesion: 5e5", "cohesion: 0")], "nothing weakens"),
+        ([("residual_friction: 0.6, cohesion: 5e5", "cohesion: 5e5, cohesion_after_slip: kept")], "nothing weakens"),
+    ],
+)
+def test_faults_of_a_weakening_length(edits: list[tuple[str, str]], words: str, tmp_path: Path) -> None:
+    text = STIFF
+    for old, new in edits:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    with pytest.raises(CaseError) as caught:
+        steps(tmp_path, text)
+    (fault,) = caught.value.faults
+    assert fault.key == "supports.0.contact.weakening_length"
+    assert words in fault.message

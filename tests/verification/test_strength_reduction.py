@@ -1,0 +1,171 @@
+"""The factor of safety by strength reduction against limit equilibrium, in closed form.
+
+A block on a plane at an angle t with friction mu and cohesion c on an area A, of weight W, with water that lifts it by
+U: F = (c A + mu (W cos t - U)) / (W sin t). It is exact for a rigid block, and for any, as long as it slides as one.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from crackgrow.__main__ import main
+from crackgrow.case import load_case
+from crackgrow.errors import CaseError, FreePieceError
+from crackgrow.run.result import RunEnd, StepResult
+from tests.whole_run import whole_run
+
+SLOPE, WEIGHT = np.deg2rad(35.0), 2500.0 * 9.81  # rad, N/m^3
+
+INCLINE = """
+title: a block on an incline
+plane: strain
+bodies:
+  wedge:
+    shape: {polygon: [[0, 0], [8, 0], [8, 4.618802153517006]]}
+    material: {young: 1e10, poisson: 0.2}
+  block:
+    shape: {polygon: [[2.598076, 1.5], [4.330127, 2.5], [3.830127, 3.366025], [2.098076, 2.366025]]}
+    material: {young: 1e10, poisson: 0.2, density: 2500}
+interfaces: [{between: [wedge, block], contact: {friction: 0.8, cohesion: 0}}]
+supports: [{on: {body: wedge, edge: 0}, displacement: {x: 0, y: 0}}]
+loads: [{body: block, gravity: [0, -9.81]}]
+loading: strength_reduction
+numerics: {spacing: 0.5}
+output: {frames: none, figures: false}
+"""
+
+JOINT = np.array([[0.36397, 1.0], [0.36397 + 6.0 / np.tan(SLOPE), 7.0]]).round(9)
+TOP = [[JOINT[1, 0], 10.0], [3.6397, 10.0]]
+BACK = np.array([JOINT[1], TOP[0]])
+AREA = shapely.Polygon([*JOINT, *TOP]).area
+LENGTH = float(np.hypot(*(JOINT[1] - JOINT[0])))
+
+ROCK_SLOPE = f"""
+title: a slope of 10 m with a joint to a tension crack
+plane: strain
+bodies:
+  rock:
+    shape: {{polygon: [[-8, -6], [20, -6], [20, 10], [3.6397, 10], [0, 0], [-8, 0]]}}
+    material: {{young: 1e10, poisson: 0.2, density: 2500}}
+cracks:
+  joint: {{path: {{points: {JOINT.tolist()}}}, tips: none, contact: {{CONTACT}}}}
+  back: {{path: {{points: {BACK.tolist()}}}, tips: none, contact: {{friction: 0.5, cohesion: 0}}}}
+supports: [{{on: {{body: rock, edge: 0}}, displacement: {{x: 0, y: 0}}}}]
+loads:
+  - {{body: rock, gravity: [0, -9.81]}}
+  - {{crack: joint, pressure: WATER}}
+loading: strength_reduction
+numerics: {{spacing: 1}}
+output: {{frames: none, figures: false}}
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "scene.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def run(folder: Path, text: str) -> tuple[list[StepResult], RunEnd]:
+    return whole_run(load_case(written(folder, text)))
+
+
+@pytest.mark.parametrize("friction", [0.8, 0.4])
+def test_block_on_an_incline(friction: float, tmp_path: Path) -> None:
+    """With less friction than the slope it does not hold as it is, and the last stable state is all there is."""
+    steps, end = run(tmp_path, INCLINE.replace("friction: 0.8", f"friction: {friction}"))
+    assert end.safety is not None
+    assert end.safety.factor == pytest.approx(friction / np.tan(np.pi / 6.0), rel=2e-3)
+    assert end.safety.factor < end.safety.fails_at < 1.001 * end.safety.factor
+    assert "body 'block'" in end.safety.mechanism
+    assert "it slides along 'wedge/block'" in end.safety.mechanism
+    assert len(steps) == (2 if friction > 0.577 else 1)
+    last = steps[-1].contact
+    ratio = np.abs(last.tangential_traction).sum() / np.abs(last.normal_traction).sum()
+    assert ratio == pytest.approx(np.tan(np.pi / 6.0), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("contact", "friction", "cohesion", "pressure", "water"),
+    [
+        ("friction: 0.9, cohesion: 0", 0.9, 0.0, "0", 0.0),
+        ("friction: 0.9, cohesion: 0", 0.9, 0.0, "10 kPa", 1e4),
+        ("friction: 0.9, cohesion: 0", 0.9, 0.0, '"9810*min(y - 1, 7 - y)"', 9810.0 * 1.5),
+        ("friction: 0.6, cohesion: 1e4, cohesion_after_slip: kept", 0.6, 1e4, "0", 0.0),
+    ],
+    ids=["friction", "water", "water of a triangle", "cohesion"],
+)
+def test_slope_with_a_joint(
+    contact: str, friction: float, cohesion: float, pressure: str, water: float, tmp_path: Path
+) -> None:
+    """The triangle is that of Hoek and Bray: from nothing at both ends to the most half way."""
+    began = time.process_time()
+    text = ROCK_SLOPE.replace("CONTACT", contact).replace("WATER", pressure)
+    steps, end = run(tmp_path, text)
+    weight, normal = WEIGHT * AREA, WEIGHT * AREA * np.cos(SLOPE) - water * LENGTH
+    expected = (cohesion * LENGTH + friction * normal) / (weight * np.sin(SLOPE))
+    assert end.safety is not None
+    assert end.safety.factor == pytest.approx(expected, rel=2e-3)
+    assert "it slides along 'joint'" in end.safety.mechanism
+    assert len(steps) == 2
+    assert time.process_time() - began < 10.0
+
+
+def test_safety_is_in_the_summary(tmp_path: Path) -> None:
+    path = written(tmp_path, INCLINE)
+    assert main(["run", str(path), "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["status"] == "completed"
+    assert summary["safety"]["factor"] == pytest.approx(0.8 / np.tan(np.pi / 6.0), rel=2e-3)
+    assert summary["safety"]["mechanism"] in summary["stop_reason"]
+    assert load_case(tmp_path / "out" / "case.yaml").loading is not None
+
+
+FLAT = """
+title: a block on a floor
+plane: strain
+bodies: {block: {shape: {rectangle: {center: [0, 0.5], width: 1, height: 1}}, material: {young: 1e9, poisson: 0.2}}}
+supports: [{on: {body: block, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}]
+loads: [{on: {body: block, edge: top}, traction: [0, -1e5]}]
+loading: strength_reduction
+numerics: {spacing: 0.25}
+output: {frames: none, figures: false}
+"""
+
+
+def test_scene_that_needs_no_strength_does_not_fail(tmp_path: Path) -> None:
+    _, end = run(tmp_path, FLAT)
+    assert end.safety is not None
+    assert np.isinf(end.safety.factor)
+    assert "does not fail" in end.reason
+
+
+def test_scene_that_no_strength_holds_is_told_as_such(tmp_path: Path) -> None:
+    with pytest.raises(FreePieceError, match="body 'block'"):
+        run(tmp_path, FLAT.replace("[0, -1e5]", "[0, 1e5]"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("friction: 0.5", "friction: 0", "no crack, interface or foundation has any"),
+        (
+            "numerics:",
+            "growth: {steps: 1, increment: 1, advance: all, criterion: strength, tip_stress: {radius: 0.1}}\nnumerics:",
+            "leave out `growth`",
+        ),
+        ("strength_reduction", "strength_reducton", "did you mean 'strength_reduction'?"),
+    ],
+)
+def test_faults(old: str, new: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(CaseError) as caught:
+        load_case(written(tmp_path, FLAT.replace(old, new)))
+    (fault,) = caught.value.faults
+    assert fault.key == "loading"
+    assert words in fault.message
