@@ -5,8 +5,9 @@ The numbers are chosen from the measurement of `crackgrow trade`: README, "The t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from crackgrow.case.features import Kind, Length
@@ -48,6 +49,34 @@ PRESETS: Final[Mapping[str, Preset]] = {
     STANDARD: Preset(6.0, 1.0, 0.5, 10.0, 8.0, 3.0, 4.0, 2.0, support=2.0, quadrature=4, contact_spacing=1.25),
     "fine": Preset(12.0, 2.0, 1.0, 20.0, 16.0, 6.0, 8.0, 4.0, support=2.0, quadrature=4, contact_spacing=1.25),
 }
+
+REACHED = 0.01
+"""Target that is met with halvings to spare where a crack is as long as a cell."""
+
+MOST_HALVED = 0.25
+"""Part of the draft's spacings along cracks, increments and averaging radii that cells halved there need at least."""
+
+
+def preset_of(accuracy: str | float) -> Preset:
+    """The preset of a name, or of a target of the error of K: as the draft, but for what cells are halved at.
+
+    Cells can be halved nine times, so the smaller the target the smaller they are to begin with.
+    """
+    if isinstance(accuracy, str):
+        return PRESETS[accuracy]
+    draft = PRESETS["draft"]
+    part = min(1.0, MOST_HALVED * max(1.0, math.sqrt(REACHED / accuracy)))
+    return replace(
+        draft,
+        per_crack=part * draft.per_crack,
+        per_increment=part * draft.per_increment,
+        per_radius=part * draft.per_radius,
+    )
+
+
+def name_of(accuracy: str | float) -> str:
+    """What messages say of it."""
+    return accuracy if isinstance(accuracy, str) else f"K within {100.0 * accuracy:.3g} %"
 
 
 def automatic_spacing(preset: Preset, lengths: Iterable[Length]) -> tuple[float, str]:

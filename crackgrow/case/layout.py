@@ -11,7 +11,7 @@ import shapely
 from shapely import LineString
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, PRESETS, automatic_spacing
+from crackgrow.case.accuracy import AUTO, automatic_spacing, preset_of
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
 from crackgrow.case.model import EdgeRegion, Move
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines
@@ -176,7 +176,7 @@ def settle_spacing(scene: Scene) -> None:
     numerics = scene.resolved["numerics"]
     spacing, rule = given, ""
     if given == AUTO or "auto_rule" in numerics:
-        spacing, rule = automatic_spacing(PRESETS[accuracy], _lengths(scene))
+        spacing, rule = automatic_spacing(preset_of(accuracy), _lengths(scene))
     followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
     rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
     first = {"accuracy": accuracy, "spacing": spacing if followed else given}

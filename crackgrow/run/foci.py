@@ -29,49 +29,66 @@ SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
 
 
+Asked = Iterator[tuple[Floats, int]]  # a place, and how often cells are halved there
+
+
 def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Lattice | None) -> Lattice:
     """The lattice of a scene with these cracks; that of the configuration before if its cells are the same."""
-    refine = scene.case.numerics.refine
-    asking = (
-        (refine.tips, _tips(cracks)),
-        (refine.kinks, chain(_kinks(scene, cracks), _meetings(cracks))),
-        (refine.corners, chain(_corners(scene), _ends_of_regions(scene))),
+    refine, halvings = scene.case.numerics.refine, scene.halvings
+    asked = (
+        _tips(cracks, [refine.tips + halvings.at_tips(number) for number in range(len(cracks))]),
+        _kinks(cracks, [refine.kinks + halvings.at_kinks(number) for number in range(len(cracks))]),
+        ((place, refine.kinks) for place in (_kinks_of_interfaces(scene) if refine.kinks else ())),
+        ((place, refine.corners) for place in (_corners(scene) if refine.corners else ())),
     )
-    found = [(place, 0.5**levels) for levels, places in asking if levels for place in places]
+    found = [(shapely.Point(place), levels) for place, levels in chain(*asked) if levels]
+    if halvings.everywhere:
+        found.append((shapely.box(0.0, 0.0, *map(float, scene.lattice.shape)), 0))
     if not found:
         return scene.lattice
-    places, sizes = (np.array(values) for values in zip(*found, strict=True))
-    return refined(scene.lattice, Focus(shapely.points(places), sizes), refine.rings, before)
+    sizes = np.array([0.5 ** (halvings.everywhere + levels) for _, levels in found])
+    return refined(scene.lattice, Focus(np.array([place for place, _ in found]), sizes), refine.rings, before)
 
 
-def _tips(cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
-    return (crack.seen_from(at_end)[0] for crack in cracks for at_end in crack.tips())
+def _tips(cracks: Sequence[CrackGeometry], levels: Sequence[int]) -> Asked:
+    return ((crack.seen_from(end)[0], n) for crack, n in zip(cracks, levels, strict=True) for end in crack.tips())
 
 
-def _kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
-    """Sharp kinks, and ends that are no tips: they lie on outlines or on other cracks."""
-    for crack in cracks:
-        yield from crack.points[1:-1][np.abs(kink_angles(crack.points)) > SHARP_KINK]
-        yield from (crack.points[place] for place, tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)) if not tip)
+def _kinks(cracks: Sequence[CrackGeometry], levels: Sequence[int]) -> Asked:
+    """Sharp kinks, ends that are no tips, since they lie on outlines or on other cracks, and where cracks meet."""
+    if not any(levels):
+        return
+    for crack, n in zip(cracks, levels, strict=True):
+        for place in crack.points[1:-1][np.abs(kink_angles(crack.points)) > SHARP_KINK]:
+            yield place, n
+        for place, tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)):
+            if not tip:
+                yield crack.points[place], n
+    yield from _meetings(cracks, levels)
+
+
+def _kinks_of_interfaces(scene: Scene) -> Iterator[Floats]:
     for line in scene.interfaces:
         yield from line.points[1:-1][np.abs(kink_angles(line.points)) > SHARP_KINK]
 
 
-def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[Floats]:
+def _meetings(cracks: Sequence[CrackGeometry], levels: Sequence[int]) -> Asked:
     """Where cracks cross or end on each other."""
     lines = np.array([shapely.LineString(crack.points) for crack in cracks], dtype=object)
     first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
     for i, j in zip(first.tolist(), second.tolist(), strict=True):
         if i < j:
-            yield from shapely.get_coordinates(shapely.intersection(lines[i], lines[j]))
+            for place in shapely.get_coordinates(shapely.intersection(lines[i], lines[j])):
+                yield place, max(levels[i], levels[j])
 
 
 def _corners(scene: Scene) -> Iterator[Floats]:
-    """Re-entrant corners; the rock lies on the left of all rings."""
+    """Re-entrant corners, since the rock lies on the left of all rings, and ends of regions."""
     for body in scene.bodies:
         for ring in body.rings:
             turns = kink_angles(np.concatenate([ring[-1:], ring, ring[:1]]))
             yield from ring[turns < -SHARP_CORNER]
+    yield from _ends_of_regions(scene)
 
 
 def _ends_of_regions(scene: Scene) -> Iterator[Floats]:

@@ -18,6 +18,7 @@ from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity, interaction_integrals
 from crackgrow.fracture.tip_stress import TipField, tip_fields
 from crackgrow.run.configuration import Configuration, timed
+from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -53,6 +54,7 @@ class StepSolution:
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     origin: Origin = FROM_REST
+    accuracy: Accuracy | None = None  # what was measured of the error of K for a target; None: there is none
 
     @property
     def cover(self) -> Cover:

@@ -9,7 +9,7 @@ from crackgrow.case.model import CriticalLoad, LoadHistory
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
-from crackgrow.run.increments import FROM_REST, Origin, carried, from_state, held_loads, increment
+from crackgrow.run.increments import FROM_REST, LoadState, Origin, carried, from_state, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import Scene
 
@@ -22,6 +22,26 @@ def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | 
     """
     configuration = assemble(scene, cracks, None if before is None else before.configuration)
     return _loaded(configuration, cracks, _origin(configuration, before))
+
+
+def load_to(
+    scene: Scene,
+    cracks: tuple[GrowingCrack, ...],
+    factor: float,
+    before: StepSolution | None,
+    like: Configuration | None,
+) -> LoadState:
+    """The state at a load factor that `load` would give with it as the critical one, or the last of the history.
+
+    `like` is a configuration that may have parts in common with this one. Raises as `load` does.
+    """
+    configuration = assemble(scene, cracks, like)
+    origin = _origin(configuration, before)
+    if origin.start is not None:
+        return increment(configuration, origin.start, origin.start.factor)
+    if isinstance(scene.case.loading, CriticalLoad):
+        return increment(configuration, held_loads(configuration), factor)
+    return _through_history(configuration, scene.case.loading)
 
 
 def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
@@ -65,9 +85,14 @@ def _loaded(configuration: Configuration, cracks: tuple[GrowingCrack, ...], orig
     elif isinstance(loading, CriticalLoad):
         solution = critically_loaded(configuration, cracks, origin.guess)
     else:
-        start = held_loads(configuration)
-        for factor in loading.factors:
-            state = increment(configuration, start, factor)
-            start = from_state(state)
-        solution = judged(state)
+        solution = judged(_through_history(configuration, loading))
     return replace(solution, origin=origin)
+
+
+def _through_history(configuration: Configuration, loading: LoadHistory) -> LoadState:
+    """The state at the end of a history."""
+    start = held_loads(configuration)
+    for factor in loading.factors:
+        state = increment(configuration, start, factor)
+        start = from_state(state)
+    return state

@@ -37,7 +37,8 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     started = time.perf_counter()
     outcome, scene, paths = solution.outcome, solution.configuration.scene, paths_of(state.cracks)
     contact, faces = along_surfaces(solution, scene)
-    errors = intensity_errors(scene, solution, faces)
+    known = solution.accuracy
+    errors = intensity_errors(scene, solution, faces) if known is None else [(bound, bound) for bound in known.bounds]
     tips = tuple(_tip(solution, tip, tip in chosen, scene, error) for tip, error in enumerate(errors))
     shares = overlap_shares(scene, solution, faces)
     error = estimated_error(solution) if state.step == 0 else None
