@@ -13,6 +13,7 @@ from crackgrow.cover.squares import QUANTA
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import lay_out
+from crackgrow.run.halvings import Halvings
 from crackgrow.run.scene import SurfaceLaw, make_scene
 from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
 
@@ -63,7 +64,7 @@ def sizes_of(case: Case) -> Sizes:
         *settings_cautions(scene, cover, len(faces.surface)),
         *unbalanced_loads(scene, cover),
         *closeness_cautions(scene, cover),
-        *_short_increment(case),
+        *_short_increment(case, scene.halvings),
     ]
     return Sizes(
         n_dofs=cover.n_dofs,
@@ -95,7 +96,8 @@ def _rough(law: SurfaceLaw) -> bool:
     return contact is not None and max(contact.friction, contact.residual_friction, contact.cohesion) > 0.0
 
 
-def _short_increment(case: Case) -> Iterator[Caution]:
-    growth, spacing = case.growth, case.numerics.spacing * 0.5**case.numerics.refine.tips
+def _short_increment(case: Case, halvings: Halvings) -> Iterator[Caution]:
+    growth, levels = case.growth, case.numerics.refine.tips + min(halvings.cracks, default=0)
+    spacing = case.numerics.spacing * 0.5**levels
     if growth is not None and growth.steps > 0 and growth.increment < Cause.SHORT_INCREMENT.limit * spacing:
         yield Cause.SHORT_INCREMENT.at(increment=growth.increment, spacing=spacing)

@@ -86,7 +86,7 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         Origin(values["guess"], start),
         values["factorizations"],
         tuple(values["notes"]),
-        None if values["accuracy"] is None else accuracy_of_record(values["accuracy"]),
+        accuracy_of_record(values["accuracy"]) if values.get("accuracy") else None,
     )
 
 

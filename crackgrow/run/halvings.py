@@ -72,8 +72,9 @@ class Accuracy:
 
 
 def record_of(accuracy: Accuracy) -> dict[str, Any]:
-    """An accuracy as plain data."""
-    record = {name: getattr(accuracy, name) for name in ("ends", "bounds", "largest", "grown", "missed")}
+    """An accuracy as plain data, which knows no nan."""
+    record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "missed")}
+    record["bounds"] = [None if math.isnan(bound) else bound for bound in accuracy.bounds]
     return {"everywhere": accuracy.halvings.everywhere, "cracks": accuracy.halvings.cracks, **record}
 
 
@@ -82,7 +83,7 @@ def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
     return Accuracy(
         Halvings(record["everywhere"], tuple(record["cracks"])),
         tuple((crack, at_end) for crack, at_end in record["ends"]),
-        tuple(record["bounds"]),
+        tuple(math.nan if bound is None else bound for bound in record["bounds"]),
         record["largest"],
         tuple(record["grown"]),
         record["missed"],

@@ -8,6 +8,7 @@ it, and joined where the error is far below the target.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
@@ -127,10 +128,13 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
         return replace(solution, accuracy=replace(accuracy_of(solution, None), grown=grown, missed=why))
     if last is not None and _holds(last, solution, grown):
         return replace(solution, accuracy=_scaled(last, largest_K(solution)))
-    n_solves, before, missed, known = solution.factorizations, None, "", last
+    n_solves, seconds, before, missed, known = solution.factorizations, Counter(solution.seconds), None, "", last
     for round_ in range(MOST_ROUNDS + 1):
-        known = replace(accuracy_of(solution, _larger(ways, solution, known)), grown=grown)
+        larger = _larger(ways, solution, known)
+        known = replace(accuracy_of(solution, larger), grown=grown)
         n_solves += 1
+        if larger is not None:
+            seconds.update({**larger.configuration.seconds, "contact": larger.seconds})
         if max(known.shares(), default=0.0) <= target:
             break
         wanted, missed = _halved(scene, target, known, before)
@@ -144,8 +148,9 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
             missed = f"smaller cells are not to be had: {error}"
             break
         n_solves += solution.factorizations
+        seconds.update(solution.seconds)
     assert known is not None
-    return replace(solution, accuracy=replace(known, missed=missed), factorizations=n_solves)
+    return replace(solution, accuracy=replace(known, missed=missed), factorizations=n_solves, seconds=dict(seconds))
 
 
 def _solved(ways: Ways, scene: Scene, cracks: tuple[GrowingCrack, ...]) -> StepSolution:
