@@ -40,15 +40,21 @@ def doubled(scene: Scene) -> Scene:
 
 def accuracy_of(solution: StepSolution, larger: LoadState | None) -> Accuracy:
     """What K is off by, by the state under the same loads on the `larger` cells; by B alone where there is none."""
-    scene, ends = solution.configuration.scene, tuple(solution.cover.tip_ends)
-    fitted = intensity_errors(scene, solution, along_surfaces(solution, scene)[1])
+    scene, ends, fitted = solution.configuration.scene, tuple(solution.cover.tip_ends), fitted_bounds(solution)
     others = {} if larger is None else _K_of(larger)
     bounds = []
-    for tip, end, both in zip(solution.tips, ends, fitted, strict=True):
-        bound, difference = float(np.max(both)), np.hypot(*np.subtract(others.get(end, np.nan), tip.K))
+    for tip, end, bound in zip(solution.tips, ends, fitted, strict=True):
+        difference = np.hypot(*np.subtract(others.get(end, np.nan), tip.K))
         bounds.append(OF_BOTH * float(np.sqrt(difference * bound)) if np.isfinite(difference) else bound)
     known = None if larger is None else larger.configuration
     return Accuracy(scene.halvings, ends, tuple(bounds), largest_K(solution), doubled=known)
+
+
+def fitted_bounds(solution: StepSolution) -> list[float]:
+    """B (Pa sqrt(m)), tip by tip; nan where K is."""
+    scene = solution.configuration.scene
+    fitted = intensity_errors(scene, solution, along_surfaces(solution, scene)[1])
+    return [float(np.max(both)) for both in fitted]
 
 
 def largest_K(solution: StepSolution) -> float:

@@ -61,6 +61,7 @@ class Accuracy:
     bounds: tuple[float, ...]  # Pa sqrt(m), tip by tip: what K_I and K_II are off by at most; nan where K is
     largest: float  # Pa sqrt(m): |K| of the tip where it is largest
     grown: tuple[float, ...] = ()  # m, crack by crack: what had been added to it when this was measured
+    fitted: float = 0.0  # B of `run.doubled_cells` over `largest`, where it is largest
     missed: str = ""  # why the target is out of reach, in words; empty where it is met
     doubled: Configuration | None = field(default=None, repr=False)  # that it was measured against, where it is kept
 
@@ -73,7 +74,7 @@ class Accuracy:
 
 def record_of(accuracy: Accuracy) -> dict[str, Any]:
     """An accuracy as plain data, which knows no nan."""
-    record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "missed")}
+    record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "fitted", "missed")}
     record["bounds"] = [None if math.isnan(bound) else bound for bound in accuracy.bounds]
     return {"everywhere": accuracy.halvings.everywhere, "cracks": accuracy.halvings.cracks, **record}
 
@@ -86,5 +87,6 @@ def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
         tuple(math.nan if bound is None else bound for bound in record["bounds"]),
         record["largest"],
         tuple(record["grown"]),
+        record["fitted"],
         record["missed"],
     )

@@ -20,7 +20,7 @@ from crackgrow.errors import GeometryError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration, lay_out
-from crackgrow.run.doubled_cells import accuracy_of, doubled, largest_K
+from crackgrow.run.doubled_cells import accuracy_of, doubled, fitted_bounds, largest_K
 from crackgrow.run.halvings import AT_KINKS, Accuracy, Halvings
 from crackgrow.run.increments import LoadState, Origin
 from crackgrow.run.judging import StepSolution
@@ -43,7 +43,7 @@ STUCK = 0.8
 """An error of which this is left does not come from the cells at the crack: all are halved."""
 
 GROWN = 1.5
-"""What is known of the error holds until what was added to a crack is so many times as long."""
+"""What is known of the error holds until what was added to a crack is so many times as long, or B so much of K."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,16 +122,16 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     scene = solution.configuration.scene
     target = scene.case.numerics.target
     assert target is not None
-    grown = _grown(scene, cracks)
+    grown, fitted = _grown(scene, cracks), _fitted_share(solution)
     if not any(np.isfinite(tip.K).all() for tip in solution.tips):
-        why = "no crack has a tip" if not solution.tips else "K is not known at any tip"
+        why = "K is not known at any tip" if solution.tips else "" if any(grown) else "no crack has a tip"
         return replace(solution, accuracy=replace(accuracy_of(solution, None), grown=grown, missed=why))
-    if last is not None and _holds(last, solution, grown):
+    if last is not None and _holds(last, solution, grown, fitted):
         return replace(solution, accuracy=_scaled(last, largest_K(solution)))
     n_solves, seconds, before, missed, known = solution.factorizations, Counter(solution.seconds), None, "", last
     for round_ in range(MOST_ROUNDS + 1):
         larger = _larger(ways, solution, known)
-        known = replace(accuracy_of(solution, larger), grown=grown)
+        known = replace(accuracy_of(solution, larger), grown=grown, fitted=_fitted_share(solution))
         n_solves += 1
         if larger is not None:
             seconds.update({**larger.configuration.seconds, "contact": larger.seconds})
@@ -190,8 +190,16 @@ def _grown(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[float, ...]:
     return tuple(float(arc_lengths(now.crack.points)[-1] - arc_lengths(given.points)[-1]) for now, given in pairs)
 
 
-def _holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> bool:
-    """Whether what was known of the step before is good enough for this one."""
+def _fitted_share(solution: StepSolution) -> float:
+    """B over the largest K, of the tip where it is largest."""
+    known, largest = [bound for bound in fitted_bounds(solution) if np.isfinite(bound)], largest_K(solution)
+    return max(known) / largest if known and largest > 0.0 else 0.0
+
+
+def _holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitted: float) -> bool:
+    """Whether what was known of the step before is good enough for this one, whose B over K is `fitted`."""
+    if not fitted <= GROWN * last.fitted:
+        return False
     same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.configuration.scene.halvings
     return same and all(now <= GROWN * then for now, then in zip(grown, last.grown, strict=True))
 
