@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -89,8 +89,10 @@ class Build:
         return EdgeRegion("rock", name, np.array([EDGES.index(name)]), np.array([[low, high]]))
 
     @staticmethod
-    def crack(points: ArrayLike, tips: tuple[bool, bool] = (True, True), name: str = "crack") -> CrackGeometry:
-        return CrackGeometry(name, np.asarray(points, dtype=float), *tips)
+    def crack(
+        points: ArrayLike, tips: tuple[bool, bool] = (True, True), name: str = "crack", gathered: bool = False
+    ) -> CrackGeometry:
+        return CrackGeometry(name, np.asarray(points, dtype=float), *tips, gathered=gathered)
 
     @staticmethod
     def graded(lattice: Lattice, places: ArrayLike, levels: int, rings: float = 2.0) -> Lattice:
@@ -116,7 +118,7 @@ class Build:
         lattice = place_lattice(np.asarray(lower, dtype=float), np.asarray(upper, dtype=float), spacing, support)
         lattice = cls.graded(lattice, lattice.to_lattice(np.asarray(places, dtype=float).reshape(-1, 2)), levels, rings)
         body = cls.body(lower, upper, young)
-        inside = [CrackGeometry(c.name, lattice.to_lattice(c.points), c.tip_at_start, c.tip_at_end) for c in cracks]
+        inside = [replace(crack, points=lattice.to_lattice(crack.points)) for crack in cracks]
         cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),))], inside)
         return Sample(lattice, body, cover, plane_elasticity(young, 0.25, "strain"))
 

@@ -1,9 +1,10 @@
 """The basis at points of elements, and what is made of it: sparse rows, and fields.
 
-    u(x) = sum_i phi_i(x) (u_i + sum_tk F_tk(x) a_itk),    paper eqs. (2), (3),
+    u(x) = sum_i phi_i(x) u_i + sum_tk F_tk(x) sum_c X_c(x) a_ctk,    paper eqs. (2), (3),
 
-over the physical patches i, and over the tips t that act on the element with their four functions F_tk. So the basis at
-a point is kept as its factors: the phi_i, those of them that are singular for each tip, and the F_tk.
+over the physical patches i, and over the tips t that act on the element with their four functions F_tk. What carries
+these, X_c = sum_i chi_i phi_i, is the function of a singular patch, as in the paper, or a sum over the patches round
+the tip. So the basis at a point is kept as its factors: the phi_i, the X_c of each tip, and the F_tk.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from crackgrow.approximation.tip_functions import tip_functions, tip_values
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.crumbs import barycentric
+from crackgrow.cover.enrichment import Enrichment
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
 from crackgrow.cover.windows import REGULAR, Windows
@@ -41,8 +43,8 @@ class Basis:
     patches: Ragged  # points -> physical patches
     phi: Floats  # (components, patches of all points)
     pairs: Ragged  # points -> pairs of an element and a tip, numbers in the cover's enrichment
-    singular: Ragged  # pairs of all points -> places of the singular patches among the patches of all points
-    first: Ints  # (singular patches of all pairs,) first of the four functions
+    first: Ragged  # pairs of all points -> the first of the four functions of each carrier
+    carriers: Floats  # (components, carriers of all pairs)
     tip: Floats  # (components, pairs of all points, 4)
 
     def values(self) -> csr_array:
@@ -53,16 +55,18 @@ class Basis:
         """The derivatives (n, n_functions) by x and by y."""
         return self._matrix(1), self._matrix(2)
 
-    def by_element(self, counts: Ints) -> Iterator[Floats]:
-        """The functions (components, k, points) of each element, as `Cover.functions_on` lists them.
+    def of_alike(self, groups: Sequence[tuple[int, int]]) -> Iterator[Floats]:
+        """The functions (components, e, k, n) of groups of e elements with n points each and equally many functions.
 
-        Points of an element follow each other: `counts` (e,) of each.
+        Points follow each other element by element and group by group. Functions are as `Cover.functions_on` has them.
         """
-        first, parts = starts_of(counts), (self.phi, self._on_singular_patches(range(len(self.phi))))
+        first = starts_of(np.array([e * n for e, n in groups], dtype=np.int64))
+        parts = (self.phi, self._carried(range(len(self.phi))))
         starts = (self.patches.start[first].tolist(), self._tip_start[first].tolist())
-        for e, n in enumerate(counts.tolist()):
-            pieces = (part[:, start[e] : start[e + 1]] for part, start in zip(parts, starts, strict=True))
-            yield np.concatenate([p.reshape(len(p), n, p.shape[1] // max(n, 1)) for p in pieces], axis=2).swapaxes(1, 2)
+        for group, (e, n) in enumerate(groups):
+            pieces = [part[:, start[group] : start[group + 1]] for part, start in zip(parts, starts, strict=True)]
+            tables = [p.reshape(len(p), e, n, p.shape[1] // max(e * n, 1)) for p in pieces if p.size]
+            yield (tables[0] if len(tables) == 1 else np.concatenate(tables, axis=3)).swapaxes(2, 3)
 
     def field(self, coefficients: Floats) -> Floats:
         """Fields (components, n, m) with `coefficients` (n_functions, m): the products with all rows at once.
@@ -71,11 +75,10 @@ class Basis:
         """
         n_patches, m = len(self.cover.patch_nodes), coefficients.shape[1]
         found = [_sums(phi, self.patches, coefficients[:n_patches]) for phi in self.phi]
-        if len(self.first):
+        if len(self.first.values):
             amplitudes = coefficients[n_patches:].reshape(-1, N_TIP_FUNCTIONS * m)
-            number = Ragged(self.singular.start, (self.first - n_patches) // N_TIP_FUNCTIONS)
-            w = self.phi.take(self.singular.values, axis=1)
-            by_tip = [_sums(of_patches, number, amplitudes).reshape(-1, m) for of_patches in w]
+            number = Ragged(self.first.start, (self.first.values - n_patches) // N_TIP_FUNCTIONS)
+            by_tip = [_sums(carrier, number, amplitudes).reshape(-1, m) for carrier in self.carriers]
             start = N_TIP_FUNCTIONS * self.pairs.start
             columns = Ragged(start, np.arange(start[-1]))
             tip = self.tip.reshape(len(self.tip), -1)
@@ -88,7 +91,7 @@ class Basis:
     @property
     def _tip_start(self) -> Ints:
         """Where the tip functions of each point begin (n + 1,), among those of all points."""
-        return N_TIP_FUNCTIONS * self.singular.start[self.pairs.start]
+        return N_TIP_FUNCTIONS * self.first.start[self.pairs.start]
 
     def _matrix(self, component: int) -> csr_array:
         """One component (n, n_functions) of all functions."""
@@ -97,12 +100,12 @@ class Basis:
         is_tip = np.repeat(np.arange(len(counts)) % 2 == 1, counts)
         found = np.empty(len(is_tip))
         found[~is_tip] = self.phi[component]
-        found[is_tip] = self._on_singular_patches([component])[0]
+        found[is_tip] = self._carried([component])[0]
         return csr_array((found, functions.values, functions.start), shape=(len(self.elements), self.cover.n_functions))
 
-    def _on_singular_patches(self, components: Sequence[int]) -> Floats:
-        """The products phi_i F_tk (components, tip functions of all points), or their derivatives."""
-        w, f = self.phi.take(self.singular.values, axis=1)[:, :, None], self.tip.repeat(self.singular.counts, axis=1)
+    def _carried(self, components: Sequence[int]) -> Floats:
+        """The products X_c F_tk (components, tip functions of all points), or their derivatives."""
+        w, f = self.carriers[:, :, None], self.tip.repeat(self.first.counts, axis=1)
         found = [w[c] * f[0] + w[0] * f[c] if c else w[0] * f[0] for c in components]
         return np.stack(found).reshape(len(found), -1)
 
@@ -143,7 +146,8 @@ def _in_irregular_windows(windows: Windows, number: Ints, some: Ints, local: Flo
         step = max(1, AT_ONCE // k)
         for start in range(0, len(mine), step):
             part = mine[start : start + step]
-            nodes, half = windows.nodes[number[part], :k].transpose(2, 1, 0), windows.half[number[part], :k].T
+            nodes = np.ascontiguousarray(windows.nodes[number[part], :k].transpose(2, 1, 0))
+            half = np.ascontiguousarray(windows.half[number[part], :k].T)
             yield part, mls_round(local[part], nodes, half, derivatives)
 
 
@@ -152,8 +156,8 @@ def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> B
     enrichment = cover.enrichment
     point, pair = enrichment.tips.places(elements)
     pairs = Ragged(starts_of(enrichment.tips.counts[elements]), pair)
-    of_pair, entry = enrichment.place.places(pair)
-    place = enrichment.place.values[entry] + patches.start[point[of_pair]]
+    of_pair, carrier = enrichment.first.places(pair)
+    first = Ragged(starts_of(enrichment.first.counts[pair]), enrichment.first.values[carrier])
     tip = np.empty((len(phi), len(pair), N_TIP_FUNCTIONS))
     for of_tip, rows, r, t in _polar(cover, points, elements, point, pair):
         if derivatives:
@@ -161,8 +165,15 @@ def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> B
             tip[0, rows], tip[1:, rows] = value, gradient.transpose(2, 0, 1) / cover.lattice.spacing
         else:
             tip[0, rows] = tip_values(of_tip, r, t)
-    singular = Ragged(starts_of(enrichment.place.counts[pair]), place)
-    return Basis(cover, elements, patches, phi, pairs, singular, enrichment.first[entry], tip)
+    carriers = _carriers(phi, enrichment, carrier, patches.start[point[of_pair]])
+    return Basis(cover, elements, patches, phi, pairs, first, carriers, tip)
+
+
+def _carriers(phi: Floats, enrichment: Enrichment, some: Ints, begin: Ints) -> Floats:
+    """The carriers (components, n) `some` (n,), of points whose patches `begin` (n,) there in `phi`."""
+    which, entry = enrichment.place.places(some)
+    own = enrichment.share[entry] * phi.take(enrichment.place.values[entry] + begin[which], axis=1)
+    return np.asarray(np.add.reduceat(own, starts_of(enrichment.place.counts[some])[:-1], axis=1))
 
 
 def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> tuple[Ragged, Floats]:

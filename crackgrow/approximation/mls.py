@@ -53,25 +53,31 @@ def mls_round(local: Floats, nodes: Floats, half: Floats, derivatives: bool = Tr
 
     local: points (n, 2); nodes: (2, k, n) with half widths (k, n), all in one unit of length
     """
-    xi, eta = nodes - local.T[:, None, :]
-    (wx, dx), (wy, dy) = (cubic_spline(np.abs(distance) / half) for distance in (xi, eta))
+    xi, eta = distance = nodes - local.T[:, None, :]
+    (wx, wy), slopes = cubic_spline(np.abs(distance) / half)
     weight = wx * wy
     moments = _sums(weight, xi, eta)
     inverse = _inverse(*moments)
     b = inverse[:3]
     value = b[0] + b[1] * xi + b[2] * eta
     found = np.empty((3 if derivatives else 1, *weight.shape))
-    found[0] = weight * value
+    np.multiply(weight, value, out=found[0])
     if not derivatives:
         return found
-    none, (a00, a10, a01, *_) = np.zeros(len(local)), moments
-    moving = ((none, a00, none, 2.0 * a10, a01, none), (none, none, a00, none, a10, 2.0 * a01))  # p moves with x
-    slopes = (-dx * np.sign(xi) / half * wy, -dy * np.sign(eta) / half * wx)
-    for axis, (slope, shift) in enumerate(zip(slopes, moving, strict=True)):
-        matrix = tuple(a - c for a, c in zip(_sums(slope, xi, eta), shift, strict=True))
-        db = -_times(inverse, _times(matrix, b))
-        db[0] -= b[1 + axis]  # so does the basis
-        found[1 + axis] = weight * (db[0] + db[1] * xi + db[2] * eta) + value * slope
+    a00, a10, a01, *_ = moments
+    slopes *= np.sign(distance) / half
+    for axis, other in enumerate((wy, wx)):
+        change = slopes[axis] * other
+        change *= value
+        # -A,x b: the weights change, and so do the p_i, which move with x
+        moved = np.stack([change.sum(axis=0), *(np.einsum("kn,kn->n", change, along) for along in distance)])
+        moved[0] += a00 * b[1 + axis]
+        moved[1 + axis] += a00 * b[0] + a10 * b[1] + a01 * b[2] + (a10, a01)[axis] * b[1 + axis]
+        moved[2 - axis] += (a01, a10)[axis] * b[1 + axis]
+        db = _times(inverse, moved)
+        db[0] -= b[1 + axis]  # the basis moves with x as well
+        np.multiply(weight, db[0] + db[1] * xi + db[2] * eta, out=found[1 + axis])
+        found[1 + axis] -= change
     return found
 
 

@@ -1,4 +1,4 @@
-"""Presets of the numerical settings, and the lattice spacing that follows from a scene.
+"""Presets of the numerical settings, and the sizes of cells that follow from a scene.
 
 The numbers are chosen from the measurement of `crackgrow trade`: README, "The trade between accuracy and time".
 """
@@ -6,7 +6,7 @@ The numbers are chosen from the measurement of `crackgrow trade`: README, "The t
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -15,10 +15,20 @@ from crackgrow.case.features import Kind, Length
 AUTO: Final = "auto"
 STANDARD: Final = "standard"
 
+MOST_LEVELS: Final = 9
+"""How often the largest cells can be halved."""
+
+REFINED_AT: Final[Mapping[str, tuple[Kind, ...]]] = {
+    "tips": ("crack", "increment", "radius"),
+    "kinks": ("stretch",),
+    "corners": ("feature", "bridge", "support", "load"),
+}
+"""Lengths at which cells are halved, by the key of `numerics.refine` that says so; all others are for the spacing."""
+
 
 @dataclass(frozen=True, slots=True)
 class Preset:
-    """What `numerics.accuracy` sets: how many spacings the lengths of a scene are wide at least, and other settings.
+    """What `numerics.accuracy` sets: how many cells the lengths of a scene are wide at least, and other settings.
 
     Measured, next to the feature and over the largest stress or displacement there: a round hole of 4, 6, 8, 16
     spacings is off by 18, 4, 0.7, 0.03 %; stress at the corner of a square hole of 6, 8, 12 spacings by 6, 5, 4 %,
@@ -27,7 +37,10 @@ class Preset:
     load on 1, 2, 4 spacings stress at the depth of its width is off by 7, 0.5, 0.04 %, displacement by 9, 1.4, 0.2 %.
     """
 
-    per_crack: float  # spacings along the shortest crack
+    per_crack: float  # cells of the size at its tips along a crack
+    per_stretch: float  # of the size at tips and kinks along the part of a crack between them
+    per_longer: float  # of the size at a kink along the longer one of the parts beside it
+    per_room: float  # of the size at a tip from there to what lies nearest
     per_increment: float  # along a growth increment
     per_radius: float  # along the averaging radius of the tip stress
     per_width: float  # across the smaller side of the narrowest body
@@ -45,16 +58,65 @@ class Preset:
 
 
 PRESETS: Final[Mapping[str, Preset]] = {
-    "draft": Preset(3.0, 0.5, 0.25, 6.0, 6.0, 2.0, 2.0, 1.0, support=2.0, quadrature=4, contact_spacing=1.25),
-    STANDARD: Preset(6.0, 1.0, 0.5, 10.0, 8.0, 3.0, 4.0, 2.0, support=2.0, quadrature=4, contact_spacing=1.25),
-    "fine": Preset(12.0, 2.0, 1.0, 20.0, 16.0, 6.0, 8.0, 4.0, support=2.0, quadrature=4, contact_spacing=1.25),
+    "draft": Preset(
+        per_crack=3.0,
+        per_stretch=3.0,
+        per_longer=12.0,
+        per_room=1.0,
+        per_increment=0.5,
+        per_radius=0.25,
+        per_width=6.0,
+        per_feature=6.0,
+        per_bridge=2.0,
+        per_support=2.0,
+        per_load=1.0,
+        support=2.0,
+        quadrature=4,
+        contact_spacing=1.25,
+    ),
+    STANDARD: Preset(
+        per_crack=6.0,
+        per_stretch=8.0,
+        per_longer=50.0,
+        per_room=2.0,
+        per_increment=1.0,
+        per_radius=0.5,
+        per_width=10.0,
+        per_feature=8.0,
+        per_bridge=3.0,
+        per_support=4.0,
+        per_load=2.0,
+        support=2.0,
+        quadrature=4,
+        contact_spacing=1.25,
+    ),
+    "fine": Preset(
+        per_crack=12.0,
+        per_stretch=24.0,
+        per_longer=300.0,
+        per_room=4.0,
+        per_increment=2.0,
+        per_radius=1.0,
+        per_width=20.0,
+        per_feature=16.0,
+        per_bridge=6.0,
+        per_support=8.0,
+        per_load=4.0,
+        support=2.0,
+        quadrature=4,
+        contact_spacing=1.25,
+    ),
 }
+
 
 REACHED = 0.01
 """Target that is met with halvings to spare where a crack is as long as a cell."""
 
 MOST_HALVED = 0.25
-"""Part of the draft's spacings along cracks, increments and averaging radii that cells halved there need at least."""
+"""Part of the draft's cells along cracks, increments and averaging radii that cells halved there need at least."""
+
+NOTHING = 1e-9
+"""Cells that are asked for along what a target halves cells at by itself."""
 
 
 def preset_of(accuracy: str | float) -> Preset:
@@ -71,6 +133,9 @@ def preset_of(accuracy: str | float) -> Preset:
         per_crack=part * draft.per_crack,
         per_increment=part * draft.per_increment,
         per_radius=part * draft.per_radius,
+        per_stretch=NOTHING,
+        per_longer=NOTHING,
+        per_room=NOTHING,
     )
 
 
@@ -79,10 +144,17 @@ def name_of(accuracy: str | float) -> str:
     return accuracy if isinstance(accuracy, str) else f"K within {100.0 * accuracy:.3g} %"
 
 
-def automatic_spacing(preset: Preset, lengths: Iterable[Length]) -> tuple[float, str]:
-    """The spacing (m) that resolves every one of the lengths, of which there is one at least, and what gave it."""
-    return min((length.metres / preset.parts(length.kind), _rule(preset, length)) for length in lengths)
+def automatic_spacing(preset: Preset, lengths: Iterable[Length], refined: Container[Kind] = ()) -> tuple[float, str]:
+    """The spacing (m) that resolves every one of the lengths, of which there is one at least, and what gave it.
+
+    At lengths of the kinds `refined` cells are halved, as often as they can be.
+    """
+    found = []
+    for length in lengths:
+        halvings = MOST_LEVELS if length.kind in refined else 0
+        found.append((2**halvings * length.metres / preset.parts(length.kind), _rule(preset, length, halvings)))
+    return min(found)
 
 
-def _rule(preset: Preset, length: Length) -> str:
-    return f"{length.what} / {preset.parts(length.kind):g}"
+def _rule(preset: Preset, length: Length, halvings: int) -> str:
+    return f"{length.what} / {preset.parts(length.kind):g}" + (f" x 2^{halvings}" if halvings else "")

@@ -148,6 +148,7 @@ def _numerics(numerics: Resolved) -> Numerics:
         contact=ContactNumerics(**contact),
         accuracy=numerics["accuracy"],
         refine=Refinement(**numerics["refine"]),
+        tip_functions=numerics["tip_functions"],
         auto_rule=numerics.get("auto_rule"),
     )
 

@@ -117,12 +117,7 @@ def _check_spacing(scene: Scene, spacing: float) -> None:
         given = scene.length(spacing) + (f" (auto: {rule})" if rule else "")
         remedy = f"wanted: {scene.length(least)} or more"
         if rule:
-            what, _, parts = rule.rpartition(" / ")
-            n_parts = spacing * float(parts) / least
-            remedy = (
-                f"give a spacing by hand, of {scene.length(least)} or more, at which the {what} is {n_parts:.2g} "
-                f"spacings, not {parts}, or a smaller body"
-            )
+            remedy = f"give a spacing by hand, of {scene.length(least)} or more, or a smaller body"
         message = f"{given} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed; {remedy}"
         scene.report.fault(key, message)
 

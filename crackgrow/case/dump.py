@@ -70,6 +70,7 @@ def _settings(case: Case) -> dict[str, Any]:
             "support": numerics.support,
             "quadrature": numerics.quadrature,
             "refine": {part.name: getattr(numerics.refine, part.name) for part in fields(numerics.refine)},
+            "tip_functions": numerics.tip_functions,
             "contact": contact,
         },
         "output": {

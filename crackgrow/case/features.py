@@ -15,14 +15,15 @@ import shapely
 from numpy.typing import NDArray
 from shapely.ops import substring
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import EdgeRegion
 from crackgrow.vectors import cross
 
-Kind = Literal["crack", "increment", "radius", "width", "feature", "bridge", "support", "load"]
+Kind = Literal["crack", "stretch", "increment", "radius", "width", "feature", "bridge", "support", "load"]
 
 ROUGHNESS: Final = 0.01  # shallower or shorter details, over the width of the ring that they are part of, are none
 SHARP: Final = np.deg2rad(30.0)  # a ring that turns by more at a vertex has a corner there, by less it is a curve
+SHARP_KINK: Final = np.deg2rad(10.0)  # a crack that turns by less at a vertex is as good as straight there
 NARROWER: Final = 0.8  # corners and curves of a hole count beside its width where they are smaller by this factor
 SAME_PLACE: Final = 1e-9  # over the length of a ring: parts of it that are no farther apart are one
 IN_ROCK: Final = 0.99  # part of a bridge that must lie in rock: its ends lie on the boundary but for rounding
@@ -68,8 +69,7 @@ def feature_lengths(body: Outlined) -> Iterator[Length]:
     widths = [_width(line) for line in lines]
     for number, width in enumerate(widths[1:]):
         yield Length("feature", width, f"width of hole{number} of body '{body.name}'", lines[number + 1])
-    if len(lines) > 1:
-        apart, pair = _nearest_rings(lines)
+    for apart, pair in _nearest_rings(lines):
         what = f"rock between {' and '.join(map(_ring_name, pair))} of body '{body.name}'"
         yield Length("bridge", apart, what, _ends(shapely.shortest_line(*lines[list(pair)])))
     region = shapely.Polygon(rings[0], rings[1:])
@@ -95,10 +95,18 @@ def part_lengths(kind: Kind, bodies: Iterable[Outlined], regions: Sequence[EdgeR
             places = [places for region in mine for places in _intervals(region, first_side, lengths)]
             first_side += len(lengths)
             covered = _united(sorted(places), float(lengths.sum()))
-            if covered:
-                shortest, start = min((end - start, start) for start, end in covered)
+            for start, end in covered:
                 what = f"{verb} part of {_ring_name(number)} of body '{body.name}'"
-                yield Length(kind, shortest, what, _part(ring.points, start, shortest))
+                yield Length(kind, end - start, what, _part(ring.points, start, end - start))
+
+
+def stretches(line: Floats) -> tuple[Ints, Floats]:
+    """Vertices (k,) at which a polyline (n, 2) turns sharply, and the lengths (k + 1,) m of the parts between them."""
+    steps = np.diff(line, axis=0)
+    turns = np.arctan2(cross(steps[:-1], steps[1:]), np.sum(steps[:-1] * steps[1:], axis=1))
+    sharp = 1 + np.flatnonzero(np.abs(turns) > SHARP_KINK)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
+    return sharp, np.diff(along[np.concatenate([[0], sharp, [len(line) - 1]])])
 
 
 def line_length(line: Floats) -> float:
@@ -122,20 +130,13 @@ def _ring_name(number: int) -> str:
     return f"hole{number - 1}" if number else "the outline"
 
 
-def _nearest_rings(lines: NDArray[np.object_]) -> tuple[float, tuple[int, int]]:
-    """Least distance (m) of the holes, lines[1:], from the outline, lines[0], and from each other, and who has it."""
-    shapely.prepare(lines)
-    from_outline = shapely.distance(lines[0], lines[1:])
-    nearest = int(np.argmin(from_outline)) + 1
-    apart, pair = float(from_outline[nearest - 1]), (0, nearest)
-    tree = shapely.STRtree(lines[1:])
-    for number in range(1, len(lines)):
-        near = 1 + tree.query(lines[number], predicate="dwithin", distance=apart)
-        for other in near[near > number].tolist():
-            distance = float(shapely.distance(lines[number], lines[other]))
-            if distance < apart:
-                apart, pair = distance, (number, other)
-    return apart, pair
+def _nearest_rings(lines: NDArray[np.object_]) -> Iterator[tuple[float, tuple[int, int]]]:
+    """The outline, lines[0], and the holes: each pair of which one is nearest to the other, and the distance (m)."""
+    if len(lines) < 2:
+        return
+    pairs, distances = shapely.STRtree(lines).query_nearest(lines, exclusive=True, return_distance=True)
+    nearest = {(min(pair), max(pair)): apart for pair, apart in zip(pairs.T.tolist(), distances.tolist(), strict=True)}
+    yield from ((apart, (first, second)) for (first, second), apart in sorted(nearest.items()))
 
 
 def _width(line: shapely.LinearRing) -> float:
@@ -165,7 +166,7 @@ def _turns(points: Floats) -> Floats:
 
 
 def _corner_lengths(points: Floats, least: float, where: str) -> Iterator[Length]:
-    """The smallest re-entrant corner or curve of a ring, as the diameter of a circle.
+    """The re-entrant corners and curves of a ring, as diameters of circles.
 
     A curve has sides of l and turns by 2 l / d from one to the next; a corner counts by the shorter of its two sides,
     which may be curved. Those with sides below the `least` (m) are roughness.
@@ -178,20 +179,17 @@ def _corner_lengths(points: Floats, least: float, where: str) -> Iterator[Length
         stretches = np.array([np.take(sides, range(a, b), mode="wrap").sum() for a, b in pairwise(ends)])
         smaller[sharp] = np.minimum(stretches, np.roll(stretches, 1))
     inward = np.flatnonzero((turns < 0.0) & (smaller >= least))
-    if len(inward):
-        diameters = 2.0 * smaller[inward] / -turns[inward]
-        x, y = points[inward[np.argmin(diameters)]]
-        what = f"corner or curve at ({x:g} m, {y:g} m) of {where}"
-        yield Length("feature", float(diameters.min()), what, shapely.Point(x, y))
+    for place, diameter in zip(inward.tolist(), (2.0 * smaller[inward] / -turns[inward]).tolist(), strict=True):
+        x, y = points[place]
+        yield Length("feature", diameter, f"corner or curve at ({x:g} m, {y:g} m) of {where}", shapely.Point(x, y))
 
 
 def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) -> Iterator[Length]:
-    """The shortest way through rock, not below the `least` (m), from a re-entrant corner of a ring to a far side."""
+    """The shortest ways through rock, not below the `least` (m), from re-entrant corners of a ring to far sides."""
     turns = _turns(points)
     sharp = np.flatnonzero(np.abs(turns) > SHARP)
     sides = shapely.linestrings(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
     stretch = np.searchsorted(sharp, np.arange(len(points)), side="right") % max(len(sharp), 1)  # of each side
-    best, place, ends = np.inf, points[0], None
     for number, corner in enumerate(sharp.tolist()):
         if turns[corner] > 0.0:
             continue
@@ -199,14 +197,12 @@ def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) 
         far = np.array([index for index in range(len(points)) if stretch[index] not in own], dtype=np.int64)
         links = shapely.shortest_line(shapely.Point(points[corner]), sides[far])
         lengths = shapely.length(links)
-        for link in np.argsort(np.where(lengths < least, np.inf, lengths)):
-            if not least <= lengths[link] < best:
-                break
+        x, y = points[corner]
+        for link in np.flatnonzero(lengths >= least)[np.argsort(lengths[lengths >= least])]:
             if _is_in_rock(links[link], region):
-                best, place, ends = float(lengths[link]), points[corner], _ends(links[link])
+                what = f"rock beside the corner ({x:g} m, {y:g} m) of {where}"
+                yield Length("bridge", float(lengths[link]), what, _ends(links[link]))
                 break
-    if np.isfinite(best):
-        yield Length("bridge", best, f"rock beside the corner ({place[0]:g} m, {place[1]:g} m) of {where}", ends)
 
 
 def _is_in_rock(link: shapely.LineString, region: shapely.Polygon) -> bool:

@@ -11,8 +11,8 @@ import shapely
 from shapely import LineString
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, automatic_spacing, preset_of
-from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
+from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing, preset_of
+from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
 from crackgrow.case.model import EdgeRegion, Move
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines
 from crackgrow.case.report import Path, Report
@@ -26,7 +26,7 @@ SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what a
 EXACT: Final = 12  # digits of a place that the user is to write
 ENDS_WITH_TIP: Final = {"both": ("start", "end"), "start": ("start",), "end": ("end",)}
 
-SHORTEST = 1e-3  # least crack length, segment and increment, in lattice spacings
+SHORTEST = 1e-3  # least crack length and increment, in lattice spacings; least segment, also in crack lengths
 
 ON_OUTLINE = 1e-9  # points nearer to an outline than this part of the scene's size lie on it
 FARTHEST = 1e5  # largest distance of a scene from the origin, in sizes: coordinates must resolve ON_OUTLINE
@@ -135,7 +135,8 @@ def place_cracks(scene: Scene) -> None:
     spacing = scene.get("numerics", "spacing")
     for name, crack in named(scene.resolved, "cracks").items():
         if scene.report.sound("cracks", name, "path"):
-            scene.cracks[name] = points_of(crack["path"], 0.0 if spacing is None else SHORTEST * spacing)
+            least = min(np.inf if spacing is None else spacing, line_length(points_of(crack["path"])))
+            scene.cracks[name] = points_of(crack["path"], SHORTEST * least)
     scene.hosts.update(_hosts(scene.cracks, list(scene.bodies.values())))
     hosts = {name: scene.bodies[host] for name, host in scene.hosts.items()}
     cracks, moves = snapped_cracks(scene.cracks, hosts, scene.reach)
@@ -164,7 +165,10 @@ def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
 
 
 def settle_spacing(scene: Scene) -> None:
-    """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds."""
+    """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds.
+
+    Cells are halved automatically where the spacing is automatic, and not at all where it is given, unless told.
+    """
     given = scene.get("numerics", "spacing")
     accuracy = scene.get("numerics", "accuracy")
     if given is None:
@@ -174,21 +178,28 @@ def settle_spacing(scene: Scene) -> None:
             scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
         return
     numerics = scene.resolved["numerics"]
-    spacing, rule = given, ""
+    spacing, rule, refine = given, "", numerics["refine"]
     if given == AUTO or "auto_rule" in numerics:
-        spacing, rule = automatic_spacing(preset_of(accuracy), _lengths(scene))
+        asked = {key: refine.get(key, AUTO) for key in REFINED_AT if isinstance(accuracy, str) or key == "corners"}
+        refined = [kind for key, levels in asked.items() if levels == AUTO for kind in REFINED_AT[key]]
+        spacing, rule = automatic_spacing(preset_of(accuracy), _lengths(scene), refined)
     followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
     rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
     first = {"accuracy": accuracy, "spacing": spacing if followed else given}
+    halvings = dict.fromkeys(("tips", "kinks", "corners"), AUTO if followed else 0)
+    rest["refine"] = {**halvings, **refine}
     scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
 
 
 def _lengths(scene: Scene) -> Iterator[Length]:
     """Every length of the scene that the lattice must resolve."""
     for name, crack in named(scene.resolved, "cracks").items():
-        length = line_length(points_of(crack["path"]))
-        if length > 0.0:
-            yield Length("crack", length, f"length of crack '{name}'")
+        points = points_of(crack["path"])
+        if line_length(points) > 0.0:
+            yield Length("crack", line_length(points), f"length of crack '{name}'")
+            kinks, parts = stretches(points)
+            if len(kinks):
+                yield Length("stretch", float(parts.min()), f"shortest part between kinks of crack '{name}'")
     bodies = list(scene.bodies.values())
     for body in bodies:
         yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")

@@ -214,13 +214,16 @@ class ContactNumerics:
     spacing: float  # distance of the mortar nodes, in lattice spacings
 
 
+Halvings = int | Literal["auto"]
+
+
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """How often cells are halved at places that ask for small ones."""
+    """How often cells are halved at places that ask for small ones; auto: until they are as small as accuracy asks."""
 
-    tips: int = 0
-    kinks: int = 0  # kinks, meetings and ends of cracks
-    corners: int = 0  # re-entrant corners, point supports, ends of loaded and supported parts
+    tips: Halvings = 0
+    kinks: Halvings = 0  # kinks, meetings and ends of cracks
+    corners: Halvings = 0  # re-entrant corners, point supports, ends of loaded and supported parts
     rings: float = 2.0  # cells of each size on every side of such a place
 
 
@@ -234,12 +237,18 @@ class Numerics:
     contact: ContactNumerics
     accuracy: str | float = "standard"  # the preset of what the case leaves out, or a target of the error of K
     refine: Refinement = Refinement()
+    tip_functions: Literal["auto", "patch", "gathered"] = "auto"
     auto_rule: str | None = None  # what gave an automatic spacing; None: it was given
 
     @property
     def target(self) -> float | None:
         """Error of K, over the largest K, that cells are to be halved for; None where they are those of the case."""
         return None if isinstance(self.accuracy, str) else self.accuracy
+
+    @property
+    def gathers_tip_functions(self) -> bool:
+        """Whether the functions of tips with room are gathered: they take several cells, so in small ones."""
+        return self.tip_functions == "gathered" or (self.tip_functions == "auto" and self.refine.tips != 0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

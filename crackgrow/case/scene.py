@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from crackgrow.case.accuracy import AUTO, PRESETS, STANDARD, Preset
+from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import LengthOrFormula
 from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, without_file
@@ -274,12 +274,21 @@ _SOLVER: Final = Choice(("newton", "lemke"), ("semismooth Newton", "complementar
 _CONTACT_STIFFNESS: Final = WordOr(("rigid",), Number(POSITIVE))
 _SUPPORT_WIDTH: Final = Number(Bounds(at_least=1.25, at_most=4), 0.25)
 _GAUSS_POINTS: Final = Integer(Bounds(at_least=2, at_most=10))
-_LEVELS: Final = Integer(Bounds(at_least=0, at_most=9))
+_LEVELS: Final = WordOr((AUTO,), Integer(Bounds(at_least=0, at_most=MOST_LEVELS)))
+_TIP_FUNCTIONS: Final = Choice(
+    (AUTO, "patch", "gathered"),
+    ("gathered where refine.tips is not 0", "a set on every patch that a tip lies in", "one set a tip, if it has room"),
+)
 _REFINE: Final = Mapping(
     {
-        "tips": Field(_LEVELS, "halvings of the cells at crack tips", 0),
-        "kinks": Field(_LEVELS, "at kinks, meetings and ends of cracks", 0),
-        "corners": Field(_LEVELS, "at re-entrant corners, point supports, ends of loaded and supported parts", 0),
+        "tips": Field(_LEVELS, "halvings of the cells at crack tips; auto: what accuracy asks for", OPTIONAL),
+        "kinks": Field(_LEVELS, "the same at kinks, meetings and ends of cracks", OPTIONAL),
+        "corners": Field(
+            _LEVELS,
+            "at re-entrant corners, point supports, ends of loaded and supported parts; auto: also at holes, narrow "
+            "rock and along these parts",
+            OPTIONAL,
+        ),
         "rings": Field(Number(Bounds(at_least=2, at_most=8)), "cells of each size on every side of these", 2.0),
     }
 )
@@ -305,6 +314,7 @@ def _numerics(preset: Preset, spacing: object) -> Mapping:
             "support": Field(_SUPPORT_WIDTH, "half width of a patch, in spacings", preset.support),
             "quadrature": Field(_GAUSS_POINTS, "Gauss points per direction on an uncut cell", preset.quadrature),
             "refine": Field(_REFINE, "how often cells are halved, and where", BY_PARTS),
+            "tip_functions": Field(_TIP_FUNCTIONS, "functions that follow the singular stress at tips", AUTO),
             "contact": Field(contact, "how contact is discretized and solved", BY_PARTS),
         }
     )

@@ -49,7 +49,7 @@ class Surface:
 class Cover:
     """Everything that depends on where the bodies and cracks lie, and on nothing else.
 
-    Functions are numbered: the physical patches first, one each; then four per singular patch, tip by tip.
+    Functions are numbered: the physical patches first, one each; then four per carrier, tip by tip.
     The displacement components of function k are the unknowns 2 k and 2 k + 1.
     """
 
@@ -75,7 +75,7 @@ class Cover:
     @property
     def n_functions(self) -> int:
         """Number of functions."""
-        return len(self.patches.nodes) + N_TIP_FUNCTIONS * sum(len(tip.patches) for tip in self.tips)
+        return len(self.patches.nodes) + N_TIP_FUNCTIONS * sum(tip.carriers.n for tip in self.tips)
 
     @property
     def patch_nodes(self) -> Floats:
@@ -88,11 +88,11 @@ class Cover:
         return [(tip.crack, tip.at_end) for tip in self.tips]
 
     def functions_on(self, elements: Ints) -> Ragged:
-        """All functions of elements (n,): their physical patches, then four for each pair of a tip and such a patch."""
+        """All functions of elements (n,): their physical patches, then four for each carrier, tip by tip."""
         plain, enrichment = self.patches.of_element.taken(elements), self.enrichment
         which, pair = enrichment.tips.places(elements)
-        of_pair, place = enrichment.place.places(pair)
-        numbers = enrichment.first[place, None] + np.arange(N_TIP_FUNCTIONS)
+        of_pair, carrier = enrichment.first.places(pair)
+        numbers = enrichment.first.values[carrier, None] + np.arange(N_TIP_FUNCTIONS)
         n_tip = N_TIP_FUNCTIONS * np.bincount(which[of_pair], minlength=len(elements))
         is_tip = np.repeat(np.arange(2 * len(elements)) % 2 == 1, np.stack([plain.counts, n_tip], axis=1).ravel())
         values = np.empty(len(is_tip), dtype=np.int64)

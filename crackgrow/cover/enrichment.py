@@ -14,12 +14,14 @@ import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
+from crackgrow.cover.gathered import surroundings
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches
 from crackgrow.cover.pieces import cut_in_pieces
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.tips import (
     N_TIP_FUNCTIONS,
+    Carriers,
     Tip,
     beyond_far_end,
     carrying_nodes,
@@ -32,14 +34,16 @@ from crackgrow.ragged import Ragged, by_row, from_lists
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Enrichment:
-    """The tip functions on the elements: for each pair of an element and a tip, the singular patches over it.
+    """The tip functions on the elements: for each pair of an element and a tip, its carriers there.
 
-    All pairs of an element follow each other, and so do their singular patches.
+    A carrier is what the four functions of a tip are multiplied by: a sum of functions phi_i of patches, times shares.
+    All pairs of an element follow each other, and so do their carriers, and the patches of these.
     """
 
     tips: Ragged  # elements -> tips that act on them
-    place: Ragged  # pairs -> places of the singular patches among the patches of the element
-    first: Ints  # (s,) first of the four functions of this tip on each of these
+    first: Ragged  # pairs -> the first of the four functions of each carrier
+    place: Ragged  # carriers of all pairs -> places of their patches among the patches of the element
+    share: Floats  # (s,) of each of these
 
     @property
     def acted_on(self) -> Bools:
@@ -53,22 +57,27 @@ def make_tips(
     """The tips of all cracks, which are the first lines of the elements; their functions follow the patches."""
     n_functions = len(patches.nodes)
     tips: list[Tip] = []
+    around = surroundings(elements, patches) if any(crack.gathered for crack in cracks) else None
     for index, crack in enumerate(cracks):
         for at_end in crack.tips():
             points, beside = crack.seen_from(at_end), elements.lines[index].beside(at_end)
             size = largest_cell_at(lattice, points[0])
-            reach = reach_of_tips(lattice.support) * size
             other_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
-            singular = _singular_patches(patches, beside, points[0])
-            ends_inside = other_is_tip or _leads_through(
-                lattice, elements, patches, singular, beyond_far_end(points, reach)
-            )
-            view = seen_from_tip(points, reach, ends_inside)
-            singular = singular[carrying_nodes(view, patches.nodes[singular], size)]
+            found = around.gathered(index, points, size) if around is not None and crack.gathered else None
+            if found is None:
+                reach = reach_of_tips(lattice.support) * size
+                singular = _singular_patches(patches, beside, points[0])
+                ends_inside = other_is_tip or _leads_through(
+                    lattice, elements, patches, singular, beyond_far_end(points, reach)
+                )
+                view = seen_from_tip(points, reach, ends_inside)
+                singular = singular[carrying_nodes(view, patches.nodes[singular], size)]
+                found = view, Carriers(singular, np.ones(len(singular)), np.arange(len(singular)), reach)
+            view, carriers = found
             body = int(elements.body[beside[0]])
             seen = (view.point, view.rotation, view.path, view.radii, view.fade)
-            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, singular, n_functions, size))
-            n_functions += N_TIP_FUNCTIONS * len(singular)
+            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, carriers, n_functions, size))
+            n_functions += N_TIP_FUNCTIONS * carriers.n
     return tuple(tips)
 
 
@@ -76,21 +85,29 @@ def enrichment_of(patches: Ragged, tips: Sequence[Tip]) -> Enrichment:
     """The enrichment of elements with these physical patches."""
     pairs_of_patch, order = _by_patch(from_lists([tip.patches for tip in tips]))
     first = np.concatenate([np.empty(0, dtype=np.int64), *(tip.functions for tip in tips)])[order]
+    share = np.concatenate([np.empty(0), *(tip.carriers.shares for tip in tips)])[order]
     acted_on = np.zeros(int(patches.values.max(initial=-1)) + 1, dtype=bool)
     acted_on[pairs_of_patch.row] = True
     at = np.flatnonzero(acted_on[patches.values])
     which, entry = pairs_of_patch.places(patches.values[at])
     at = at[which]
     element, tip = np.searchsorted(patches.start, at, side="right") - 1, pairs_of_patch.values[entry]
-    order = np.lexsort((tip, element))
-    n_tips = max(len(tips), 1)
-    pair, start = np.unique((element * n_tips + tip)[order], return_index=True)
-    pair_element, pair_tip = np.divmod(pair, n_tips)
+    order = np.lexsort((first[entry], tip, element))
+    at, entry, element, tip = at[order], entry[order], element[order], tip[order]
+    new_pair = _changes(element) | _changes(tip)
+    new_carrier = new_pair | _changes(first[entry])
+    pair, carrier = np.flatnonzero(new_pair), np.flatnonzero(new_carrier)
     return Enrichment(
-        by_row(pair_element, pair_tip, patches.n),
-        Ragged(np.append(start, len(order)), (at - patches.start[element])[order]),
-        first[entry][order],
+        by_row(element[pair], tip[pair], patches.n),
+        Ragged(np.searchsorted(carrier, np.append(pair, len(at))), first[entry[carrier]]),
+        Ragged(np.append(carrier, len(at)), at - patches.start[element]),
+        share[entry],
     )
+
+
+def _changes(values: Ints) -> Bools:
+    """Which of `values` (n,) differ from the one before; the first does."""
+    return np.append(True, values[1:] != values[:-1])[: len(values)]
 
 
 def _by_patch(patches_of_tip: Ragged) -> tuple[Ragged, Ints]:

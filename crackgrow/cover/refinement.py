@@ -26,14 +26,21 @@ MOST_LEVELS = 9
 class Focus:
     """Places that ask for small cells."""
 
-    shapes: NDArray[np.object_]  # (n,) points or lines, lattice coordinates
+    shapes: NDArray[np.object_]  # (n,) geometries, lattice coordinates
     size: Floats  # (n,) the largest cells that they allow at the place, spacings
 
 
 def refined(lattice: Lattice, focus: Focus, rings: float, before: Lattice | None = None) -> Lattice:
-    """The lattice with cells divided where `focus` asks for that, `rings` cells of each size round every place.
+    """The lattice with `divided` cells; it is the lattice itself, or the one `before`, where the cells are the same."""
+    cells = divided(lattice, focus, rings)
+    for known in (lattice, before):
+        if known is not None and cells.equal(known.cells):
+            return known
+    return lattice_of(lattice.spacing, lattice.support, lattice.origin, cells)
 
-    It is the lattice itself, or the one `before`, where the cells are the same.
+
+def divided(lattice: Lattice, focus: Focus, rings: float) -> Squares:
+    """The cells of a lattice, divided where `focus` asks for that, `rings` cells of each size round every place.
 
     A cell is divided if a place no farther than `rings` of its sides, along both axes, asks for smaller ones. Just at
     that distance it is, whatever rounding makes of it: symmetric scenes have symmetric cells, and no larger patches
@@ -54,11 +61,7 @@ def refined(lattice: Lattice, focus: Focus, rings: float, before: Lattice | None
         asked &= size > least
         fixed.append((low[~asked], size[~asked]))
         low, size = quarters_of(low[asked], size[asked])
-    divided = balanced(squares_of(*(np.concatenate(arrays) for arrays in zip(*fixed, strict=True))))
-    for known in (lattice, before):
-        if known is not None and divided.equal(known.cells):
-            return known
-    return lattice_of(lattice.spacing, lattice.support, lattice.origin, divided)
+    return balanced(squares_of(*(np.concatenate(arrays) for arrays in zip(*fixed, strict=True))))
 
 
 def balanced(cells: Squares) -> Squares:

@@ -20,6 +20,7 @@ class CrackGeometry:
     tip_at_start: bool
     tip_at_end: bool
     joined: NDArray[np.bool_] | None = None  # (n,) which vertices are junctions with other lines; None: not known yet
+    gathered: bool = False  # whether the functions of its tips are gathered where there is room
 
     @property
     def junctions(self) -> NDArray[np.bool_]:

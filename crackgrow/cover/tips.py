@@ -43,6 +43,26 @@ class TipView:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Carriers:
+    """What the four functions of a tip are multiplied by: sums of functions phi_i of patches, times shares."""
+
+    patches: Ints  # (k,) carrier by carrier, of each ascending
+    shares: Floats  # (k,)
+    number: Ints  # (k,) of the carrier that each is a part of, from 0 on
+    reach: float  # no farther from the tip are they seen, spacings
+
+    @property
+    def n(self) -> int:
+        """Number of carriers."""
+        return int(self.number.max(initial=-1)) + 1
+
+    @property
+    def gathered(self) -> bool:
+        """Whether several patches have part in one of them."""
+        return len(self.patches) > self.n
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Tip(TipView):
     """A crack tip and its functions."""
 
@@ -52,14 +72,19 @@ class Tip(TipView):
     other_is_tip: bool  # whether the crack's other end is a tip, too
     element: int  # at the tip, on the crack's plus face
     body: int
-    patches: Ints  # (k,) the singular patches that carry its functions, ascending
-    first_function: int  # four functions for each of these from this number on
+    carriers: Carriers
+    first_function: int  # four functions for each carrier from this number on
     size: float  # side of the cells round it, spacings: the largest of those at nodes whose patches hold it
 
     @property
+    def patches(self) -> Ints:
+        """The patches (k,) of its carriers."""
+        return self.carriers.patches
+
+    @property
     def functions(self) -> Ints:
-        """The first of the four functions on each singular patch (k,)."""
-        return self.first_function + N_TIP_FUNCTIONS * np.arange(len(self.patches))
+        """The first of the four functions that each of these patches (k,) has a part in."""
+        return self.first_function + N_TIP_FUNCTIONS * self.carriers.number
 
     def from_start(self, arc: Floats) -> Floats:
         """Arc lengths (n,) from the crack's start, from those from the tip."""

@@ -7,15 +7,15 @@ from typing import Final
 
 import numpy as np
 
-from crackgrow.case.model import Case, PointSupport
-from crackgrow.geometry.polyline import kink_angles
+from crackgrow.case.model import Case
 from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
 from crackgrow.plan.sizes import Sizes
 from crackgrow.results.overview import estimated_nodes
 from crackgrow.results.progress import duration
-from crackgrow.run.foci import SHARP_CORNER, SHARP_KINK
+from crackgrow.run.configuration import first_cells
+from crackgrow.run.scene import make_scene
 
-SINGULAR_AT_A_TIP: Final = 16  # patches that carry its functions
+CARRIERS_AT_A_TIP: Final = (16, 3)  # of its functions: one for each patch, or gathered
 SPACINGS_OF_A_POINT: Final = 2.0  # along a crack, of contact points
 MOST_SHARE: Final = 0.9  # of the machine's memory: others need some, too
 
@@ -61,10 +61,10 @@ def _memory(value: float) -> str:
 def outlook(case: Case) -> Outlook:
     """What a run of the case is about to take; good to a factor of two, and made in hundredths of a second."""
     support, spacing = case.numerics.support, case.numerics.spacing
-    nodes = estimated_nodes(case) + _nodes_of_small_cells(case)
+    nodes = estimated_nodes(case) + _n_halved(case)
     tips = sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
     tiles = 1 if support % 1.0 == 0.0 else 4 if support % 0.5 == 0.0 else 9  # of a cell, cut by the edges of patches
-    elements, singular = nodes * tiles, SINGULAR_AT_A_TIP * tips
+    elements, singular = nodes * tiles, CARRIERS_AT_A_TIP[case.numerics.gathers_tip_functions] * tips
     lines = [crack.points for crack in case.cracks if crack.contact is not None]
     lines += [line for interface in case.interfaces for line in interface.lines]
     length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
@@ -74,14 +74,10 @@ def outlook(case: Case) -> Outlook:
     return Outlook(n_dofs, estimated_cost(case, sizes), machine_memory())
 
 
-def _nodes_of_small_cells(case: Case) -> int:
-    """About how many nodes halved cells add: each halving divides a block of cells round a place in four."""
+def _n_halved(case: Case) -> int:
+    """How many cells more there are since some are halved."""
     refine = case.numerics.refine
-    tips = sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
-    kinks = sum(int((np.abs(kink_angles(crack.points)) > SHARP_KINK).sum()) for crack in case.cracks)
-    rings = [ring.points for body in case.bodies for ring in body.rings]
-    turns = [kink_angles(np.concatenate([ring[-1:], ring, ring[:1]])) for ring in rings]
-    corners = sum(int((turn < -SHARP_CORNER).sum()) for turn in turns)
-    corners += sum(isinstance(support, PointSupport) for support in case.supports)
-    halvings = tips * refine.tips + kinks * refine.kinks + corners * refine.corners
-    return round(halvings * 3.0 * (2.0 * refine.rings + 1.0) ** 2)
+    if (refine.tips, refine.kinks, refine.corners) == (0, 0, 0):
+        return 0  # a lattice of many cells is not laid out to learn that
+    scene = make_scene(case)
+    return first_cells(scene).n - scene.lattice.cells.n

@@ -1,4 +1,4 @@
-"""A drawing of a case as an engineer makes it: bodies, cracks and tips, supports, loads with values, dimensions."""
+"""A drawing of a case as an engineer makes it: bodies, cells, cracks, supports, loads with values, dimensions."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as LinePath
@@ -28,10 +29,13 @@ from crackgrow.case.model import (
     InSituStress,
     PointSupport,
 )
+from crackgrow.cover.squares import QUANTA
 from crackgrow.plan.glyphs import GIVEN, LOAD, arrow, beside, dimension, hatch, label, rollers, triangle
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.overview import length_unit, stress_text
 from crackgrow.results.style import own_style, wrapped
+from crackgrow.run.configuration import first_cells
+from crackgrow.run.scene import make_scene
 
 FORMATS: Final = (".png", ".svg")
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
@@ -58,6 +62,7 @@ def draw_scene(path: Path, case: Case) -> None:
     axes.set_axis_off()
     for number, body in enumerate(case.bodies):
         _draw_body(axes, body, COLOURS[number % len(COLOURS)], named=len(case.bodies) > 1)
+    _draw_cells(axes, case)
     _draw_interfaces(axes, case)
     for crack in case.cracks:
         _draw_crack(axes, crack)
@@ -72,10 +77,27 @@ def draw_scene(path: Path, case: Case) -> None:
     write_atomically(path, lambda temporary: figure.savefig(temporary, format=path.suffix[1:].lower()))
 
 
-def _draw_body(axes: Axes, body: Body, colour: str, *, named: bool) -> None:
+def _draw_cells(axes: Axes, case: Case) -> None:
+    """The cells before anything grows, inside of the bodies."""
+    scene = make_scene(case)
+    cells = first_cells(scene)
+    corners = cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    squares = scene.lattice.to_metres(corners / QUANTA)
+    for body in case.bodies:
+        low, high = body.outline.min(axis=0), body.outline.max(axis=0)
+        near = np.all((squares.max(axis=1) > low) & (squares.min(axis=1) < high), axis=1)
+        lines = PolyCollection(list(squares[near]), facecolors="none", edgecolors="0.55", linewidths=0.25, zorder=2.5)
+        lines.set_clip_path(PathPatch(_shape(body), transform=axes.transData))
+        axes.add_collection(lines)
+
+
+def _shape(body: Body) -> LinePath:
     closed = [LinePath(np.vstack([ring.points, ring.points[:1]]), closed=True) for ring in body.rings]
-    whole = LinePath.make_compound_path(*closed)
-    axes.add_patch(PathPatch(whole, facecolor=colour, edgecolor="0.2", linewidth=1.0, zorder=2))
+    return LinePath.make_compound_path(*closed)
+
+
+def _draw_body(axes: Axes, body: Body, colour: str, *, named: bool) -> None:
+    axes.add_patch(PathPatch(_shape(body), facecolor=colour, edgecolor="0.2", linewidth=1.0, zorder=2))
     if named:
         low, high = body.outline.min(axis=0), body.outline.max(axis=0)
         label(axes, low + [0.12, 0.85] * (high - low), body.name, "0.35")

@@ -13,7 +13,6 @@ from crackgrow.cover.squares import QUANTA
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import lay_out
-from crackgrow.run.halvings import Halvings
 from crackgrow.run.scene import SurfaceLaw, make_scene
 from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
 
@@ -35,7 +34,7 @@ class Sizes:
 
     n_dofs: int
     n_patches: int  # physical
-    n_singular: int  # pairs of a tip and a patch that carries its functions
+    n_singular: int  # carriers of tip functions
     n_tips: int
     n_elements: int
     n_pairs: int  # of the physical patches that meet on an element, over all elements
@@ -43,6 +42,7 @@ class Sizes:
     n_multipliers: int  # of supports and bonds
     surfaces: tuple[SurfacePlan, ...]
     cautions: tuple[Caution, ...]
+    n_gathered: int = 0  # tips whose functions are gathered
     cells: tuple[tuple[float, int], ...] = ()  # sides (m) of cells that rock lies in, largest first, and their numbers
 
     @property
@@ -64,12 +64,12 @@ def sizes_of(case: Case) -> Sizes:
         *settings_cautions(scene, cover, len(faces.surface)),
         *unbalanced_loads(scene, cover),
         *closeness_cautions(scene, cover),
-        *_short_increment(case, scene.halvings),
+        *_short_increment(case, cover),
     ]
     return Sizes(
         n_dofs=cover.n_dofs,
         n_patches=len(cover.patch_nodes),
-        n_singular=sum(len(tip.patches) for tip in cover.tips),
+        n_singular=sum(tip.carriers.n for tip in cover.tips),
         n_tips=len(cover.tips),
         n_elements=cover.elements.n,
         n_pairs=int((cover.patches.of_element.counts**2).sum()),
@@ -77,6 +77,7 @@ def sizes_of(case: Case) -> Sizes:
         n_multipliers=len(held.given),
         surfaces=surfaces,
         cautions=tuple(known),
+        n_gathered=sum(tip.carriers.gathered for tip in cover.tips),
         cells=_cells(cover),
     )
 
@@ -96,8 +97,7 @@ def _rough(law: SurfaceLaw) -> bool:
     return contact is not None and max(contact.friction, contact.residual_friction, contact.cohesion) > 0.0
 
 
-def _short_increment(case: Case, halvings: Halvings) -> Iterator[Caution]:
-    growth, levels = case.growth, case.numerics.refine.tips + min(halvings.cracks, default=0)
-    spacing = case.numerics.spacing * 0.5**levels
+def _short_increment(case: Case, cover: Cover) -> Iterator[Caution]:
+    growth, spacing = case.growth, cover.lattice.spacing * max((tip.size for tip in cover.tips), default=0.0)
     if growth is not None and growth.steps > 0 and growth.increment < Cause.SHORT_INCREMENT.limit * spacing:
         yield Cause.SHORT_INCREMENT.at(increment=growth.increment, spacing=spacing)

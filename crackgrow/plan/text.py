@@ -27,10 +27,11 @@ def plan_text(case: Case) -> str:
 
 def _model(case: Case, sizes: Sizes) -> list[str]:
     standard, singular = 2 * sizes.n_patches, 8 * sizes.n_singular
+    gathered = f" (gathered at {sizes.n_gathered})" if sizes.n_gathered else ""
     lines = [
         "model of step 0:",
         f"  {sizes.n_dofs} dofs: {standard} of {sizes.n_patches} physical patches"
-        + (f", {singular} of {sizes.n_singular} singular patches at {counted(sizes.n_tips, 'tip')}" if singular else "")
+        + (f", {singular} of tip functions at {counted(sizes.n_tips, 'tip')}{gathered}" if singular else "")
         + f"; {sizes.n_elements} manifold elements",
         f"  {counted(sizes.n_multipliers, 'multiplier')} for supports and bonds",
     ]

@@ -31,6 +31,9 @@ MORE_POINTS_WHERE_FADING = 1
 MORE_POINTS_AT_TIPS = 1
 """The same for triangles with their apex at a tip."""
 
+FEWER_IN_IRREGULAR_TILES = 1
+"""Points per direction less in whole tiles beside cells of another size, of which most are halves: 1e-5 of K."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ElementPoints:
@@ -49,8 +52,9 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     corners, owner = _triangles(cover.elements.polygons[cut])
     owner = cut[owner] + n_whole
     more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
+    irregular = np.flatnonzero(~(cover.plain | enriched)[:n_whole])
     parts = [_on_tiles(cover, np.flatnonzero(enriched[:n_whole]), n + more)]
-    parts += _on_irregular_tiles(cover, np.flatnonzero(~(cover.plain | enriched)[:n_whole]), n)
+    parts.append(_on_tiles(cover, irregular, max(n - FEWER_IN_IRREGULAR_TILES, 1)))
     smooth = ~enriched[owner]
     parts.append(_on_corners(corners[smooth], owner[smooth], n))
     corners, owner = corners[~smooth], owner[~smooth]
@@ -98,12 +102,6 @@ def _on_tiles(cover: Cover, elements: Ints, n: int) -> tuple[Floats, Floats, Int
     low, size = cover.lattice.tile_low[tile], cover.lattice.tile_size[tile]
     points = low[:, None] + size[:, None, None] * local
     return _flat(points, size[:, None] ** 2 * weights, elements)
-
-
-def _on_irregular_tiles(cover: Cover, elements: Ints, n: int) -> list[tuple[Floats, Floats, Ints]]:
-    """Points of whole tiles beside cells of another size: one less per direction in parts of cells."""
-    is_part = cover.lattice.tile_size[cover.elements.tile[elements]] < cover.elements.size[elements]
-    return [_on_tiles(cover, elements[~is_part], n), _on_tiles(cover, elements[is_part], max(n - 1, 1))]
 
 
 def _on_corners(corners: Floats, owner: Ints, n: int) -> tuple[Floats, Floats, Ints]:

@@ -20,6 +20,9 @@ from crackgrow.ragged import Ragged, by_row
 POINTS_PER_EDGE = 4
 """Gauss points on an edge of the arrangement, exact to degree 7: that of the functions at support 2 is lower."""
 
+POINTS_BETWEEN_TILES = 2
+"""The same on edges between whole tiles beside cells of another size, where edges are short: 1e-5 of K."""
+
 POINTS_PER_PIECE = 5
 """The same on the pieces of edges on which tip functions act."""
 
@@ -47,8 +50,13 @@ def rim_points(cover: Cover) -> RimPoints:
     elements, edges = cover.elements, cover.elements.edges
     cut = np.append(~cover.plain, [False])  # the last entry serves the index -1
     parts = []
-    for touching, n in ((False, (POINTS_PER_EDGE, POINTS_PER_PIECE)), (True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES))):
-        chosen = np.flatnonzero((cut[edges.left] | cut[edges.right]) & (cover.touching == touching))
+    between = _between_irregular_tiles(cover)
+    for few, touching, n in (
+        (True, False, (POINTS_BETWEEN_TILES, POINTS_PER_PIECE)),
+        (False, False, (POINTS_PER_EDGE, POINTS_PER_PIECE)),
+        (False, True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES)),
+    ):
+        chosen = np.flatnonzero((cut[edges.left] | cut[edges.right]) & (between == few) & (cover.touching == touching))
         left, right = edges.left[chosen], edges.right[chosen]
         ends = np.stack([elements.vertices[edges.a[chosen]], elements.vertices[edges.b[chosen]]], axis=1)
         acting = _tips_on_edges(cover, left, right, elements.passable[chosen])
@@ -61,6 +69,14 @@ def rim_points(cover: Cover) -> RimPoints:
     order = np.argsort(element, kind="stable")
     order = order[cut[element[order]]]
     return RimPoints(points[order], normals[order], element[order])
+
+
+def _between_irregular_tiles(cover: Cover) -> Bools:
+    """Which edges (e,) lie between whole tiles that are not plain and have no tip functions."""
+    elements = cover.elements
+    tile = np.arange(elements.n + 1) < elements.n_whole
+    tile[:-1] &= ~(cover.plain | cover.enrichment.acted_on)
+    return np.asarray(tile[elements.edges.left] & tile[elements.edges.right] & ~cover.touching)
 
 
 def rectangle_rim(size: Floats) -> tuple[Floats, Floats]:

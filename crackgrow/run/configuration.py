@@ -23,13 +23,15 @@ from crackgrow.contact.mortar import mortar_faces
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover, build_cover
+from crackgrow.cover.refinement import divided
 from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.cover.squares import Squares
 from crackgrow.direct import SymmetricMatrix
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
-from crackgrow.run.foci import lattice_of_cells
+from crackgrow.run.foci import focus_of, lattice_of_cells
 from crackgrow.run.scene import Scene
 from crackgrow.solid.dependent import with_dependent_held
 from crackgrow.solid.linear_solver import ConstrainedSystem
@@ -251,9 +253,17 @@ def lay_out(scene: Scene, growing: tuple[GrowingCrack, ...]) -> tuple[Cover, Con
 
 
 def _cover(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
-    cracks = [_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
+    cracks = [crack_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
     lattice = lattice_of_cells(scene, cracks, None if before is None else before.lattice)
     return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, before)
+
+
+def first_cells(scene: Scene) -> Squares:
+    """The cells of a scene before anything grows, without the lattice that is made of them."""
+    unbroken = [GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in scene.case.cracks]
+    cracks = [crack_geometry(scene, *pair) for pair in zip(unbroken, scene.crack_bodies, strict=True)]
+    focus = focus_of(scene, cracks)
+    return divided(scene.lattice, focus, scene.case.numerics.refine.rings) if len(focus.size) else scene.lattice.cells
 
 
 @contextmanager
@@ -264,7 +274,7 @@ def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
     seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start
 
 
-def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
+def crack_geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
     """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not.
 
     `body` is the one that it lies in. Given vertices at which the crack does not turn are left out: a straight stretch
@@ -283,7 +293,8 @@ def _geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
     first, last = np.flatnonzero(growing.steps == 0)[[0, -1]]
     given = shapely.get_coordinates(shapely.simplify(shapely.LineString(points[first : last + 1]), ON_LINE))
     points = np.concatenate([points[:first], given, points[last + 1 :]])
-    return CrackGeometry(growing.crack.name, points, inside[0], inside[1])
+    gathered = scene.case.numerics.gathers_tip_functions
+    return CrackGeometry(growing.crack.name, points, inside[0], inside[1], gathered=gathered)
 
 
 def _faces(scene: Scene, cover: Cover) -> ContactFaces:

@@ -41,13 +41,18 @@ def doubled(scene: Scene) -> Scene:
 def accuracy_of(solution: StepSolution, larger: LoadState | None) -> Accuracy:
     """What K is off by, by the state under the same loads on the `larger` cells; by B alone where there is none."""
     scene, ends, fitted = solution.configuration.scene, tuple(solution.cover.tip_ends), fitted_bounds(solution)
-    others = {} if larger is None else _K_of(larger)
+    others = _K_of(larger) if larger is not None and _all_larger(larger, solution) else {}
     bounds = []
     for tip, end, bound in zip(solution.tips, ends, fitted, strict=True):
         difference = np.hypot(*np.subtract(others.get(end, np.nan), tip.K))
         bounds.append(OF_BOTH * float(np.sqrt(difference * bound)) if np.isfinite(difference) else bound)
     known = None if larger is None else larger.configuration
     return Accuracy(scene.halvings, ends, tuple(bounds), largest_K(solution), doubled=known)
+
+
+def _all_larger(larger: LoadState, solution: StepSolution) -> bool:
+    """Whether the smallest cells of a state are larger, too: both can be those that can't be halved."""
+    return bool(larger.configuration.cover.sizes.min() > 1.5 * solution.cover.sizes.min())
 
 
 def fitted_bounds(solution: StepSolution) -> list[float]:

@@ -10,11 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import chain
+from typing import Literal
 
 import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
+from crackgrow.case.accuracy import AUTO, Preset, preset_of
+from crackgrow.case.features import line_length, stretches
 from crackgrow.case.model import ContactSupport, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
@@ -22,64 +25,129 @@ from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.scene import Scene
 
-SHARP_KINK = np.deg2rad(10.0)
-"""Less sharp kinks are as good as straight: of grown wings the kink at the flaw counts, not the turns of a path."""
+Asking = Iterator[tuple[shapely.Geometry, float]]
+"""Places and the largest cells that they allow, both in lattice units."""
+
+ROUGHEST = 4.0
+"""Jogs of a rough line, and hardly any room, get no smaller cells than the middle of a line so many times shorter."""
 
 SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
 
 
-Asked = Iterator[tuple[Floats, int]]  # a place, and how often cells are halved there
-
-
 def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Lattice | None) -> Lattice:
     """The lattice of a scene with these cracks; that of the configuration before if its cells are the same."""
-    refine, halvings = scene.case.numerics.refine, scene.halvings
-    asked = (
-        _tips(cracks, [refine.tips + halvings.at_tips(number) for number in range(len(cracks))]),
-        _kinks(cracks, [refine.kinks + halvings.at_kinks(number) for number in range(len(cracks))]),
-        ((place, refine.kinks) for place in (_kinks_of_interfaces(scene) if refine.kinks else ())),
-        ((place, refine.corners) for place in (_corners(scene) if refine.corners else ())),
-    )
-    found = [(shapely.Point(place), levels) for place, levels in chain(*asked) if levels]
-    if halvings.everywhere:
-        found.append((shapely.box(0.0, 0.0, *map(float, scene.lattice.shape)), 0))
-    if not found:
-        return scene.lattice
-    sizes = np.array([0.5 ** (halvings.everywhere + levels) for _, levels in found])
-    return refined(scene.lattice, Focus(np.array([place for place, _ in found]), sizes), refine.rings, before)
+    focus = focus_of(scene, cracks)
+    return refined(scene.lattice, focus, scene.case.numerics.refine.rings, before) if len(focus.size) else scene.lattice
 
 
-def _tips(cracks: Sequence[CrackGeometry], levels: Sequence[int]) -> Asked:
-    return ((crack.seen_from(end)[0], n) for crack, n in zip(cracks, levels, strict=True) for end in crack.tips())
+def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
+    """The places that ask for cells smaller than the largest, and all of the scene where all cells are halved."""
+    asking = chain(_at_tips(scene, cracks), _at_kinks(scene, cracks), _at_corners(scene))
+    # sizes are those asked for where the cells that nothing is asked of have the side that the case gives
+    everywhere = 0.5**scene.halvings.everywhere
+    finer = everywhere * scene.lattice.spacing / scene.case.numerics.spacing
+    found = [(place, finer * size) for place, size in asking if finer * size < everywhere]
+    if scene.halvings.everywhere:
+        found.append((shapely.box(0.0, 0.0, *map(float, scene.lattice.shape)), everywhere))
+    return Focus(np.array([place for place, _ in found], dtype=object), np.array([size for _, size in found]))
 
 
-def _kinks(cracks: Sequence[CrackGeometry], levels: Sequence[int]) -> Asked:
-    """Sharp kinks, ends that are no tips, since they lie on outlines or on other cracks, and where cracks meet."""
-    if not any(levels):
+def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
+    """Tips: by the length of the crack, of the stretch behind the tip, of what it grows by, and by its room."""
+    halvings, growth = _asked(scene, scene.case.numerics.refine.tips), scene.case.growth
+    more = [0.5 ** scene.halvings.at_tips(number) for number in range(len(cracks))]
+    tips = [(n, crack, crack.seen_from(end)) for n, crack in enumerate(cracks) for end in crack.tips()]
+    if halvings != AUTO:
+        yield from ((shapely.Point(points[0]), more[n] * _given(scene, halvings)) for n, _, points in tips)
         return
-    for crack, n in zip(cracks, levels, strict=True):
-        for place in crack.points[1:-1][np.abs(kink_angles(crack.points)) > SHARP_KINK]:
-            yield place, n
-        for place, tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)):
-            if not tip:
-                yield crack.points[place], n
-    yield from _meetings(cracks, levels)
+    preset, spacing = preset_of(scene.case.numerics.accuracy), scene.lattice.spacing
+    grown = np.inf
+    if growth is not None and growth.steps > 0:
+        grown = min(growth.increment / preset.per_increment, growth.tip_radius / preset.per_radius) / spacing
+    others = _Others(scene, cracks)
+    for number, crack, points in tips:
+        size = min(line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
+        room = others.nearest(crack, points[0], size * preset.per_room) / preset.per_room
+        yield shapely.Point(points[0]), more[number] * min(grown, max(min(size, room), _least(points, preset)))
 
 
-def _kinks_of_interfaces(scene: Scene) -> Iterator[Floats]:
-    for line in scene.interfaces:
-        yield from line.points[1:-1][np.abs(kink_angles(line.points)) > SHARP_KINK]
+def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
+    """Sharp kinks, meetings of cracks, and ends that are no tips: they lie on outlines or on other cracks."""
+    halvings, preset = _asked(scene, scene.case.numerics.refine.kinks), preset_of(scene.case.numerics.accuracy)
+    more = [0.5 ** scene.halvings.at_kinks(number) for number in range(len(cracks))]
+    given = None if halvings == AUTO else _given(scene, halvings)
+    for line, finer in zip((*cracks, *scene.interfaces), more + [1.0] * len(scene.interfaces), strict=True):
+        sharp, parts = stretches(line.points)
+        beside = np.sort([parts[:-1], parts[1:]], axis=0)
+        sizes = np.minimum(beside[0] / preset.per_stretch, beside[1] / preset.per_longer)
+        sizes = np.maximum(sizes, _least(line.points, preset))
+        for place, size in zip(sharp.tolist(), sizes.tolist(), strict=True):
+            yield shapely.Point(line.points[place]), finer * (size if given is None else given)
+    for crack, finer in zip(cracks, more, strict=True):
+        size = line_length(crack.points) / preset.per_crack
+        for place, is_tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)):
+            if not is_tip:
+                yield shapely.Point(crack.points[place]), finer * (size if given is None else given)
+    for place, length, both in _meetings(cracks):
+        size = length / preset.per_crack if given is None else given
+        yield shapely.Point(place), min(more[number] for number in both) * size
 
 
-def _meetings(cracks: Sequence[CrackGeometry], levels: Sequence[int]) -> Asked:
-    """Where cracks cross or end on each other."""
+def _at_corners(scene: Scene) -> Asking:
+    """Re-entrant corners and places of supports and loads, or all lengths that the stress varies over."""
+    halvings, preset = scene.case.numerics.refine.corners, preset_of(scene.case.numerics.accuracy)
+    if halvings != AUTO:
+        given = _given(scene, halvings)
+        yield from ((shapely.Point(p), given) for p in chain(_corners(scene), _ends_of_regions(scene)))
+        return
+    for length in scene.lengths:
+        if length.where is not None:
+            where = shapely.transform(length.where, scene.lattice.to_lattice)
+            yield where, length.metres / preset.parts(length.kind) / scene.lattice.spacing
+
+
+def _asked(scene: Scene, halvings: int | Literal["auto"]) -> int | Literal["auto"]:
+    """Halvings at tips and kinks: those for a target are found by the run, and none are asked for by lengths."""
+    return 0 if halvings == AUTO and scene.case.numerics.target is not None else halvings
+
+
+def _given(scene: Scene, halvings: int) -> float:
+    """The size (spacings) of cells of the case halved so often."""
+    return 0.5**halvings * scene.case.numerics.spacing / scene.lattice.spacing
+
+
+class _Others:
+    """Lines that a tip may come near to: cracks, interfaces, outlines."""
+
+    def __init__(self, scene: Scene, cracks: Sequence[CrackGeometry]) -> None:
+        rings = [np.concatenate([ring, ring[:1]]) for body in scene.bodies for ring in body.rings]
+        lines = [*(crack.points for crack in cracks), *(line.points for line in scene.interfaces), *rings]
+        self._lines = np.array([shapely.LineString(points) for points in lines], dtype=object)
+        self._number = {crack.name: number for number, crack in enumerate(cracks)}
+        self._tree = shapely.STRtree(self._lines)
+
+    def nearest(self, crack: CrackGeometry, place: Floats, reach: float) -> float:
+        """Distance of the nearest other line from a tip of a crack; inf where there is none within `reach`."""
+        tip, own = shapely.Point(place), self._number[crack.name]
+        near = self._tree.query(tip, "dwithin", distance=reach)
+        return float(shapely.distance(tip, self._lines[near[near != own]]).min(initial=np.inf))
+
+
+def _least(points: Floats, preset: Preset) -> float:
+    """The smallest size that jogs and room ask for along a line."""
+    return line_length(points) / (ROUGHEST * preset.per_longer)
+
+
+def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[tuple[Floats, float, tuple[int, int]]]:
+    """Where cracks cross or end on each other, the length of the shorter one, and their numbers."""
     lines = np.array([shapely.LineString(crack.points) for crack in cracks], dtype=object)
     first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
     for i, j in zip(first.tolist(), second.tolist(), strict=True):
         if i < j:
+            shorter = float(shapely.length(lines[[i, j]]).min())
             for place in shapely.get_coordinates(shapely.intersection(lines[i], lines[j])):
-                yield place, max(levels[i], levels[j])
+                yield place, shorter, (i, j)
 
 
 def _corners(scene: Scene) -> Iterator[Floats]:

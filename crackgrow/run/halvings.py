@@ -13,12 +13,6 @@ if TYPE_CHECKING:
 AT_KINKS = 1
 """Halvings more at kinks, meetings and ends of a crack than at its tips: they have no functions of their own."""
 
-MOST_AT_FIRST = 7
-"""Halvings that a run begins with."""
-
-UNREFINED = 0.2
-"""Error of K, over the largest, of closed and of grown flaws on cells as large as the flaw, as coarse ones have it."""
-
 
 @dataclass(frozen=True, slots=True)
 class Halvings:
@@ -44,6 +38,13 @@ class Halvings:
 
 AS_GIVEN = Halvings()
 """Cells as `numerics.refine` has them."""
+
+
+MOST_AT_FIRST = 7
+"""Halvings that a run begins with."""
+
+UNREFINED = 0.2
+"""Error of K, over the largest, of closed and of grown flaws on cells as large as the flaw, as coarse ones have it."""
 
 
 def first_halvings(target: float, spacing: float, lengths: Iterable[float]) -> Halvings:

@@ -9,7 +9,18 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Case, ContactSupport, CoulombContact, CrackPressure, Gravity, InSituStress, Load
+from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
+from crackgrow.case.model import (
+    Case,
+    ContactSupport,
+    CoulombContact,
+    CrackPressure,
+    EdgeTraction,
+    Gravity,
+    InSituStress,
+    Load,
+    PointSupport,
+)
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
@@ -45,6 +56,7 @@ class Scene:
     interfaces: tuple[CrackGeometry, ...]  # line by line, lattice coordinates
     foundations: tuple[Foundation, ...]
     crack_bodies: tuple[int, ...]  # crack by crack, the body it lies in
+    lengths: tuple[Length, ...]  # what the stress varies over besides cracks
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
     halvings: Halvings = AS_GIVEN  # what a target of the error of K asks for
 
@@ -125,6 +137,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
         interfaces=tuple(interfaces),
         foundations=tuple(foundations),
         crack_bodies=crack_bodies,
+        lengths=_lengths(case),
         laws=tuple(laws),
         halvings=halvings,
     )
@@ -137,3 +150,18 @@ def _stiffness(case: Case, bodies: tuple[str, ...]) -> float:
         return np.inf
     young = min(body.material.young for body in case.bodies if body.name in bodies)
     return kappa * young
+
+
+def _lengths(case: Case) -> tuple[Length, ...]:
+    """What the stress varies over besides cracks."""
+    supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
+    loads = [load.region for load in case.loads if isinstance(load, EdgeTraction)]
+    lengths = [length for body in case.bodies for length in feature_lengths(body)]
+    lengths += part_lengths("support", case.bodies, supports, "supported")
+    lengths += part_lengths("load", case.bodies, loads, "loaded")
+    for interface in case.interfaces:
+        between = " and ".join(f"'{name}'" for name in interface.bodies)
+        for line in interface.lines:
+            what, where = f"interface between bodies {between}", shapely.LineString(line)
+            lengths.append(Length("support", line_length(line), what, where))
+    return tuple(lengths)

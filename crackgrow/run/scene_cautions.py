@@ -8,9 +8,8 @@ import numpy as np
 import shapely
 
 from crackgrow.case.accuracy import PRESETS
-from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
 from crackgrow.case.meetings import scene_size
-from crackgrow.case.model import Case, EdgeTraction, Gravity, PointSupport
+from crackgrow.case.model import Gravity, PointSupport
 from crackgrow.case.snapping import SNAP
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
@@ -59,7 +58,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
 def _unresolved(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Holes, corners, bridges of rock, and parts of edges that a lattice given by hand does not resolve."""
     draft, limit, spacing = PRESETS["draft"], Cause.UNRESOLVED.limit, scene.lattice.spacing
-    for length in _lengths(scene.case):
+    for length in scene.lengths:
         needed, metres = length.metres / draft.parts(length.kind), length.metres
         if needed >= limit * spacing:
             continue  # the largest cells resolve it
@@ -75,21 +74,6 @@ def _largest_cell(cover: Cover, rim: shapely.Geometry | None) -> float:
     _, off = cover.outline_tree.query_nearest(parts, all_matches=False, return_distance=True)
     _, edges = cover.outline_tree.query(parts, predicate="dwithin", distance=off + SAME_PLACE)
     return float(cover.sizes[cover.elements.outlines.element[edges]].max())
-
-
-def _lengths(case: Case) -> list[Length]:
-    """What the stress varies over besides cracks."""
-    supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
-    loads = [load.region for load in case.loads if isinstance(load, EdgeTraction)]
-    lengths = [length for body in case.bodies for length in feature_lengths(body)]
-    lengths += part_lengths("support", case.bodies, supports, "supported")
-    lengths += part_lengths("load", case.bodies, loads, "loaded")
-    for interface in case.interfaces:
-        between = " and ".join(f"'{name}'" for name in interface.bodies)
-        shortest = min(interface.lines, key=line_length)
-        what, where = f"interface between bodies {between}", shapely.LineString(shortest)
-        lengths.append(Length("support", line_length(shortest), what, where))
-    return lengths
 
 
 def _moved(scene: Scene) -> Iterator[Caution]:

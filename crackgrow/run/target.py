@@ -15,13 +15,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crackgrow.case.model import LoadHistory
+from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import MOST_LEVELS
 from crackgrow.errors import GeometryError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration, lay_out
 from crackgrow.run.doubled_cells import accuracy_of, doubled, fitted_bounds, largest_K
-from crackgrow.run.halvings import AT_KINKS, Accuracy, Halvings
+from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.increments import LoadState, Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load_history
@@ -137,13 +138,15 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
             seconds.update({**larger.configuration.seconds, "contact": larger.seconds})
         if max(known.shares(), default=0.0) <= target:
             break
-        wanted, missed = _halved(scene, target, known, before)
+        wanted, missed = _halved(target, known, before)
+        if wanted is not None and solution.cover.sizes.min() <= 0.5**MOST_LEVELS:
+            wanted, missed = None, f"cells are halved {MOST_LEVELS} times already, which is the most"
         if wanted is None or round_ == MOST_ROUNDS:
             missed = missed or f"cells were divided in {MOST_ROUNDS} rounds for it"
             break
         before, scene = known, replace(scene, halvings=wanted)
         try:
-            solution = _solved(ways, scene, cracks)
+            solution = _solved(ways, scene, cracks, solution.cover.lattice)
         except (GeometryError, SolveError) as error:
             missed = f"smaller cells are not to be had: {error}"
             break
@@ -153,9 +156,15 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     return replace(solution, accuracy=replace(known, missed=missed), factorizations=n_solves, seconds=dict(seconds))
 
 
-def _solved(ways: Ways, scene: Scene, cracks: tuple[GrowingCrack, ...]) -> StepSolution:
-    """The solution on the cells of a scene. Raises GeometryError or SolveError where there is none, or it is large."""
-    n_dofs = lay_out(scene, cracks)[0].n_dofs
+def _solved(ways: Ways, scene: Scene, cracks: tuple[GrowingCrack, ...], before: Lattice) -> StepSolution:
+    """The solution on the cells of a scene. Raises GeometryError or SolveError where there is none, or it is large.
+
+    So it does where the cells are those `before`.
+    """
+    cover = lay_out(scene, cracks)[0]
+    n_dofs = cover.n_dofs
+    if cover.lattice.cells.equal(before.cells):
+        raise NotSolvedError(f"they are halved {MOST_LEVELS} times already, which is the most")
     if n_dofs > MOST_UNKNOWNS:
         raise NotSolvedError(f"they make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken")
     return ways.solve(scene)
@@ -210,21 +219,20 @@ def _scaled(last: Accuracy, largest: float) -> Accuracy:
     return replace(last, bounds=tuple(scale * bound for bound in last.bounds), largest=largest)
 
 
-def _halved(scene: Scene, target: float, now: Accuracy, before: Accuracy | None) -> tuple[Halvings | None, str]:
+def _halved(target: float, now: Accuracy, before: Accuracy | None) -> tuple[Halvings | None, str]:
     """The cells to try next; None and why, where there are none."""
     if before is not None and min(now.shares(), default=0.0) >= 1.0:
         return None, "K is nothing beside what it is off by, as where faces stick: no cells can be chosen by it"
-    halvings, refine = now.halvings, scene.case.numerics.refine
-    most = MOST_LEVELS - halvings.everywhere - max(refine.tips, refine.kinks + AT_KINKS)
+    halvings = now.halvings
     cracks = []
     for crack, n in enumerate(halvings.cracks):
         share = max(now.shares(crack), default=0.0)
         more = math.ceil(math.log2(min(max(share / target, 1.0), 2.0**MOST_AT_ONCE)))
-        cracks.append(max(n, min(n + more, most)))
+        cracks.append(min(n + more, MOST_LEVELS))
     worst = [max(known.shares()) for known in (now, before) if known is not None]
     wanted = replace(halvings, cracks=tuple(cracks))
     if wanted != halvings and not (len(worst) == 2 and worst[0] > STUCK * worst[1]):
         return wanted, ""
-    if max(halvings.cracks, default=0) >= most:
-        return None, f"cells are halved {MOST_LEVELS} times already, which is the most"
+    if halvings.everywhere >= MOST_LEVELS:
+        return None, f"all cells are halved {MOST_LEVELS} times already"
     return replace(halvings, everywhere=halvings.everywhere + 1), ""

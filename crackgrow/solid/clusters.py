@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from crackgrow import ragged
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tips import TipView, reach_of_tips
-from crackgrow.cover.windows import REGULAR
+from crackgrow.cover.tips import Tip
+from crackgrow.cover.windows import Windows
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.ragged import Ragged, by_row, starts_of
@@ -37,6 +37,11 @@ class Points:
     points: Floats  # (n, 2)
     weights: Floats  # (n, ...) inside: weights, squared spacings; on the rim: outward normal times length (n, 2)
     element: Ints  # (n,)
+
+    @property
+    def counts(self) -> Ints:
+        """Number of points of each element."""
+        return np.diff(self.start)
 
     def of_elements(self, places: Ints) -> Points:
         """Those of some elements (m,), in their order."""
@@ -95,17 +100,21 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     moduli = np.array([(material.c11, material.c12, material.c33) for material in materials])
     tips = enrichment.tips.taken(elements)
     _, pair = enrichment.tips.places(elements)
-    singular = enrichment.place.taken(pair)
+    carriers = enrichment.first.taken(pair)
+    _, carrier = enrichment.first.places(pair)
+    place = enrichment.place.taken(carrier)
+    share = enrichment.share[enrichment.place.places(carrier)[1]]
     over = patches.of_element.taken(elements)
     cell = np.column_stack([cover.elements.cell, cover.elements.size])[elements]
     reference, in_crumb = cover.elements.reference[elements], patches.in_crumb
-    geometry = [_geometry(tip, reach_of_tips(lattice.support) * tip.size) for tip in cover.tips]
-    window = lattice.windows.of_tile[cover.elements.tile[elements]]
+    geometry = [_geometry(tip) for tip in cover.tips]
+    window, names = lattice.windows.of_tile[cover.elements.tile[elements]], _names(lattice.windows)
     inside, rim = clusters.inside, clusters.rim
     found = []
     for cluster in range(clusters.elements.n):
         mine = clusters.span(cluster)
         pairs, owned = (slice(start[mine.start], start[mine.stop]) for start in (tips.start, over.start))
+        carried = slice(carriers.start[pairs.start], carriers.start[pairs.stop])
         at, on = (slice(part.start[mine.start], part.start[mine.stop]) for part in (inside, rim))
         parts: list[NDArray[np.generic]] = [
             np.array([lattice.spacing, lattice.support, *moduli[body[elements[mine.start]]]]),
@@ -115,12 +124,13 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
             reference[mine],
             over.counts[mine],
             np.column_stack([patches.nodes, patches.half])[over.values[owned]],
-            *(lattice.windows.nodes[number] for number in window[mine] if number != REGULAR),
-            *(lattice.windows.half[number] for number in window[mine] if number != REGULAR),
+            names[window[mine]],
             in_crumb[elements[mine]],
             clusters.local_of(cluster),
-            singular.counts[pairs],
-            singular.values[singular.start[pairs.start] : singular.start[pairs.stop]],
+            carriers.counts[pairs],
+            place.counts[carried],
+            place.values[place.start[carried.start] : place.start[carried.stop]],
+            share[place.start[carried.start] : place.start[carried.stop]],
             inside.points[at],
             inside.weights[at],
             rim.points[on],
@@ -151,7 +161,14 @@ def _gathered(cover: Cover) -> Ragged:
     return by_row(cluster[order], cut[order], len(numbers))
 
 
-def _geometry(tip: TipView, reach: float) -> Floats:
+def _names(windows: Windows) -> NDArray[np.uint8]:
+    """A hash of each window (windows, 16)."""
+    found = zip(windows.nodes, windows.half, windows.counts.tolist(), strict=True)
+    digests = [blake2b(nodes[:n].tobytes() + half[:n].tobytes(), digest_size=16).digest() for nodes, half, n in found]
+    return np.frombuffer(b"".join(digests), dtype=np.uint8).reshape(-1, 16)
+
+
+def _geometry(tip: Tip) -> Floats:
     """All that the functions of a tip depend on, as far as they are seen."""
-    seen = int(np.searchsorted(tip.radii, reach)) + 1
+    seen = int(np.searchsorted(tip.radii, tip.carriers.reach)) + 1
     return np.concatenate([tip.point, tip.rotation.ravel(), tip.path[:seen].ravel(), tip.radii[:seen], [tip.fade]])

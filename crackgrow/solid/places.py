@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from crackgrow.arrays import Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
-from crackgrow.cover.tips import N_TIP_FUNCTIONS
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
 from crackgrow.direct import Places
 
 
@@ -20,9 +21,23 @@ def places_of_unknowns(cover: Cover) -> Places:
         near = np.argmin(np.abs(lattice.nodes.places - middle).max(axis=1))
         mine = slice(first + 3 * crumb, first + 3 * crumb + 3)
         nodes[mine], half[mine] = lattice.nodes.places[near], lattice.nodes.half[near]
-    patch = np.concatenate([np.arange(len(half)), *(np.repeat(t.patches, N_TIP_FUNCTIONS) for t in cover.tips)])
     cell, widest = int(lattice.cells.size.min()), int(lattice.nodes.half.max())
     unit = int(np.gcd.reduce(np.concatenate([nodes.ravel(), half, [cell, widest]])))
-    middle, reach = np.repeat(nodes[patch] // unit, 2, axis=0), np.repeat(half[patch] // unit, 2)[:, None]
+    middle, reach = nodes // unit, (half // unit)[:, None]
     last = (QUANTA * np.array(lattice.shape) + widest) // unit
-    return Places(middle - reach, middle + reach, np.full(2, -widest // unit), last, cell // unit)
+    boxes = [(middle - reach, middle + reach), *(_of_tip(tip, middle, reach) for tip in cover.tips)]
+    low, high = (np.repeat(np.concatenate(corners), 2, axis=0) for corners in zip(*boxes, strict=True))
+    return Places(low, high, np.full(2, -widest // unit), last, cell // unit)
+
+
+def _of_tip(tip: Tip, middle: Ints, reach: Ints) -> tuple[Ints, Ints]:
+    """Lower left and upper right corners (n, 2) of the functions of a tip, whose patches have `middle` and `reach`.
+
+    No box of several patches has the middle of one patch: boxes are known by their middles.
+    """
+    begin = np.searchsorted(tip.carriers.number, np.arange(tip.carriers.n))
+    low = np.minimum.reduceat((middle - reach)[tip.patches], begin)
+    high = np.maximum.reduceat((middle + reach)[tip.patches], begin)
+    several = np.diff(begin, append=len(tip.patches)) > 1
+    high[:, 0] += several & ((low + high)[:, 0] % 2 == 0)
+    return np.repeat(low, N_TIP_FUNCTIONS, axis=0), np.repeat(high, N_TIP_FUNCTIONS, axis=0)

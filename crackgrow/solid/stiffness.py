@@ -3,21 +3,17 @@
 All plain elements of one shape, at the same place of their cell, share the gradients at their quadrature points, hence
 one element matrix per material. The others are integrated one by one and summed cluster by cluster; a cluster that the
 configuration before had too is not integrated again.
-
-The gradients are corrected so that those of every element satisfy the divergence theorem at its quadrature points: the
-linear patch test then passes at round-off whatever the rules, and the matrix stays symmetric (after Chen et al. 2001,
-who smooth the gradients over nodal cells; here their deviation from the mean over an element is kept).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, half, sum_of
@@ -27,6 +23,7 @@ from crackgrow.quadrature.rules import square
 from crackgrow.ragged import starts_of
 from crackgrow.solid.clusters import Clusters, clusters_of, keys
 from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.element_products import Products, consistent, products, products_over
 
 BATCH = 500000
 """Values of functions at points that are held at once."""
@@ -78,21 +75,6 @@ def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats
     return _elastic(material, xx, xy, xy.T, yy).transpose(2, 0, 3, 1)
 
 
-def products(gradients: Floats, weights: Floats) -> tuple[Floats, Floats, Floats]:
-    """Integrals of phi_i,x phi_j,x, phi_i,x phi_j,y and phi_i,y phi_j,y, each (k, k), as `element_matrix`."""
-    x, y = gradients * np.sqrt(weights)
-    return x @ x.T, x @ y.T, y @ y.T
-
-
-def consistent(gradients: Floats, weights: Floats, rim_values: Floats, normals: Floats) -> Floats:
-    """Gradients (2, k, n) of k functions at quadrature points with weights (n,), shifted by a constant per function.
-
-    Their integral then equals that of phi n along the rim, given by values (k, m) and normals times lengths (m, 2).
-    """
-    shift = ((rim_values @ normals).T - gradients @ weights) / weights.sum()
-    return np.asarray(gradients + shift[:, :, None])
-
-
 def _elastic(material: PlaneElasticity, xx: Floats, xy: Floats, yx: Floats, yy: Floats) -> Floats:
     """The matrix (2, 2, ...) [component, component, pair of functions] from their `products` (...)."""
     c11, c12, c33 = material.c11, material.c12, material.c33
@@ -123,29 +105,16 @@ def _integrated(
     for batch in _batches(clusters, chosen):
         _, at = clusters.elements.places(np.array(batch))
         inside, rim = clusters.inside.of_elements(at), clusters.rim.of_elements(at)
-        elements = zip(
-            basis_at(cover, inside.points, inside.element).by_element(np.diff(inside.start)),
-            np.split(inside.weights, inside.start[1:-1]),
-            values_at(cover, rim.points, rim.element).by_element(np.diff(rim.start)),
-            np.split(rim.weights, rim.start[1:-1]),
-            strict=True,
-        )
+        terms = iter(products_over(cover, clusters.elements.values[at], clusters.local.counts[at], inside, rim))
         for number in batch:
             k, span = len(clusters.functions[number]), clusters.span(number)
-            places: list[Ints] = []
-            terms: list[tuple[Floats, Floats, Floats]] = []
-            for place in range(span.start, span.stop):
-                basis, weights, (values,), normals = next(elements)
-                mine, own = clusters.local.of(place), consistent(basis[1:], weights, values, normals)
-                places.append((k * mine[:, None] + mine).ravel())
-                terms.append(products(own, weights))
+            local = [clusters.local.of(place) for place in range(span.start, span.stop)]
+            places = [(k * mine[:, None] + mine).ravel() for mine in local]
             material = materials[cover.elements.body[clusters.elements.values[span.start]]]
-            yield number, _half_of_sum(material, k, places, terms)
+            yield number, _half_of_sum(material, k, places, list(islice(terms, len(local))))
 
 
-def _half_of_sum(
-    material: PlaneElasticity, k: int, places: Sequence[Ints], terms: Sequence[tuple[Floats, Floats, Floats]]
-) -> HalfMatrix:
+def _half_of_sum(material: PlaneElasticity, k: int, places: Sequence[Ints], terms: Sequence[Products]) -> HalfMatrix:
     """The half of the matrix of k functions from the `products` of elements at their places in a (k, k) table."""
     place = np.concatenate(places)
     coupled = np.zeros(k * k, dtype=bool)

@@ -30,8 +30,7 @@ from crackgrow.fracture.advance import GrowingCrack  # noqa: E402
 from crackgrow.quadrature.rims import RimPoints  # noqa: E402
 from crackgrow.run.judging import StepSolution  # noqa: E402
 from crackgrow.run.scene import make_scene  # noqa: E402
-from crackgrow.solid import clusters  # noqa: E402
-from crackgrow.solid import stiffness as module  # noqa: E402
+from crackgrow.solid import clusters, element_products, stiffness  # noqa: E402
 from crackgrow.solid.recovery import displacement_at  # noqa: E402
 from tests.solving import solve_step  # noqa: E402
 
@@ -46,13 +45,14 @@ def correction(on: bool) -> Iterator[None]:
     if on:
         yield
         return
-    kept = module.consistent, clusters.rim_points
-    module.consistent = lambda gradients, *_: gradients
+    kept = element_products.consistent, clusters.rim_points
+    element_products.consistent = stiffness.consistent = lambda gradients, *_: gradients
     clusters.rim_points = _no_rims
     try:
         yield
     finally:
-        module.consistent, clusters.rim_points = kept
+        element_products.consistent, clusters.rim_points = kept
+        stiffness.consistent = kept[0]
 
 
 def _no_rims(cover) -> RimPoints:
@@ -118,7 +118,7 @@ def seconds(spacing: float, n: int) -> tuple[float, float]:
         return float(np.median(taken))
 
     return (
-        median(lambda: module.stiffness(cover, scene.materials, n)),
+        median(lambda: stiffness.stiffness(cover, scene.materials, n)),
         median(lambda: solve_step(scene, growing, 1.0)),
     )
 

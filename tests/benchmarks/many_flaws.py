@@ -22,7 +22,7 @@ from crackgrow.fracture.advance import GrowingCrack, advanced
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.stress_intensity import interaction_integrals
 from crackgrow.fracture.tip_stress import tip_fields
-from crackgrow.run.configuration import _geometry
+from crackgrow.run.configuration import crack_geometry
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.stiffness import stiffness_after
 
@@ -86,7 +86,7 @@ def plate(n: int) -> Case:
 
 def covered(scene: Scene, cracks: Sequence[GrowingCrack]) -> Cover:
     """The cover of a configuration."""
-    lines = [_geometry(scene, crack, body) for crack, body in zip(cracks, scene.crack_bodies, strict=True)]
+    lines = [crack_geometry(scene, crack, body) for crack, body in zip(cracks, scene.crack_bodies, strict=True)]
     return build_cover(scene.lattice, scene.bodies, lines)
 
 

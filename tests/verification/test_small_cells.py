@@ -20,16 +20,18 @@ from tests.verification.test_intensity_error import MPA, plate, rows, shipped, w
 
 
 def solved(folder: Path, scene: dict[str, Any], spacing: float, **refine: int) -> StepResult:
-    scene["numerics"] = {"spacing": spacing, "refine": refine}
+    scene["numerics"] = {**scene["numerics"], "spacing": spacing, "refine": refine}
     file = folder / "scene.yaml"
     file.write_text(yaml.safe_dump(scene))
     return next(grow(load_case(file, ["output.frames=none", "output.figures=false", "output.report=false"])))
 
 
+@pytest.mark.parametrize("functions", ["patch", "gathered"])
 @pytest.mark.parametrize(("name", "wanted"), [("grown30", 0.002), ("young30", 0.002)])
-def test_K_of_wings(tmp_path: Path, name: str, wanted: float) -> None:
+def test_K_of_wings(tmp_path: Path, name: str, wanted: float, functions: str) -> None:
     """By finite elements, good to 0.05 % of K_I; with at most 6,000 unknowns."""
     scene = shipped("compression30")
+    scene["numerics"]["tip_functions"] = functions
     scene["cracks"]["flaw"]["path"] = {
         "points": [[float(row["x_mm"]), float(row["y_mm"])] for row in rows(f"{name}_path.csv")]
     }

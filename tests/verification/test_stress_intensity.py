@@ -13,6 +13,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution, TipState
 from crackgrow.run.scene import make_scene
 from tests.solving import solve_step
+from tests.verification.slit_body import plate as series
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = Path(__file__).parent / "references"
@@ -129,6 +130,23 @@ WINGS = {
     "half a spacing": wings((0.75, 100.0)),
     "two increments": wings((2.0, 95.0), (2.0, 100.0)),
 }
+
+
+@pytest.mark.parametrize("spacing", [1.0, 0.95, 0.9])
+@pytest.mark.parametrize("functions", ["patch", "gathered"])
+def test_K_of_an_open_crack_wherever_in_its_cell_a_tip_lies(functions: str, spacing: float) -> None:
+    exact = series(5.0, 45.0, 36.0, 36.0, 1.0)
+    solution = solved("slant_tension", *plate(36, 36, spacing), f"numerics.tip_functions={functions}")
+    assert all(tip.carriers.gathered == (functions == "gathered") for tip in solution.cover.tips)
+    for tip in solution.tips:
+        assert np.abs(tip.K) == pytest.approx(PER_MM * np.abs([exact.K_I, exact.K_II]), rel=3e-4)
+
+
+@pytest.mark.parametrize("spacing", [1.0, 0.75])
+def test_closed_crack_with_gathered_functions(spacing: float) -> None:
+    K_II = closed_row(0.0, np.inf)[1]
+    for tip in closed_crack(0.0, spacing, np.inf, "numerics.tip_functions=gathered"):
+        assert abs(tip.K[1]) == pytest.approx(K_II, rel=2e-4)
 
 
 @pytest.mark.parametrize("path", WINGS.values(), ids=WINGS.keys())

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from crackgrow.case import Case, dump_case, load_case
-from crackgrow.case.accuracy import PRESETS, Preset, automatic_spacing
+from crackgrow.case.accuracy import PRESETS, REFINED_AT, automatic_spacing
 from crackgrow.case.features import Length
 from crackgrow.errors import CaseError
 from crackgrow.results.overview import overview
 
 CASES = Path(__file__).parents[3] / "cases"
 NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
-SIMPLE = Preset(5.0, 2.0, 1.0, 10.0, 8.0, 3.0, 4.0, 2.0, support=2.0, quadrature=4, contact_spacing=1.25)
+SIMPLE = replace(PRESETS["standard"], per_crack=5.0, per_increment=2.0, per_radius=1.0, per_width=10.0, per_feature=8.0)
 WIDE = Length("width", 20.0, "wide")
 
 
@@ -53,8 +54,16 @@ def without_numerics(tmp_path: Path, *lines: str) -> Path:
         ),
     ],
 )
-def test_smallest_length_rules(lengths: list[Length], spacing: float, rule: str):
+def test_smallest_length_rules_where_no_cells_are_halved(lengths: list[Length], spacing: float, rule: str):
     assert automatic_spacing(SIMPLE, lengths) == (spacing, rule)
+
+
+def test_lengths_at_which_cells_are_halved_count_by_the_smallest_cells():
+    lengths = [WIDE, Length("crack", 0.05, "crack"), Length("width", 10.0, "thin")]
+    assert automatic_spacing(SIMPLE, lengths, REFINED_AT["tips"]) == (1.0, "thin / 10")
+    tiny = [*lengths, Length("crack", 0.005, "tiny")]
+    assert automatic_spacing(SIMPLE, tiny, REFINED_AT["tips"]) == (0.512, "tiny / 5 x 2^9")
+    assert automatic_spacing(SIMPLE, tiny, REFINED_AT["corners"]) == (0.001, "tiny / 5")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -63,9 +72,16 @@ def test_every_shipped_case_has_an_automatic_spacing_that_presets_refine(name: s
         shipped(name, "numerics.spacing=auto", f"numerics.accuracy={word}").numerics.spacing for word in PRESETS
     ]
     assert spacings[0] > spacings[1] > spacings[2]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_where_no_cells_are_halved_the_spacings_of_shipped_cases_lie_between_draft_and_fine_or_are_coarser(name: str):
+    uniform = ["numerics.spacing=auto", "numerics.refine={tips: 0, kinks: 0, corners: 0}"]
+    draft, fine = (shipped(name, *uniform, f"numerics.accuracy={word}").numerics for word in ("draft", "fine"))
     given = shipped(name).numerics.spacing
-    assert spacings[0] > 0.5 * given
-    assert spacings[2] < given  # the shipped spacings lie between draft and fine, or are coarser
+    assert draft.spacing > 0.5 * given
+    assert fine.spacing < given
+    assert (fine.refine.tips, fine.refine.kinks, fine.refine.corners) == (0, 0, 0)
 
 
 @pytest.mark.parametrize("word", list(PRESETS))
@@ -74,6 +90,16 @@ def test_preset_is_listed_in_the_resolved_case(word: str, tmp_path: Path):
     preset, listed = PRESETS[word], numerics(case)
     assert (listed["accuracy"], listed["support"], listed["quadrature"]) == (word, preset.support, preset.quadrature)
     assert listed["contact"]["spacing"] == preset.contact_spacing
+    assert listed["spacing"] == pytest.approx(0.031 / preset.per_width, rel=1e-12)
+    assert listed["auto_rule"].startswith("smaller side of body 'rock' / ")
+    assert f"(auto, {word}: smaller side of body 'rock' / " in overview(case)
+    assert listed["refine"] == {"tips": "auto", "kinks": "auto", "corners": "auto", "rings": 2.0}
+
+
+@pytest.mark.parametrize("word", list(PRESETS))
+def test_without_small_cells_the_spacing_resolves_what_they_would(word: str, tmp_path: Path):
+    case = load_case(without_numerics(tmp_path, f"accuracy: {word}", "refine: {tips: 0, kinks: 0, corners: 0}"))
+    preset = PRESETS[word]
     expected = {
         "length of crack 'flaw'": 0.010 / preset.per_crack,
         "growth.increment": 0.002 / preset.per_increment,
@@ -81,9 +107,15 @@ def test_preset_is_listed_in_the_resolved_case(word: str, tmp_path: Path):
         "smaller side of body 'rock'": 0.031 / preset.per_width,
     }
     least = min(expected, key=lambda what: expected[what])
-    assert listed["spacing"] == pytest.approx(expected[least], rel=1e-12)
-    assert listed["auto_rule"].startswith(f"{least} / ")
-    assert f"(auto, {word}: {least} / " in overview(case)
+    assert case.numerics.spacing == pytest.approx(expected[least], rel=1e-12)
+    assert str(case.numerics.auto_rule).startswith(f"{least} / ")
+
+
+def test_a_given_spacing_halves_no_cells_unless_told():
+    given = shipped("compression30").numerics.refine
+    assert (given.tips, given.kinks, given.corners) == (0, 0, 0)
+    asked = shipped("compression30", "numerics.refine={tips: auto}").numerics.refine
+    assert (asked.tips, asked.kinks, asked.corners) == ("auto", 0, 0)
 
 
 def test_explicit_keys_win(tmp_path: Path):
@@ -117,7 +149,7 @@ def test_resolved_automatic_case_reads_back_and_keeps_its_rule(tmp_path: Path):
     assert again.resolved == case.resolved
     assert again.numerics.auto_rule == case.numerics.auto_rule is not None
     assert load_case(path, ["numerics.spacing=0.001"]).numerics.auto_rule is None  # not the rule's number any more
-    assert load_case(path, ["growth.increment=0.0001"]).numerics.auto_rule is None
+    assert load_case(path, ["bodies.rock.shape.rectangle.width=0.032"]).numerics.auto_rule is None
 
 
 @pytest.mark.parametrize(
@@ -136,7 +168,7 @@ def test_fault_of_a_length_is_the_only_one(override: str, key: str):
 
 def test_spacing_that_a_tiny_length_makes_too_fine_tells_its_rule():
     with pytest.raises(CaseError) as caught:
-        shipped("compression30", "numerics.spacing=auto", "growth.increment=0.01")
+        shipped("compression30", "numerics.spacing=auto", "growth.increment=0.000001")
     (fault,) = caught.value.faults
     assert fault.key == "numerics.spacing"
     assert "(auto: growth.increment / " in fault.message
@@ -153,7 +185,6 @@ def test_an_error_of_K_can_be_asked_for(text: str, tmp_path: Path):
     case = load_case(without_numerics(tmp_path, f"accuracy: {text}"))
     assert case.numerics.target == 0.01
     assert numerics(case)["accuracy"] == 0.01
-    assert case.numerics.spacing > load_case(without_numerics(tmp_path, "accuracy: draft")).numerics.spacing
 
 
 def test_names_are_no_targets(tmp_path: Path):

@@ -137,8 +137,7 @@ def test_displacement_under_a_loaded_part_is_that_of_a_fine_lattice(tmp_path: Pa
     ]
     scene = _pressed(20.0, [], loads)
     found = [crackgrow.solve(load(tmp_path, scene, *more)) for more in ([], ["numerics.spacing=0.2"])]
-    given = found[0].case.numerics
-    assert given.auto_rule == "loaded part of the outline of body 'rock' / 2"
+    assert found[0].case.numerics.spacing == 2.0
     depressed, reference = (solution.displacement_at([[0.0, 10.0]])[0, 1] for solution in found)
     assert depressed == pytest.approx(reference, rel=0.02)
 
@@ -149,9 +148,10 @@ def test_parts_that_follow_each_other_count_as_one(tmp_path: Path):
         for start in range(0, 360, 10)
     ]
     scene = _pressed(40.0, [{"disk": {"center": [0, 0], "radius": 2}}], [])
-    whole = load(tmp_path, scene).numerics
-    assert load(tmp_path, {**scene, "loads": parts}).numerics.spacing == whole.spacing
-    few = load(tmp_path, {**scene, "loads": parts[:2]}).numerics
+    uniform = "numerics.refine={tips: 0, kinks: 0, corners: 0}"
+    whole = load(tmp_path, scene, uniform).numerics
+    assert load(tmp_path, {**scene, "loads": parts}, uniform).numerics.spacing == whole.spacing
+    few = load(tmp_path, {**scene, "loads": parts[:2]}, uniform).numerics
     assert few.auto_rule == "loaded part of hole0 of body 'rock' / 2"
     assert few.spacing == pytest.approx(2.0 * np.deg2rad(20.0) / 2, rel=1e-3)
 
@@ -163,7 +163,8 @@ def test_short_interface_counts(tmp_path: Path):
     scene["bodies"] = {name: {"shape": shape, "material": MATERIAL} for name, shape in (("base", base), ("cap", cap))}
     scene["interfaces"] = [{"between": ["cap", "base"], "contact": {"friction": 0.5, "cohesion": 0}}]
     scene["supports"] = [{"on": {"body": "base", "edge": "bottom"}, "displacement": {"x": 0, "y": 0}}]
-    numerics = load(tmp_path, scene).numerics
+    assert load(tmp_path, scene).numerics.spacing == pytest.approx(0.6)
+    numerics = load(tmp_path, scene, "numerics.refine={corners: 0}").numerics
     assert numerics.spacing == pytest.approx(0.1)
     assert numerics.auto_rule == "interface between bodies 'base' and 'cap' / 4"
 
@@ -181,11 +182,12 @@ def test_spacing_given_by_hand_that_misses_a_hole_is_told(tmp_path: Path):
 def test_spacing_that_is_too_fine_tells_what_forces_it_and_a_way_out(tmp_path: Path):
     scene = _pressed(40.0, [{"disk": {"center": [0, 0], "radius": 0.05}}], _in_situ(10, 20))
     with pytest.raises(crackgrow.CaseError) as caught:
-        load(tmp_path, scene)
+        load(tmp_path, scene, "numerics.refine={corners: 0}")
     (fault,) = caught.value.faults
     assert "(auto: width of hole0 of body 'rock' / 8)" in fault.message
-    assert "of 0.021 m or more, at which the width of hole0 of body 'rock' is 4.8 spacings, not 8" in fault.message
+    assert "give a spacing by hand, of 0.021 m or more, or a smaller body" in fault.message
     load(tmp_path, scene, "numerics.spacing=0.021")
+    assert load(tmp_path, scene).numerics.spacing == 4.0  # small cells at the hole alone
 
 
 def test_lengths_are_of_the_kinds_that_presets_know():

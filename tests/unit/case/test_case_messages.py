@@ -34,6 +34,7 @@ def told(*overrides: str) -> str:
         ("cracks.flaw.contact={mu: 0.3, cohesion: 0}", "did you mean 'friction'?"),
         ("bodies.rock.strength={tension: 1, cohesion: 2, phi: 30}", "did you mean 'friction_angle'?"),
         ("spacing=3", "did you mean 'numerics.spacing'?"),
+        ("numerics.tip_functions=gather", "auto | patch | gathered; did you mean 'gathered'?"),
         ("supports[0].at=[0, 0]", "is written with its number, as in 'supports.0.at'"),
     ],
 )
@@ -54,8 +55,8 @@ def test_numerics_may_be_left_out_and_empty(tmp_path: Path):
     for numerics in ("", "numerics: {}\n", "numerics: {accuracy: standard}\n"):
         path.write_text(text[:start] + numerics, encoding="utf-8")
         case = load_case(path)
-        assert (case.numerics.accuracy, case.numerics.spacing) == ("standard", pytest.approx(0.01 / 6))
-    assert "allowed: accuracy, spacing, support, quadrature, refine, contact" in told("numerics.rule=3")
+        assert (case.numerics.accuracy, case.numerics.spacing) == ("standard", pytest.approx(0.0031))
+    assert "allowed: accuracy, spacing, support, quadrature, refine, tip_functions, contact" in told("numerics.rule=3")
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))

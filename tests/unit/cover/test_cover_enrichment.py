@@ -35,7 +35,8 @@ def test_enriched_elements_are_those_of_the_singular_patches(build, support: flo
 def test_every_singular_patch_over_an_element_is_listed_once_with_its_functions(build) -> None:
     cover = build.field_of_cracks(2).cover
     enrichment = cover.enrichment
-    pair, of_element = enrichment.place.row, cover.patches.of_element
+    carrier, of_element = enrichment.place.row, cover.patches.of_element
+    pair, number = enrichment.first.row[carrier], enrichment.first.values[carrier]
     element, tip = enrichment.tips.row[pair], enrichment.tips.values[pair]
     patch = of_element.values[of_element.start[element] + enrichment.place.values]
     listed = set(zip(element.tolist(), tip.tolist(), patch.tolist(), strict=True))
@@ -48,7 +49,8 @@ def test_every_singular_patch_over_an_element_is_listed_once_with_its_functions(
     }
     assert len(patch) == len(listed)
     assert listed == expected
-    np.testing.assert_array_equal(enrichment.first, first[tip, patch])
+    np.testing.assert_array_equal(number, first[tip, patch])
+    np.testing.assert_array_equal(enrichment.share, 1.0)
 
 
 def test_uncut_body_has_no_enrichment(build) -> None:

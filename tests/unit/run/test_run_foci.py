@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
+from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.model import Case
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import CaseError
 from crackgrow.plan.text import plan_text
 from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
-from crackgrow.run.configuration import lay_out
+from crackgrow.run.configuration import first_cells, lay_out
 from crackgrow.run.scene import make_scene
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -90,3 +91,70 @@ def test_contact_remembers_through_cells_of_several_sizes() -> None:
         for settings in ((), ("numerics.refine={tips: 2}",))
     ]
     np.testing.assert_allclose(runs[1], runs[0], atol=0.01 * np.abs(runs[0]).max())
+
+
+FLAW = "cracks.flaw.path={points: [[-5, 0], [5, 0]]}"
+AUTO = "numerics.spacing=auto"
+STANDARD = PRESETS["standard"]
+
+
+def halved_to(size: float, spacing: float) -> float:
+    """Side, in spacings, of the largest halved cell that is no larger than `size` (m)."""
+    return float(2.0 ** -max(0, np.ceil(np.log2(spacing / size))))
+
+
+@pytest.mark.parametrize(
+    ("settings", "size"),
+    [
+        (("growth.steps=0",), 0.010 / STANDARD.per_stretch),
+        (("growth.steps=3", "growth.increment=0.3"), 0.0003 / STANDARD.per_increment),
+        (("growth.steps=3", "growth.tip_stress={radius: 0.2}"), 0.0002 / STANDARD.per_radius),
+        (("growth.steps=0", "cracks.other={path: {points: [[5.5, -3], [5.5, 3]]}}"), 0.0005 / STANDARD.per_room),
+    ],
+)
+def test_automatic_cells_at_tips_follow_length_growth_and_room(settings: tuple[str, ...], size: float) -> None:
+    contact = "cracks.other.contact={friction: 0.3, cohesion: 0}"
+    more = (contact,) if "other" in settings[-1] else ()
+    cover = cover_of(case("compression30", AUTO, FLAW, *settings, *more))
+    (tip,) = (tip for tip in cover.tips if cover.cracks[tip.crack].name == "flaw" and tip.at_end)
+    assert tip.size == halved_to(size, cover.lattice.spacing)
+
+
+@pytest.mark.parametrize(
+    "settings", [(AUTO,), ("numerics.spacing=3",), ("numerics.spacing=3", "numerics.refine.tips=2")]
+)
+def test_the_cells_that_are_told_beforehand_are_those_of_the_first_step(settings: tuple[str, ...]) -> None:
+    scene = case("compression30", *settings)
+    assert first_cells(make_scene(scene)).equal(cover_of(scene).lattice.cells)
+
+
+def test_automatic_cells_at_a_kink_follow_both_parts_beside_it() -> None:
+    long, short = 0.008, 0.001
+    path = f"cracks.flaw.path={{points: [[-8, 0], [0, 0], [0, {1e3 * short}]]}}"
+    cover = cover_of(case("compression30", AUTO, "growth.steps=0", path))
+    wanted = min(long / STANDARD.per_longer, short / STANDARD.per_stretch)
+    assert size_at(cover, (0.0, 0.0)) == halved_to(wanted, cover.lattice.spacing)
+
+
+def test_a_rough_crack_gets_no_cells_for_each_of_its_jogs() -> None:
+    x = np.linspace(-8.0, 8.0, 81)
+    points = np.column_stack([x, 0.05 * (-1.0) ** np.arange(81)])
+    cover = cover_of(case("compression30", AUTO, "growth.steps=0", f"cracks.flaw.path={{points: {points.tolist()}}}"))
+    assert cover.lattice.cells.size.min() / cover.lattice.cells.size.max() >= 0.5 * 0.016 / 200.0 / 0.0031
+    assert cover.n_dofs < 20_000
+
+
+def test_automatic_cells_along_a_hole_follow_its_width() -> None:
+    hole = "bodies.rock.shape.holes=[{disk: {center: [0, 12], radius: 1}}]"
+    cover = cover_of(case("compression30", AUTO, FLAW, "growth.steps=0", hole))
+    wanted = halved_to(0.002 / STANDARD.per_feature, cover.lattice.spacing)
+    assert size_at(cover, (0.0, 0.0132)) == size_at(cover, (-0.0012, 0.012)) == wanted
+    assert size_at(cover, (0.0, -0.025)) == 1.0
+
+
+def test_the_smallest_cells_are_a_512th_of_the_largest() -> None:
+    """A crack of 10 micrometres in a block of 31 mm: the largest cells are smaller, too."""
+    tiny = "cracks.flaw.path={points: [[0, 0], [0.01, 0]]}"
+    cover = cover_of(case("compression30", AUTO, tiny, "growth.steps=0"))
+    assert min(tip.size for tip in cover.tips) >= 2.0**-9
+    assert all(tip.size * cover.lattice.spacing <= 1e-5 / STANDARD.per_crack * 1.0000001 for tip in cover.tips)

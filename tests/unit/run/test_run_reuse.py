@@ -110,11 +110,18 @@ def test_every_stiffness_of_a_run_is_that_of_a_fresh_assembly(
         assert sum(len(result.events) for result in results) >= 1
 
 
-@pytest.mark.parametrize("direction", ["explicit", "implicit"])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ["growth.direction=explicit"],
+        ["growth.direction=implicit"],
+        ["numerics.refine.tips=2", "numerics.tip_functions=gathered"],
+    ],
+)
 def test_a_run_is_the_same_without_anything_taken_over(
-    direction: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    settings: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    case = scene(tmp_path, "most_critical", "growth.steps=2", f"growth.direction={direction}")
+    case = scene(tmp_path, "most_critical", "growth.steps=2", *settings)
     with_it = list(grow(case))
     monkeypatch.setattr(loading, "assemble", lambda own, cracks, before: assemble(own, cracks))
     for result, alone in zip(with_it, grow(case), strict=True):

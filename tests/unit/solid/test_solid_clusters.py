@@ -93,7 +93,9 @@ def test_what_a_plain_matrix_depends_on_is_in_its_key(build, changed: str) -> No
     assert plain_key(cover, kind, material, n) != before
 
 
-@pytest.mark.parametrize("changed", ["material", "quadrature", "fade", "tip", "reference", "points", "spacing"])
+@pytest.mark.parametrize(
+    "changed", ["material", "quadrature", "fade", "tip", "share", "reference", "points", "spacing"]
+)
 def test_what_a_matrix_is_integrated_from_is_in_its_key(build, changed: str) -> None:
     sample = build.field_of_cracks(1)
     cover, material, n = sample.cover, sample.material, 2
@@ -107,6 +109,8 @@ def test_what_a_matrix_is_integrated_from_is_in_its_key(build, changed: str) -> 
         cover = replace(cover, tips=tuple(replace(tip, fade=1.001 * tip.fade) for tip in cover.tips))
     elif changed == "tip":
         cover = replace(cover, tips=tuple(replace(tip, rotation=-tip.rotation) for tip in cover.tips))
+    elif changed == "share":
+        cover = replace(cover, enrichment=replace(cover.enrichment, share=0.5 * cover.enrichment.share))
     elif changed == "reference":
         elements = replace(cover.elements, reference=cover.elements.reference + 1e-12)
         cover = replace(cover, elements=elements)

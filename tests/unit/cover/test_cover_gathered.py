@@ -1,0 +1,92 @@
+"""Tip functions gathered: which tips have the room, what their carriers are, and what is left to patches."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from crackgrow.cover.cover import build_cover
+from crackgrow.cover.gathered import RADIUS, STRAIGHT
+
+SIZE = (24, 20)
+CRACK = [(7.3, 10.2), (16.4, 11.4)]
+"""Its tips have room for each other, and to the outline of a body of `SIZE`."""
+
+
+def gathered_at(build, *cracks: list, levels: int = 0, places=(), size=SIZE) -> list[bool]:
+    """Whether the functions of each tip are gathered."""
+    lines = [build.crack(points, name=f"crack {k}", gathered=True) for k, points in enumerate(cracks)]
+    sample = build.block(size, lines, 2.0, levels, places)
+    return [tip.carriers.gathered for tip in sample.cover.tips]
+
+
+def test_a_gathered_tip_has_three_carriers_whatever_patches_there_are(build) -> None:
+    """One, x and y from the tip, faded out; over all patches within R, on both sides of the crack."""
+    cover = build.block(SIZE, [build.crack(CRACK, gathered=True)], 2.0).cover
+    assert cover.n_functions == len(cover.patch_nodes) + 2 * 4 * 3
+    for tip in cover.tips:
+        assert tip.carriers.n == 3
+        off = cover.patch_nodes - tip.point
+        near = np.flatnonzero(np.hypot(*off.T) < RADIUS)
+        chi = (1.0 - (np.hypot(*off[near].T) / RADIUS) ** 4) ** 2
+        np.testing.assert_array_equal(tip.patches.reshape(3, -1), [near] * 3)
+        np.testing.assert_allclose(tip.carriers.shares.reshape(3, -1), chi * [np.ones(len(near)), *off[near].T])
+        nodes = cover.patch_nodes[near]
+        assert len(np.unique(nodes, axis=0)) < len(nodes)  # the crack cuts some of them in two
+
+
+def test_functions_are_numbered_without_gaps_also_where_only_some_are_gathered(build) -> None:
+    one, other = build.crack(CRACK, gathered=True), build.crack([(4.2, 3.1), (14.8, 3.9)], name="other")
+    cover = build.block(SIZE, [one, other], 2.0).cover
+    assert [tip.carriers.gathered for tip in cover.tips] == [True, True, False, False]
+    firsts = np.unique(np.concatenate([tip.functions for tip in cover.tips]))
+    np.testing.assert_array_equal(firsts, np.arange(len(cover.patch_nodes), cover.n_functions, 4))
+    seen = cover.functions_on(np.arange(cover.elements.n)).values
+    np.testing.assert_array_equal(np.unique(seen), np.arange(cover.n_functions))
+
+
+@pytest.mark.parametrize(("distance", "room"), [(0.96 * RADIUS, False), (1.04 * RADIUS, True)])
+def test_nothing_else_may_be_within_the_radius(build, distance: float, room: bool) -> None:
+    """Another crack, or the outline: beside the tip, or ahead of it."""
+    across = [(16.4 + distance, 8.0), (16.4 + distance, 15.0)]
+    assert gathered_at(build, CRACK, across, size=(40, 20))[:2] == [True, room]
+    beside = [(12.0, 11.4 + distance), (20.0, 11.4 + distance)]
+    assert gathered_at(build, CRACK, beside, size=(24, 30))[:2] == [True, room]
+    right = 24.5 - distance
+    assert gathered_at(build, [(right - 10.0, 10.2), (right, 10.4)]) == [True, room]
+
+
+def test_the_radius_goes_by_the_cells_at_the_tip(build) -> None:
+    beside = [(14.0, 13.4), (20.0, 13.4)]
+    assert gathered_at(build, CRACK, beside)[1] is False
+    assert gathered_at(build, CRACK, beside, levels=2, places=[CRACK[1]])[1] is True
+
+
+@pytest.mark.parametrize(("length", "room"), [(0.9 * STRAIGHT, False), (1.1 * STRAIGHT, True)])
+def test_the_last_segment_is_not_too_short(build, length: float, room: bool) -> None:
+    kinked = [*CRACK, (16.4, 11.4 + length)]
+    assert gathered_at(build, kinked) == [True, room]
+
+
+@pytest.mark.parametrize(("length", "room"), [(7.5, False), (8.5, True)])
+def test_a_crack_as_far_as_its_functions_are_seen(build, length: float, room: bool) -> None:
+    """Farther than R by half the diagonal of a patch; also of a crack from the side."""
+    assert gathered_at(build, [(7.3, 10.2), (7.3 + length, 10.2)]) == [room, room]
+    crack = replace(build.crack([(0.5, 10.2), (0.5 + length, 10.2)], (False, True)), gathered=True)
+    assert build.block(SIZE, [crack], 2.0).cover.tips[0].carriers.gathered is room
+
+
+def test_a_crack_that_turns_back_keeps_to_patches(build) -> None:
+    back = [(16.0, 14.2), (13.0, 12.2), (8.0, 11.4), (15.0, 10.2)]
+    assert gathered_at(build, back)[1] is False
+
+
+def test_without_the_wish_nothing_is_gathered_and_with_it_patches_stay_as_they_are(build) -> None:
+    sample = build.block(SIZE, [build.crack(CRACK)], 2.0)
+    one = sample.cover
+    other = build_cover(sample.lattice, one.bodies, [replace(one.cracks[0], gathered=True)])
+    assert not any(tip.carriers.gathered for tip in one.tips)
+    np.testing.assert_array_equal(one.patch_nodes, other.patch_nodes)
+    np.testing.assert_array_equal(one.patches.of_element.values, other.patches.of_element.values)
