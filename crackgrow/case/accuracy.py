@@ -5,8 +5,9 @@ The numbers are chosen from the measurement of `crackgrow trade`: tests/benchmar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Container, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from crackgrow.case.features import Kind, Length
@@ -110,6 +111,41 @@ PRESETS: Final[Mapping[str, Preset]] = {
         contact_spacing=1.25,
     ),
 }
+
+
+REACHED = 0.01
+"""Target that is met with halvings to spare where a crack is as long as a cell."""
+
+MOST_HALVED = 0.25
+"""Part of the draft's cells along cracks, increments and averaging radii that cells halved there need at least."""
+
+NOTHING = 1e-9
+"""Cells that are asked for along what a target halves cells at by itself."""
+
+
+def preset_of(accuracy: str | float) -> Preset:
+    """The preset of a name, or of a target of the error of K: as the draft, but for what cells are halved at.
+
+    Cells can be halved nine times, so the smaller the target the smaller they are to begin with.
+    """
+    if isinstance(accuracy, str):
+        return PRESETS[accuracy]
+    draft = PRESETS["draft"]
+    part = min(1.0, MOST_HALVED * max(1.0, math.sqrt(REACHED / accuracy)))
+    return replace(
+        draft,
+        per_crack=part * draft.per_crack,
+        per_increment=part * draft.per_increment,
+        per_radius=part * draft.per_radius,
+        per_stretch=NOTHING,
+        per_longer=NOTHING,
+        per_room=NOTHING,
+    )
+
+
+def name_of(accuracy: str | float) -> str:
+    """What messages say of it."""
+    return accuracy if isinstance(accuracy, str) else f"K within {100.0 * accuracy:.3g} %"
 
 
 def automatic_spacing(preset: Preset, lengths: Iterable[Length], refined: Container[Kind] = ()) -> tuple[float, str]:

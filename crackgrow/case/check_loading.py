@@ -26,6 +26,9 @@ def _check_reduction(scene: Scene) -> None:
     if "growth" in scene.resolved:
         message = "strength_reduction is of friction and cohesion of contact, under loads that stay; leave out `growth`"
         scene.report.fault(("loading",), message)
+    if isinstance(scene.get("numerics", "accuracy"), float):
+        message = "an error of K is no target where strength is reduced until the scene fails; wanted: a name"
+        scene.report.fault(("numerics", "accuracy"), message)
     laws = [law for _, law in contact_laws(scene)]
     sound = all(scene.report.sound(key) for key in ("cracks", "interfaces", "supports"))
     if sound and not any(law[key] > 0.0 for law in laws for key in ("friction", "cohesion")):

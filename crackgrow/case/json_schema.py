@@ -13,7 +13,7 @@ from typing import Any, Final
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import ENDINGS, OutlineFile
-from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
+from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
 from crackgrow.case.schema import (
     BY_PARTS,
@@ -66,8 +66,8 @@ def schema_of(spec: Spec) -> Schema:
             return {"type": "array", "items": schema_of(inner), **sized}
         case OneOrList(inner):
             return {"anyOf": [schema_of(inner), schema_of(ListOf(inner))]}
-        case WordOr(words, inner):
-            return {"anyOf": [{"enum": list(words)}, schema_of(inner)]}
+        case WordOr(words, inner, docs):
+            return {"anyOf": [schema_of(Choice(words, docs)), schema_of(inner)]}
         case _:
             return _scalar(spec)
 
@@ -87,6 +87,9 @@ def _scalar(spec: Spec) -> Schema:
             return {"type": "integer", **_limits(bounds)}
         case Quantity(kind, bounds):
             return {"anyOf": [_bare(kind, bounds), _with_unit(kind, bounds)]}
+        case Share(bounds):
+            percent = {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*%\s*$"}
+            return {"anyOf": [{"type": "number", **_limits(bounds)}, percent]}
         case LengthOrAngle():
             texts = [_with_unit(kind, ANY) for kind in ("length", "angle")]
             return {"anyOf": [_bare("length", ANY), *texts]}

@@ -11,7 +11,7 @@ import shapely
 from shapely import LineString
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, PRESETS, REFINED_AT, automatic_spacing
+from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing, preset_of
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
 from crackgrow.case.model import EdgeRegion, Move
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines
@@ -195,8 +195,9 @@ def settle_spacing(scene: Scene) -> None:
     numerics = scene.resolved["numerics"]
     spacing, rule, refine = given, "", numerics["refine"]
     if given == AUTO or "auto_rule" in numerics:
-        refined = [kind for key, kinds in REFINED_AT.items() if refine.get(key, AUTO) == AUTO for kind in kinds]
-        spacing, rule = automatic_spacing(PRESETS[accuracy], _lengths(scene), refined)
+        asked = {key: refine.get(key, AUTO) for key in REFINED_AT if isinstance(accuracy, str) or key == "corners"}
+        refined = [kind for key, levels in asked.items() if levels == AUTO for kind in REFINED_AT[key]]
+        spacing, rule = automatic_spacing(preset_of(accuracy), _lengths(scene), refined)
     followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
     rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
     first = {"accuracy": accuracy, "spacing": spacing if followed else given}

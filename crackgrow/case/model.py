@@ -255,10 +255,15 @@ class Numerics:
     support: float  # half width of a patch, in spacings
     quadrature: int  # Gauss points per direction on an uncut cell
     contact: ContactNumerics
-    accuracy: str = "standard"  # the preset of what the case leaves out
+    accuracy: str | float = "standard"  # the preset of what the case leaves out, or a target of the error of K
     refine: Refinement = Refinement()
     tip_functions: Literal["auto", "patch", "gathered"] = "auto"
     auto_rule: str | None = None  # what gave an automatic spacing; None: it was given
+
+    @property
+    def target(self) -> float | None:
+        """Error of K, over the largest K, that cells are to be halved for; None where they are those of the case."""
+        return None if isinstance(self.accuracy, str) else self.accuracy
 
     @property
     def gathers_tip_functions(self) -> bool:

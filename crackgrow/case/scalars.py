@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path as FilePath
 from typing import Final, Protocol
 
@@ -217,11 +218,34 @@ class Quantity:
 
 
 @dataclass(frozen=True, slots=True)
+class Share:
+    """A part of something, as a number or in percent."""
+
+    bounds: Bounds = ANY
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return f"a part such as 0.01 or 1 %{self.bounds.describe()}"
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the part of one."""
+
+        def convert(text: str) -> float:
+            number = text.strip()
+            if number.endswith("%"):
+                return parse_number(number.removesuffix("%").strip(), Fraction(1, 100))
+            return parse_number(number)
+
+        return _read_float(node, path, context, self, self.bounds, convert, "")
+
+
+@dataclass(frozen=True, slots=True)
 class WordOr:
     """One of a few words, or else what another spec allows."""
 
     words: tuple[str, ...]
     other: Spec
+    docs: tuple[str, ...] = ()  # a line about each of the words
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
@@ -233,9 +257,9 @@ class WordOr:
             return self.other.read(node, path, context)
         if node.text in self.words:
             return node.text
-        if node.plain and is_number(node.text) and isinstance(self.other, Number | Integer | Quantity):
+        if node.plain and is_number(node.text) and isinstance(self.other, Number | Integer | Quantity | Share):
             return self.other.read(node, path, context)
-        if isinstance(self.other, Quantity) and node.text.strip()[:1] in _BEGIN_OF_NUMBER:
+        if isinstance(self.other, Quantity | Share) and node.text.strip()[:1] in _BEGIN_OF_NUMBER:
             return self.other.read(node, path, context)
         hint = did_you_mean(node.text, self.words)
         context.report.fault(path, f"{given(node)} given; wanted: {self.describe()}{hint}")

@@ -18,6 +18,7 @@ from crackgrow.case.scalars import (
     Integer,
     Number,
     Quantity,
+    Share,
     Switch,
     Text,
     WordOr,
@@ -295,8 +296,10 @@ GROWTH: Final = Mapping(
     }
 )
 
-_ACCURACY: Final = Choice(
-    tuple(PRESETS), tuple(f"spacing auto: a crack of {p.per_crack:g} spacings or more" for p in PRESETS.values())
+_ACCURACY: Final = WordOr(
+    tuple(PRESETS),
+    Share(Bounds(at_least=0.001, at_most=0.2)),
+    tuple(f"spacing auto: a crack of {p.per_crack:g} spacings or more" for p in PRESETS.values()),
 )
 _DISCRETIZATION: Final = Choice(
     ("mortar", "gauss"), ("on average round nodes along the faces", "at Gauss points; wants a finite stiffness")
@@ -339,7 +342,7 @@ def _numerics(preset: Preset, spacing: object) -> Mapping:
     )
     return Mapping(
         {
-            "accuracy": Field(_ACCURACY, "preset of what is left out here", STANDARD),
+            "accuracy": Field(_ACCURACY, "preset of what is left out here, or what K may be off by", STANDARD),
             "spacing": Field(WordOr((AUTO,), Quantity("length", POSITIVE)), "lattice spacing h", spacing),
             "auto_rule": Field(Text(), "what gave an automatic spacing", OPTIONAL, offered=False),
             "support": Field(_SUPPORT_WIDTH, "half width of a patch, in spacings", preset.support),

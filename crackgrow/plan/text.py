@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from crackgrow.case.accuracy import name_of
 from crackgrow.case.model import Case
 from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
 from crackgrow.plan.sizes import Sizes, sizes_of
@@ -49,6 +50,10 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
         + f"; {sizes.n_elements} manifold elements",
         f"  {counted(sizes.n_multipliers, 'multiplier')} for supports and bonds",
     ]
+    if case.numerics.target is not None:
+        lines.append(
+            f"  {name_of(case.numerics.target)}: cells are halved where that is missed, or joined; these are the first"
+        )
     if len(sizes.cells) > 1:
         scale, unit = length_unit(case)
         lines.append("  cells: " + ", ".join(f"{n} of {side * scale:.3g} {unit}" for side, n in sizes.cells))
@@ -79,10 +84,13 @@ def _cost(case: Case, cost: Cost) -> list[str]:
     later = f", {_seconds(cost.later_step)} each of {cost.n_later} more{implicit}" if cost.n_later else ""
     total = f"; {_seconds(cost.total)} in all" if cost.n_later else ""
     sure = "within a factor of two" if case.numerics.support <= LARGEST_SUPPORT else "a tenth of it perhaps"
-    return [
+    found = [
         f"estimated cost, {sure}: {_seconds(cost.first_step)} of CPU for the first step{later}{total}, "
         f"without files and pictures; {_memory(cost.memory)} of memory"
     ]
+    if case.numerics.target is not None:
+        found.append("that is of one solve on these cells: the first step takes two to six, later ones one or two")
+    return found
 
 
 def _memory_cautions(cost: Cost) -> list[Caution]:

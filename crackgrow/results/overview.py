@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import STANDARD
+from crackgrow.case.accuracy import STANDARD, name_of
 from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import (
@@ -227,8 +227,8 @@ def _rule(case: Case) -> str:
     """Say what gave an automatic spacing, or that a preset which asks for another one does not."""
     rule, accuracy = case.numerics.auto_rule, case.numerics.accuracy
     if rule is not None:
-        return f" (auto, {accuracy}: {rule})"
-    return "" if accuracy == STANDARD else f" (given, not that of {accuracy})"
+        return f" (auto, {name_of(accuracy)}: {rule})"
+    return "" if accuracy == STANDARD else f" (given, not that of {name_of(accuracy)})"
 
 
 def length_unit(case: Case) -> tuple[float, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -89,6 +90,7 @@ def _all_cautions(
 ) -> Iterator[Caution]:
     for note in (*solution.outcome.notes, *solution.state.notes, *solution.notes):
         yield Cause.NOTE.at(words=note)
+    yield from _off_target(solution)
     if step == 0:
         yield from settings_cautions(scene, solution.cover, solution.faces.n)
     yield from _passing_through(scene, solution, faces)
@@ -108,6 +110,16 @@ def _all_cautions(
     for cause, size in (*sizes, (Cause.IMBALANCE, imbalance(solution))):
         if size > cause.limit:
             yield cause.at(size=size, percent=100.0 * size)
+
+
+def _off_target(solution: StepSolution) -> Iterator[Caution]:
+    """A target of the error of K that is not met."""
+    known, target = solution.accuracy, solution.configuration.scene.case.numerics.target
+    if known is None or target is None or not known.missed:
+        return
+    share = max(known.shares(), default=math.inf)
+    came = f"is within {100.0 * share:.2g} %" if share < 1.0 else "is not known to be within anything"
+    yield Cause.TARGET.at(size=share, wanted=100.0 * target, came=came, why=known.missed)
 
 
 def _on_points(scene: Scene, solution: StepSolution) -> Iterator[Caution]:

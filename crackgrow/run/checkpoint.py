@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.halvings import Accuracy, accuracy_of_record, record_of
 from crackgrow.run.increments import FROM_REST, Origin, Remembered, Start
 from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_record
 
@@ -33,6 +34,7 @@ class RunState:
     origin: Origin | None = None  # of the step's solution; None: there is none yet
     factorizations: int = 1  # of the step, rejected directions of growth included
     notes: tuple[str, ...] = ()  # on how its solution was found
+    accuracy: Accuracy | None = None  # what was measured of its error, on the cells that it was solved on
 
 
 def beginning(case: Case) -> RunState:
@@ -51,6 +53,7 @@ def packed(state: RunState) -> Checkpoint:
         "guess": origin.guess,
         "tips": [[g.crack.tip_at_start, g.crack.tip_at_end] for g in state.cracks],
         "start": None,
+        "accuracy": None if state.accuracy is None else record_of(state.accuracy),
     }
     arrays: dict[str, NDArray[Any]] = {}
     for number, growing in enumerate(state.cracks):
@@ -83,6 +86,7 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         Origin(values["guess"], start),
         values["factorizations"],
         tuple(values["notes"]),
+        accuracy_of_record(values["accuracy"]) if values.get("accuracy") else None,
     )
 
 

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import chain
+from typing import Literal
 
 import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, PRESETS
+from crackgrow.case.accuracy import AUTO, preset_of
 from crackgrow.case.features import line_length, stretches
 from crackgrow.case.model import ContactSupport, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.case.toughness import length_of_average
@@ -39,60 +40,81 @@ def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Latt
 
 
 def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
-    """The places that ask for cells smaller than the largest."""
+    """The places that ask for cells smaller than the largest, and all of the scene where all cells are halved."""
     asking = chain(_at_tips(scene, cracks), _at_kinks(scene, cracks), _at_corners(scene))
-    found = [(place, size) for place, size in asking if size < 1.0]
+    # sizes are those asked for where the cells that nothing is asked of have the side that the case gives
+    everywhere = 0.5**scene.halvings.everywhere
+    finer = everywhere * scene.lattice.spacing / scene.case.numerics.spacing
+    found = [(place, finer * size) for place, size in asking if finer * size < everywhere]
+    if scene.halvings.everywhere:
+        found.append((shapely.box(0.0, 0.0, *map(float, scene.lattice.shape)), everywhere))
     return Focus(np.array([place for place, _ in found], dtype=object), np.array([size for _, size in found]))
 
 
 def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     """Tips: by the length of the crack, of the stretch behind the tip, of what it grows by, and by its room."""
-    halvings, growth = scene.case.numerics.refine.tips, scene.case.growth
-    tips = [(number, crack.seen_from(at_end)) for number, crack in enumerate(cracks) for at_end in crack.tips()]
+    halvings, growth = _asked(scene, scene.case.numerics.refine.tips), scene.case.growth
+    more = [0.5 ** scene.halvings.at_tips(number) for number in range(len(cracks))]
+    tips = [(n, crack, crack.seen_from(end)) for n, crack in enumerate(cracks) for end in crack.tips()]
     if halvings != AUTO:
-        yield from ((shapely.Point(points[0]), 0.5**halvings) for _, points in tips)
+        yield from ((shapely.Point(points[0]), more[n] * _given(scene, halvings)) for n, _, points in tips)
         return
-    preset, spacing = PRESETS[scene.case.numerics.accuracy], scene.lattice.spacing
+    preset, spacing = preset_of(scene.case.numerics.accuracy), scene.lattice.spacing
     others = _Others(scene, cracks)
-    for number, points in tips:
+    for number, crack, points in tips:
         grown = np.inf
         if growth is not None and growth.steps > 0:
             radius = length_of_average(growth, scene.case.bodies[scene.crack_bodies[number]].strength)
             grown = min(growth.increment / preset.per_increment, radius / preset.per_radius) / spacing
         size = min(line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
-        room = others.nearest(cracks[number], points[0], size * preset.per_room) / preset.per_room
-        yield shapely.Point(points[0]), min(grown, max(min(size, room), line_length(points) / preset.per_rough))
+        room = others.nearest(crack, points[0], size * preset.per_room) / preset.per_room
+        least = line_length(points) / preset.per_rough
+        yield shapely.Point(points[0]), more[number] * min(grown, max(min(size, room), least))
 
 
 def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     """Sharp kinks, meetings of cracks, and ends that are no tips: they lie on outlines or on other cracks."""
-    halvings, preset = scene.case.numerics.refine.kinks, PRESETS[scene.case.numerics.accuracy]
-    for line in (*cracks, *scene.interfaces):
+    halvings, preset = _asked(scene, scene.case.numerics.refine.kinks), preset_of(scene.case.numerics.accuracy)
+    more = [0.5 ** scene.halvings.at_kinks(number) for number in range(len(cracks))]
+    given = None if halvings == AUTO else _given(scene, halvings)
+    for line, finer in zip((*cracks, *scene.interfaces), more + [1.0] * len(scene.interfaces), strict=True):
         sharp, parts = stretches(line.points)
         beside = np.sort([parts[:-1], parts[1:]], axis=0)
         sizes = np.minimum(beside[0] / preset.per_stretch, beside[1] / preset.per_longer)
         sizes = np.maximum(sizes, line_length(line.points) / preset.per_rough)
         for place, size in zip(sharp.tolist(), sizes.tolist(), strict=True):
-            yield shapely.Point(line.points[place]), size if halvings == AUTO else 0.5**halvings
-    for crack in cracks:
+            yield shapely.Point(line.points[place]), finer * (size if given is None else given)
+    for crack, finer in zip(cracks, more, strict=True):
         size = line_length(crack.points) / preset.per_crack
         for place, is_tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)):
             if not is_tip:
-                yield shapely.Point(crack.points[place]), size if halvings == AUTO else 0.5**halvings
-    for place, length in _meetings(cracks):
-        yield shapely.Point(place), length / preset.per_crack if halvings == AUTO else 0.5**halvings
+                yield shapely.Point(crack.points[place]), finer * (size if given is None else given)
+    for place, length, both in _meetings(cracks):
+        size = length / preset.per_crack if given is None else given
+        yield shapely.Point(place), min(more[number] for number in both) * size
 
 
 def _at_corners(scene: Scene) -> Asking:
     """Re-entrant corners and places of supports and loads, or all lengths that the stress varies over."""
-    halvings, preset = scene.case.numerics.refine.corners, PRESETS[scene.case.numerics.accuracy]
+    halvings, preset = scene.case.numerics.refine.corners, preset_of(scene.case.numerics.accuracy)
     if halvings != AUTO:
-        yield from ((shapely.Point(p), 0.5**halvings) for p in chain(_corners(scene), _ends_of_regions(scene)))
+        given = _given(scene, halvings)
+        yield from ((shapely.Point(p), given) for p in chain(_corners(scene), _ends_of_regions(scene)))
         return
     for length in scene.lengths:
         if length.where is not None:
             where = shapely.transform(length.where, scene.lattice.to_lattice)
             yield where, length.metres / preset.parts(length.kind) / scene.lattice.spacing
+
+
+def _asked(scene: Scene, halvings: int | Literal["auto"]) -> int | Literal["auto"]:
+    """Halvings at tips and kinks: those for a target are found by the run, and none are asked for by lengths."""
+    return 0 if halvings == AUTO and scene.case.numerics.target is not None else halvings
+
+
+def _given(scene: Scene, halvings: int) -> float:
+    """The size (spacings) of cells of the case halved so often."""
+    return 0.5**halvings * scene.case.numerics.spacing / scene.lattice.spacing
 
 
 class _Others:
@@ -112,23 +134,24 @@ class _Others:
         return float(shapely.distance(tip, self._lines[near[near != own]]).min(initial=np.inf))
 
 
-def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[tuple[Floats, float]]:
-    """Where cracks cross or end on each other, and the length of the shorter one."""
+def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[tuple[Floats, float, tuple[int, int]]]:
+    """Where cracks cross or end on each other, the length of the shorter one, and their numbers."""
     lines = np.array([shapely.LineString(crack.points) for crack in cracks], dtype=object)
     first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
     for i, j in zip(first.tolist(), second.tolist(), strict=True):
         if i < j:
             shorter = float(shapely.length(lines[[i, j]]).min())
             for place in shapely.get_coordinates(shapely.intersection(lines[i], lines[j])):
-                yield place, shorter
+                yield place, shorter, (i, j)
 
 
 def _corners(scene: Scene) -> Iterator[Floats]:
-    """Re-entrant corners; the rock lies on the left of all rings."""
+    """Re-entrant corners, since the rock lies on the left of all rings, and ends of regions."""
     for body in scene.bodies:
         for ring in body.rings:
             turns = kink_angles(np.concatenate([ring[-1:], ring, ring[:1]]))
             yield from ring[turns < -SHARP_CORNER]
+    yield from _ends_of_regions(scene)
 
 
 def _ends_of_regions(scene: Scene) -> Iterator[Floats]:

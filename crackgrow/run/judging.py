@@ -18,6 +18,7 @@ from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity, interaction_integrals
 from crackgrow.fracture.tip_stress import TipField, tip_fields
 from crackgrow.run.configuration import Configuration, timed
+from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -54,6 +55,7 @@ class StepSolution:
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     origin: Origin = FROM_REST
     passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
+    accuracy: Accuracy | None = None  # what was measured of the error of K for a target; None: there is none
 
     @property
     def cover(self) -> Cover:

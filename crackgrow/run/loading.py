@@ -25,6 +25,27 @@ def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | 
     return _loaded(configuration, cracks, _origin(configuration, before))
 
 
+def load_to(
+    scene: Scene,
+    cracks: tuple[GrowingCrack, ...],
+    factor: float,
+    before: StepSolution | None,
+    like: Configuration | None,
+) -> LoadState:
+    """The state at a load factor that `load` would give with it as the critical one, or the last of the history.
+
+    `like` is a configuration that may have parts in common with this one. Raises as `load` does.
+    """
+    configuration = assemble(scene, cracks, like)
+    origin = _origin(configuration, before)
+    if origin.start is not None:
+        return increment(configuration, origin.start, origin.start.factor)
+    if isinstance(scene.case.loading, CriticalLoad):
+        return increment(configuration, held_loads(configuration), factor)
+    assert isinstance(scene.case.loading, LoadHistory)  # reduced strength has a search of its own
+    return _through_history(configuration, scene.case.loading)[0]
+
+
 def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
     """What `load` has made of the cracks, from the origin of that solution. Raises as it does."""
     return _loaded(assemble(scene, cracks), cracks, origin)
@@ -66,11 +87,18 @@ def _loaded(configuration: Configuration, cracks: tuple[GrowingCrack, ...], orig
     elif isinstance(loading, CriticalLoad):
         solution = critically_loaded(configuration, cracks, origin.guess)
     else:
-        start = held_loads(configuration)
-        states: list[LoadState] = []
-        for factor in loading.factors:
-            state = increment(configuration, start, factor)
-            start = from_state(state)
-            states += history_of(state)
-        solution = replace(judged(state), passed=tuple(states[:-1]))
+        assert isinstance(loading, LoadHistory)
+        state, passed = _through_history(configuration, loading)
+        solution = replace(judged(state), passed=passed)
     return replace(solution, origin=origin)
+
+
+def _through_history(configuration: Configuration, loading: LoadHistory) -> tuple[LoadState, tuple[LoadState, ...]]:
+    """The state at the end of a history, and those that led to it where the case asks for them."""
+    start = held_loads(configuration)
+    states: list[LoadState] = []
+    for factor in loading.factors:
+        state = increment(configuration, start, factor)
+        start = from_state(state)
+        states += history_of(state)
+    return state, tuple(states[:-1])

@@ -19,11 +19,12 @@ from crackgrow.run.direction import BeforeAdvance, advance_tips
 from crackgrow.run.error import estimated_error
 from crackgrow.run.increments import Origin
 from crackgrow.run.judging import StepSolution
-from crackgrow.run.loading import load, load_again, load_history
+from crackgrow.run.loading import load, load_again, load_history, load_to
 from crackgrow.run.report import paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.strength_reduction import strength_reduction
+from crackgrow.run.target import Ways, aimed, aimed_history, halvings_after
 from crackgrow.solid.rigid_modes import all_pieces
 
 
@@ -103,6 +104,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             if step == 0:
                 raise
             return RunEnd("failed", f"step {step}: {error}", paths_of(cracks), events)
+        solution = _on_target(cracks, solution, before)
+        scene = replace(scene, halvings=halvings_after(solution))
         n_pieces = n_pieces or len(all_pieces(solution.cover))
         chosen = _choose(growth, cracks, solution, last=step == n_steps)
         result = _reported(scene, RunState(step, cracks, events, n_pieces), solution, chosen)
@@ -112,8 +115,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
         if len(chosen) == 0 and step < n_steps:
             return _stopped(cracks, solution, step, n_pieces)
         if step < n_steps:
-            following = partial(load, scene, before=solution)
-            advance = advance_tips(BeforeAdvance(scene, growth, cracks, step + 1), solution, chosen, following)
+            solve = partial(load, scene, before=solution)
+            advance = advance_tips(BeforeAdvance(scene, growth, cracks, step + 1), solution, chosen, solve)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
     return RunEnd("completed", done, paths_of(cracks))
@@ -121,8 +124,21 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
 
 def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
     """The solution of a step that was solved before; the search for its direction of growth is not repeated."""
+    if begun.accuracy is not None:
+        scene = replace(scene, halvings=begun.accuracy.halvings)
     solution = load_again(scene, begun.cracks, origin)
-    return replace(solution, factorizations=begun.factorizations, notes=begun.notes)
+    return replace(solution, factorizations=begun.factorizations, notes=begun.notes, accuracy=begun.accuracy)
+
+
+def _on_target(cracks: tuple[GrowingCrack, ...], solution: StepSolution, before: StepSolution | None) -> StepSolution:
+    """A step on cells that meet the target of the error of K, if there is one; `before` is the step before."""
+    if solution.configuration.scene.case.numerics.target is None or solution.accuracy is not None:
+        return solution
+    ways = Ways(
+        lambda scene: load(scene, cracks, before),
+        lambda scene, factor, like: load_to(scene, cracks, factor, before, like),
+    )
+    return aimed(solution, cracks, ways, None if before is None else before.accuracy)
 
 
 def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
@@ -130,7 +146,8 @@ def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSo
     assert isinstance(scene.case.loading, LoadHistory)  # critical loads need a criterion: the case was checked
     cracks = begun.cracks
     chosen = np.empty(0, dtype=np.int64)
-    for step, solution in enumerate(load_history(scene, cracks, begun.step, begun.origin), begun.step):
+    histories = load_history if scene.case.numerics.target is None else partial(aimed_history, known=begun.accuracy)
+    for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin), begun.step):
         result = _reported(scene, RunState(step, cracks), solution, chosen)
         yield result, solution
     n = len(scene.case.loading.factors)
@@ -178,7 +195,13 @@ def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Int
     """The step's result; frames are made where files or figures can want them."""
     output = scene.case.output
     result = step_result(state, solution, chosen, output.frames != "none" or output.figures)
-    solved = replace(state, origin=solution.origin, factorizations=solution.factorizations, notes=solution.notes)
+    solved = replace(
+        state,
+        origin=solution.origin,
+        factorizations=solution.factorizations,
+        notes=solution.notes,
+        accuracy=solution.accuracy,
+    )
     return replace(result, checkpoint=packed(solved))
 
 

@@ -10,16 +10,10 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.toughness import averaging_radius, toughness_of
-from crackgrow.contact.cell_lengths import cell_lengths
-from crackgrow.contact.coulomb import OPEN
-from crackgrow.contact.faces import FacePoints, joined, points_at
-from crackgrow.contact.jump import gap_and_slip
-from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
@@ -28,16 +22,9 @@ from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions
-from crackgrow.run.result import (
-    ContactPoints,
-    CrackFaces,
-    CrackPath,
-    Frame,
-    FrameOnDemand,
-    StepResult,
-    TipResult,
-)
+from crackgrow.run.result import CrackPath, Frame, FrameOnDemand, StepResult, TipResult
 from crackgrow.run.scene import Scene
+from crackgrow.run.surface_samples import along_surfaces
 from crackgrow.solid.elasticity import PlaneElasticity
 
 
@@ -50,8 +37,9 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     """The result of a step, of whose tips the `chosen` advance."""
     started = time.perf_counter()
     outcome, scene, paths = solution.outcome, solution.configuration.scene, paths_of(state.cracks)
-    contact, faces = _along_surfaces(solution, scene)
-    errors = intensity_errors(scene, solution, faces)
+    contact, faces = along_surfaces(solution, scene)
+    known = solution.accuracy
+    errors = intensity_errors(scene, solution, faces) if known is None else [(bound, bound) for bound in known.bounds]
     tips = tuple(_tip(solution, tip, tip in chosen, scene, error) for tip, error in enumerate(errors))
     shares = overlap_shares(scene, solution, faces)
     error = estimated_error(solution) if state.step == 0 else None
@@ -137,58 +125,6 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error
         K_I_spread=state.intensity.K_I_spread,
         K_II_spread=state.intensity.K_II_spread,
         cell_size=cover.tips[tip].size * scene.lattice.spacing,
-    )
-
-
-def _along_surfaces(solution: StepSolution, scene: Scene) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
-    """Contact points and samples of all surfaces; opening and slip are the jump of displacement at the points."""
-    cover, nodes = solution.cover, solution.faces.nodes
-    samples = [_samples(solution, index) for index in range(len(cover.surfaces))]
-    jumps = np.stack(gap_and_slip(cover, joined([nodes, *samples]), solution.outcome.u))
-    at_nodes, *along = np.split(jumps, np.cumsum([len(part.s) for part in (nodes, *samples)])[:-1], axis=1)
-    faces = [_faces(solution, scene, *each) for each in zip(range(len(samples)), samples, along, strict=True)]
-    return _contact(solution, scene, at_nodes), tuple(faces)
-
-
-def _contact(solution: StepSolution, scene: Scene, jump: Floats) -> ContactPoints:
-    """Tractions and states as solved, with the `jump` (2, n) m at the points."""
-    faces, outcome = solution.faces, solution.outcome
-    return ContactPoints(
-        crack=tuple(solution.cover.surfaces[index].name for index in faces.surface.tolist()),
-        s=faces.s * scene.lattice.spacing,
-        points=scene.lattice.to_metres(faces.nodes.points),
-        normal_traction=outcome.normal_traction,
-        tangential_traction=outcome.tangential_traction,
-        opening=jump[0],
-        slip=jump[1],
-        state=outcome.state,
-        mean_opening=outcome.gap,
-        mean_slip=outcome.slip,
-    )
-
-
-def _samples(solution: StepSolution, index: int) -> FacePoints:
-    """The ends of all edges of a surface and its contact points, each place once."""
-    cover, faces = solution.cover, solution.faces
-    places = np.sort(np.concatenate([cover.surfaces[index].edges.s.ravel(), faces.s[faces.surface == index]]))
-    return points_at(cover, index, places[np.diff(places, prepend=-np.inf) > SAME_PLACE])
-
-
-def _faces(solution: StepSolution, scene: Scene, index: int, samples: FacePoints, jump: Floats) -> CrackFaces:
-    """Jump (2, n) m, tractions and state of one surface at its samples."""
-    faces, outcome, s = solution.faces, solution.outcome, samples.s
-    nearest = nearest_contact_point(faces, index, s)
-    normal, tangential = between_contact_points(faces, index, s, outcome.normal_traction, outcome.tangential_traction)
-    return CrackFaces(
-        crack=solution.cover.surfaces[index].name,
-        s=s * scene.lattice.spacing,
-        points=scene.lattice.to_metres(samples.points),
-        opening=jump[0],
-        slip=jump[1],
-        normal_traction=normal,
-        tangential_traction=tangential,
-        state=np.append(outcome.state, OPEN)[nearest],  # the last entry serves the index -1
-        cell_size=cell_lengths(solution.cover, index).size(s) * scene.lattice.spacing,
     )
 
 

@@ -55,7 +55,7 @@ class TipResult:
     criticality: float  # strength ratio: >= 1 where the criterion is met
     kink_deg: float  # degrees, from the tip's direction to the growth direction, counter-clockwise
     advanced: bool
-    K_I_error: float  # Pa sqrt(m), bound of what K_I is off by: see `run.intensity_error`
+    K_I_error: float  # Pa sqrt(m), bound of what K_I is off by: see `run.intensity_error`, `run.doubled_cells`
     K_II_error: float  # Pa sqrt(m)
     K_radius: float  # m, of the disc
     K_note: str  # why the disc is smaller than usual, or missing; empty where it is not

@@ -26,6 +26,8 @@ from crackgrow.case.toughness import averaging_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.supports import body_index
 
@@ -72,6 +74,7 @@ class Scene:
     crack_bodies: tuple[int, ...]  # crack by crack, the body it lies in
     lengths: tuple[Length, ...]  # what the stress varies over besides cracks
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
+    halvings: Halvings = AS_GIVEN  # what a target of the error of K asks for
 
     def fluid_pressure(self, crack: int, load_factor: float, places: Floats) -> Floats:
         """Pressure (n,) Pa on the faces of a crack at places (n, 2) m, at a load factor."""
@@ -124,10 +127,18 @@ def _share(load: Load, load_factor: float) -> float:
 
 
 def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
-    """Place the lattice, moved by `offset` spacings for studies, and evaluate the materials of a case."""
+    """Place the lattice, moved by `offset` spacings for studies, and evaluate the materials of a case.
+
+    Where a target of the error of K is asked for, its cells are twice the spacing, and halved everywhere: so all can be
+    twice as large on the same lattice.
+    """
     corners = np.concatenate([body.outline for body in case.bodies])
     numerics, box = case.numerics, (corners.min(axis=0), corners.max(axis=0))
-    lattice = place_lattice(*box, numerics.spacing, numerics.support, offset)
+    halvings = AS_GIVEN
+    if numerics.target is not None:
+        lengths = [float(arc_lengths(crack.points)[-1]) for crack in case.cracks]
+        halvings = first_halvings(numerics.target, numerics.spacing, lengths)
+    lattice = place_lattice(*box, numerics.spacing * 2**halvings.everywhere, numerics.support, offset)
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
     laws = [SurfaceLaw("crack", c.contact, False, _stiffness(case, (c.body,))) for c in case.cracks]
@@ -160,6 +171,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
         crack_bodies=crack_bodies,
         lengths=_lengths(case),
         laws=tuple(laws),
+        halvings=halvings,
     )
 
 

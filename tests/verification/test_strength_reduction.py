@@ -169,3 +169,11 @@ def test_faults(old: str, new: str, words: str, tmp_path: Path) -> None:
     (fault,) = caught.value.faults
     assert fault.key == "loading"
     assert words in fault.message
+
+
+def test_a_target_of_K_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(CaseError) as caught:
+        load_case(written(tmp_path, FLAT), ["numerics.accuracy=1 %"])
+    (fault,) = caught.value.faults
+    assert fault.key == "numerics.accuracy"
+    assert "wanted: a name" in fault.message

@@ -178,3 +178,14 @@ def test_a_word_that_is_no_preset_is_the_only_fault_of_a_case_without_spacing(tm
     with pytest.raises(CaseError) as caught:
         load_case(without_numerics(tmp_path, "accuracy: finest"))
     assert [fault.key for fault in caught.value.faults] == ["numerics.accuracy"]
+
+
+@pytest.mark.parametrize("text", ["1 %", "1%", "0.01", "1e-2"])
+def test_an_error_of_K_can_be_asked_for(text: str, tmp_path: Path):
+    case = load_case(without_numerics(tmp_path, f"accuracy: {text}"))
+    assert case.numerics.target == 0.01
+    assert numerics(case)["accuracy"] == 0.01
+
+
+def test_names_are_no_targets(tmp_path: Path):
+    assert load_case(without_numerics(tmp_path, "accuracy: fine")).numerics.target is None

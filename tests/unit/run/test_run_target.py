@@ -1,0 +1,148 @@
+"""Cells that are halved for a target of the error of K, what is told where they can't be, and what is kept of it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.run import grow
+from crackgrow.run import target as target_file
+from crackgrow.run.caution import Cause
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.configuration import lay_out
+from crackgrow.run.doubled_cells import doubled
+from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
+from crackgrow.run.loop import solved_steps
+from crackgrow.run.result import Checkpoint, StepResult
+from crackgrow.run.scene import make_scene
+from crackgrow.run.target import halvings_after
+
+CASES = Path(__file__).parents[3] / "cases"
+QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
+
+
+def case(name: str, target: str, *settings: str) -> Case:
+    return load_case(
+        CASES / f"{name}.yaml", ["numerics.spacing=auto", f"numerics.accuracy={target}", *settings, *QUIET]
+    )
+
+
+def shares(step: StepResult) -> list[float]:
+    """Bounds of K over the largest K, tip by tip."""
+    largest = max(np.hypot(tip.K_I, tip.K_II) for tip in step.tips)
+    return [max(tip.K_I_error, tip.K_II_error) / largest for tip in step.tips]
+
+
+def told(step: StepResult) -> list[str]:
+    return [caution.words for caution in step.cautions if caution.cause is Cause.TARGET]
+
+
+@pytest.mark.parametrize("target", [0.05, 0.02, 0.005])
+def test_bounds_of_K_are_within_the_target(target: float) -> None:
+    step = next(grow(case("compression30", str(target))))
+    assert max(shares(step)) <= target
+    assert told(step) == []
+
+
+def test_a_smaller_target_takes_smaller_cells() -> None:
+    steps = [next(grow(case("compression30", target))) for target in ("5 %", "1 %")]
+    assert np.all(np.diff([step.tips[0].cell_size for step in steps]) < 0.0)
+    assert np.all(np.diff([step.n_dofs for step in steps]) > 0)
+
+
+def test_doubled_cells_are_twice_as_large_at_the_tips_and_away_from_them() -> None:
+    scene = make_scene(case("compression30", "2 %", "numerics.refine.corners=1"))
+    covers = [lay_out(each, beginning(scene.case).cracks)[0] for each in (scene, doubled(scene))]
+    small, large = (cover.lattice.cells.size for cover in covers)
+    assert (large.min(), large.max()) == (2 * small.min(), 2 * small.max())
+    assert [2.0 * tip.size for tip in covers[0].tips] == [tip.size for tip in covers[1].tips]
+    assert covers[0].lattice.spacing == covers[1].lattice.spacing == 2.0 * scene.case.numerics.spacing
+
+
+def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
+    """Each step is within the target, and K of some of them is not measured anew on other cells."""
+    steps = list(grow(case("compression30", "3 %", "growth.steps=5")))
+    assert max(max(shares(step)) for step in steps) <= 0.03 + 1e-12
+    assert sum(step.factorizations == 1 for step in steps) >= 1
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ("growth.steps=2",),
+        ("growth.steps=2", "growth.unload_between_steps=false", "cracks.flaw.contact.friction=0.3"),
+    ],
+)
+def test_a_run_that_was_broken_off_goes_on_to_the_same_bits(settings: tuple[str, ...]) -> None:
+    aim = case("compression30", "3 %", *settings)
+    whole = list(grow(aim))
+    kept = whole[1].checkpoint
+    assert kept is not None
+    again = Checkpoint(kept.step, json.loads(json.dumps(kept.values)), kept.arrays)
+    rest = list(grow(aim, again))
+    columns = ("K_I", "K_II", "K_I_error", "K_II_error", "cell_size")
+    assert [[getattr(tip, name) for tip in step.tips for name in columns] for step in rest] == [
+        [getattr(tip, name) for tip in step.tips for name in columns] for step in whole[1:]
+    ]
+    assert [step.factorizations for step in rest] == [step.factorizations for step in whole[1:]]
+
+
+def test_every_load_of_a_history_meets_the_target() -> None:
+    steps = list(grow(case("cyclic_friction", "3 %", "loading.history=[0.5, 1.0, 0.8]")))
+    assert len(steps) == 3
+    for step in steps:
+        assert max(shares(step)) <= 0.03 or told(step)
+
+
+def test_a_scene_without_tips_is_told_of() -> None:
+    step = next(grow(case("block_rigid", "1 %")))
+    assert ["no crack has a tip" in words for words in told(step)] == [True]
+
+
+def test_faces_that_stick_leave_no_K_to_aim_at() -> None:
+    step = next(grow(case("compression30", "1 %", "cracks.flaw.contact.friction=2")))
+    (words,) = told(step)
+    assert "stick" in words
+    assert step.n_dofs < 10_000
+
+
+def test_a_target_that_takes_too_many_unknowns_ends_with_what_was_reached(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(target_file, "MOST_UNKNOWNS", 100)
+    step = next(grow(case("compression30", "0.1 %")))
+    (words,) = told(step)
+    assert "within 0.1 %" in words
+    assert "at most 100 " in words
+    assert f"is within {100.0 * max(shares(step)):.2g} %" in words
+
+
+def test_a_target_that_cells_halved_nine_times_miss_ends_and_says_so() -> None:
+    points = "[[-1 mm, 0], [1 mm, 0], [1.2 mm, 0.8 mm]]"
+    step = next(grow(case("compression30", "0.1 %", "numerics.spacing=15", f"cracks.flaw.path={{points: {points}}}")))
+    (words,) = told(step)
+    assert "9 times" in words
+
+
+def test_what_is_known_comes_back_from_plain_data() -> None:
+    known = Accuracy(Halvings(1, (3, 0)), ((0, False), (1, True)), (2.5, math.nan), 7.0, (0.1, 0.0), 0.2, "why")
+    again = accuracy_of_record(json.loads(json.dumps(record_of(known), allow_nan=False)))
+    assert (again.halvings, again.ends, again.largest) == (known.halvings, known.ends, known.largest)
+    assert (again.grown, again.fitted, again.missed, again.bounds[0]) == (known.grown, 0.2, "why", 2.5)
+    assert math.isnan(again.bounds[1])
+    assert (again.shares(), again.shares(1)) == ([2.5 / 7.0], [])
+
+
+def test_cells_are_joined_where_K_is_far_better_than_asked_for() -> None:
+    scene = make_scene(case("compression30", "1 %"))
+    known = Accuracy(scene.halvings, ((0, False), (0, True)), (1e-4, 2e-4), 1.0)
+    (step, solution) = next(solved_steps(scene.case))
+    assert step.n_dofs > 0
+    assert halvings_after(replace(solution, accuracy=known)).cracks == (scene.halvings.cracks[0] - 1,)
+    near = replace(known, bounds=(8e-3, 1e-4))
+    assert halvings_after(replace(solution, accuracy=near)) == scene.halvings

@@ -1,0 +1,76 @@
+"""K on cells that a run chooses for a target of its error: it is within the target, and the bound holds.
+
+Measured (`crackgrow/run/doubled_cells.py`): of 39 pairs of a scene and a target of 3, 1 or 0.3 % the true error is
+within the target in 37, and the run says of the others that it is not met.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from crackgrow.case import load_case
+from crackgrow.run import grow
+from crackgrow.run.caution import Cause
+from tests.verification.test_intensity_error import MPA, plate, rows, shipped, winged
+
+Scene = tuple[dict[str, Any], list[tuple[float, float]]]
+"""A scene and K of the start and the end of its flaw, Pa sqrt(m)."""
+
+
+def grown(name: str) -> Scene:
+    scene = shipped("compression30")
+    points = [[float(row["x_mm"]), float(row["y_mm"])] for row in rows(f"{name}_path.csv")]
+    scene["cracks"]["flaw"]["path"] = {"points": points}
+    found = {row["tip"]: row for row in rows("grown_K.csv") if row["scene"] == name}
+    columns = ("K_I_MPa_sqrtm", "K_II_MPa_sqrtm")
+    K = [(MPA * float(found[tip][columns[0]]), MPA * float(found[tip][columns[1]])) for tip in ("start", "end")]
+    return scene, K
+
+
+def wide(number: int) -> Scene:
+    row = rows("wing_K_contact.csv")[number]
+    angle = float(row["flaw_angle_from_x_deg"])
+    turn = 70.5288 if row["wing"] == "hoop" else 90.0 - angle
+    points = winged(1.0, angle, float(row["l_over_a"]), turn)
+    root = MPA * np.sqrt(np.pi * 1e-3)
+    K = (root * float(row["K_I"]), root * float(row["K_II"]))
+    return plate(points, 100.0, 1.0, float(row["lateral_over_axial"]), float(row["mu"])), [K, K]
+
+
+def straight(angle: float, axial: float, lateral: float, friction: float) -> Scene:
+    a, root = np.deg2rad(angle), MPA * np.sqrt(np.pi * 1e-3)
+    normal = -(axial * np.cos(a) ** 2 + lateral * np.sin(a) ** 2)
+    shear = (axial - lateral) * np.sin(a) * np.cos(a)
+    K = (root * normal, -root * shear) if normal > 0.0 else (0.0, -root * max(0.0, shear + friction * normal))
+    return plate(winged(1.0, angle, 1.0, 0.0)[1:3], 100.0, axial, lateral, friction), [K, K]
+
+
+SCENES = {
+    "grown": lambda: grown("grown30"),
+    "young": lambda: grown("young30"),
+    "closed with wings": lambda: wide(4),
+    "friction 0.3": lambda: straight(45.0, 10.0, 2.0, 0.3),
+    "open": lambda: straight(20.0, -10.0, -3.0, 0.0),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "target"),
+    [*((name, target) for name in SCENES for target in (0.03, 0.01)), ("young", 0.003), ("friction 0.3", 0.003)],
+)
+def test_K_is_within_the_target(tmp_path: Path, name: str, target: float) -> None:
+    scene, truth = SCENES[name]()
+    scene["numerics"] = {"accuracy": target}
+    file = tmp_path / "scene.yaml"
+    file.write_text(yaml.safe_dump(scene))
+    step = next(grow(load_case(file, ["output.frames=none", "output.figures=false", "output.report=false"])))
+    largest = max(np.hypot(*K) for K in truth)
+    off = max(np.hypot(tip.K_I - K[0], tip.K_II - K[1]) for tip, K in zip(step.tips, truth, strict=True))
+    assert off <= target * largest
+    assert not any(caution.cause is Cause.TARGET for caution in step.cautions)
+    assert step.n_dofs < 25_000
