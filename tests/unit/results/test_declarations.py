@@ -39,20 +39,22 @@ def test_every_file_that_a_run_writes_is_declared(folder: Path) -> None:
     unknown = {name for name in written if not any(declared(file.name).fullmatch(name) for file in RUN)}
     assert unknown == set()
     missing = {file.name for file in RUN if not any(declared(file.name).fullmatch(name) for name in written)}
-    assert missing == {"figures/load_curve.png"}  # its load factor does not vary
+    assert missing == {"figures/load_curve.png", "history.csv"}  # its load factor does not vary, it names no points
 
 
 def test_tables_have_the_columns_that_are_declared(folder: Path) -> None:
     tables = sorted(path.name for path in folder.glob("*.csv"))
     known = {file.name: file.header for file in RUN}
-    assert tables == sorted(name for name in known if name.endswith(".csv"))
+    assert tables == sorted(name for name in known if name.endswith(".csv") and name != "history.csv")
     for name in tables:
         with (folder / name).open(newline="") as file:
             assert tuple(next(csv.reader(file))) == known[name]
 
 
 def test_the_summary_has_the_keys_that_are_declared(folder: Path) -> None:
-    assert tuple(json.loads((folder / SUMMARY.name).read_text())) == SUMMARY.header
+    of_reduced_strength = {"safety"}
+    wanted = tuple(key for key in SUMMARY.header if key not in of_reduced_strength)
+    assert tuple(json.loads((folder / SUMMARY.name).read_text())) == wanted
 
 
 def test_frames_have_the_fields_that_are_declared(folder: Path) -> None:
