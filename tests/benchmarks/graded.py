@@ -1,0 +1,146 @@
+"""K after growth against its cost: cells of one size, cells that are halved, and graded finite elements.
+
+    python -m tests.benchmarks.graded       graded.md and graded.svg beside this file
+
+CPU seconds of one thread, the least of some solves, as multiples of the uniform solve at 1.5 mm of the same scene.
+Those of finite elements are multiples of that solve as it was when they were measured, side by side with it.
+"""
+
+from __future__ import annotations
+
+import csv
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import yaml
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from crackgrow.blas import single_threaded
+from crackgrow.case import Case, load_case
+from crackgrow.run import grow
+from tests.benchmarks.paths import HERE, REFERENCES
+from tests.benchmarks.tables import number, table
+from tests.verification.test_intensity_error import MPA, rows, shipped
+
+SCENES = ("young30", "grown30")
+UNIFORM = ("3 mm", "1.5 mm", "0.75 mm", "0.375 mm")
+PRESETS = ("draft", "standard", "fine")
+BESIDE = "1.5 mm"
+REPETITIONS = 5
+COSTS, ERRORS = (0.5, 1, 2, 4, 8), (0.03, 0.1, 0.3, 1, 3, 10)  # where axes have ticks
+FINITE_ELEMENTS = "finite elements"
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """One solve."""
+
+    scene: str
+    cells: str
+    unknowns: int
+    cost: float  # seconds, then over those of the uniform solve at 1.5 mm
+    error: float  # percent of K_I, the larger of both components
+
+
+def case_of(folder: Path, scene: str, cells: str) -> Case:
+    """The specimen with wings of `scene`, without friction and growth."""
+    text = shipped("compression30")
+    points = [[float(row["x_mm"]), float(row["y_mm"])] for row in rows(f"{scene}_path.csv")]
+    text["cracks"]["flaw"]["path"] = {"points": points}
+    text["numerics"] = {"accuracy": cells} if cells in PRESETS else {"spacing": cells}
+    file = folder / "scene.yaml"
+    file.write_text(yaml.safe_dump(text))
+    return load_case(file, ["output.frames=none", "output.figures=false", "output.report=false"])
+
+
+def measured(scene: str, cells: str) -> Point:
+    """A solve, its least time, and what it misses."""
+    with tempfile.TemporaryDirectory() as folder:
+        case = case_of(Path(folder), scene, cells)
+    seconds = []
+    for _ in range(REPETITIONS):
+        begin = time.process_time()
+        step = next(grow(case))
+        seconds.append(time.process_time() - begin)
+    truth = {row["tip"]: row for row in rows("grown_K.csv") if row["scene"] == scene}
+    off = []
+    for tip in step.tips:
+        K_I, K_II = (MPA * float(truth[tip.tip][f"{K}_MPa_sqrtm"]) for K in ("K_I", "K_II"))
+        off.append(max(abs(tip.K_I - K_I), abs(tip.K_II - K_II)) / K_I)
+    return Point(scene, cells, step.n_dofs, min(seconds), 100.0 * max(off))
+
+
+def of_finite_elements() -> Iterator[Point]:
+    """The solves of another program, over the uniform one that was measured beside them."""
+    with (REFERENCES / "fe_cost.csv").open(newline="") as file:
+        found = list(csv.DictReader(file))
+    (beside,) = (float(row["cpu_seconds"]) for row in found if row["scene"].startswith("grown30 at 1.5 mm"))
+    for row in found:
+        if row["scene"] in SCENES:
+            cost = float(row["cpu_seconds"]) / beside
+            yield Point(row["scene"], FINITE_ELEMENTS, int(row["unknowns"]), cost, float(row["error_K_percent"]))
+
+
+def all_points() -> list[Point]:
+    """Every solve, the costs over those of the uniform one at 1.5 mm."""
+    points = list(of_finite_elements())
+    for scene in SCENES:
+        own = [measured(scene, cells) for cells in (*UNIFORM, *PRESETS)]
+        (beside,) = (point.cost for point in own if point.cells == BESIDE)
+        points += [Point(p.scene, p.cells, p.unknowns, p.cost / beside, p.error) for p in own]
+    return points
+
+
+def text_of(points: Sequence[Point]) -> str:
+    """The table."""
+    lines = [[p.scene, p.cells, f"{p.unknowns:,}", number(p.cost), number(p.error)] for p in points]
+    header = ("scene", "cells", "unknowns", f"CPU over {BESIDE}", "error of K, %")
+    words = (
+        "# K after growth against its cost\n\n"
+        "Written by `python -m tests.benchmarks.graded`: wings of one increment (`young30`) and of eight (`grown30`),\n"
+        "without friction. Cells of one size, by their size; cells halved by the presets; graded quadratic triangles.\n"
+        "The error is that of the worse tip and component, over K_I, against finite elements good to 0.05 %. CPU is\n"
+        "that of one solve, over that of the uniform one at 1.5 mm.\n\n"
+    )
+    return f"{words}{table(header, sorted(lines))}\n![Error of K against CPU](graded.svg)\n"
+
+
+def draw(points: Sequence[Point], path: Path) -> None:
+    """Error over cost, a panel for each scene."""
+    figure = Figure(figsize=(8.0, 3.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    kinds = (("one size", UNIFORM, "o-"), ("halved", PRESETS, "s-"), (FINITE_ELEMENTS, (FINITE_ELEMENTS,), "^--"))
+    for scene, axes in zip(SCENES, figure.subplots(1, len(SCENES), sharey=True), strict=True):
+        for label, names, style in kinds:
+            own = [p for p in points if p.scene == scene and p.cells in names]
+            cost, error = np.array(sorted((p.cost, p.error) for p in own)).T
+            axes.loglog(cost, error, style, label=label)
+            if label != FINITE_ELEMENTS:
+                for p in own:
+                    axes.annotate(p.cells, (p.cost, p.error), (4, 4), textcoords="offset points", fontsize=7)
+        axes.set(title=scene, xlabel=f"CPU over the uniform solve at {BESIDE}")
+        axes.set_xticks(COSTS, [f"{cost:g}" for cost in COSTS])
+        axes.set_yticks(ERRORS, [f"{error:g}" for error in ERRORS])
+        axes.minorticks_off()
+        axes.grid(visible=True, alpha=0.3)
+        axes.legend(fontsize=8)
+    figure.axes[0].set_ylabel("error of K, %")
+    figure.savefig(path, metadata={"Date": None})
+
+
+def main() -> None:
+    """Measure, write, draw."""
+    with single_threaded():
+        points = all_points()
+    (HERE / "graded.md").write_text(text_of(points))
+    draw(points, HERE / "graded.svg")
+    print(text_of(points))
+
+
+if __name__ == "__main__":
+    main()
