@@ -26,7 +26,9 @@ KEYS: Final[Mapping[str, str]] = {
 }
 """The key of the case that an axis sets."""
 
-SPACINGS: Final = (2.0, 1.5, 1.0, 0.7, 0.5)  # of the automatic spacing at standard accuracy
+SPACINGS: Final = (2.0, 1.5, 1.0, 0.7, 0.5)  # of the automatic spacing of cells of one size at standard accuracy
+ONE_SIZE: Final = "numerics.refine={tips: 0, kinks: 0, corners: 0}"
+HALVED: Final = "numerics.refine={tips: auto, kinks: auto, corners: auto}"
 SHOWN_IN_MM: Final = 0.1  # m: smaller lengths are written in mm
 
 
@@ -76,7 +78,7 @@ def chosen_axes(file: CaseFile, texts: Sequence[str]) -> Axes:
 
 def default_axes(file: CaseFile, case: Case) -> Axes:
     """Spacings round the automatic one, patches, quadrature, and the distance of contact nodes where faces touch."""
-    automatic = file.load("numerics.spacing=auto", f"numerics.accuracy={STANDARD}").numerics.spacing
+    automatic = file.load("numerics.spacing=auto", f"numerics.accuracy={STANDARD}", ONE_SIZE).numerics.spacing
     touching = [crack.contact for crack in case.cracks] + [
         None if interface.contact == "bonded" else interface.contact for interface in case.interfaces
     ]
@@ -97,6 +99,7 @@ def preset_overrides(name: str) -> tuple[str, ...]:
     return (
         f"numerics.accuracy={name}",
         "numerics.spacing=auto",
+        HALVED,
         f"numerics.support={preset.support}",
         f"numerics.quadrature={preset.quadrature}",
         f"numerics.contact.spacing={preset.contact_spacing}",

@@ -51,7 +51,10 @@ def with_length(file: CaseFile, overrides: Sequence[str], steps: int | None) -> 
 
 
 def finest(file: CaseFile, settings: Sequence[Setting], axes: Axes) -> tuple[str, ...]:
-    """Overrides of the reference: half the finest spacing there is, the shortest increment, the rest as `fine`."""
+    """Overrides of the reference: half the finest spacing there is, the shortest increment, the rest as `fine`.
+
+    So are the cells at tips, kinks and corners, unless the spacing is smaller.
+    """
     cases = [case for setting in settings if (case := case_or_none(file, setting.overrides)) is not None]
     spacing = min(case.numerics.spacing for case in cases) / FINER
     overrides = [*preset_overrides("fine"), f"numerics.spacing={spacing!r} m"]
