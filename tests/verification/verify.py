@@ -33,10 +33,11 @@ SUBJECTS = (
     "patch",
     "path",
     "confined",
+    "automatic_cells",
 )
 """Modules of tests.verification.rows, in the table's order; a solved case is kept within its subject."""
 
-LONGEST_FIRST = ("confined", "wide_plate", "convergence", "open_crack", "path", "history", "block")
+LONGEST_FIRST = ("automatic_cells", "confined", "wide_plate", "convergence", "open_crack", "path", "history", "block")
 PICTURES = "pictures"  # a subject of its own: it draws, and has no rows
 HEADER = ("case", "quantity", "reference", "its kind", "value", "error", "tolerance", "pass")
 FAILED = 1
