@@ -136,7 +136,7 @@ def measured(path: Path) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Write all parts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--measured", action="store_true", help="tables of make verify and make stability that are there")
+    parser.add_argument("--measured", action="store_true", help="what make verify and stability wrote, too")
     made = {place: make() for place, make in PARTS.items()}
     if parser.parse_args(argv).measured:
         made |= {place: measured(ROOT / at) for place, at in MEASURED.items() if (ROOT / at).is_file()}
