@@ -1,12 +1,19 @@
-"""Outlines in GeoJSON and WKT files: one polygon, perhaps with holes, in the length unit of the case."""
+"""Outlines and cracks in files, in the length unit of the case.
+
+A GeoJSON or WKT file holds one polygon, perhaps with holes; a mesh holds regions, names of their edges, and curves.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path as FilePath
+from typing import Any
 
 import shapely
 
+from crackgrow.arrays import Floats
+from crackgrow.case import mesh_file
+from crackgrow.case.mesh_file import MeshError, PlaneMesh, read_mesh
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, quoted
 from crackgrow.case.scalars import INVALID, Context, refuse
@@ -18,7 +25,7 @@ MOST_CORNERS = 5000  # of an outline; a disk has 360
 Corners = list[list[float]]  # m, not closed
 
 _READERS = {".geojson": shapely.from_geojson, ".json": shapely.from_geojson, ".wkt": shapely.from_wkt}
-ENDINGS = tuple(_READERS)
+ENDINGS = (*_READERS, *mesh_file.ENDINGS)
 
 
 class OutlineError(ValueError):
@@ -29,30 +36,36 @@ class OutlineError(ValueError):
 class OutlineFile:
     """The name of a file with an outline, relative to the folder of the case file."""
 
+    endings: tuple[str, ...] = ENDINGS
+
     def describe(self) -> str:
         """Say in a few words what is allowed."""
-        return "the name of a .geojson or .wkt file with one polygon"
+        mesh = f"a mesh ({', '.join(mesh_file.ENDINGS)})"
+        polygon = "a .geojson or .wkt file with one polygon, or " if ".wkt" in self.endings else ""
+        return f"the name of {polygon}{mesh}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the corners of the outline and then of each hole, in m."""
+        """Return the corners of the outline and then of each hole, in m; or the mesh, in the unit of the case."""
         if not isinstance(node, Scalar) or node.is_null or not node.text.strip():
             return refuse(node, self.describe(), path, context)
+        file = context.folder / node.text
         try:
-            polygon = _polygon_of(context.folder / node.text)
+            if file.suffix.lower() not in self.endings:
+                raise OutlineError(f"ends in {quoted(file.suffix)}")
+            if file.suffix.lower() in mesh_file.ENDINGS:
+                return read_mesh(file)
+            polygon = _polygon_of(file)
             rings = [polygon.exterior, *polygon.interiors]
-            return [_corners(ring, context) for ring in rings]
-        except (OutlineError, QuantityError) as error:
+            return [_corners(shapely.get_coordinates(ring)[:-1], context) for ring in rings]
+        except (OutlineError, MeshError, QuantityError) as error:
             context.report.fault(path, f"{quoted(node.text)} {error}; wanted: {self.describe()}")
             return INVALID
 
 
 def _polygon_of(file: FilePath) -> shapely.Polygon:
     """Return the one polygon of a file."""
-    reader = _READERS.get(file.suffix.lower())
-    if reader is None:
-        raise OutlineError(f"ends in {quoted(file.suffix)}")
     try:
-        geometry = reader(_text_of(file))
+        geometry = _READERS[file.suffix.lower()](_text_of(file))
     except (shapely.errors.ShapelyError, NotImplementedError) as error:  # NotImplementedError: curves
         raise OutlineError(f"cannot be read as {file.suffix.lower()[1:]}: {clean(str(error))}") from None
     parts = list(shapely.get_parts(geometry)) if geometry is not None else []
@@ -82,28 +95,77 @@ def _text_of(file: FilePath) -> str:
         raise OutlineError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _corners(ring: shapely.LinearRing, context: Context) -> Corners:
+def _corners(points: Floats, context: Context) -> Corners:
     unit = UNITS["length"][context.units.length]
-    points = shapely.get_coordinates(ring)[:-1]
     return [[parse_number(repr(float(value)), unit) for value in point] for point in points]
 
 
 def with_file_holes(value: object, path: Path, context: Context) -> object:
-    """Return a shape with a polygon, and perhaps holes, in the place of the file they come from."""
+    """Return a shape with a polygon, and perhaps holes, in the place of the file they come from.
+
+    Names of its edges come with it, under `edges`, for `with_file_edges`.
+    """
     if not isinstance(value, dict) or "file" not in value:
         return value
-    outline, *holes = value["file"]
+    found = _outline_of(value, path, context)
+    if found is None:
+        return INVALID
+    (outline, *holes), edges = found
     own = [{"polygon": hole} for hole in holes]
     every = [*own, *value.get("holes", [])]
-    return {"polygon": outline} | ({"holes": every} if every else {})
+    return {"polygon": outline} | ({"holes": every} if every else {}) | ({"edges": edges} if edges else {})
+
+
+def with_file_edges(value: object, path: Path, context: Context) -> object:
+    """Return a body with the names of edges that its shape has brought from a file, and its own."""
+    if not isinstance(value, dict) or not isinstance(value.get("shape"), dict) or "edges" not in value["shape"]:
+        return value
+    shape = {key: part for key, part in value["shape"].items() if key != "edges"}
+    return {**value, "shape": shape, "edges": {**value["shape"]["edges"], **value.get("edges", {})}}
 
 
 def without_file(value: object, path: Path, context: Context) -> object:
     """Return a hole with a polygon in the place of the file it comes from, which must not have holes itself."""
     if not isinstance(value, dict) or "file" not in value:
         return value
-    outline, *holes = value["file"]
+    found = _outline_of(value, path, context)
+    if found is None:
+        return INVALID
+    outline, *holes = found[0]
     if holes:
         context.report.fault((*path, "file"), "the polygon has holes; wanted for a hole: a polygon without any")
         return INVALID
     return {"polygon": outline}
+
+
+def with_file_points(value: object, path: Path, context: Context) -> object:
+    """Return a path with points in the place of the mesh and the curve they come from."""
+    if not isinstance(value, dict) or "file" not in value:
+        return value
+    try:
+        return {"points": _corners(value["file"].path(value["curve"]), context)}
+    except (MeshError, QuantityError) as error:
+        context.report.fault((*path, "curve"), f"the mesh {error}")
+        return INVALID
+
+
+def _outline_of(shape: dict[str, Any], path: Path, context: Context) -> tuple[list[Corners], dict[str, object]] | None:
+    """The outline of a file and its holes, and its named edges; None after reporting why there is none."""
+    source, region = shape["file"], shape.get("region")
+    if not isinstance(source, PlaneMesh):
+        if region is not None:
+            message = "the file has one polygon and no regions; a mesh has some"
+            context.report.fault((*path, "region"), message)
+            return None
+        return source, {}
+    try:
+        rings, edges = source.outline(region)
+        corners = [_corners(ring, context) for ring in rings]
+    except (MeshError, QuantityError) as error:
+        context.report.fault((*path, "region" if region is not None else "file"), f"the mesh {error}")
+        return None
+    n_corners = sum(map(len, corners))
+    if n_corners > MOST_CORNERS:
+        context.report.fault((*path, "file"), f"the outline has {n_corners} corners, more than {MOST_CORNERS}")
+        return None
+    return corners, dict(edges)
