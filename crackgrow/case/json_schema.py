@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
-from crackgrow.case.outline_file import OutlineFile
+from crackgrow.case.outline_file import ENDINGS, OutlineFile
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
 from crackgrow.case.schema import (
@@ -96,8 +96,8 @@ def _scalar(spec: Spec) -> Schema:
         case OrFormula(kind):
             formula = {"type": "string", "pattern": rf"^(?!\s*{_NUMBER}\s*$){_NO_FORMULA}({ALPHABET})+$"}
             return {"anyOf": [_bare(kind, ANY), _with_unit(kind, ANY), formula]}
-        case OutlineFile(endings):
-            letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in endings]
+        case OutlineFile():
+            letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in ENDINGS]
             return {"type": "string", "pattern": rf"\.({'|'.join(letters)})$"}
     raise TypeError(f"{type(spec).__name__} has no form in JSON Schema")
 

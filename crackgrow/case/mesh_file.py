@@ -280,7 +280,7 @@ def _chain(sides: list[Side]) -> list[int] | None:
     if len(ends) != 2 or any(len(others) > 2 for others in at.values()):
         return None
     chain = [ends[0]]
-    while (after := [node for node in at[chain[-1]] if node not in chain[-2:]]):
+    while after := [node for node in at[chain[-1]] if node not in chain[-2:]]:
         chain.append(after[0])
     return chain if len(chain) == len(at) else None
 

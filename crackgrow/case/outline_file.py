@@ -1,6 +1,7 @@
 """Outlines and cracks in files, in the length unit of the case.
 
-A GeoJSON or WKT file holds one polygon, perhaps with holes; a mesh holds regions, names of their edges, and curves.
+A GeoJSON or WKT file holds one polygon, perhaps with holes, or the lines of many cracks; a mesh holds regions, names of
+their edges, and curves.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from crackgrow.case.units import UNITS, QuantityError, parse_number
 
 MAX_BYTES = 2 * 2**20
 MOST_CORNERS = 5000  # of an outline; a disk has 360
+MOST_LINES = 1000  # of a set of cracks
 
 Corners = list[list[float]]  # m, not closed
 
@@ -34,26 +36,27 @@ class OutlineError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class OutlineFile:
-    """The name of a file with an outline, relative to the folder of the case file."""
+    """The name of a file with an outline, or with the lines of cracks, relative to the folder of the case file."""
 
-    endings: tuple[str, ...] = ENDINGS
+    of_cracks: bool = False
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
-        mesh = f"a mesh ({', '.join(mesh_file.ENDINGS)})"
-        polygon = "a .geojson or .wkt file with one polygon, or " if ".wkt" in self.endings else ""
-        return f"the name of {polygon}{mesh}"
+        content = "lines" if self.of_cracks else "one polygon"
+        return f"the name of a .geojson or .wkt file with {content}, or a mesh ({', '.join(mesh_file.ENDINGS)})"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the corners of the outline and then of each hole, in m; or the mesh, in the unit of the case."""
+        """Return the corners of the outline and then of each hole, or the lines, in m; of a mesh the mesh itself."""
         if not isinstance(node, Scalar) or node.is_null or not node.text.strip():
             return refuse(node, self.describe(), path, context)
         file = context.folder / node.text
         try:
-            if file.suffix.lower() not in self.endings:
+            if file.suffix.lower() not in ENDINGS:
                 raise OutlineError(f"ends in {quoted(file.suffix)}")
             if file.suffix.lower() in mesh_file.ENDINGS:
                 return read_mesh(file)
+            if self.of_cracks:
+                return [_corners(shapely.get_coordinates(line), context) for line in _lines_of(file)]
             polygon = _polygon_of(file)
             rings = [polygon.exterior, *polygon.interiors]
             return [_corners(shapely.get_coordinates(ring)[:-1], context) for ring in rings]
@@ -62,13 +65,29 @@ class OutlineFile:
             return INVALID
 
 
-def _polygon_of(file: FilePath) -> shapely.Polygon:
-    """Return the one polygon of a file."""
+def _parts_of(file: FilePath) -> list[shapely.Geometry]:
+    """Return the shapes of a file, one by one."""
     try:
         geometry = _READERS[file.suffix.lower()](_text_of(file))
     except (shapely.errors.ShapelyError, NotImplementedError) as error:  # NotImplementedError: curves
         raise OutlineError(f"cannot be read as {file.suffix.lower()[1:]}: {clean(str(error))}") from None
-    parts = list(shapely.get_parts(geometry)) if geometry is not None else []
+    return list(shapely.get_parts(shapely.get_parts(geometry))) if geometry is not None else []
+
+
+def _lines_of(file: FilePath) -> list[shapely.LineString]:
+    """Return the lines of a file, in its order."""
+    parts = _parts_of(file)
+    strange = sorted({part.geom_type for part in parts} - {"LineString"})
+    if strange or not parts:
+        raise OutlineError(f"holds {', '.join(strange) or 'nothing'}")
+    if len(parts) > MOST_LINES:
+        raise OutlineError(f"holds {len(parts)} lines, more than {MOST_LINES}")
+    return parts
+
+
+def _polygon_of(file: FilePath) -> shapely.Polygon:
+    """Return the one polygon of a file."""
+    parts = _parts_of(file)
     if len(parts) != 1 or parts[0].geom_type != "Polygon" or parts[0].is_empty:
         kinds = [part.geom_type for part in parts]
         found = f"{len(kinds)} shapes" if len(kinds) > 1 else kinds[0] if kinds and not parts[0].is_empty else "nothing"
@@ -139,11 +158,20 @@ def without_file(value: object, path: Path, context: Context) -> object:
 
 
 def with_file_points(value: object, path: Path, context: Context) -> object:
-    """Return a path with points in the place of the mesh and the curve they come from."""
+    """Return a path with the points of a curve of a mesh, or with the lines of a file, in the place of the file."""
     if not isinstance(value, dict) or "file" not in value:
         return value
+    source, curve = value["file"], value.get("curve")
+    if not isinstance(source, PlaneMesh):
+        if curve is not None:
+            context.report.fault((*path, "curve"), "the file has lines and no curves; a mesh has some")
+            return INVALID
+        return {"lines": source}
+    if curve is None:
+        context.report.fault((*path, "curve"), "missing: name or number of a group of the mesh's lines (a text)")
+        return INVALID
     try:
-        return {"points": _corners(value["file"].path(value["curve"]), context)}
+        return {"points": _corners(source.path(curve), context)}
     except (MeshError, QuantityError) as error:
         context.report.fault((*path, "curve"), f"the mesh {error}")
         return INVALID

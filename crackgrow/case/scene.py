@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from crackgrow.case import mesh_file
 from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import OrFormula
@@ -130,8 +129,8 @@ _PATHS: Final = OneOf(
         Mapping({"points": Field(POINTS, "vertices from start to end, [[x, y], ...]")}),
         Mapping(
             {
-                "file": Field(OutlineFile(mesh_file.ENDINGS), "a mesh"),
-                "curve": Field(Text(), "name or number of a group of its lines: the crack"),
+                "file": Field(OutlineFile(of_cracks=True), "a file with lines, each a crack, or a mesh"),
+                "curve": Field(Text(), "name or number of a group of the mesh's lines: the crack", OPTIONAL),
             }
         ),
     )

@@ -172,14 +172,17 @@ def test_a_curve_of_several_parts_gives_an_edge_for_each(tmp_path: Path) -> None
     ({"shape": {"file": "rock.wkt", "region": "a"}}, "bodies.granite.shape.region", "has one polygon and no regions"),
     ({"path": {"file": "plate.msh", "curve": "flet"}}, "cracks.flat.path.curve", "did you mean 'flat'?"),
     ({"path": {"file": "plate.msh"}}, "cracks.flat.path.curve", "missing"),
+    ({"path": {"file": "joint.wkt", "curve": "a"}}, "cracks.flat.path.curve", "has lines and no curves"),
+    ({"path": {"file": "joint.wkt"}}, "cracks.flat.path.file", "none of its lines lies in the rock"),
     ({"path": {"file": "rock.wkt", "curve": "a"}}, "cracks.flat.path.file",
-     "ends in '.wkt'; wanted: the name of a mesh"),
+     "'rock.wkt' holds Polygon; wanted: the name of a .geojson or .wkt file with lines, or a mesh"),
 ])  # fmt: skip
 def test_what_the_files_do_not_hold_is_told(tmp_path: Path, change: dict[str, Any], key: str, words: str) -> None:
     write(plate(), tmp_path / "plate.msh")
     (tmp_path / "broken.msh").write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0")
     (tmp_path / "broken.vtu").write_text("<VTKFile")
     (tmp_path / "rock.wkt").write_text("POLYGON ((0 0, 12 0, 12 7, 0 7, 0 0))")
+    (tmp_path / "joint.wkt").write_text("LINESTRING (20 20, 21 21)")
     content = of_mesh()
     (content["cracks"]["flat"] if "path" in change else content["bodies"]["granite"]).update(change)
     with pytest.raises(CaseError) as refused:
