@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from crackgrow.plan.text import plan_text
     from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4
     from crackgrow.results.atomic import OccupiedError, OutputError
+    from crackgrow.results.export import export
     from crackgrow.results.folder import FolderError
     from crackgrow.results.overview import overview
     from crackgrow.results.render import render
@@ -87,6 +88,7 @@ __all__ = [
     "complete_run",
     "draw_scene",
     "dump_case",
+    "export",
     "find_ffmpeg",
     "find_resumption",
     "grow",
@@ -135,6 +137,7 @@ _HOMES = {
     "complete_run": "crackgrow.results.writer",
     "draw_scene": "crackgrow.plan.picture",
     "dump_case": "crackgrow.case",
+    "export": "crackgrow.results.export",
     "find_ffmpeg": "crackgrow.results.animation",
     "find_resumption": "crackgrow.results.resume",
     "grow": "crackgrow.run",

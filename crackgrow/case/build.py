@@ -63,6 +63,7 @@ def build_case(name: str, scene: Scene) -> Case:
         output=_output(scene, resolved["output"]),
         resolved=resolved,
         moved=tuple(move for move in scene.moves if move.distance > scene.tolerance),
+        cut=tuple(scene.cuts),
     )
 
 

@@ -12,7 +12,8 @@ from crackgrow.case.load import read_case
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Loading
 from crackgrow.errors import CaseError, Fault
 
-DERIVED: Final = ("name", "resolved", "moved")  # of a case: the file does not hold them, or they are what it holds
+# Of a case: the file does not hold them, or they are what it holds.
+DERIVED: Final = ("name", "resolved", "moved", "cut")
 
 
 class _Dumper(yaml.SafeDumper):

@@ -13,7 +13,7 @@ from shapely import LineString
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing, preset_of
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
-from crackgrow.case.model import EdgeRegion, Move
+from crackgrow.case.model import Cut, EdgeRegion, Move
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines
 from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import segments_of
@@ -45,6 +45,7 @@ class Scene:
     box: Floats = field(default_factory=lambda: np.zeros((2, 2)))  # (2, 2) m, lower left and upper right of the bodies
     diameter: Floats = field(default_factory=lambda: np.zeros(1))  # (1,) m, of the least circle round the bodies
     moves: list[Move] = field(default_factory=list)  # what was brought to what it nearly touched
+    cuts: list[Cut] = field(default_factory=list)  # what of sets of cracks was left out
     shared: dict[tuple[str, str], tuple[Floats, ...]] = field(default_factory=dict)  # of bodies with a common boundary
     hosts: dict[str, str] = field(default_factory=dict)  # for a crack, the body in which most of it lies
     regions: dict[Path, EdgeRegion] = field(default_factory=dict)  # by key of `on`, filled by check_regions

@@ -17,6 +17,7 @@ from crackgrow.case.check_regions import check_regions
 from crackgrow.case.check_strength import check_strength, settle_direction
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
+from crackgrow.case.crack_sets import expand_crack_sets
 from crackgrow.case.layout import Scene, place_cracks, scene_of, settle_spacing
 from crackgrow.case.model import Case
 from crackgrow.case.overrides import apply_override
@@ -28,6 +29,7 @@ from crackgrow.case.units import Units
 
 STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     check_regions,
+    expand_crack_sets,
     settle_spacing,
     place_cracks,
     check_counts,

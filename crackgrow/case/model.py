@@ -323,6 +323,16 @@ class Move:
     end: tuple[str, str] | None = None  # the crack, and `start` or `end`, of which it is the end
 
 
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """What of a line of a set of cracks lies outside of the rock, and was left out."""
+
+    crack: str  # name of the set with the number of the line
+    length: float  # m, of what was left out
+    whole: bool  # whether all of the line was
+    place: tuple[float, float]  # m, a point of it
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
     """A whole scene. `resolved` is the same as a mapping in the case format, SI, every default filled in; read-only."""
@@ -342,6 +352,7 @@ class Case:
     output: Output
     resolved: dict[str, object]
     moved: tuple[Move, ...] = ()  # farther than rounding; `resolved` has the points where they were given
+    cut: tuple[Cut, ...] = ()  # more than rounding; `resolved` has what is left
 
     def __repr__(self) -> str:
         return f"<Case {self.name}: {self.title}>"

@@ -1,12 +1,20 @@
-"""Outlines in GeoJSON and WKT files: one polygon, perhaps with holes, in the length unit of the case."""
+"""Outlines and cracks in files, in the length unit of the case.
+
+A GeoJSON or WKT file holds one polygon, perhaps with holes, or the lines of many cracks; a mesh holds regions, names of
+their edges, and curves.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path as FilePath
+from typing import Any
 
 import shapely
 
+from crackgrow.arrays import Floats
+from crackgrow.case import mesh_file
+from crackgrow.case.mesh_file import MeshError, PlaneMesh, read_mesh
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, quoted
 from crackgrow.case.scalars import INVALID, Context, refuse
@@ -14,11 +22,12 @@ from crackgrow.case.units import UNITS, QuantityError, parse_number
 
 MAX_BYTES = 2 * 2**20
 MOST_CORNERS = 5000  # of an outline; a disk has 360
+MOST_LINES = 1000  # of a set of cracks
 
 Corners = list[list[float]]  # m, not closed
 
 _READERS = {".geojson": shapely.from_geojson, ".json": shapely.from_geojson, ".wkt": shapely.from_wkt}
-ENDINGS = tuple(_READERS)
+ENDINGS = (*_READERS, *mesh_file.ENDINGS)
 
 
 class OutlineError(ValueError):
@@ -27,35 +36,58 @@ class OutlineError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class OutlineFile:
-    """The name of a file with an outline, relative to the folder of the case file."""
+    """The name of a file with an outline, or with the lines of cracks, relative to the folder of the case file."""
+
+    of_cracks: bool = False
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
-        return "the name of a .geojson or .wkt file with one polygon"
+        content = "lines" if self.of_cracks else "one polygon"
+        return f"the name of a .geojson or .wkt file with {content}, or a mesh ({', '.join(mesh_file.ENDINGS)})"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the corners of the outline and then of each hole, in m."""
+        """Return the corners of the outline and then of each hole, or the lines, in m; of a mesh the mesh itself."""
         if not isinstance(node, Scalar) or node.is_null or not node.text.strip():
             return refuse(node, self.describe(), path, context)
+        file = context.folder / node.text
         try:
-            polygon = _polygon_of(context.folder / node.text)
+            if file.suffix.lower() not in ENDINGS:
+                raise OutlineError(f"ends in {quoted(file.suffix)}")
+            if file.suffix.lower() in mesh_file.ENDINGS:
+                return read_mesh(file)
+            if self.of_cracks:
+                return [_corners(shapely.get_coordinates(line), context) for line in _lines_of(file)]
+            polygon = _polygon_of(file)
             rings = [polygon.exterior, *polygon.interiors]
-            return [_corners(ring, context) for ring in rings]
-        except (OutlineError, QuantityError) as error:
+            return [_corners(shapely.get_coordinates(ring)[:-1], context) for ring in rings]
+        except (OutlineError, MeshError, QuantityError) as error:
             context.report.fault(path, f"{quoted(node.text)} {error}; wanted: {self.describe()}")
             return INVALID
 
 
-def _polygon_of(file: FilePath) -> shapely.Polygon:
-    """Return the one polygon of a file."""
-    reader = _READERS.get(file.suffix.lower())
-    if reader is None:
-        raise OutlineError(f"ends in {quoted(file.suffix)}")
+def _parts_of(file: FilePath) -> list[shapely.Geometry]:
+    """Return the shapes of a file, one by one."""
     try:
-        geometry = reader(_text_of(file))
+        geometry = _READERS[file.suffix.lower()](_text_of(file))
     except (shapely.errors.ShapelyError, NotImplementedError) as error:  # NotImplementedError: curves
         raise OutlineError(f"cannot be read as {file.suffix.lower()[1:]}: {clean(str(error))}") from None
-    parts = list(shapely.get_parts(geometry)) if geometry is not None else []
+    return list(shapely.get_parts(shapely.get_parts(geometry))) if geometry is not None else []
+
+
+def _lines_of(file: FilePath) -> list[shapely.LineString]:
+    """Return the lines of a file, in its order."""
+    parts = _parts_of(file)
+    strange = sorted({part.geom_type for part in parts} - {"LineString"})
+    if strange or not parts:
+        raise OutlineError(f"holds {', '.join(strange) or 'nothing'}")
+    if len(parts) > MOST_LINES:
+        raise OutlineError(f"holds {len(parts)} lines, more than {MOST_LINES}")
+    return parts
+
+
+def _polygon_of(file: FilePath) -> shapely.Polygon:
+    """Return the one polygon of a file."""
+    parts = _parts_of(file)
     if len(parts) != 1 or parts[0].geom_type != "Polygon" or parts[0].is_empty:
         kinds = [part.geom_type for part in parts]
         found = f"{len(kinds)} shapes" if len(kinds) > 1 else kinds[0] if kinds and not parts[0].is_empty else "nothing"
@@ -82,28 +114,86 @@ def _text_of(file: FilePath) -> str:
         raise OutlineError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _corners(ring: shapely.LinearRing, context: Context) -> Corners:
+def _corners(points: Floats, context: Context) -> Corners:
     unit = UNITS["length"][context.units.length]
-    points = shapely.get_coordinates(ring)[:-1]
     return [[parse_number(repr(float(value)), unit) for value in point] for point in points]
 
 
 def with_file_holes(value: object, path: Path, context: Context) -> object:
-    """Return a shape with a polygon, and perhaps holes, in the place of the file they come from."""
+    """Return a shape with a polygon, and perhaps holes, in the place of the file they come from.
+
+    Names of its edges come with it, under `edges`, for `with_file_edges`.
+    """
     if not isinstance(value, dict) or "file" not in value:
         return value
-    outline, *holes = value["file"]
+    found = _outline_of(value, path, context)
+    if found is None:
+        return INVALID
+    (outline, *holes), edges = found
     own = [{"polygon": hole} for hole in holes]
     every = [*own, *value.get("holes", [])]
-    return {"polygon": outline} | ({"holes": every} if every else {})
+    return {"polygon": outline} | ({"holes": every} if every else {}) | ({"edges": edges} if edges else {})
+
+
+def with_file_edges(value: object, path: Path, context: Context) -> object:
+    """Return a body with the names of edges that its shape has brought from a file, and its own."""
+    if not isinstance(value, dict) or not isinstance(value.get("shape"), dict) or "edges" not in value["shape"]:
+        return value
+    shape = {key: part for key, part in value["shape"].items() if key != "edges"}
+    return {**value, "shape": shape, "edges": {**value["shape"]["edges"], **value.get("edges", {})}}
 
 
 def without_file(value: object, path: Path, context: Context) -> object:
     """Return a hole with a polygon in the place of the file it comes from, which must not have holes itself."""
     if not isinstance(value, dict) or "file" not in value:
         return value
-    outline, *holes = value["file"]
+    found = _outline_of(value, path, context)
+    if found is None:
+        return INVALID
+    outline, *holes = found[0]
     if holes:
         context.report.fault((*path, "file"), "the polygon has holes; wanted for a hole: a polygon without any")
         return INVALID
     return {"polygon": outline}
+
+
+def with_file_points(value: object, path: Path, context: Context) -> object:
+    """Return a path with the points of a curve of a mesh, or with the lines of a file, in the place of the file."""
+    if not isinstance(value, dict) or "file" not in value:
+        return value
+    source, curve = value["file"], value.get("curve")
+    if not isinstance(source, PlaneMesh):
+        if curve is not None:
+            context.report.fault((*path, "curve"), "the file has lines and no curves; a mesh has some")
+            return INVALID
+        return {"lines": source}
+    if curve is None:
+        context.report.fault((*path, "curve"), "missing: name or number of a group of the mesh's lines (a text)")
+        return INVALID
+    try:
+        return {"points": _corners(source.path(curve), context)}
+    except (MeshError, QuantityError) as error:
+        context.report.fault((*path, "curve"), f"the mesh {error}")
+        return INVALID
+
+
+def _outline_of(shape: dict[str, Any], path: Path, context: Context) -> tuple[list[Corners], dict[str, object]] | None:
+    """The outline of a file and its holes, and its named edges; None after reporting why there is none."""
+    source, region = shape["file"], shape.get("region")
+    if not isinstance(source, PlaneMesh):
+        if region is not None:
+            message = "the file has one polygon and no regions; a mesh has some"
+            context.report.fault((*path, "region"), message)
+            return None
+        return source, {}
+    try:
+        rings, edges = source.outline(region)
+        corners = [_corners(ring, context) for ring in rings]
+    except (MeshError, QuantityError) as error:
+        context.report.fault((*path, "region" if region is not None else "file"), f"the mesh {error}")
+        return None
+    n_corners = sum(map(len, corners))
+    if n_corners > MOST_CORNERS:
+        context.report.fault((*path, "file"), f"the outline has {n_corners} corners, more than {MOST_CORNERS}")
+        return None
+    return corners, dict(edges)

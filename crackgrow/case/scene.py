@@ -7,7 +7,14 @@ from typing import Final
 from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import OrFormula
-from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, without_file
+from crackgrow.case.outline_file import (
+    MOST_CORNERS,
+    OutlineFile,
+    with_file_edges,
+    with_file_holes,
+    with_file_points,
+    without_file,
+)
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import (
     NOT_NEGATIVE,
@@ -64,7 +71,10 @@ _SIMPLE_SHAPES: Final = (
     {"rectangle": Field(RECTANGLE, "a rectangle along the axes")},
     {"polygon": Field(POINTS, "corners in drawing order, [[x, y], ...]")},
     {"disk": Field(DISK, "a disk")},
-    {"file": Field(OutlineFile(), "a file with a polygon")},
+    {
+        "file": Field(OutlineFile(), "a file with a polygon, or a mesh"),
+        "region": Field(Text(), "name or number of a group of the mesh's cells; left out: all of them", OPTIONAL),
+    },
 )
 
 HOLE: Final = Converted(OneOf(tuple(Mapping(form) for form in _SIMPLE_SHAPES)), without_file)
@@ -96,7 +106,7 @@ STRENGTH: Final = Mapping(
     }
 )
 
-BODY: Final = Mapping(
+_BODY_KEYS: Final = Mapping(
     {
         "shape": Field(SHAPE, "outline of the body"),
         "material": Field(MATERIAL, "elastic constants"),
@@ -105,7 +115,9 @@ BODY: Final = Mapping(
     }
 )
 
-PATH: Final = OneOf(
+BODY: Final = Converted(_BODY_KEYS, with_file_edges)
+
+_PATHS: Final = OneOf(
     (
         Mapping(
             {
@@ -115,8 +127,16 @@ PATH: Final = OneOf(
             }
         ),
         Mapping({"points": Field(POINTS, "vertices from start to end, [[x, y], ...]")}),
+        Mapping(
+            {
+                "file": Field(OutlineFile(of_cracks=True), "a file with lines, each a crack, or a mesh"),
+                "curve": Field(Text(), "name or number of a group of the mesh's lines: the crack", OPTIONAL),
+            }
+        ),
     )
 )
+
+PATH: Final = Converted(_PATHS, with_file_points)
 
 _AFTER_SLIP: Final = Choice(("lost", "kept"), ("none is left", "stays where the point is closed"))
 

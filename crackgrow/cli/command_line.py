@@ -14,6 +14,7 @@ from crackgrow.cli.compare import add_compare
 from crackgrow.cli.completion import add_completion
 from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, write_any_character
 from crackgrow.cli.explain import add_explain
+from crackgrow.cli.export import add_export
 from crackgrow.cli.list_cases import add_list
 from crackgrow.cli.new import add_new
 from crackgrow.cli.parser import Parser, grouped
@@ -78,6 +79,7 @@ def command_line() -> argparse.ArgumentParser:
     add_run(commands, case)
     add_report(commands)
     add_render(commands)
+    add_export(commands)
     add_compare(commands)
     add_sweep(commands)
     add_trade(commands, case)

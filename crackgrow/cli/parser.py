@@ -12,7 +12,7 @@ from typing import Any, Final, NoReturn
 GROUPS: Final = {
     "start": ("list", "new", "check", "explain"),
     "run": ("run",),
-    "look": ("report", "render", "view"),
+    "look": ("report", "render", "view", "export"),
     "study": ("compare", "sweep", "trade", "stability"),
     "tools": ("schema", "completion"),
 }

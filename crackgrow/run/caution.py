@@ -160,6 +160,10 @@ class Cause(Enum):
         0.0, "", "corners and ends that nearly touch do so in the scene that is solved",
         "what comes nearer than {share:g} of the scene's size, {metres:.2g} m, touches; so these were moved: {shown}",
     )  # fmt: skip
+    CUT = (
+        0.0, "", "cracks of a set end where they leave the rock, and those outside are missing",
+        "what lies outside of the rock was left out of sets of cracks, lines: {n}: {shown}",
+    )  # fmt: skip
     LEFT_OUT = (
         0.0, "", "vertices that repeat the one before them are no kinks",
         "{place}: {size} of its vertices repeat the one before them, and are left out",

@@ -61,6 +61,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
             yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
     yield from _unresolved(scene, cover)
     yield from _moved(scene)
+    yield from _cut(scene)
 
 
 def _by_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
@@ -117,6 +118,19 @@ def _moved(scene: Scene) -> Iterator[Caution]:
     shown += f", and {len(moved) - MOST_MOVED} more" if len(moved) > MOST_MOVED else ""
     shown += "; ends of cracks that were moved are no tips" if any(move.end for move in moved) else ""
     yield Cause.MOVED.at(share=SNAP, metres=SNAP * scene_size(scene.case), shown=shown)
+
+
+def _cut(scene: Scene) -> Iterator[Caution]:
+    """What of sets of cracks was left out when the case was read."""
+    cut = scene.case.cut
+    if cut:
+        shown = ", ".join(
+            f"{'all' if part.whole else f'{part.length:.3g} m'} of '{part.crack}' at "
+            f"({part.place[0]:.6g} m, {part.place[1]:.6g} m)"
+            for part in cut[:MOST_MOVED]
+        )
+        more = f", and {len(cut) - MOST_MOVED} more" if len(cut) > MOST_MOVED else ""
+        yield Cause.CUT.at(n=len(cut), shown=shown + more)
 
 
 def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:

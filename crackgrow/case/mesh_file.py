@@ -1,0 +1,290 @@
+"""Mesh files that meshio reads: outlines of regions, names of edges, and cracks, in the length unit of the case."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+import numpy as np
+import shapely
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.case.report import clean, did_you_mean, quoted
+
+ENDINGS: Final = (".msh", ".vtu", ".vtk", ".inp", ".xdmf", ".med", ".mesh", ".bdf", ".nas", ".su2")
+MAX_BYTES: Final = 200 * 2**20
+SAME: Final = 1e-9  # points nearer than this part of the mesh's extent are one, and lie on the line that they are near
+MOST_TAGS: Final = 100  # of cell data with more different values none is a group
+SHOWN: Final = 12  # longer lists of groups are cut in messages
+
+SURFACES: Final = {
+    "triangle": (0, 1, 2), "triangle6": (0, 3, 1, 4, 2, 5), "quad": (0, 1, 2, 3), "quad8": (0, 4, 1, 5, 2, 6, 3, 7),
+    "quad9": (0, 4, 1, 5, 2, 6, 3, 7),
+}  # fmt: skip
+"""Nodes round a cell."""
+CURVES: Final = {"line": (0, 1), "line3": (0, 2, 1)}
+"""Nodes along a cell."""
+
+Side = frozenset[int]  # the two nodes of a side
+
+
+class MeshError(ValueError):
+    """A mesh file that does not hold what is wanted; the message says why."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaneMesh:
+    """The cells of a mesh in the plane, and their groups by name: of Gmsh, of sets, and `DATA=VALUE` of cell data."""
+
+    points: Floats  # (n, 2), in the unit of the case; points in the same place are one
+    extent: float  # diagonal of the box round them
+    surfaces: tuple[Ints, ...]  # nodes round each cell
+    regions: dict[str, list[int]]  # numbers of surfaces
+    curves: dict[str, list[tuple[int, int]]]  # sides, in the order of the file
+
+    def outline(self, region: str | None) -> tuple[list[Floats], dict[str, list[int]]]:
+        """The outline (n, 2) of a region, or of all, and its holes; and the numbers of sides by name of an edge.
+
+        The outline runs counter-clockwise from its lowest corner, the leftmost of these. A curve that is several parts
+        of it gives as many edges: NAME-1, NAME-2 and so on. Signs that a name of a case lacks become _.
+        Raises MeshError.
+        """
+        sides = self._rim(_group(self.regions, region, "region") if region is not None else range(len(self.surfaces)))
+        named = [(_edge_name(name), found) for name, found in self.curves.items() if "=" not in name]
+        names = {frozenset(side): name for name, found in named for side in found}
+        rings = [self._corners(ring, names) for ring in _rings(sides, self.points)]
+        areas = [shapely.Polygon(self.points[ring]).area for ring in rings]
+        outer = rings.pop(int(np.argmax(areas)))
+        body = shapely.Polygon(self.points[outer])
+        if not all(body.contains(shapely.Polygon(self.points[ring])) for ring in rings):
+            raise MeshError("is in several pieces; each body is one: give each piece a group of its own")
+        if not shapely.is_ccw(shapely.LinearRing(self.points[outer])):
+            outer = outer[::-1]
+        low = min(range(len(outer)), key=lambda k: (self.points[outer[k], 1], self.points[outer[k], 0]))
+        outer = outer[low:] + outer[:low]
+        return [self.points[ring] for ring in (outer, *rings)], self._edges(outer, names)
+
+    def path(self, curve: str) -> Floats:
+        """The vertices (n, 2) of a curve from end to end, in the direction of its first cell; raises MeshError."""
+        sides = list(dict.fromkeys(frozenset(side) for side in _group(self.curves, curve, "curve")))
+        first = self.curves[curve][0]
+        chain = _chain(sides)
+        if chain is None:
+            what = "branches, closes or is in several parts; a crack is a line"
+            raise MeshError(f"has a curve {quoted(curve)} that {what}")
+        place = {node: k for k, node in enumerate(chain)}
+        chain = chain if place[first[0]] < place[first[1]] else chain[::-1]
+        kept = [k for k in range(1, len(chain) - 1) if not self._straight(*chain[k - 1 : k + 2])]
+        return np.asarray(self.points[[chain[0], *(chain[k] for k in kept), chain[-1]]], dtype=float)
+
+    def _rim(self, cells: Iterable[int]) -> list[Side]:
+        """The sides of cells that belong to one of them alone."""
+        count: dict[Side, int] = {}
+        for cell in cells:
+            nodes = self.surfaces[cell].tolist()
+            for side in zip(nodes, [*nodes[1:], nodes[0]], strict=True):
+                if side[0] != side[1]:
+                    count[frozenset(side)] = count.get(frozenset(side), 0) + 1
+        return [side for side, number in count.items() if number == 1]
+
+    def _corners(self, ring: list[int], names: Mapping[Side, str]) -> list[int]:
+        """The nodes of a ring at which it turns, or its edge has another name."""
+        n = len(ring)
+        sides = [names.get(frozenset((ring[k], ring[(k + 1) % n])), "") for k in range(n)]
+        return [
+            ring[k]
+            for k in range(n)
+            if sides[k - 1] != sides[k] or not self._straight(ring[k - 1], ring[k], ring[(k + 1) % n])
+        ]
+
+    def _straight(self, before: int, node: int, after: int) -> bool:
+        """Whether a node lies on the line from the one before it to the one after it."""
+        start, end = self.points[before], self.points[after]
+        along = end - start
+        length = float(np.hypot(*along))
+        x, y = self.points[node] - start
+        off = abs(x * along[1] - y * along[0])
+        return length > 0 and off <= SAME * self.extent * length and 0 < (x, y) @ along < length**2
+
+    def _edges(self, ring: list[int], names: Mapping[Side, str]) -> dict[str, list[int]]:
+        """Numbers of the sides of a ring of corners by name of the curve that each lies on."""
+        n, found = len(ring), self._side_names(ring, names)
+        starts = [k for k in range(n) if found[k - 1] != found[k]] or [0]
+        runs: dict[str, list[list[int]]] = {}
+        for start in starts:
+            if found[start]:
+                run = [start]
+                while (run[-1] + 1) % n != start and found[(run[-1] + 1) % n] == found[start]:
+                    run.append((run[-1] + 1) % n)
+                runs.setdefault(found[start], []).append(run)
+        return {
+            name if len(parts) == 1 else f"{name}-{k}": part
+            for name, parts in runs.items()
+            for k, part in enumerate(parts, 1)
+        }
+
+    def _side_names(self, ring: list[int], names: Mapping[Side, str]) -> list[str]:
+        """The name of the curve that begins at each corner along the ring; empty where there is none."""
+        found = []
+        at: dict[int, list[tuple[int, str]]] = {}
+        for side, name in names.items():
+            for node in side:
+                at.setdefault(node, []).extend((other, name) for other in side - {node})
+        for node, after in zip(ring, [*ring[1:], ring[0]], strict=True):
+            along = [name for other, name in at.get(node, []) if other == after or self._straight(node, other, after)]
+            found.append(along[0] if along else "")
+        return found
+
+
+def _edge_name(name: str) -> str:
+    """The name of a curve as one of a case, with room for a number."""
+    return re.sub(r"^-|[^\w-]", "_", name)[:58]
+
+
+def read_mesh(file: FilePath) -> PlaneMesh:
+    """Read a mesh file; raises MeshError."""
+    try:
+        if not file.is_file():
+            raise MeshError("is no file" if file.exists() else f"does not exist in {file.parent}")
+        state = file.stat()
+    except MeshError:
+        raise
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        raise MeshError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if state.st_size > MAX_BYTES:
+        raise MeshError(f"is larger than {MAX_BYTES // 2**20} MiB")
+    return _read(file, state.st_mtime_ns, state.st_size)
+
+
+@lru_cache(maxsize=4)
+def _read(file: FilePath, changed: int, size: int) -> PlaneMesh:
+    """The mesh of a file as it was at a time: bodies and cracks of a case come from the same one."""
+    import meshio  # only now: few cases have a mesh
+
+    told = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
+            mesh = meshio.read(file)
+    except (Exception, SystemExit) as error:  # of a damaged file meshio may raise anything, or end the program
+        words = "" if isinstance(error, SystemExit) else f": {clean(' '.join(str(error).split()))}"
+        raise MeshError(f"cannot be read as {file.suffix.lower()[1:]}{words}") from None
+    return _plane(mesh)
+
+
+def _plane(mesh: Any) -> PlaneMesh:
+    """What is of use of a mesh of meshio's."""
+    places = np.asarray(mesh.points, dtype=float)
+    if not len(places) or not np.isfinite(places).all():
+        raise MeshError("has no points" if not len(places) else "has points that are not finite")
+    if places.shape[1] == 3 and np.ptp(places[:, 2]) > SAME * _extent(places[:, :2]):
+        raise MeshError(f"is not plane: z goes from {places[:, 2].min():g} to {places[:, 2].max():g}")
+    solid = sorted({block.type for block in mesh.cells if block.dim == 3})
+    if solid:
+        raise MeshError(f"has cells of volumes ({', '.join(solid)}); wanted: a mesh in the plane")
+    strange = sorted({b.type for b in mesh.cells if b.dim in (1, 2)} - SURFACES.keys() - CURVES.keys())
+    if strange:
+        raise MeshError(f"has cells of the kind {', '.join(strange)}; wanted: {', '.join((*SURFACES, *CURVES))}")
+    points, one = _merged(places[:, :2])
+    surfaces: list[Ints] = []
+    regions: dict[str, list[int]] = {}
+    curves: dict[str, list[tuple[int, int]]] = {}
+    for number, block in enumerate(mesh.cells):
+        groups = list(_groups(mesh, number))
+        if block.type in SURFACES:
+            for name, cells in groups:
+                regions.setdefault(name, []).extend((np.asarray(cells) + len(surfaces)).tolist())
+            surfaces += list(one[np.asarray(block.data)[:, SURFACES[block.type]]])
+        elif block.type in CURVES:
+            nodes = one[np.asarray(block.data)[:, CURVES[block.type]]]
+            for name, cells in groups:
+                lines = nodes[cells].tolist()
+                curves.setdefault(name, []).extend(side for line in lines for side in pairwise(line))
+    if not surfaces:
+        raise MeshError(f"has no cells of surfaces ({', '.join(SURFACES)})")
+    return PlaneMesh(points, _extent(points), tuple(surfaces), regions, curves)
+
+
+def _merged(points: Floats) -> tuple[Floats, Ints]:
+    """Points (m, 2), each place once, and the number of the place of each of the points (n, 2)."""
+    grid = np.round((points - points.min(axis=0)) / (SAME * max(_extent(points), np.finfo(float).tiny)))
+    _, first, one = np.unique(grid, axis=0, return_index=True, return_inverse=True)
+    return points[first], np.asarray(one, dtype=np.int64).reshape(-1)
+
+
+def _groups(mesh: Any, number: int) -> Iterator[tuple[str, Ints]]:
+    """Names of groups with the cells of a block in them: those that are not empty, each name once."""
+    block, found = mesh.cells[number], {}
+    for name, sets in mesh.cell_sets.items():
+        if not name.startswith("gmsh:") and sets[number] is not None:
+            found[name] = np.asarray(sets[number], dtype=np.int64)
+    tags = mesh.cell_data.get("gmsh:physical")
+    for name, (tag, dimension) in mesh.field_data.items() if tags is not None else ():
+        if dimension == block.dim:
+            found[name] = np.flatnonzero(np.asarray(tags[number]) == tag)
+    for key, blocks in mesh.cell_data.items():
+        values = np.asarray(blocks[number])
+        if values.ndim == 1 and len(values) and np.array_equal(values, np.round(values)):
+            kinds = np.unique(values)
+            for value in kinds if len(kinds) <= MOST_TAGS else ():
+                found[f"{key}={int(value)}"] = np.flatnonzero(values == value)
+    yield from ((name, cells) for name, cells in found.items() if len(cells))
+
+
+def _group(groups: Mapping[str, Any], name: str, kind: str) -> Any:
+    """A group by its name, or by the number that Gmsh or another program gave it; raises MeshError."""
+    tags = [known for known in groups if known.endswith(f"={name}") and known.startswith(("gmsh:physical", "medit:"))]
+    chosen = [known for known in (name, *tags) if known in groups]
+    if not chosen:
+        known = [*groups][:SHOWN] + ["..."] * (len(groups) > SHOWN)
+        has = f"it has {', '.join(map(clean, known))}" if known else "it has none"
+        raise MeshError(f"has no {kind} {quoted(name)}; {has}{did_you_mean(name, groups)}")
+    return groups[chosen[0]]
+
+
+def _rings(sides: list[Side], points: Floats) -> list[list[int]]:
+    """Sides as closed lines of nodes; raises MeshError where more than two meet at a node."""
+    at: dict[int, list[int]] = {}
+    for first, second in map(sorted, sides):
+        at.setdefault(first, []).append(second)
+        at.setdefault(second, []).append(first)
+    for node, others in at.items():
+        if len(others) != 2:
+            x, y = points[node]
+            raise MeshError(f"has a region whose outline touches itself at ({x:.6g}, {y:.6g})")
+    rings, left = [], dict.fromkeys(at)
+    while left:
+        ring = [next(iter(left))]
+        while ring[-1] in left:
+            del left[ring[-1]]
+            ring += [node for node in at[ring[-1]] if node in left][:1]
+        rings.append(ring)
+    return rings
+
+
+def _chain(sides: list[Side]) -> list[int] | None:
+    """Sides as one open line of nodes; None where they are none."""
+    at: dict[int, list[int]] = {}
+    for side in sides:
+        if len(side) == 2:
+            first, second = side
+            at.setdefault(first, []).append(second)
+            at.setdefault(second, []).append(first)
+    ends = [node for node, others in at.items() if len(others) == 1]
+    if len(ends) != 2 or any(len(others) > 2 for others in at.values()):
+        return None
+    chain = [ends[0]]
+    while after := [node for node in at[chain[-1]] if node not in chain[-2:]]:
+        chain.append(after[0])
+    return chain if len(chain) == len(at) else None
+
+
+def _extent(points: Floats) -> float:
+    """Diagonal of the bounding box."""
+    return float(np.hypot(*np.ptp(points, axis=0)))

@@ -1,0 +1,139 @@
+"""A frame as a mesh file of other programs, written by meshio."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import meshio
+import numpy as np
+import pyvista
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.results.atomic import write_atomically
+from crackgrow.results.folder import FolderError, read_run
+from crackgrow.results.frame_files import COMPONENTS, chosen_files, frame_files
+
+FORMATS: Final = ("msh", "inp", "vtk", "xdmf")
+KINDS: Final = {"triangle": pyvista.CellType.TRIANGLE, "quad": pyvista.CellType.QUAD}
+ABAQUS: Final = {"triangle": "CPS3", "quad": "CPS4"}
+"""Elements of the plane that meshio reads; what it would write by itself are rigid and axisymmetric ones."""
+
+
+def export(folder: Path, to: str, step: int | None = None, out: Path | None = None) -> Path:
+    """Write the frame of a step, of the last one where none is named, as a mesh file, one of FORMATS; return its path.
+
+    Without `out` it is export/step_NNNN.FORMAT in the run's folder.
+    Raises FolderError where there is no such frame, CaseError where case.yaml is not of this version, OutputError.
+    """
+    bodies = [body.name for body in read_run(folder).case.bodies]
+    files = frame_files(folder) if step is None else chosen_files(folder, [step])
+    number, file = list(files.items())[-1]
+    path = folder / "export" / f"step_{number:04d}.{to}" if out is None else out
+    mesh = frame_mesh(file, bodies)
+    write_atomically(path, lambda temporary: _write(temporary, mesh, to))
+    return path
+
+
+def frame_mesh(file: Path, bodies: list[str]) -> meshio.Mesh:
+    """A frame with a block and a set of cells for each body and kind of cell, and bodies as groups of Gmsh; m, Pa.
+
+    Point and cell data are those of the frame, but for stress: each component is a field of its own, since formats
+    order those of tensors in different ways. Groups are numbered from 1 in the order of the bodies.
+    """
+    grid = pyvista.read(file)
+    if not isinstance(grid, pyvista.UnstructuredGrid) or "body" not in grid.cell_data or not grid.n_cells:
+        raise FolderError(f"{file} is damaged, or of another version: it has no cells of bodies; run the case again")
+    blocks = _blocks(grid, len(bodies))
+    cell_data = {
+        name: [values[block.numbers] for block in blocks] for name, values in _fields(grid.cell_data).items()
+    }
+    sets = {
+        f"{bodies[block.body]}_{block.kind}": [np.arange(len(other.corners) * (other is block)) for other in blocks]
+        for block in blocks
+    }
+    return meshio.Mesh(
+        np.asarray(grid.points, dtype=float),
+        [(block.kind, block.corners) for block in blocks],
+        _fields(grid.point_data),
+        cell_data,
+        field_data={name: np.array([number, 2]) for number, name in enumerate(bodies, 1)},  # 2: surfaces
+        cell_sets=sets,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Block:
+    """The cells of a body that have the same number of corners."""
+
+    body: int
+    kind: str  # of KINDS
+    corners: Ints  # (n, 3) or (n, 4)
+    numbers: Ints  # (n,) in the frame
+
+
+def _blocks(grid: pyvista.UnstructuredGrid, n_bodies: int) -> list[_Block]:
+    """The cells body by body; none is empty."""
+    body = np.asarray(grid.cell_data["body"], dtype=np.int64)
+    found = []
+    for index in range(n_bodies):
+        for kind, number in KINDS.items():
+            cells = np.flatnonzero(np.asarray(grid.celltypes) == number)
+            chosen = body[cells] == index
+            if chosen.any():
+                corners = np.asarray(dict(grid.cells_dict)[np.uint8(number)], dtype=np.int64)
+                found.append(_Block(index, kind, corners[chosen], cells[chosen]))
+    return found
+
+
+def _fields(data: pyvista.DataSetAttributes) -> dict[str, Floats]:
+    """Numbers (n,) or vectors (n, 3) by name, those of stress component by component."""
+    fields: dict[str, Floats] = {}
+    for name in data:
+        values = np.asarray(data[name], dtype=float)
+        if name == "stress":
+            fields |= zip(COMPONENTS, np.ascontiguousarray(values.T), strict=False)
+        else:
+            fields[name] = values
+    return fields
+
+
+def _write(path: Path, mesh: meshio.Mesh, to: str) -> None:
+    """Write a mesh in one of FORMATS to a file of any name."""
+    if to == "msh":
+        meshio.gmsh.write(path, _tagged(mesh), fmt_version="4.1")
+    elif to == "inp":
+        for block in mesh.cells:
+            block.type = ABAQUS[block.type]
+        meshio.abaqus.write(path, mesh, translate_cell_names=False)
+    else:
+        fields = meshio.Mesh(mesh.points, mesh.cells, mesh.point_data, mesh.cell_data)  # these formats have no sets
+        if to == "vtk":
+            meshio.vtk.write(path, fields)
+        else:  # the numbers in the file itself: one file, that is whole or missing
+            meshio.xdmf.write(path, fields, data_format="XML")
+
+
+def _tagged(mesh: meshio.Mesh) -> meshio.Mesh:
+    """A mesh whose blocks are surfaces of Gmsh, each with the group of its body, and each point in one of them.
+
+    A surface without a point would be missing in the file: where two blocks share all, the earlier one keeps one.
+    Points come surface by surface, as they do in the file: meshio gives data of points back by their numbers.
+    """
+    surfaces = [np.full(len(block.data), number) for number, block in enumerate(mesh.cells, 1)]
+    groups = [body.astype(np.int64) + 1 for body in mesh.cell_data["body"]]
+    home = np.ones(len(mesh.points), dtype=np.int64)
+    for surface, block in zip(surfaces, mesh.cells, strict=True):
+        home[block.data] = surface[0]
+    for surface, block in zip(surfaces, mesh.cells, strict=True):
+        if not (home[block.data] == surface[0]).any():
+            home[block.data[0, 0]] = surface[0]
+    order = np.argsort(home, kind="stable")
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    point_data = {name: values[order] for name, values in mesh.point_data.items()}
+    point_data["gmsh:dim_tags"] = np.column_stack([np.full_like(home, 2), home[order]])
+    cells = [(block.type, place[block.data]) for block in mesh.cells]
+    cell_data = mesh.cell_data | {"gmsh:geometrical": surfaces, "gmsh:physical": groups}
+    return meshio.Mesh(mesh.points[order], cells, point_data, cell_data, mesh.field_data)

@@ -1,0 +1,213 @@
+"""Specimens and cracks from mesh files: the same scene as one that is written out, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+import yaml
+
+from crackgrow.case import Case, load_case
+from crackgrow.case.mesh_file import MeshError, read_mesh
+from crackgrow.errors import CaseError
+from tests.whole_run import whole_run
+
+SIZE = 12  # cells of the block along x and y, one unit each; basalt above y = 7
+HOLE = {(x, y) for x in (8, 9) for y in (3, 4)}  # cells that are left out
+CURVES = {
+    "bottom": [(x, 0) for x in range(SIZE + 1)],
+    "top": [(x, SIZE) for x in range(SIZE + 1)],
+    "flat": [(2, 5), (3, 5), (4, 5), (5, 5)],
+    "kinked": [(2, 1), (3, 2), (4, 3), (5, 3)],
+    "steep": [(7, 9), (7, 10), (7, 11)],
+}
+
+
+def plate(cells: str = "linear") -> meshio.Mesh:
+    """A block of granite, meshed by triangles, under basalt, by quadrangles, with a hole and lines along cracks."""
+    node = {(x, y): k for k, (x, y) in enumerate((x, y) for x in range(SIZE + 1) for y in range(SIZE + 1))}
+    triangles, quads = [], []
+    for x in range(SIZE):
+        for y in range(SIZE):
+            a, b, c, d = node[x, y], node[x + 1, y], node[x + 1, y + 1], node[x, y + 1]
+            if y >= 7:
+                quads.append((a, b, c, d))
+            elif (x, y) not in HOLE:
+                triangles += [(a, b, c), (a, c, d)]
+    lines, tags, groups = [], [], {"granite": (1, 2), "basalt": (2, 2)}
+    for tag, (name, places) in enumerate(CURVES.items(), 1):
+        groups[name] = (tag, 1)
+        lines += [(node[p], node[q]) for p, q in pairwise(places)]
+        tags += [tag] * (len(places) - 1)
+    numbers = [np.full(len(triangles), 1), np.full(len(quads), 2), np.array(tags)]
+    return meshio.Mesh(
+        np.array([(*place, 0.0) for place in node], dtype=float),
+        [("triangle", triangles), ("quad", quads), ("line", lines)],
+        cell_data={"gmsh:physical": numbers, "gmsh:geometrical": numbers},
+        field_data={name: np.array(group) for name, group in groups.items()},
+    )
+
+
+def scene(shapes: dict[str, Any], paths: dict[str, Any], edges: dict[str, Any]) -> dict[str, Any]:
+    """The block pressed from above, with three cracks."""
+    materials = {"granite": {"young": "60 GPa", "poisson": 0.25}, "basalt": {"young": "90 GPa", "poisson": 0.2}}
+    contact = {"friction": 0.2, "cohesion": 0}
+    return {
+        "title": "A block of two rocks",
+        "units": {"length": "mm"},
+        "plane": "strain",
+        "bodies": {
+            name: {"shape": shapes[name], "material": material} | ({"edges": edges[name]} if name in edges else {})
+            for name, material in materials.items()
+        },
+        "cracks": {name: {"path": path, "contact": contact} for name, path in paths.items()},
+        "interfaces": [{"between": ["granite", "basalt"], "contact": "bonded"}],
+        "supports": [{"on": {"body": "granite", "edge": "bottom"}, "displacement": {"x": 0, "y": 0}}],
+        "loads": [{"on": {"body": "basalt", "edge": "top"}, "traction": ["2 MPa", "-10 MPa"]}],
+        "numerics": {"spacing": 0.7},
+        "output": {"frames": "none", "figures": False, "report": False},
+    }
+
+
+def of_mesh() -> dict[str, Any]:
+    cracks = ("flat", "kinked", "steep")
+    shapes = {name: {"file": "plate.msh", "region": name} for name in ("granite", "basalt")}
+    return scene(shapes, {name: {"file": "plate.msh", "curve": name} for name in cracks}, {})
+
+
+def written_out() -> dict[str, Any]:
+    hole = {"polygon": [[8, 3], [10, 3], [10, 5], [8, 5]]}
+    shapes = {
+        "granite": {"polygon": [[0, 0], [12, 0], [12, 7], [0, 7]], "holes": [hole]},
+        "basalt": {"polygon": [[0, 7], [12, 7], [12, 12], [0, 12]]},
+    }
+    paths = {
+        "flat": {"points": [[2, 5], [5, 5]]},
+        "kinked": {"points": [[2, 1], [4, 3], [5, 3]]},
+        "steep": {"points": [[7, 9], [7, 11]]},
+    }
+    return scene(shapes, paths, {"granite": {"bottom": 0}, "basalt": {"top": 2}})
+
+
+def load(folder: Path, content: dict[str, Any], name: str = "scene.yaml") -> Case:
+    (folder / name).write_text(json.dumps(content), encoding="utf-8")
+    return load_case(folder / name)
+
+
+def write(mesh: meshio.Mesh, path: Path) -> None:
+    """Write a mesh, in Gmsh's format 2.2."""
+    if path.suffix == ".msh":
+        meshio.gmsh.write(path, mesh, fmt_version="2.2")
+    else:
+        meshio.write(path, mesh)
+
+
+def test_a_specimen_of_gmsh_gives_the_same_K_as_the_scene_written_out(tmp_path: Path) -> None:
+    write(plate(), tmp_path / "plate.msh")
+    found, wanted = (whole_run(load(tmp_path, content))[0][-1].tips for content in (of_mesh(), written_out()))
+    assert len(found) == 6
+    K, exact = (np.array([(tip.K_I, tip.K_II) for tip in tips]) for tips in (found, wanted))
+    assert np.abs(exact).max() > 1e4
+    assert np.abs(K - exact).max() <= 1e-10 * np.abs(exact).max()
+
+
+def test_the_resolved_case_needs_no_mesh(tmp_path: Path) -> None:
+    write(plate(), tmp_path / "plate.msh")
+    found = load(tmp_path, of_mesh()).resolved
+    assert found["bodies"]["granite"]["edges"] == {"bottom": [0]}  # type: ignore[index]
+    assert found["bodies"]["basalt"]["edges"] == {"top": [2]}  # type: ignore[index]
+    assert "file" not in yaml.safe_dump(found)
+
+
+def moved(mesh: meshio.Mesh, **changes: Any) -> meshio.Mesh:
+    parts = {"points": mesh.points, "cells": [(b.type, b.data) for b in mesh.cells], "cell_data": mesh.cell_data,
+             "field_data": mesh.field_data} | changes  # fmt: skip
+    return meshio.Mesh(**parts)
+
+
+def test_regions_of_other_formats_are_values_of_cell_data(tmp_path: Path) -> None:
+    mesh = plate()
+    write(moved(mesh, cell_data={"rock": mesh.cell_data["gmsh:physical"]}, field_data={}), tmp_path / "plate.vtu")
+    rings, edges = read_mesh(tmp_path / "plate.vtu").outline("rock=2")
+    assert [ring.tolist() for ring in rings] == [[[0, 7], [12, 7], [12, 12], [0, 12]]]
+    assert edges == {}
+    whole, _ = read_mesh(tmp_path / "plate.vtu").outline(None)
+    assert whole[0].tolist() == [[0, 0], [12, 0], [12, 12], [0, 12]]
+    assert len(whole) == 2
+
+
+def test_faces_with_double_points_are_inside_of_the_rock(tmp_path: Path) -> None:
+    """As in frames of this program, and where Gmsh has cut a crack."""
+    mesh = plate()
+    for block in mesh.cells[:1]:
+        points = mesh.points[block.data.ravel()]  # every triangle has its own points
+        apart = meshio.Mesh(points, [("triangle", np.arange(len(points)).reshape(-1, 3))])
+    meshio.write(tmp_path / "apart.vtu", apart)
+    rings, _ = read_mesh(tmp_path / "apart.vtu").outline(None)
+    assert [len(ring) for ring in rings] == [4, 4]
+
+
+def test_a_curve_of_several_parts_gives_an_edge_for_each(tmp_path: Path) -> None:
+    mesh = plate()
+    groups = {**mesh.field_data, "both ends": np.array([9, 1])}
+    lines = np.where(np.isin(mesh.cell_data["gmsh:physical"][2], (1, 2)), 9, mesh.cell_data["gmsh:physical"][2])
+    tags = [*mesh.cell_data["gmsh:physical"][:2], lines]
+    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    write(moved(mesh, cell_data=data, field_data=groups), tmp_path / "a.msh")
+    _, edges = read_mesh(tmp_path / "a.msh").outline(None)
+    assert edges == {"both_ends-1": [0], "both_ends-2": [2]}
+
+
+@pytest.mark.parametrize(("change", "key", "words"), [
+    ({"shape": {"file": "plate.msh", "region": "granit"}}, "bodies.granite.shape.region",
+     "the mesh has no region 'granit'; it has granite, gmsh:physical=1"),
+    ({"shape": {"file": "none.msh"}}, "bodies.granite.shape.file", "'none.msh' does not exist in"),
+    ({"shape": {"file": "broken.msh"}}, "bodies.granite.shape.file", "'broken.msh' cannot be read as msh"),
+    ({"shape": {"file": "broken.vtu"}}, "bodies.granite.shape.file", "'broken.vtu' cannot be read as vtu"),
+    ({"shape": {"file": "rock.wkt", "region": "a"}}, "bodies.granite.shape.region", "has one polygon and no regions"),
+    ({"path": {"file": "plate.msh", "curve": "flet"}}, "cracks.flat.path.curve", "did you mean 'flat'?"),
+    ({"path": {"file": "plate.msh"}}, "cracks.flat.path.curve", "missing"),
+    ({"path": {"file": "joint.wkt", "curve": "a"}}, "cracks.flat.path.curve", "has lines and no curves"),
+    ({"path": {"file": "joint.wkt"}}, "cracks.flat.path.file", "none of its lines lies in the rock"),
+    ({"path": {"file": "rock.wkt", "curve": "a"}}, "cracks.flat.path.file",
+     "'rock.wkt' holds Polygon; wanted: the name of a .geojson or .wkt file with lines, or a mesh"),
+])  # fmt: skip
+def test_what_the_files_do_not_hold_is_told(tmp_path: Path, change: dict[str, Any], key: str, words: str) -> None:
+    write(plate(), tmp_path / "plate.msh")
+    (tmp_path / "broken.msh").write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0")
+    (tmp_path / "broken.vtu").write_text("<VTKFile")
+    (tmp_path / "rock.wkt").write_text("POLYGON ((0 0, 12 0, 12 7, 0 7, 0 0))")
+    (tmp_path / "joint.wkt").write_text("LINESTRING (20 20, 21 21)")
+    content = of_mesh()
+    (content["cracks"]["flat"] if "path" in change else content["bodies"]["granite"]).update(change)
+    with pytest.raises(CaseError) as refused:
+        load(tmp_path, content)
+    assert refused.value.faults[0].key == key  # cracks that lie in the body may follow
+    assert words in refused.value.faults[0].message
+
+
+def test_meshes_that_are_no_plane_specimens_are_refused(tmp_path: Path) -> None:
+    square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 1, 0], [2, 2, 0.0]]
+    for number, (points, cells, words) in enumerate([
+        ([(x, y, x) for x, y, _ in square], [("triangle", [[0, 1, 2]])], "is not plane: z goes from 0 to 2"),
+        (square, [("line", [[0, 1]])], "has no cells of surfaces"),
+        (square, [("tetra", [[0, 1, 2, 3]])], r"has cells of volumes \(tetra\)"),
+        (square, [("triangle", [[0, 1, 2], [3, 4, 5]])], "is in several pieces"),
+        ([*square, [3, 0, 0]], [("triangle", [[0, 1, 2], [2, 4, 5]])], r"touches itself at \(1, 1\)"),
+    ]):  # fmt: skip
+        meshio.write(tmp_path / f"{number}.vtu", meshio.Mesh(np.array(points, dtype=float), cells))
+        with pytest.raises(MeshError, match=words):
+            read_mesh(tmp_path / f"{number}.vtu").outline(None)
+
+
+def test_a_curve_that_branches_or_closes_is_no_crack(tmp_path: Path) -> None:
+    mesh = plate()
+    tags = [*mesh.cell_data["gmsh:physical"][:2], np.full(len(mesh.cells[2].data), 1)]
+    write(moved(mesh, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}), tmp_path / "a.msh")
+    with pytest.raises(MeshError, match="has a curve 'bottom' that branches, closes or is in several parts"):
+        read_mesh(tmp_path / "a.msh").path("bottom")
