@@ -20,6 +20,7 @@ from crackgrow.case.schema import (
     OPTIONAL,
     REQUIRED,
     Chosen,
+    Components,
     Converted,
     Field,
     ListOf,
@@ -58,6 +59,8 @@ def schema_of(spec: Spec) -> Schema:
             return {"anyOf": [schema_of(form) for form in forms]}
         case Converted(inner):
             return schema_of(inner)
+        case Components(mapping):
+            return {"anyOf": [schema_of(spec.listing), schema_of(mapping)]}
         case Named(_, inner, at_most):
             names = {"propertyNames": {"pattern": _NAME}, "maxProperties": at_most}
             return {"type": "object", **names, "additionalProperties": schema_of(inner)}
@@ -140,6 +143,8 @@ def _units(spec: Spec) -> str:
             return _units(Quantity(kind))
         case ListOf(inner) | WordOr(_, inner):
             return _units(inner)
+        case Components():
+            return _units(spec.listing)
     return ""
 
 

@@ -16,6 +16,7 @@ from crackgrow.case.schema import (
     OPTIONAL,
     REQUIRED,
     Chosen,
+    Components,
     Converted,
     Field,
     ListOf,
@@ -100,6 +101,8 @@ def _core(spec: Spec) -> Spec | None:
     match spec:
         case Mapping() | OneOf() | Chosen():
             return spec
+        case Components(mapping):
+            return mapping
         case Converted(inner) | ListOf(inner) | OneOrList(inner) | WordOr(_, inner) | Named(_, inner):
             return _core(inner)
     return None
@@ -135,6 +138,9 @@ def _value(spec: Spec) -> _Value:
             return _Value("mapping", allowed=f"with {' or '.join(form.form() for form in forms)}")
         case Converted(inner):
             return _value(inner)
+        case Components():
+            listed = _value(spec.listing)
+            return _Value(f"{listed.kind}, or mapping", listed.units, listed.allowed)
         case Named(thing, inner):
             value = _value(inner)
             return _Value(f"{thing} by name", value.units, "" if _core(inner) else f"each: {value.kind}")

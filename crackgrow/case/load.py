@@ -13,11 +13,12 @@ from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_foundations import check_foundations
 from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_points import check_points
-from crackgrow.case.check_regions import check_regions
+from crackgrow.case.check_regions import check_regions, settle_bodies
 from crackgrow.case.check_strength import check_strength, settle_direction
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
 from crackgrow.case.layout import Scene, place_cracks, scene_of, settle_spacing
+from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
 from crackgrow.case.overrides import apply_override
 from crackgrow.case.reader import Node, Table, parse, read_file
@@ -27,9 +28,11 @@ from crackgrow.case.scene import CASE, UNITS_SPEC
 from crackgrow.case.units import Units
 
 STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
+    settle_bodies,
     check_regions,
     settle_spacing,
     place_cracks,
+    settle_supports,
     check_counts,
     check_material,
     settle_direction,

@@ -27,6 +27,7 @@ from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,
     Chosen,
+    Components,
     Converted,
     Field,
     ListOf,
@@ -169,7 +170,7 @@ CRACK: Final = Mapping(
 
 REGION: Final = Mapping(
     {
-        "body": Field(Text(), "name of a body"),
+        "body": Field(Text(), "name of a body; may be left out where there is one", OPTIONAL),
         "edge": Field(Text(), "name of one of its edges"),
         "from": Field(LengthOrAngle(), "where the part of the edge begins", OPTIONAL),
         "to": Field(LengthOrAngle(), "where the part of the edge ends", OPTIONAL),
@@ -183,17 +184,30 @@ INTERFACE: Final = Mapping(
     }
 )
 
-DISPLACEMENT: Final = Mapping(
-    {
-        "x": Field(OrFormula(), "displacement along x; left out: free", OPTIONAL),
-        "y": Field(OrFormula(), "displacement along y; left out: free", OPTIONAL),
-    },
-    at_least_one=True,
+DISPLACEMENT: Final = Components(
+    Mapping(
+        {
+            "x": Field(OrFormula(), "displacement along x; left out: free", OPTIONAL),
+            "y": Field(OrFormula(), "displacement along y; left out: free", OPTIONAL),
+        },
+        at_least_one=True,
+    ),
+    as_list=False,
+)
+
+TRACTION: Final = Components(
+    Mapping(
+        {
+            "x": Field(OrFormula("stress"), "force per area along x"),
+            "y": Field(OrFormula("stress"), "force per area along y"),
+        }
+    ),
+    as_list=True,
 )
 
 _ON: Final = Field(REGION, "an edge or a part of one", also=("true",))  # what writers of YAML 1.1 make of `on`
 _DISPLACEMENT_FIELD: Final = Field(DISPLACEMENT, "prescribed displacement")
-_BODY_NAME: Final = Field(Text(), "name of a body")
+_BODY_NAME: Final = Field(Text(), "name of a body; may be left out where there is one", OPTIONAL)
 _OF_BODY: Final = Field(Text(), "the body, if the point lies on more than one", OPTIONAL)
 
 SUPPORT: Final = OneOf(
@@ -210,6 +224,14 @@ SUPPORT: Final = OneOf(
     )
 )
 
+MINIMAL: Final = "minimal"
+
+SUPPORTS: Final = WordOr(
+    (MINIMAL,),
+    ListOf(SUPPORT),
+    ("three constraints at points of the outline, which take no force: for loads that balance",),
+)
+
 _HELD: Final = Field(Switch(), "acts in full at every load factor", False)
 
 LOAD: Final = OneOf(
@@ -217,7 +239,7 @@ LOAD: Final = OneOf(
         Mapping(
             {
                 "on": _ON,
-                "traction": Field(ListOf(OrFormula("stress"), 2), "force per area, [x, y]"),
+                "traction": Field(TRACTION, "force per area, [x, y]"),
                 "held": _HELD,
             }
         ),
@@ -402,7 +424,7 @@ CASE: Final = Mapping(
         "bodies": Field(Named("body", BODY, at_most=200), "the pieces of rock"),
         "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
         "interfaces": Field(ListOf(INTERFACE), "contact between bodies that share a boundary", []),
-        "supports": Field(ListOf(SUPPORT), "prescribed displacements and rigid foundations", []),
+        "supports": Field(SUPPORTS, "prescribed displacements and rigid foundations", []),
         "loads": Field(ListOf(LOAD), "loads", []),
         "loading": Field(LOADING, "how the loads are applied in time", {"history": [1.0]}),
         "growth": Field(GROWTH, "how cracks grow; left out: one static solve", OPTIONAL),
