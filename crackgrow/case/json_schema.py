@@ -13,6 +13,7 @@ from typing import Any, Final
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import ENDINGS, OutlineFile
+from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
 from crackgrow.case.schema import (
@@ -59,6 +60,10 @@ def schema_of(spec: Spec) -> Schema:
             return {"anyOf": [schema_of(form) for form in forms]}
         case Converted(inner):
             return schema_of(inner)
+        case Definitions(named):
+            return schema_of(named)
+        case Reference(_, _, inner):
+            return {"anyOf": [schema_of(inner), {"type": ["string", "number"], "pattern": _NAME}]}
         case Components(mapping):
             return {"anyOf": [schema_of(spec.listing), schema_of(mapping)]}
         case Named(_, inner, at_most):
@@ -141,7 +146,7 @@ def _units(spec: Spec) -> str:
             return f" ({' | '.join(UNITS[kind])}; a bare number is {bare})"
         case OrFormula(kind):
             return _units(Quantity(kind))
-        case ListOf(inner) | WordOr(_, inner):
+        case ListOf(inner) | WordOr(_, inner) | Reference(_, _, inner):
             return _units(inner)
         case Components():
             return _units(spec.listing)

@@ -24,7 +24,7 @@ from crackgrow.case.overrides import apply_override
 from crackgrow.case.reader import Node, Table, parse, read_file
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Context
-from crackgrow.case.scene import CASE, UNITS_SPEC
+from crackgrow.case.scene import CASE, DEFINITIONS, UNITS_SPEC
 from crackgrow.case.units import Units
 
 STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
@@ -91,6 +91,8 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
     resolved: Any = CASE.read(root, (), context)
     if units is None:
         raise report.error()
+    for definitions in DEFINITIONS:  # each is written out where it is referred to
+        resolved.pop(definitions, None)
     scene = scene_of(resolved, report, units)
     for stage in STAGES:
         stage(scene)

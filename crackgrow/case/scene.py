@@ -8,6 +8,7 @@ from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, without_file
+from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import (
     NOT_NEGATIVE,
@@ -86,6 +87,8 @@ MATERIAL: Final = Mapping(
     }
 )
 
+MATERIALS: Final = Definitions(Named("material", MATERIAL, at_most=200))
+
 STRENGTH: Final = Mapping(
     {
         "tension": Field(Quantity("stress", POSITIVE), "tensile strength"),
@@ -100,7 +103,7 @@ STRENGTH: Final = Mapping(
 BODY: Final = Mapping(
     {
         "shape": Field(SHAPE, "outline of the body"),
-        "material": Field(MATERIAL, "elastic constants"),
+        "material": Field(Reference("material", "materials", MATERIAL), "elastic constants"),
         "strength": Field(STRENGTH, "strength of the rock, where cracks may grow", OPTIONAL),
         "edges": Field(EDGES, "names for edges of a polygon: a number, or a list of consecutive ones", OPTIONAL),
     }
@@ -155,6 +158,14 @@ def _with_residual(value: object, path: Path, context: Context) -> object:
 
 CONTACT: Final = Converted(_CONTACT_KEYS, _with_residual)
 
+LAWS: Final = Definitions(Named("law", CONTACT), words=("none", "bonded"))
+
+
+def _law(*words: str) -> Reference:
+    """What is taken for a law of contact: some words, the law itself, or its name."""
+    return Reference("law", "laws", WordOr(words, CONTACT) if words else CONTACT)
+
+
 TIPS: Final = Choice(
     ("both", "start", "end", "none"),
     ("both ends", "the first point alone", "the last point alone", "it stays as it is"),
@@ -164,7 +175,7 @@ CRACK: Final = Mapping(
     {
         "path": Field(PATH, "where the crack runs"),
         "tips": Field(TIPS, "ends at which the crack can grow", "both"),
-        "contact": Field(WordOr(("none",), CONTACT), "law of the closed faces; none: they never touch each other"),
+        "contact": Field(_law("none"), "law of the closed faces; none: they never touch each other"),
     }
 )
 
@@ -180,7 +191,7 @@ REGION: Final = Mapping(
 INTERFACE: Final = Mapping(
     {
         "between": Field(ListOf(Text(), 2), "names of two bodies that share a boundary"),
-        "contact": Field(WordOr(("bonded",), CONTACT), "law of the common faces; bonded: they never part or slip"),
+        "contact": Field(_law("bonded"), "law of the common faces; bonded: they never part or slip"),
     }
 )
 
@@ -220,7 +231,7 @@ SUPPORT: Final = OneOf(
             }
         ),
         Mapping({"on": _ON, "displacement": _DISPLACEMENT_FIELD}),
-        Mapping({"on": _ON, "contact": Field(CONTACT, "law of the contact with a rigid foundation")}),
+        Mapping({"on": _ON, "contact": Field(_law(), "law of the contact with a rigid foundation")}),
     )
 )
 
@@ -415,12 +426,16 @@ OUTPUT: Final = Mapping(
 
 PLANE: Final = Choice(("strain", "stress"), ("a long body, no strain across", "a thin plate, no stress across"))
 
+DEFINITIONS: Final = ("materials", "laws")  # of the case; resolved cases hold none
+
 CASE: Final = Mapping(
     {
         "title": Field(Text(), "what the scene is"),
         "source": Field(Text(may_be_empty=True), "where the scene comes from", ""),
         "units": Field(UNITS_SPEC, "what bare numbers mean", BY_PARTS),
         "plane": Field(PLANE, "plane strain or plane stress"),
+        "materials": Field(MATERIALS, "elastic constants that bodies refer to by name", OPTIONAL),
+        "laws": Field(LAWS, "laws of contact that cracks, interfaces and foundations refer to by name", OPTIONAL),
         "bodies": Field(Named("body", BODY, at_most=200), "the pieces of rock"),
         "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
         "interfaces": Field(ListOf(INTERFACE), "contact between bodies that share a boundary", []),
