@@ -11,6 +11,7 @@ import re
 from typing import Any, Final
 
 from crackgrow.case.along import LengthOrAngle
+from crackgrow.case.base import BESIDE, OfFile
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import ENDINGS, OutlineFile
 from crackgrow.case.references import Definitions, Reference
@@ -46,7 +47,10 @@ _NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,
 def case_schema() -> str:
     """The JSON Schema of a case file as text."""
     head: Schema = {"$schema": DRAFT, "title": "crackgrow case", "description": "One scene of frictional crack growth."}
-    return json.dumps(head | schema_of(CASE), indent=1, ensure_ascii=False) + "\n"
+    body = schema_of(CASE)
+    own: Schema = {"required": body.pop("required"), "not": {"required": ["base"]}}
+    based: Schema = {"required": ["base"], "propertyNames": {"enum": ["base", "set", *BESIDE]}}
+    return json.dumps(head | body | {"anyOf": [own, based]}, indent=1, ensure_ascii=False) + "\n"
 
 
 def schema_of(spec: Spec) -> Schema:
@@ -60,6 +64,8 @@ def schema_of(spec: Spec) -> Schema:
             return {"anyOf": [schema_of(form) for form in forms]}
         case Converted(inner):
             return schema_of(inner)
+        case OfFile(kind):
+            return {"type": "object" if kind == "a mapping" else "string"}
         case Definitions(named):
             return schema_of(named)
         case Reference(_, _, inner):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from crackgrow.case.base import with_base
 from crackgrow.case.build import build_case
 from crackgrow.case.check_bodies import check_interfaces, check_loads
 from crackgrow.case.check_contacts import check_contacts
@@ -84,10 +85,14 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
         if root is not None and not report.faults:
             report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
         raise report.error()
+    folders: dict[str, Path] = {}
+    root = with_base(root, path, report, folders)
+    if root is None:
+        raise report.error()
     for override in overrides:
         apply_override(root, override, report)
     units = _units_of(root)
-    context = Context(report, units or Units(), path.parent)
+    context = Context(report, units or Units(), path.parent, folders)
     resolved: Any = CASE.read(root, (), context)
     if units is None:
         raise report.error()

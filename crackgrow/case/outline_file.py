@@ -38,7 +38,7 @@ class OutlineFile:
         if not isinstance(node, Scalar) or node.is_null or not node.text.strip():
             return refuse(node, self.describe(), path, context)
         try:
-            polygon = _polygon_of(context.folder / node.text)
+            polygon = _polygon_of(context.folder_of(node) / node.text)
             rings = [polygon.exterior, *polygon.interiors]
             return [_corners(ring, context) for ring in rings]
         except (OutlineError, QuantityError) as error:

@@ -82,6 +82,12 @@ class Report:
         self.faults.append(Fault(where.source, where.line, dotted(path), message))
         self.doubt(path)
 
+    def take(self, other: Report) -> None:
+        """Add the faults of another file."""
+        self.faults.extend(other.faults)
+        self.faulty |= other.faulty
+        self.above_faulty |= other.above_faulty
+
     def doubt(self, path: Path) -> None:
         """Mark a key as faulty; its fault is reported elsewhere, such as a misspelling of it."""
         self.faulty.add(path)
@@ -92,8 +98,14 @@ class Report:
         return path not in self.above_faulty and not any(path[:n] in self.faulty for n in range(len(path)))
 
     def error(self) -> CaseError:
-        """Return the error with all faults: those of the file by line, then those of overrides."""
-        return CaseError(sorted(self.faults, key=lambda fault: (fault.line is None, fault.line or 0)))
+        """Return the error with all faults: those of the file by line, of its bases, then those of overrides."""
+
+        def order(fault: Fault) -> tuple[bool, bool, str, int]:
+            if fault.line is None:
+                return True, False, "", 0  # in the order in which they are found
+            return False, fault.source != self.source, fault.source, fault.line
+
+        return CaseError(sorted(self.faults, key=order))
 
     def _place_of(self, path: Path) -> Place:
         for key in self.overridden if path else ():

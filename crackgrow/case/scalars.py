@@ -33,7 +33,12 @@ class Context:
     report: Report
     units: Units
     folder: FilePath = FilePath()  # what file names in the case are relative to
+    folders: dict[str, FilePath] = field(default_factory=dict)  # the same of the file and its bases, by name in faults
     defined: dict[str, dict[str, Definition]] = field(default_factory=dict)  # by kind and name, as they are read
+
+    def folder_of(self, node: Node) -> FilePath:
+        """What a file name is relative to: the folder of the file that it stands in."""
+        return self.folders.get(node.place.source, self.folder)
 
 
 class Spec(Protocol):

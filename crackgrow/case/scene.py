@@ -6,6 +6,7 @@ from typing import Final
 
 from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
+from crackgrow.case.base import OfFile
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, without_file
 from crackgrow.case.references import Definitions, Reference
@@ -445,5 +446,7 @@ CASE: Final = Mapping(
         "growth": Field(GROWTH, "how cracks grow; left out: one static solve", OPTIONAL),
         "numerics": Field(NUMERICS, "settings of the discretization", BY_PARTS),
         "output": Field(OUTPUT, "what is written", BY_PARTS),
+        "base": Field(OfFile("a case file"), "the case that this one is, but for `set`, title and source", OPTIONAL),
+        "set": Field(OfFile("a mapping"), "keys of the base that differ, such as growth.steps: 3", OPTIONAL),
     }
 )
