@@ -6,16 +6,12 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from crackgrow.case.synonyms import SYNONYMS
 from crackgrow.errors import CaseError, Fault
 
 Path = tuple[str | int, ...]
 
 SHOWN_LENGTH = 60  # longer texts are cut in messages
-SYNONYMS = {  # what users of other programs and books write: the key here
-    "E": "young", "modulus": "young", "nu": "poisson", "rho": "density", "mu": "friction", "phi": "friction_angle",
-    "c": "cohesion", "circle": "disk", "box": "rectangle", "square": "rectangle", "point": "at", "edge": "on",
-    "where": "on", "tensile": "tension", "h": "spacing", "name": "title", "stage": "history", "psi": "dilation_angle",
-}  # fmt: skip
 SIMILARITY = 0.55  # least likeness of a "did you mean", between 0 and 1
 
 
@@ -46,9 +42,9 @@ def dotted(path: Path) -> str:
 def nearest(text: str, allowed: Iterable[str]) -> str | None:
     """Return the allowed word that `text` is another name for, or else the one that looks most like it."""
     known = {word.lower(): word for word in allowed}
-    meant = SYNONYMS.get(text) or SYNONYMS.get(text.lower())
-    if meant in known:
-        return known[meant]
+    for meant in SYNONYMS.get(text.lower(), ()):
+        if meant in known:
+            return known[meant]
     near = difflib.get_close_matches(text[:SHOWN_LENGTH].lower(), list(known), n=1, cutoff=SIMILARITY)
     return known[near[0]] if near else None
 
