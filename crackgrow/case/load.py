@@ -70,13 +70,13 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     return _case_of(root, report, overrides, Path(path))
 
 
-def read_case(text: str, source: str, name: str) -> Case:
+def read_case(text: str, source: str, name: str, overrides: Sequence[str] = ()) -> Case:
     """Return the checked case of a YAML text, in SI units; `source` stands for its file in faults.
 
     Raises CaseError with every fault found.
     """
     report = Report(source)
-    return _case_of(parse(text, report, Place(source, 1)), report, (), Path(f"{name}.yaml"))
+    return _case_of(parse(text, report, Place(source, 1)), report, overrides, Path(f"{name}.yaml"))
 
 
 def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: Path) -> Case:
