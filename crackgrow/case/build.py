@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from crackgrow.case.formula import CoordinateFormula
+from crackgrow.case.formula import component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import (
     Body,
@@ -119,11 +119,7 @@ def _contact(contact: Resolved) -> CoulombContact:
 
 
 def _component(value: float | str | None) -> Component | None:
-    return None if value is None else _given(value)
-
-
-def _given(value: float | str) -> Component:
-    return CoordinateFormula(value) if isinstance(value, str) else value
+    return None if value is None else component_of(value)
 
 
 def _load(scene: Scene, index: int, load: Resolved) -> Load:
@@ -131,13 +127,13 @@ def _load(scene: Scene, index: int, load: Resolved) -> Load:
     if "gravity" in load:
         return Gravity(load["body"], tuple(load["gravity"]), held)
     if "pressure" in load:
-        return CrackPressure(load["crack"], _given(load["pressure"]), held)
+        return CrackPressure(load["crack"], component_of(load["pressure"]), held)
     if "force" in load:
         key = ("loads", index, "at")
         return PointForce(scene.holders[key], scene.places[key], tuple(load["force"]), held)
     if "stress" in load:
         return InSituStress(load["body"], tuple(load["stress"]), held)
-    x, y = (_given(component) for component in load["traction"])
+    x, y = (component_of(component) for component in load["traction"])
     return EdgeTraction(scene.regions["loads", index, "on"], (x, y), held)
 
 

@@ -20,6 +20,32 @@ def check_regions(scene: Scene) -> None:
                 _check_region(scene, (key, index, "on"), item["on"])
 
 
+def settle_bodies(scene: Scene) -> None:
+    """Name the only body where supports and loads name none; report where there are several."""
+    for kind in ("supports", "loads"):
+        listing = scene.resolved.get(kind)
+        items = listing if isinstance(listing, list) else []
+        for index, item in enumerate(items):
+            if isinstance(item, dict) and "on" in item and scene.report.sound(kind, index, "on"):
+                item["on"] = _of_body(scene, (kind, index, "on"), item["on"])
+            elif isinstance(item, dict) and ("gravity" in item or "stress" in item) and scene.report.sound(kind, index):
+                items[index] = _of_body(scene, (kind, index), item)
+
+
+def _of_body(scene: Scene, key: Path, item: dict[str, Any]) -> dict[str, Any]:
+    names = list(named(scene.resolved, "bodies"))
+    if "body" in item:
+        return item
+    if len(names) == 1:
+        return {"body": names[0], **item}
+    if names:
+        which = "the case has several, so say which one"
+        scene.report.fault((*key, "body"), f"missing: name of a body; {which}: {', '.join(names)}")
+    else:
+        scene.report.doubt((*key, "body"))  # that there is none is told elsewhere
+    return item
+
+
 def knows_body(scene: Scene, key: Path, name: str) -> bool:
     """Whether there is a body of this name; reports it at the key if not."""
     names = list(named(scene.resolved, "bodies"))

@@ -29,7 +29,7 @@ def dump_case(case: Case) -> str:
     Settings are written as the fields of the case have them. Raises CaseError where bodies, cracks, supports or loads
     are others than those that were read: they cannot be written.
     """
-    text = _text({**case.resolved, **_settings(case)})
+    text = yaml_text({**case.resolved, **_settings(case)})
     try:
         again = read_case(text, "the case as it is", case.name)
     except CaseError as error:
@@ -45,10 +45,11 @@ def dump_case(case: Case) -> str:
         remedy = "change the case file, or load it with overrides such as 'cracks.flaw.path.angle=30'"
         message = f"differs from what was read, and cannot be written: {remedy}"
         raise CaseError([Fault("the case as it is", None, name, message) for name in changed])
-    return _text(again.resolved)
+    return yaml_text(again.resolved)
 
 
-def _text(resolved: object) -> str:
+def yaml_text(resolved: object) -> str:
+    """A mapping as YAML, equal lists written out."""
     return str(
         yaml.dump(resolved, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None, width=100)
     )

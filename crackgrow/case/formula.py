@@ -79,6 +79,11 @@ class CoordinateFormula:
         return values
 
 
+def component_of(value: float | str) -> Component:
+    """A component of a resolved case: a number, or the text of a formula."""
+    return CoordinateFormula(value) if isinstance(value, str) else value
+
+
 def component_at(component: Component, places: Floats) -> Floats:
     """Values (n,) of a number or a formula at places (n, 2) m."""
     return component(places) if callable(component) else np.full(len(places), component)

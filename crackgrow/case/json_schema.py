@@ -11,8 +11,10 @@ import re
 from typing import Any, Final
 
 from crackgrow.case.along import LengthOrAngle
+from crackgrow.case.base import BESIDE, OfFile
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import ENDINGS, OutlineFile
+from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
 from crackgrow.case.schema import (
@@ -20,6 +22,7 @@ from crackgrow.case.schema import (
     OPTIONAL,
     REQUIRED,
     Chosen,
+    Components,
     Converted,
     Field,
     ListOf,
@@ -44,7 +47,10 @@ _NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,
 def case_schema() -> str:
     """The JSON Schema of a case file as text."""
     head: Schema = {"$schema": DRAFT, "title": "crackgrow case", "description": "One scene of frictional crack growth."}
-    return json.dumps(head | schema_of(CASE), indent=1, ensure_ascii=False) + "\n"
+    body = schema_of(CASE)
+    own: Schema = {"required": body.pop("required"), "not": {"required": ["base"]}}
+    based: Schema = {"required": ["base"], "propertyNames": {"enum": ["base", "set", *BESIDE]}}
+    return json.dumps(head | body | {"anyOf": [own, based]}, indent=1, ensure_ascii=False) + "\n"
 
 
 def schema_of(spec: Spec) -> Schema:
@@ -58,6 +64,14 @@ def schema_of(spec: Spec) -> Schema:
             return {"anyOf": [schema_of(form) for form in forms]}
         case Converted(inner):
             return schema_of(inner)
+        case OfFile(kind):
+            return {"type": "object" if kind == "a mapping" else "string"}
+        case Definitions(named):
+            return schema_of(named)
+        case Reference(_, _, inner):
+            return {"anyOf": [schema_of(inner), {"type": ["string", "number"], "pattern": _NAME}]}
+        case Components(mapping):
+            return {"anyOf": [schema_of(spec.listing), schema_of(mapping)]}
         case Named(_, inner, at_most):
             names = {"propertyNames": {"pattern": _NAME}, "maxProperties": at_most}
             return {"type": "object", **names, "additionalProperties": schema_of(inner)}
@@ -138,8 +152,10 @@ def _units(spec: Spec) -> str:
             return f" ({' | '.join(UNITS[kind])}; a bare number is {bare})"
         case OrFormula(kind):
             return _units(Quantity(kind))
-        case ListOf(inner) | WordOr(_, inner):
+        case ListOf(inner) | WordOr(_, inner) | Reference(_, _, inner):
             return _units(inner)
+        case Components():
+            return _units(spec.listing)
     return ""
 
 

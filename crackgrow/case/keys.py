@@ -9,6 +9,7 @@ from typing import Final
 
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.outline_file import ENDINGS, OutlineFile
+from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
 from crackgrow.case.schema import (
@@ -16,6 +17,7 @@ from crackgrow.case.schema import (
     OPTIONAL,
     REQUIRED,
     Chosen,
+    Components,
     Converted,
     Field,
     ListOf,
@@ -55,25 +57,27 @@ class _Value:
 
 def case_keys(spec: Spec = CASE) -> list[Key]:
     """All keys below a spec, each after the one that it belongs to."""
-    known: dict[int, str] = {}
+    known: dict[int, tuple[str, str]] = {}
     return list(_keys(spec, "", known))
 
 
-def _keys(spec: Spec, before: str, known: dict[int, str]) -> Iterator[Key]:
+def _keys(spec: Spec, before: str, known: dict[int, tuple[str, str]]) -> Iterator[Key]:
     if isinstance(spec, Chosen):
         yield from _chosen(spec, before, known)
         return
     for name, field in _fields(spec):
         full = before + name
         inner = _core(field.spec)
-        first = known.setdefault(id(inner), full) if inner is not None else full
-        like, value = "" if first == full else first, _value(field.spec)
+        step = _step(field.spec)
+        first, its_step = known.setdefault(id(inner), (full, step)) if inner is not None else (full, step)
+        same = first if step == its_step else f"{first}{its_step}".rstrip(".")
+        like, value = "" if first == full else same, _value(field.spec)
         yield Key(full, field.doc, value.kind, value.units, _default(field), value.allowed, like)
         if inner is not None:
-            yield from _keys(inner, full + _step(field.spec), known)
+            yield from _keys(inner, full + step, known)
 
 
-def _chosen(spec: Chosen, before: str, known: dict[int, str]) -> Iterator[Key]:
+def _chosen(spec: Chosen, before: str, known: dict[int, tuple[str, str]]) -> Iterator[Key]:
     """Keys whose defaults a word chooses: where they differ, they are told word by word."""
     forms = {word: {key.name: key.default for key in _keys(form, before, {})} for word, form in spec.forms.items()}
     for key in _keys(spec.otherwise, before, known):
@@ -100,7 +104,11 @@ def _core(spec: Spec) -> Spec | None:
     match spec:
         case Mapping() | OneOf() | Chosen():
             return spec
-        case Converted(inner) | ListOf(inner) | OneOrList(inner) | WordOr(_, inner) | Named(_, inner):
+        case Components(mapping):
+            return mapping
+        case Definitions(inner) | Reference(_, _, inner) | Converted(inner) | ListOf(inner) | OneOrList(inner):
+            return _core(inner)
+        case WordOr(_, inner) | Named(_, inner):
             return _core(inner)
     return None
 
@@ -112,7 +120,7 @@ def _step(spec: Spec) -> str:
             return f".{NAME}{_step(inner)}"
         case ListOf(inner):
             return f".{NUMBER}{_step(inner)}"
-        case Converted(inner) | OneOrList(inner) | WordOr(_, inner):
+        case Definitions(inner) | Reference(_, _, inner) | Converted(inner) | OneOrList(inner) | WordOr(_, inner):
             return _step(inner)
     return "."
 
@@ -133,8 +141,14 @@ def _value(spec: Spec) -> _Value:
             return _Value("mapping")
         case OneOf(forms):
             return _Value("mapping", allowed=f"with {' or '.join(form.form() for form in forms)}")
-        case Converted(inner):
+        case Converted(inner) | Definitions(inner):
             return _value(inner)
+        case Reference(_, where, inner):
+            value = _value(inner)
+            return _Value(f"{value.kind}, or a name from {where}", value.units, value.allowed)
+        case Components():
+            listed = _value(spec.listing)
+            return _Value(f"{listed.kind}, or mapping", listed.units, listed.allowed)
         case Named(thing, inner):
             value = _value(inner)
             return _Value(f"{thing} by name", value.units, "" if _core(inner) else f"each: {value.kind}")

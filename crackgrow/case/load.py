@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from crackgrow.case.base import with_base
 from crackgrow.case.build import build_case
 from crackgrow.case.check_bodies import check_interfaces, check_loads
 from crackgrow.case.check_contacts import check_contacts
@@ -13,25 +14,28 @@ from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_foundations import check_foundations
 from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_points import check_points
-from crackgrow.case.check_regions import check_regions
+from crackgrow.case.check_regions import check_regions, settle_bodies
 from crackgrow.case.check_strength import check_strength, settle_direction
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
 from crackgrow.case.crack_sets import expand_crack_sets
 from crackgrow.case.layout import Scene, place_cracks, scene_of, settle_spacing
+from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
 from crackgrow.case.overrides import apply_override
 from crackgrow.case.reader import Node, Table, parse, read_file
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Context
-from crackgrow.case.scene import CASE, UNITS_SPEC
+from crackgrow.case.scene import CASE, DEFINITIONS, UNITS_SPEC
 from crackgrow.case.units import Units
 
 STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
+    settle_bodies,
     check_regions,
     expand_crack_sets,
     settle_spacing,
     place_cracks,
+    settle_supports,
     check_counts,
     check_material,
     settle_direction,
@@ -68,13 +72,13 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
     return _case_of(root, report, overrides, Path(path))
 
 
-def read_case(text: str, source: str, name: str) -> Case:
+def read_case(text: str, source: str, name: str, overrides: Sequence[str] = ()) -> Case:
     """Return the checked case of a YAML text, in SI units; `source` stands for its file in faults.
 
     Raises CaseError with every fault found.
     """
     report = Report(source)
-    return _case_of(parse(text, report, Place(source, 1)), report, (), Path(f"{name}.yaml"))
+    return _case_of(parse(text, report, Place(source, 1)), report, overrides, Path(f"{name}.yaml"))
 
 
 def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: Path) -> Case:
@@ -83,13 +87,19 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
         if root is not None and not report.faults:
             report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
         raise report.error()
+    folders: dict[str, Path] = {}
+    root = with_base(root, path, report, folders)
+    if root is None:
+        raise report.error()
     for override in overrides:
         apply_override(root, override, report)
     units = _units_of(root)
-    context = Context(report, units or Units(), path.parent)
+    context = Context(report, units or Units(), path.parent, folders)
     resolved: Any = CASE.read(root, (), context)
     if units is None:
         raise report.error()
+    for definitions in DEFINITIONS:  # each is written out where it is referred to
+        resolved.pop(definitions, None)
     scene = scene_of(resolved, report, units)
     for stage in STAGES:
         stage(scene)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -359,6 +360,25 @@ class Case:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "resolved", read_only(self.resolved))
+
+    @classmethod
+    def from_dict(cls, mapping: Mapping[str, Any], name: str = "case") -> Case:
+        """The checked case of a mapping in the case format; raises CaseError with every fault."""
+        from crackgrow.case.mappings import case_from  # it stands on the classes of this module
+
+        return case_from(mapping, name)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The case as a mapping in the case format, as `case.yaml` of a run: SI, every default filled in."""
+        from crackgrow.case.mappings import mapping_of  # it stands on the classes of this module
+
+        return mapping_of(self)
+
+    def with_(self, *settings: str) -> Case:
+        """The case with settings such as "numerics.spacing=1 mm"; bare numbers are in SI."""
+        from crackgrow.case.mappings import changed  # it stands on the classes of this module
+
+        return changed(self, settings)
 
     @property
     def last_factor(self) -> float:

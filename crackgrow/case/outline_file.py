@@ -49,7 +49,7 @@ class OutlineFile:
         """Return the corners of the outline and then of each hole, or the lines, in m; of a mesh the mesh itself."""
         if not isinstance(node, Scalar) or node.is_null or not node.text.strip():
             return refuse(node, self.describe(), path, context)
-        file = context.folder / node.text
+        file = context.folder_of(node) / node.text
         try:
             if file.suffix.lower() not in ENDINGS:
                 raise OutlineError(f"ends in {quoted(file.suffix)}")

@@ -16,24 +16,33 @@ def apply_override(root: Table, override: str, report: Report) -> None:
     key, equals, text = override.partition("=")
     key = key.strip()
     place = Place(f"--set {clean(key)}", None)
-    parts = tuple(key.split("."))
     if not equals:
         report.fault((), f"{quoted(override)} has no '='; an override is written key.path=value", place)
         return
-    if not all(parts) or len(parts) > MAX_DEPTH:
-        report.fault((), f"{quoted(key)} is not a key path such as numerics.spacing", place)
-        return
-    if re.search(r"\[\d+\]", key):
-        written = re.sub(r"\[(\d+)\]", r".\1", key)
-        report.fault((), f"an item of a list is written with its number, as in {quoted(written)}", place)
+    parts = key_parts(key, place, report)
+    if parts is None:
         return
     n_faults = len(report.faults)
     value = parse(text, report, place, parts)
     if len(report.faults) == n_faults:
-        _set(root, parts, value or Scalar("", True, place), place, report)
+        set_value(root, parts, value or Scalar("", True, place), place, report)
 
 
-def _set(root: Table, parts: tuple[str, ...], value: Node, place: Place, report: Report) -> None:
+def key_parts(key: str, place: Place, report: Report) -> tuple[str, ...] | None:
+    """The parts of a dotted key, None after reporting why it is none."""
+    parts = tuple(key.split("."))
+    if not all(parts) or len(parts) > MAX_DEPTH:
+        report.fault((), f"{quoted(key)} is not a key path such as numerics.spacing", place)
+        return None
+    if re.search(r"\[\d+\]", key):
+        written = re.sub(r"\[(\d+)\]", r".\1", key)
+        report.fault((), f"an item of a list is written with its number, as in {quoted(written)}", place)
+        return None
+    return parts
+
+
+def set_value(root: Table, parts: tuple[str, ...], value: Node, place: Place, report: Report) -> None:
+    """Put a value at a key of the tree, with the mappings on the way to it; a list has to hold the number."""
     node: Node = root
     for depth, part in enumerate(parts):
         last = depth == len(parts) - 1

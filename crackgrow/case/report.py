@@ -6,16 +6,12 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from crackgrow.case.synonyms import SYNONYMS
 from crackgrow.errors import CaseError, Fault
 
 Path = tuple[str | int, ...]
 
 SHOWN_LENGTH = 60  # longer texts are cut in messages
-SYNONYMS = {  # what users of other programs and books write: the key here
-    "E": "young", "modulus": "young", "nu": "poisson", "rho": "density", "mu": "friction", "phi": "friction_angle",
-    "c": "cohesion", "circle": "disk", "box": "rectangle", "square": "rectangle", "point": "at", "edge": "on",
-    "where": "on", "tensile": "tension", "h": "spacing", "name": "title", "stage": "history", "psi": "dilation_angle",
-}  # fmt: skip
 SIMILARITY = 0.55  # least likeness of a "did you mean", between 0 and 1
 
 
@@ -46,9 +42,9 @@ def dotted(path: Path) -> str:
 def nearest(text: str, allowed: Iterable[str]) -> str | None:
     """Return the allowed word that `text` is another name for, or else the one that looks most like it."""
     known = {word.lower(): word for word in allowed}
-    meant = SYNONYMS.get(text) or SYNONYMS.get(text.lower())
-    if meant in known:
-        return known[meant]
+    for meant in SYNONYMS.get(text.lower(), ()):
+        if meant in known:
+            return known[meant]
     near = difflib.get_close_matches(text[:SHOWN_LENGTH].lower(), list(known), n=1, cutoff=SIMILARITY)
     return known[near[0]] if near else None
 
@@ -82,6 +78,12 @@ class Report:
         self.faults.append(Fault(where.source, where.line, dotted(path), message))
         self.doubt(path)
 
+    def take(self, other: Report) -> None:
+        """Add the faults of another file."""
+        self.faults.extend(other.faults)
+        self.faulty |= other.faulty
+        self.above_faulty |= other.above_faulty
+
     def doubt(self, path: Path) -> None:
         """Mark a key as faulty; its fault is reported elsewhere, such as a misspelling of it."""
         self.faulty.add(path)
@@ -92,8 +94,14 @@ class Report:
         return path not in self.above_faulty and not any(path[:n] in self.faulty for n in range(len(path)))
 
     def error(self) -> CaseError:
-        """Return the error with all faults: those of the file by line, then those of overrides."""
-        return CaseError(sorted(self.faults, key=lambda fault: (fault.line is None, fault.line or 0)))
+        """Return the error with all faults: those of the file by line, of its bases, then those of overrides."""
+
+        def order(fault: Fault) -> tuple[bool, bool, str, int]:
+            if fault.line is None:
+                return True, False, "", 0  # in the order in which they are found
+            return False, fault.source != self.source, fault.source, fault.line
+
+        return CaseError(sorted(self.faults, key=order))
 
     def _place_of(self, path: Path) -> Place:
         for key in self.overridden if path else ():

@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path as FilePath
 from typing import Final, Protocol
 
 from crackgrow.case.reader import Broken, Listing, Node, Scalar
-from crackgrow.case.report import Path, Report, did_you_mean, quoted
+from crackgrow.case.report import Path, Place, Report, did_you_mean, quoted
 from crackgrow.case.units import UNITS, QuantityError, Units, is_number, parse_number, parse_quantity
 
 _BEGIN_OF_NUMBER: Final = tuple("+-.0123456789")
 
 INVALID: Final = object()  # stands for a value whose fault is in the report
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """A thing under a name that other keys refer to."""
+
+    value: object
+    sound: bool  # whether it has no fault
+    places: dict[Path, Place]  # of its keys, each from the thing on
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +33,12 @@ class Context:
     report: Report
     units: Units
     folder: FilePath = FilePath()  # what file names in the case are relative to
+    folders: dict[str, FilePath] = field(default_factory=dict)  # the same of the file and its bases, by name in faults
+    defined: dict[str, dict[str, Definition]] = field(default_factory=dict)  # by kind and name, as they are read
+
+    def folder_of(self, node: Node) -> FilePath:
+        """What a file name is relative to: the folder of the file that it stands in."""
+        return self.folders.get(node.place.source, self.folder)
 
 
 class Spec(Protocol):

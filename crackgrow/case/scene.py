@@ -6,6 +6,7 @@ from typing import Final
 
 from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD, Preset
 from crackgrow.case.along import LengthOrAngle
+from crackgrow.case.base import OfFile
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.outline_file import (
     MOST_CORNERS,
@@ -15,6 +16,7 @@ from crackgrow.case.outline_file import (
     with_file_points,
     without_file,
 )
+from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import (
     NOT_NEGATIVE,
@@ -34,6 +36,7 @@ from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,
     Chosen,
+    Components,
     Converted,
     Field,
     ListOf,
@@ -95,6 +98,8 @@ MATERIAL: Final = Mapping(
     }
 )
 
+MATERIALS: Final = Definitions(Named("material", MATERIAL, at_most=200))
+
 STRENGTH: Final = Mapping(
     {
         "tension": Field(Quantity("stress", POSITIVE), "tensile strength"),
@@ -109,7 +114,7 @@ STRENGTH: Final = Mapping(
 _BODY_KEYS: Final = Mapping(
     {
         "shape": Field(SHAPE, "outline of the body"),
-        "material": Field(MATERIAL, "elastic constants"),
+        "material": Field(Reference("material", "materials", MATERIAL), "elastic constants"),
         "strength": Field(STRENGTH, "strength of the rock, where cracks may grow", OPTIONAL),
         "edges": Field(EDGES, "names for edges of a polygon: a number, or a list of consecutive ones", OPTIONAL),
     }
@@ -174,6 +179,14 @@ def _with_residual(value: object, path: Path, context: Context) -> object:
 
 CONTACT: Final = Converted(_CONTACT_KEYS, _with_residual)
 
+LAWS: Final = Definitions(Named("law", CONTACT), words=("none", "bonded"))
+
+
+def _law(*words: str) -> Reference:
+    """What is taken for a law of contact: some words, the law itself, or its name."""
+    return Reference("law", "laws", WordOr(words, CONTACT) if words else CONTACT)
+
+
 TIPS: Final = Choice(
     ("both", "start", "end", "none"),
     ("both ends", "the first point alone", "the last point alone", "it stays as it is"),
@@ -183,13 +196,13 @@ CRACK: Final = Mapping(
     {
         "path": Field(PATH, "where the crack runs"),
         "tips": Field(TIPS, "ends at which the crack can grow", "both"),
-        "contact": Field(WordOr(("none",), CONTACT), "law of the closed faces; none: they never touch each other"),
+        "contact": Field(_law("none"), "law of the closed faces; none: they never touch each other"),
     }
 )
 
 REGION: Final = Mapping(
     {
-        "body": Field(Text(), "name of a body"),
+        "body": Field(Text(), "name of a body; may be left out where there is one", OPTIONAL),
         "edge": Field(Text(), "name of one of its edges"),
         "from": Field(LengthOrAngle(), "where the part of the edge begins", OPTIONAL),
         "to": Field(LengthOrAngle(), "where the part of the edge ends", OPTIONAL),
@@ -199,21 +212,34 @@ REGION: Final = Mapping(
 INTERFACE: Final = Mapping(
     {
         "between": Field(ListOf(Text(), 2), "names of two bodies that share a boundary"),
-        "contact": Field(WordOr(("bonded",), CONTACT), "law of the common faces; bonded: they never part or slip"),
+        "contact": Field(_law("bonded"), "law of the common faces; bonded: they never part or slip"),
     }
 )
 
-DISPLACEMENT: Final = Mapping(
-    {
-        "x": Field(OrFormula(), "displacement along x; left out: free", OPTIONAL),
-        "y": Field(OrFormula(), "displacement along y; left out: free", OPTIONAL),
-    },
-    at_least_one=True,
+DISPLACEMENT: Final = Components(
+    Mapping(
+        {
+            "x": Field(OrFormula(), "displacement along x; left out: free", OPTIONAL),
+            "y": Field(OrFormula(), "displacement along y; left out: free", OPTIONAL),
+        },
+        at_least_one=True,
+    ),
+    as_list=False,
+)
+
+TRACTION: Final = Components(
+    Mapping(
+        {
+            "x": Field(OrFormula("stress"), "force per area along x"),
+            "y": Field(OrFormula("stress"), "force per area along y"),
+        }
+    ),
+    as_list=True,
 )
 
 _ON: Final = Field(REGION, "an edge or a part of one", also=("true",))  # what writers of YAML 1.1 make of `on`
 _DISPLACEMENT_FIELD: Final = Field(DISPLACEMENT, "prescribed displacement")
-_BODY_NAME: Final = Field(Text(), "name of a body")
+_BODY_NAME: Final = Field(Text(), "name of a body; may be left out where there is one", OPTIONAL)
 _OF_BODY: Final = Field(Text(), "the body, if the point lies on more than one", OPTIONAL)
 
 SUPPORT: Final = OneOf(
@@ -226,8 +252,16 @@ SUPPORT: Final = OneOf(
             }
         ),
         Mapping({"on": _ON, "displacement": _DISPLACEMENT_FIELD}),
-        Mapping({"on": _ON, "contact": Field(CONTACT, "law of the contact with a rigid foundation")}),
+        Mapping({"on": _ON, "contact": Field(_law(), "law of the contact with a rigid foundation")}),
     )
+)
+
+MINIMAL: Final = "minimal"
+
+SUPPORTS: Final = WordOr(
+    (MINIMAL,),
+    ListOf(SUPPORT),
+    ("three constraints at points of the outline, which take no force: for loads that balance",),
 )
 
 _HELD: Final = Field(Switch(), "acts in full at every load factor", False)
@@ -237,7 +271,7 @@ LOAD: Final = OneOf(
         Mapping(
             {
                 "on": _ON,
-                "traction": Field(ListOf(OrFormula("stress"), 2), "force per area, [x, y]"),
+                "traction": Field(TRACTION, "force per area, [x, y]"),
                 "held": _HELD,
             }
         ),
@@ -413,20 +447,26 @@ OUTPUT: Final = Mapping(
 
 PLANE: Final = Choice(("strain", "stress"), ("a long body, no strain across", "a thin plate, no stress across"))
 
+DEFINITIONS: Final = ("materials", "laws")  # of the case; resolved cases hold none
+
 CASE: Final = Mapping(
     {
         "title": Field(Text(), "what the scene is"),
         "source": Field(Text(may_be_empty=True), "where the scene comes from", ""),
         "units": Field(UNITS_SPEC, "what bare numbers mean", BY_PARTS),
         "plane": Field(PLANE, "plane strain or plane stress"),
+        "materials": Field(MATERIALS, "elastic constants that bodies refer to by name", OPTIONAL),
+        "laws": Field(LAWS, "laws of contact that cracks, interfaces and foundations refer to by name", OPTIONAL),
         "bodies": Field(Named("body", BODY, at_most=200), "the pieces of rock"),
         "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
         "interfaces": Field(ListOf(INTERFACE), "contact between bodies that share a boundary", []),
-        "supports": Field(ListOf(SUPPORT), "prescribed displacements and rigid foundations", []),
+        "supports": Field(SUPPORTS, "prescribed displacements and rigid foundations", []),
         "loads": Field(ListOf(LOAD), "loads", []),
         "loading": Field(LOADING, "how the loads are applied in time", {"history": [1.0]}),
         "growth": Field(GROWTH, "how cracks grow; left out: one static solve", OPTIONAL),
         "numerics": Field(NUMERICS, "settings of the discretization", BY_PARTS),
         "output": Field(OUTPUT, "what is written", BY_PARTS),
+        "base": Field(OfFile("a case file"), "the case that this one is, but for `set`, title and source", OPTIONAL),
+        "set": Field(OfFile("a mapping"), "keys of the base that differ, such as growth.steps: 3", OPTIONAL),
     }
 )

@@ -247,6 +247,34 @@ class OneOrList:
 
 
 @dataclass(frozen=True, slots=True)
+class Components:
+    """A vector as a list [x, y], or as a mapping of x and y; resolved cases hold one of the two forms."""
+
+    mapping: Mapping  # of x and y; one that may be left out can be left out in the mapping alone
+    as_list: bool  # the form in resolved cases
+
+    @property
+    def listing(self) -> ListOf:
+        """The list of all components."""
+        return ListOf(next(iter(self.mapping.fields.values())).spec, len(self.mapping.fields))
+
+    def describe(self) -> str:
+        """Say in a few words what is allowed."""
+        return f"{self.listing.describe()}, or {self.mapping.describe()}"
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the components, as a list or as a dict."""
+        if not isinstance(node, Listing | Table):
+            return refuse(node, self.describe(), path, context)
+        value = (self.listing if isinstance(node, Listing) else self.mapping).read(node, path, context)
+        if self.as_list and isinstance(value, dict):
+            return list(value.values())
+        if not self.as_list and isinstance(value, list):
+            return dict(zip(self.mapping.fields, value, strict=True))
+        return value
+
+
+@dataclass(frozen=True, slots=True)
 class Named:
     """Things under names of the user's choice."""
 

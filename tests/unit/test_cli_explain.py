@@ -30,7 +30,7 @@ def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys
 
 @pytest.mark.parametrize(("name", "heads"), [
     ("cracks.my_own.contact.friction", ["cracks.NAME.contact.friction"]),
-    ("friction", ["cracks.NAME.contact.friction"]),  # once, though interfaces and foundations have it, too
+    ("friction", ["laws.NAME.friction"]),  # once, though cracks, interfaces and foundations have it, too
     ("interfaces.0.contact.friction", ["interfaces.N.contact.friction"]),
     ("output", ["output", "output.frames", "output.fields", "output.figures", "output.report"]),
     ("paths.csv", ["paths.csv", "crack", "vertex", "x", "y", "step"]),
@@ -70,7 +70,7 @@ def test_keys_of_a_format_appear_by_themselves() -> None:
     found = {key.name: key for key in case_keys(spec)}
     assert list(found) == ["size", "faults", "faults.NAME.mu", "joints", "joints.N.mu", "fine", "fine.kind", "fine.n"]
     assert (found["size"].kind, found["size"].allowed) == ("[length, length]", "> 0")
-    assert found["joints"].like == "faults"
+    assert found["joints"].like == "faults.NAME"
     assert found["fine.n"].default == "1 (b: 2)"
 
 

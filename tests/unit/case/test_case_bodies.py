@@ -455,7 +455,7 @@ def test_loads(tmp_path: Path):
         ({"gravity": [0, -9.81]}, "loads.0.body", "missing"),
         ({"body": "lo", "stress": [0, 0, 0]}, "loads.0.body", "no body 'lo'"),
         ({"body": "low", "stress": [0, 0]}, "loads.0.stress", "a list of 2 given; wanted: a list of 3"),
-        ({"body": "low"}, "loads.0", "give either {on, traction} or {body, gravity} or {crack, pressure} or {body, st"),
+        ({"body": "low"}, "loads.0", "give either {on, traction} or {gravity} or {crack, pressure} or {stress}"),
         ({"body": "low", "pressure": 1}, "loads.0", "give either"),
         (
             {"crack": "flwa", "pressure": 1},

@@ -76,7 +76,7 @@ def test_everything_is_accepted():
           "{spacing: 1, contact: {stiffness: soft}}", "{spacing: 1, support: 5}"]),
         (CONTACT, ["{friction: 0.3, cohesion: 0}"], ["{friction: 0.3}", "{friction: -1, cohesion: 0}", "none"]),
         (CRACK, ["{path: {points: [[0, 0], [1, 2]]}, contact: none}"],
-         ["{path: {points: [[0, 0, 1]]}, contact: none}", "{path: {points: [[0, 0]]}, contact: no}",
+         ["{path: {points: [[0, 0, 1]]}, contact: none}", "{path: {points: [[0, 0]]}, contact: [no]}",
           "{path: {center: [0, 0], points: []}, contact: none}", "{path: {}, contact: none}"]),
         (PATH, ["{center: [0, 0], length: 3, angle: 30 deg}"], ["{center: [0, 0], length: 3}"]),
         (SHAPE, ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],

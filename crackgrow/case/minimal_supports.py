@@ -1,0 +1,148 @@
+"""`supports: minimal`: what holds a body whose loads balance, and takes no force."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+import numpy as np
+import shapely
+
+from crackgrow.arrays import Floats
+from crackgrow.case.formula import component_at, component_of
+from crackgrow.case.layout import Scene
+from crackgrow.case.regions import ends_of
+from crackgrow.case.scene import MINIMAL
+from crackgrow.case.shapes import BodyShape, Resolved
+from crackgrow.errors import CaseError
+
+KEY: Final = "supports"
+BALANCED: Final = 1e-4  # of all forces together; what the loads leave over is less
+GAUSS_POINTS: Final = 8  # on the loaded part of a side
+
+
+def settle_supports(scene: Scene) -> None:
+    """Put three constraints in the place of the word; report loose bodies, and loads that do not balance."""
+    if scene.resolved.get(KEY) != MINIMAL:
+        return
+    scene.resolved[KEY] = []
+    if not scene.complete or not scene.report.sound("loads"):
+        scene.report.doubt((KEY,))  # the faults of what they follow from are reported
+        return
+    loose = _loose_groups(scene)
+    if len(loose) > 1:
+        listed = " and ".join(", ".join(group) for group in loose)
+        message = f"'{MINIMAL}' holds one body, or bodies that are bonded; loose from each other are {listed}"
+        scene.report.fault((KEY,), f"{message}: give a list of supports")
+        return
+    _check_balance(scene)
+    points = _points(scene, max(scene.bodies.values(), key=lambda body: body.size))
+    if points is None:
+        scene.report.fault((KEY,), "no two corners of the outline are clear of cracks; give a list of supports")
+    else:
+        scene.resolved[KEY] = points
+
+
+def _loose_groups(scene: Scene) -> list[list[str]]:
+    """The bodies, those that are bonded to each other together."""
+    group = {name: [name] for name in scene.bodies}
+    for _, interface in scene.items("interfaces", "between"):
+        first, second = (group.get(name) for name in interface["between"])
+        if interface["contact"] == "bonded" and first and second and first is not second:
+            first.extend(second)
+            group.update(dict.fromkeys(second, first))
+    return list({id(names): names for names in group.values()}.values())
+
+
+def _points(scene: Scene, body: BodyShape) -> list[dict[str, Any]] | None:
+    """Both components at one point and one at another: far apart, clear of cracks, and of loads where there is room."""
+    sides = body.sides[: len(body.outline)]
+    places = np.concatenate([sides[:, 0], sides.mean(axis=1)])  # corners, then the middle of each side
+    spacing = scene.get("numerics", "spacing") or 0.0
+    from_cracks, from_loads = _distances(scene.cracks.values(), places), _distances(_loaded(scene), places)
+    clear = from_cracks > scene.tolerance
+    for wanted in ((from_cracks > spacing) & (from_loads > scene.tolerance), clear & (from_loads > 0.0), clear):
+        found = places[wanted]
+        axis = int(np.argmax(np.ptp(found, axis=0))) if len(found) else 0
+        if len(found) and np.ptp(found[:, axis]) >= 0.25 * body.size:
+            break
+    else:
+        if not len(found) or np.ptp(found[:, axis]) <= scene.tolerance:
+            return None
+    first, second = found[np.argmin(found[:, axis])], found[np.argmax(found[:, axis])]
+    across = "yx"[axis]
+    return [
+        {"at": first.tolist(), "displacement": {"x": 0.0, "y": 0.0}, "body": body.name},
+        {"at": second.tolist(), "displacement": {across: 0.0}, "body": body.name},
+    ]
+
+
+def _loaded(scene: Scene) -> list[Floats]:
+    """Lines (2, 2) m and points (1, 2) m that loads act on."""
+    regions = [region for key, region in scene.regions.items() if key[0] == "loads"]
+    lines = [line for region in regions for line in ends_of(scene.bodies[region.body], region)]
+    return [*lines, *(np.array([load["at"]]) for _, load in scene.items("loads", "force"))]
+
+
+def _distances(lines: Any, places: Floats) -> Floats:
+    """Distance (n,) m of places (n, 2) m from the nearest of some lines, or points, (k, 2) m."""
+    shapes = [shapely.LineString(line) if len(line) > 1 else shapely.Point(line[0]) for line in lines if len(line)]
+    if not shapes:
+        return np.full(len(places), np.inf)
+    _, apart = shapely.STRtree(shapes).query_nearest(shapely.points(places), return_distance=True, all_matches=False)
+    return np.asarray(apart, dtype=float)
+
+
+def _check_balance(scene: Scene) -> None:
+    """Report loads that leave a force, or a moment, at a load factor that they are to have."""
+    held, scaled = _Resultant(scene.size), _Resultant(scene.size)
+    for index, load in enumerate(scene.resolved["loads"]):
+        for points, forces in _forces(scene, index, load):
+            (held if load["held"] else scaled).add(points - scene.box.mean(axis=0), forces)
+    loading = scene.get("loading")
+    factors = [(1.0, f) for f in loading["history"]] if isinstance(loading, dict) else [(1.0, 0.0), (0.0, 1.0)]
+    for one, other in factors:
+        left = one * held.sum + other * scaled.sum
+        if np.abs(left).max() > BALANCED * (one * held.size + abs(other) * scaled.size):
+            x, y, turn = left / (1.0, 1.0, 1.0 / scene.size)
+            message = (
+                f"'{MINIMAL}' takes no force, and the loads leave ({x:.4g}, {y:.4g}) N/m and a moment of {turn:.4g} N "
+                f"about the middle: balance them, or give a list of supports"
+            )
+            scene.report.fault((KEY,), message)
+            return
+
+
+def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, Floats]]:
+    """Places (n, 2) m and forces (n, 2) N/m of a load; pressure on both faces and stress balance in themselves."""
+    if "traction" in load:
+        region = scene.regions.get(("loads", index, "on"))
+        ends = np.zeros((0, 2, 2)) if region is None else ends_of(scene.bodies[region.body], region)
+        along, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+        points = ends[:, :1] + 0.5 * (1.0 + along)[:, None] * (ends[:, 1:] - ends[:, :1])
+        lengths = np.outer(np.hypot(*(ends[:, 1] - ends[:, 0]).T), 0.5 * weights).ravel()
+        places = points.reshape(-1, 2)
+        try:
+            traction = [component_at(component_of(part), places) for part in load["traction"]]
+        except CaseError:
+            return  # a formula without a value, which is told elsewhere
+        yield places, lengths[:, None] * np.stack(traction, axis=1)
+    elif "gravity" in load and scene.get("bodies", load["body"], "material", "density"):
+        polygon = scene.bodies[load["body"]].polygon
+        mass = scene.get("bodies", load["body"], "material", "density") * polygon.area
+        yield shapely.get_coordinates(polygon.centroid), mass * np.array([load["gravity"]])
+    elif "force" in load:
+        yield np.array([load["at"]]), np.array([load["force"]])
+
+
+class _Resultant:
+    """Sum of forces, as (x, y, moment / size of the scene) N/m, and of their sizes."""
+
+    def __init__(self, length: float) -> None:
+        self.length, self.sum, self.size = length, np.zeros(3), 0.0
+
+    def add(self, points: Floats, forces: Floats) -> None:
+        """Add forces (n, 2) N/m at points (n, 2) m."""
+        moments = points[:, 0] * forces[:, 1] - points[:, 1] * forces[:, 0]
+        self.sum = self.sum + np.append(forces.sum(axis=0), moments.sum() / self.length)
+        self.size += float(np.hypot(*forces.T).sum())

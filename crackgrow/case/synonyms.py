@@ -1,0 +1,26 @@
+"""What users of other programs and of books write, and the keys and words that it means here, for hints."""
+
+from __future__ import annotations
+
+from typing import Final
+
+SYNONYMS: Final = {  # in small letters: the first of these that is allowed where it stands
+    # elastic constants
+    "e": ("young",), "modulus": ("young",), "youngs_modulus": ("young",), "elastic_modulus": ("young",),
+    "nu": ("poisson",), "v": ("poisson",), "poissons_ratio": ("poisson",), "rho": ("density",),
+    # strength and contact
+    "sigma_t": ("tension",), "t0": ("tension",), "ft": ("tension",), "tensile": ("tension",), "c": ("cohesion",),
+    "c0": ("cohesion",), "phi": ("friction_angle", "friction"), "mu": ("friction",), "psi": ("dilation_angle",),
+    "mu_r": ("residual_friction",), "kn": ("normal",), "ks": ("shear",), "kt": ("shear",), "dc": ("weakening_length",),
+    "k_ic": ("toughness",), "kic": ("toughness",), "frictionless": ("none",), "glued": ("bonded",),
+    # shapes and places
+    "circle": ("disk",), "box": ("rectangle",), "square": ("rectangle",), "r": ("radius",), "w": ("width",),
+    "h": ("spacing", "height"), "dip": ("angle",), "theta": ("angle",), "vertices": ("points", "polygon"),
+    "coordinates": ("points", "polygon"), "point": ("at",), "edge": ("on",), "side": ("edge", "on"), "where": ("on",),
+    # the scene
+    "name": ("title",), "blocks": ("bodies",), "joints": ("cracks",), "faults": ("cracks",), "flaws": ("cracks",),
+    "boundary_conditions": ("supports",), "bcs": ("supports",), "u": ("displacement",), "fixed": ("displacement",),
+    "t": ("traction",), "p": ("pressure",), "g": ("gravity",), "sigma": ("stress",), "f": ("force",),
+    "stage": ("history",), "mesh": ("numerics",), "mesh_size": ("spacing",), "da": ("increment",),
+    "n_steps": ("steps",),
+}  # fmt: skip
