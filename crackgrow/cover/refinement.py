@@ -44,7 +44,8 @@ def divided(lattice: Lattice, focus: Focus, rings: float) -> Squares:
 
     A cell is divided if a place no farther than `rings` of its sides, along both axes, asks for smaller ones. Just at
     that distance it is, whatever rounding makes of it: symmetric scenes have symmetric cells, and no larger patches
-    hold a tip within rounding of a corner. Nor with fewer rings than the support, so there are at least so many.
+    hold a tip within rounding of a corner. Sizes that differ by rounding are equal: a scene in other units has the same
+    cells. Nor with fewer rings than the support, so there are at least so many.
     """
     rings = max(rings, lattice.support)
     cells, tree = lattice.cells, shapely.STRtree(focus.shapes)
@@ -57,7 +58,7 @@ def divided(lattice: Lattice, focus: Focus, rings: float) -> Squares:
         room = (rings + TOUCH) * side
         cell, place = tree.query(shapely.box(x - room, y - room, x + side + room, y + side + room), "intersects")
         asked = np.zeros(len(size), dtype=bool)
-        asked[cell[focus.size[place] < side[cell]]] = True
+        asked[cell[focus.size[place] < (1.0 - TOUCH) * side[cell]]] = True
         asked &= size > least
         fixed.append((low[~asked], size[~asked]))
         low, size = quarters_of(low[asked], size[asked])

@@ -158,3 +158,22 @@ def test_the_smallest_cells_are_a_512th_of_the_largest() -> None:
     cover = cover_of(case("compression30", AUTO, tiny, "growth.steps=0"))
     assert min(tip.size for tip in cover.tips) >= 2.0**-9
     assert all(tip.size * cover.lattice.spacing <= 1e-5 / STANDARD.per_crack * 1.0000001 for tip in cover.tips)
+
+
+@pytest.mark.parametrize("factor", [1e-5, 1 / 3, 1e5])
+def test_automatic_cells_are_the_same_in_a_scene_of_another_size(factor: float) -> None:
+    """A flaw of 12 mm whose tips ask for 1 mm where the largest cells have 4: a quarter but for rounding."""
+    cells = []
+    for size in (1.0, factor):
+        scene = {
+            "bodies.rock.shape.rectangle": {"center": [0, 0], "width": 40 * size, "height": 80 * size},
+            "cracks.flaw.path": {"center": [0, 0], "length": 12 * size, "angle": 45},
+            "supports.0.at": [-20 * size, -40 * size],
+            "supports.1.at": [20 * size, -40 * size],
+            "supports.2.at": [0, -40 * size],
+            "growth.increment": 2 * size,
+            "growth.tip_stress.radius": size,
+        }
+        settings = [f"{key}={value}".replace("'", "") for key, value in scene.items()]
+        cells.append(first_cells(make_scene(case("compression30", AUTO, *settings))))
+    assert cells[0].equal(cells[1])
