@@ -47,6 +47,8 @@ def divided(lattice: Lattice, focus: Focus, rings: float) -> Squares:
     hold a tip within rounding of a corner. Sizes that differ by rounding are equal: a scene in other units has the same
     cells. Nor with fewer rings than the support, so there are at least so many.
     """
+    if not len(focus.size):
+        return lattice.cells
     rings = max(rings, lattice.support)
     cells, tree = lattice.cells, shapely.STRtree(focus.shapes)
     fixed: list[tuple[Ints, Ints]] = []

@@ -37,6 +37,11 @@ class GrowingCrack:
     crack: Crack
     steps: Ints  # (n,)
 
+    @classmethod
+    def given(cls, crack: Crack) -> GrowingCrack:
+        """A crack that has not grown."""
+        return cls(crack, np.zeros(len(crack.points), dtype=np.int64))
+
     def can_grow(self, at_end: bool) -> bool:
         """Whether the tip at the end (or start) may advance."""
         return self.crack.tip_at_end if at_end else self.crack.tip_at_start

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.case.model import Case
@@ -39,7 +38,7 @@ class RunState:
 
 def beginning(case: Case) -> RunState:
     """Nothing is solved yet."""
-    return RunState(0, tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks))
+    return RunState(0, tuple(map(GrowingCrack.given, case.cracks)))
 
 
 def packed(state: RunState) -> Checkpoint:

@@ -272,10 +272,9 @@ def _cover(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None
 
 def first_cells(scene: Scene) -> Squares:
     """The cells of a scene before anything grows, without the lattice that is made of them."""
-    unbroken = [GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in scene.case.cracks]
-    cracks = [crack_geometry(scene, *pair) for pair in zip(unbroken, scene.crack_bodies, strict=True)]
-    focus = focus_of(scene, cracks)
-    return divided(scene.lattice, focus, scene.case.numerics.refine.rings) if len(focus.size) else scene.lattice.cells
+    given = zip(map(GrowingCrack.given, scene.case.cracks), scene.crack_bodies, strict=True)
+    cracks = [crack_geometry(scene, crack, body) for crack, body in given]
+    return divided(scene.lattice, focus_of(scene, cracks), scene.case.numerics.refine.rings)
 
 
 @contextmanager

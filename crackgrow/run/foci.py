@@ -35,8 +35,7 @@ SHARP_CORNER = np.deg2rad(20.0)
 
 def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Lattice | None) -> Lattice:
     """The lattice of a scene with these cracks; that of the configuration before if its cells are the same."""
-    focus = focus_of(scene, cracks)
-    return refined(scene.lattice, focus, scene.case.numerics.refine.rings, before) if len(focus.size) else scene.lattice
+    return refined(scene.lattice, focus_of(scene, cracks), scene.case.numerics.refine.rings, before)
 
 
 def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
@@ -146,12 +145,11 @@ def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[tuple[Floats, float, 
 
 
 def _corners(scene: Scene) -> Iterator[Floats]:
-    """Re-entrant corners, since the rock lies on the left of all rings, and ends of regions."""
+    """Re-entrant corners; the rock lies on the left of all rings."""
     for body in scene.bodies:
         for ring in body.rings:
             turns = kink_angles(np.concatenate([ring[-1:], ring, ring[:1]]))
             yield from ring[turns < -SHARP_CORNER]
-    yield from _ends_of_regions(scene)
 
 
 def _ends_of_regions(scene: Scene) -> Iterator[Floats]:

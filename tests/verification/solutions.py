@@ -97,7 +97,7 @@ def solve_case(case: Case) -> Solved:
 
 def before_growth(case: Case) -> tuple[GrowingCrack, ...]:
     """The cracks of a case before growth."""
-    return tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    return tuple(map(GrowingCrack.given, case.cracks))
 
 
 def jump_of(configuration: Configuration, u: Floats, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:

@@ -28,7 +28,7 @@ YOUNG_PRIME = 1e10 / (1 - 0.25**2)  # Pa
 @cache
 def solved(*settings: str) -> StepSolution:
     case = load_case(ROOT / "cases" / "compression30.yaml", settings)
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
     return solve_step(make_scene(case), cracks, 1.0)
 
 

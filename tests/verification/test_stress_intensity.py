@@ -26,7 +26,7 @@ MM = 1e-3
 @cache
 def solved(scene: str, *settings: str) -> StepSolution:
     case = load_case(ROOT / "cases" / f"{scene}.yaml", settings)
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
     return solve_step(make_scene(case), cracks, 1.0)
 
 

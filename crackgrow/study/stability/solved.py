@@ -98,7 +98,7 @@ def solved(case: Case, placement: Placement | None = None, offset: tuple[float, 
     Raises CrackgrowError where the program refuses it.
     """
     quiet = replace(case, output=replace(case.output, frames="none", figures=False))
-    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in quiet.cracks)
+    growing = tuple(map(GrowingCrack.given, quiet.cracks))
     scene = make_scene(quiet, offset)
     solution = load(scene, growing)
     result = step_result(RunState(0, growing), solution, np.empty(0, dtype=np.int64), False)

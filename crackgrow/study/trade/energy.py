@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from crackgrow.case import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution
@@ -38,5 +36,5 @@ class EnergyReference:
 
 def _solved(case: Case) -> StepSolution:
     """The cracks as they are given, under the last load."""
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
     return load(make_scene(case), cracks)

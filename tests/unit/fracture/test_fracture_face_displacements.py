@@ -27,7 +27,7 @@ def reference_K_I(scene: str) -> float:
 def solved(*settings: str) -> tuple[StepSolution, float]:
     case = load_case(ROOT / "cases" / "tension0.yaml", ["growth.steps=1", *settings])
     scene = make_scene(case)
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
     return solve_step(scene, cracks, 1.0), scene.materials[0].young_prime
 
 

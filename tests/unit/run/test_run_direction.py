@@ -32,7 +32,7 @@ def start() -> tuple[Scene, Cracks, StepSolution]:
     implicit = ["growth.criterion=max_hoop_stress", "growth.direction=implicit", "numerics.spacing=3"]
     case = load_case(CASE, [*implicit, "growth.tip_stress.radius=2"])
     scene = make_scene(case)
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
     return scene, cracks, solve_step(scene, cracks, 1.0)
 
 
@@ -175,7 +175,7 @@ def facing(gap: float) -> tuple[Scene, Cracks, StepSolution]:
     cracks = f"cracks={{a: {flaw.format(-8 - gap, -gap)}, b: {flaw.format(0, 8)}}}"
     case = load_case(CASE.with_stem("tension0"), [cracks, "growth.advance=all", "numerics.spacing=3"])
     scene = make_scene(case)
-    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    growing = tuple(map(GrowingCrack.given, case.cracks))
     return scene, growing, solve_step(scene, growing, 1.0)
 
 
