@@ -140,12 +140,18 @@ class Increment:
 
         `start` is what was found for others that are close.
         """
-        found = self._untouched(free) if start is None else start
+        found = start if start is not None and start.trial.taken.any() else self._untouched(free)
         trial = found.trial if found.trial.taken.any() else None
         while trial is not None:
             found = self._tried(trial, free, found)
             trial = self._revised(found)
         return found
+
+    def begun(self, near: PointStates) -> PointStates:
+        """States that are close as a start: what broke or opened in their own increment is not of this one."""
+        taken = near.trial.taken | self.memory.coheres(self.contact.law)
+        trial = Trial(taken, self.memory.lost, np.zeros(len(taken), dtype=bool))
+        return replace(near, trial=trial, iterations=0, notes=frozenset())
 
     def formed(
         self, state: PointStates, free: Floats, loads: tuple[Floats, Floats], without: tuple[Floats, Floats]

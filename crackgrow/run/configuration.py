@@ -118,17 +118,19 @@ class Configuration:
         length = max(length, float(np.abs(factor * self.held.given).max(initial=0.0)))
         return Increment(self.contact, memory, units.pull @ share, OVERLAP * length), units.jumps @ share
 
-    def states(self, factor: float, memory: ContactMemory, holding: float) -> PointStates:
+    def states(
+        self, factor: float, memory: ContactMemory, holding: float, near: PointStates | None = None
+    ) -> PointStates:
         """States of the contact points at a load factor after an increment. Raises SolveError where there are none.
 
-        FreePieceError says which piece contact does not hold.
+        FreePieceError says which piece contact does not hold. `near` are states that may be close.
         """
         check_magnitude("loads", self.loads(factor, holding), LARGEST, "N/m")
         check_magnitude("prescribed displacements", factor * self.held.given, self._farthest, "m")
         increment, free = self.increment(factor, memory, holding)
         check_magnitude("displacements", free, self._farthest, "m")
         try:
-            found = increment.solved(free)
+            found = increment.solved(free, None if near is None else increment.begun(near))
         except NotSolvedError as error:
             if self.contact.loose is None:
                 raise

@@ -183,13 +183,14 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         return _told(_booked(_part(configuration, start, (factor, 1.0)), start), began)
     at, end = start, (factor, 1.0)
     reached: list[LoadState] = []
-    in_turn = 0  # jumps
+    in_turn, piece = 0, "jump"  # jumps
     while not reached or (at.factor, at.holding) != end:
         if len(reached) < MOST_PIECES:
             was = at.remembered
             tractions = np.concatenate([was.normal, was.tangential])
             way = ((at.factor, at.holding), end)
-            states, load, piece = next_piece(configuration, was.memory, tractions, way, in_turn)
+            before = reached[-1].states if piece == "straight" else None
+            states, load, piece = next_piece(configuration, was.memory, tractions, way, in_turn, before)
             state = _stated(configuration, at, states, load)
         else:
             state, piece = _part(configuration, at, end), "jump"

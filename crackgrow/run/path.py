@@ -28,8 +28,9 @@ MOST_JUMPS = 8
 """In turn, each ten times as long as the one before, after which the rest of the way is one. Where pieces of rock may
 lie anywhere no branches lead back."""
 
-ON_PATH = 1e-9
-"""Branches lead back to a state if they miss its tractions and slips by less, relative to the largest ones."""
+ON_PATH = 1e-7
+"""Branches lead back to a state if they miss its tractions and slips by less, relative to the largest ones: beside
+small cells the round-off of the compliance is some 1e-8 of them."""
 
 WEAR = 0.02
 """Of what points can lose by slip, that a piece of the way takes at most: between its ends strength falls linearly."""
@@ -48,12 +49,18 @@ Load = tuple[float, float]
 
 
 def next_piece(
-    configuration: Configuration, memory: ContactMemory, tractions: Floats, way: tuple[Load, Load], jumps: int
+    configuration: Configuration,
+    memory: ContactMemory,
+    tractions: Floats,
+    way: tuple[Load, Load],
+    jumps: int,
+    before: PointStates | None = None,
 ) -> tuple[PointStates, Load, Piece]:
     """States of the contact points at the end of the next piece of a way, the load there, and what the piece is.
 
     It sets out from the state of `tractions` (2 n,) Pa and `memory` at the first load; `jumps` are those in turn that
-    have led there. Raises SolveError where there are no states.
+    have led there. After an event `before` are the states there: few points have other branches beyond, and where one
+    event was the next is mostly near. Raises SolveError where there are no states.
     """
     first, last = way
 
@@ -71,12 +78,13 @@ def next_piece(
 
     def at(share: float) -> PointStates:
         factor, holding = load(share)
-        return configuration.states(factor, memory, holding)
+        return configuration.states(factor, memory, holding, before)
 
     if configuration.contact.law.weakens.any() and _wear(configuration, memory, at(least)) > 0.0:
         share, states = _while_wearing(configuration, memory, at, least)
         return states, load(share), "jump" if share == least else "bent"
-    for share in (*(share for share in SHARES if share > least), least):
+    shares = SHARES if before is None else SHARES[1:]
+    for share in (*(share for share in shares if share > least), least):
         states = at(share)
         if _wear(configuration, memory, states) > 0.0:
             continue  # it begins on the way
@@ -87,8 +95,9 @@ def next_piece(
         return states, load(share), "jump"
     if share == 1.0:
         return states, last, "straight"
-    event = max(_first_event(configuration, begin, on_branch(states, 1.0)), share)
-    return on_branch(states, event), load(event), "straight"
+    end = on_branch(states, 1.0)
+    event = max(_first_event(configuration, begin, end), share)
+    return (end if event == 1.0 else on_branch(states, event)), load(event), "straight"
 
 
 def _while_wearing(
