@@ -28,7 +28,7 @@ MOST_JUMPS = 8
 """In turn, each ten times as long as the one before, after which the rest of the way is one. Where pieces of rock may
 lie anywhere no branches lead back."""
 
-ON_PATH = 1e-7
+ON_PATH = 1e-8
 """Branches lead back to a state if they miss its tractions and slips by less, relative to the largest ones: beside
 small cells the round-off of the compliance is some 1e-8 of them."""
 
