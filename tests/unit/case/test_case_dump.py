@@ -13,7 +13,7 @@ from crackgrow.case.load import read_case
 from crackgrow.case.model import CriticalLoad, LoadHistory
 from crackgrow.errors import CaseError
 
-FILE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+FILE = Path(__file__).parent / "compression30.yaml"
 
 
 def test_changed_settings_are_written():

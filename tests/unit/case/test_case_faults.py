@@ -9,7 +9,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, Fault
 
-COMPRESSION = (Path(__file__).parents[3] / "cases" / "compression30.yaml").read_text(encoding="utf-8")
+COMPRESSION = (Path(__file__).parent / "compression30.yaml").read_text(encoding="utf-8")
 
 
 def faults_after(tmp_path: Path, *edits: tuple[str, str]) -> tuple[tuple[Fault, ...], list[str]]:

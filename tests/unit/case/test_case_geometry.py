@@ -10,7 +10,7 @@ import pytest
 from crackgrow.case import Case, load_case
 from crackgrow.errors import CaseError
 
-FILE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+FILE = Path(__file__).parent / "compression30.yaml"
 
 
 def load(*overrides: str) -> Case:

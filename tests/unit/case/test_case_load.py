@@ -17,7 +17,8 @@ from crackgrow.case import Case, EdgeSupport, PointSupport, dump_case, load_case
 from crackgrow.errors import CaseError, Fault
 
 CASES = Path(__file__).parents[3] / "cases"
-COMPRESSION = (CASES / "compression30.yaml").read_text(encoding="utf-8")
+FILE = Path(__file__).parent / "compression30.yaml"
+COMPRESSION = FILE.read_text(encoding="utf-8")
 
 
 def faults_of(path: Path, overrides: Sequence[str] = ()) -> tuple[Fault, ...]:
@@ -60,7 +61,7 @@ def reread(case: Case, tmp_path: Path) -> Case:
 
 
 def test_compression30_in_si():
-    case = load_case(CASES / "compression30.yaml")
+    case = load_case(FILE)
     (body,) = case.bodies
     (crack,) = case.cracks
     assert (case.name, case.plane, case.loading.factors) == ("compression30", "strain", (1.0,))
@@ -86,7 +87,7 @@ def test_compression30_in_si():
 
 
 def test_defaults_are_filled_in():
-    case = load_case(CASES / "compression30.yaml")
+    case = load_case(FILE)
     numerics = case.numerics
     assert (numerics.spacing, numerics.support, numerics.quadrature) == (0.0015, 2.0, 4)
     contact = numerics.contact
@@ -101,7 +102,7 @@ def test_defaults_are_filled_in():
 
 
 def test_a_case_is_not_changed_from_outside():
-    case = load_case(CASES / "compression30.yaml")
+    case = load_case(FILE)
     resolved: Any = case.resolved
     text = dump_case(case)
     changes = [
@@ -121,7 +122,7 @@ def test_a_case_is_not_changed_from_outside():
 
 
 def test_the_mapping_of_a_case_can_be_copied_and_sent_to_another_process():
-    case = load_case(CASES / "compression30.yaml")
+    case = load_case(FILE)
     copied: Any = copy.deepcopy(case.resolved)
     copied["loads"][0]["traction"][1] = 0.0
     assert copied != case.resolved
@@ -132,7 +133,7 @@ def test_the_mapping_of_a_case_can_be_copied_and_sent_to_another_process():
 
 
 def test_arrays_are_read_only():
-    case = load_case(CASES / "compression30.yaml")
+    case = load_case(FILE)
     region = case.loads[0].region
     for array in (case.bodies[0].outline, case.cracks[0].points, case.supports[0].point, region.sides, region.limits):
         with pytest.raises(ValueError, match="read-only"):
@@ -173,7 +174,7 @@ AWKWARD = [
 
 @pytest.mark.parametrize("overrides", [[], AWKWARD])
 def test_resolved_case_reads_back_bit_for_bit(overrides: list[str], tmp_path: Path):
-    case = load_case(CASES / "compression30.yaml", overrides)
+    case = load_case(FILE, overrides)
     again = reread(case, tmp_path)
     assert same(case, again)
     assert dump_case(again) == dump_case(case)
@@ -193,27 +194,25 @@ def test_round_trip_of_random_quantities(tmp_path: Path):
             f"numerics.spacing={float(width) / 7 if float(width) < float(height) else float(height) / 7}",
             f"supports=[{{on: {{body: rock, edge: left}}, displacement: {{x: {rng.normal()}, y: {rng.normal()} um}}}}]",
         ]
-        case = load_case(CASES / "compression30.yaml", overrides)
+        case = load_case(FILE, overrides)
         assert same(case, reread(case, tmp_path))
 
 
 def test_path_stays_in_the_form_given():
-    case = load_case(CASES / "compression30.yaml")
+    case = load_case(FILE)
     assert case.resolved["cracks"]["flaw"]["path"] == {"center": [0.0, 0.0], "length": 0.01, "angle": 30.0}  # type: ignore[index]
 
 
 def test_repeated_vertices_are_dropped():
-    case = load_case(
-        CASES / "compression30.yaml", ["cracks.flaw.path={points: [[0, 0], [0, 0], [3, 1], [3, 1], [5, 5]]}"]
-    )
+    case = load_case(FILE, ["cracks.flaw.path={points: [[0, 0], [0, 0], [3, 1], [3, 1], [5, 5]]}"])
     assert case.cracks[0].points.tolist() == [[0.0, 0.0], [0.003, 0.001], [0.005, 0.005]]
 
 
 def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
     points = "[[0, 0], [0, 0.0014], [3, 1], [4.9988, 5], [5, 5]]"  # mm, at a spacing of 1.5 mm
-    case = load_case(CASES / "compression30.yaml", [f"cracks.flaw.path={{points: {points}}}"])
+    case = load_case(FILE, [f"cracks.flaw.path={{points: {points}}}"])
     assert case.cracks[0].points.tolist() == [[0.0, 0.0], [0.003, 0.001], [0.005, 0.005]]
-    finer = load_case(CASES / "compression30.yaml", [f"cracks.flaw.path={{points: {points}}}", "numerics.spacing=1"])
+    finer = load_case(FILE, [f"cracks.flaw.path={{points: {points}}}", "numerics.spacing=1"])
     assert len(finer.cracks[0].points) == 5
 
 
@@ -234,11 +233,11 @@ def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
     ],
 )
 def test_overrides(override, read, value):
-    assert read(load_case(CASES / "compression30.yaml", [override])) == value
+    assert read(load_case(FILE, [override])) == value
 
 
 def test_last_override_wins():
-    case = load_case(CASES / "compression30.yaml", ["growth.steps=3", "growth.steps=4"])
+    case = load_case(FILE, ["growth.steps=3", "growth.steps=4"])
     assert case.growth is not None
     assert case.growth.steps == 4
 
@@ -265,7 +264,7 @@ def test_last_override_wins():
     ],
 )
 def test_fault_in_an_override_names_it(override: str, key: str, words: str):
-    faults = faults_of(CASES / "compression30.yaml", [override])
+    faults = faults_of(FILE, [override])
     named = [fault for fault in faults if words in fault.message]
     assert [(fault.source, fault.line, fault.key) for fault in named] == [
         (f"--set {override.partition('=')[0]}", None, key)
@@ -282,7 +281,7 @@ def test_edge_support_with_part(tmp_path: Path):
 
 def without(tmp_path: Path, *keys: str) -> Path:
     """Write the resolved compression30 without some keys, such as "bodies.rock.strength"."""
-    resolved = copy.deepcopy(load_case(CASES / "compression30.yaml").resolved)
+    resolved = copy.deepcopy(load_case(FILE).resolved)
     for key in keys:
         *parents, last = key.split(".")
         mapping: dict = resolved

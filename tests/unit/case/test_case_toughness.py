@@ -15,8 +15,8 @@ from crackgrow.errors import CaseError, Fault
 from crackgrow.run.foci import focus_of
 from crackgrow.run.scene import make_scene
 
-CASES = Path(__file__).parents[3] / "cases"
-TEXT = (CASES / "compression30.yaml").read_text(encoding="utf-8")
+FILE = Path(__file__).parent / "compression30.yaml"
+TEXT = FILE.read_text(encoding="utf-8")
 RADIUS = "  tip_stress:\n    radius: 1 "
 
 
