@@ -19,7 +19,6 @@ from crackgrow import ragged
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import Tip
-from crackgrow.cover.windows import Windows
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.ragged import Ragged, by_row, starts_of
@@ -108,7 +107,6 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     cell = np.column_stack([cover.elements.cell, cover.elements.size])[elements]
     reference, in_crumb = cover.elements.reference[elements], patches.in_crumb
     geometry = [_geometry(tip) for tip in cover.tips]
-    window, names = lattice.windows.of_tile[cover.elements.tile[elements]], _names(lattice.windows)
     inside, rim = clusters.inside, clusters.rim
     found = []
     for cluster in range(clusters.elements.n):
@@ -124,7 +122,6 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
             reference[mine],
             over.counts[mine],
             np.column_stack([patches.nodes, patches.half])[over.values[owned]],
-            names[window[mine]],
             in_crumb[elements[mine]],
             clusters.local_of(cluster),
             carriers.counts[pairs],
@@ -159,13 +156,6 @@ def _gathered(cover: Cover) -> Ragged:
         cluster[place] = numbers.setdefault((body, where), len(numbers))
     order = np.lexsort((y, x, cluster))
     return by_row(cluster[order], cut[order], len(numbers))
-
-
-def _names(windows: Windows) -> NDArray[np.uint8]:
-    """A hash of each window (windows, 16)."""
-    found = zip(windows.nodes, windows.half, windows.counts.tolist(), strict=True)
-    digests = [blake2b(nodes[:n].tobytes() + half[:n].tobytes(), digest_size=16).digest() for nodes, half, n in found]
-    return np.frombuffer(b"".join(digests), dtype=np.uint8).reshape(-1, 16)
 
 
 def _geometry(tip: Tip) -> Floats:
