@@ -11,24 +11,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from crackgrow.approximation.mls import mls, mls_round, mls_values
+from crackgrow.approximation.mls import mls
 from crackgrow.approximation.tip_functions import tip_functions, tip_values
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.crumbs import barycentric
 from crackgrow.cover.enrichment import Enrichment
-from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
-from crackgrow.cover.windows import REGULAR, Windows
 from crackgrow.ragged import Ragged, starts_of
 
-AT_ONCE = 40_000
-"""Values of functions in irregular windows taken together: more do not fit into a cache."""
+AT_ONCE = 12_000
+"""Pairs of a point and a patch taken together: more do not fit into a cache."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,31 +122,6 @@ def of_component(rows: csr_array, component: int) -> csr_array:
     return csr_array((rows.data, 2 * rows.indices + component, rows.indptr), shape=(m, 2 * n))
 
 
-Tables = Iterator[tuple[Ints, Floats]]  # points (m,) and the functions (components, k, m) of the nodes round them
-
-
-def _in_regular_windows(lattice: Lattice, some: Ints, local: Floats, derivatives: bool) -> Tables:
-    """The functions at `some` points among cells of one size, by sides of cells; `local` (n, 2) are places in cells."""
-    if len(some) and derivatives:
-        phi, dphi = mls(local[some], lattice.support, lattice.reach)
-        yield some, np.stack([phi.T, *dphi.transpose(2, 1, 0)])
-    elif len(some):
-        yield some, mls_values(local[some], lattice.support, lattice.reach).T[None]
-
-
-def _in_irregular_windows(windows: Windows, number: Ints, some: Ints, local: Floats, derivatives: bool) -> Tables:
-    """The same at `some` points beside cells of another size, in parts; `number` (n,) are those of the windows."""
-    counts = windows.counts[number[some]]
-    for k in np.unique(counts).tolist():
-        mine = some[counts == k]
-        step = max(1, AT_ONCE // k)
-        for start in range(0, len(mine), step):
-            part = mine[start : start + step]
-            nodes = np.ascontiguousarray(windows.nodes[number[part], :k].transpose(2, 1, 0))
-            half = np.ascontiguousarray(windows.half[number[part], :k].T)
-            yield part, mls_round(local[part], nodes, half, derivatives)
-
-
 def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> Basis:
     patches, phi = _of_patches(cover, points, elements, derivatives)
     enrichment = cover.enrichment
@@ -178,27 +149,20 @@ def _carriers(phi: Floats, enrichment: Enrichment, some: Ints, begin: Ints) -> F
 
 def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> tuple[Ragged, Floats]:
     """The physical patches of points, and the functions phi_i of all of them, (components, patches)."""
-    of_element, size = cover.patches.of_element, cover.elements.size[elements]
-    local = (points - cover.elements.cell[elements]) / size[:, None]
-    which, place = of_element.places(elements)
-    slot = cover.patches.slot[place]
-    window = cover.lattice.windows.of_tile[cover.elements.tile[elements]]
-    patches = Ragged(starts_of(of_element.counts[elements]), of_element.values[place])
-    found = np.empty((3 if derivatives else 1, len(place)))
-    regular, irregular = np.flatnonzero(window == REGULAR), np.flatnonzero(window != REGULAR)
-    for mine, table in chain(
-        _in_regular_windows(cover.lattice, regular, local, derivatives),
-        _in_irregular_windows(cover.lattice.windows, window, irregular, local, derivatives),
-    ):
-        row, at = patches.places(mine)
-        found[:, at] = table.reshape(len(table), -1).take(slot[at] * len(mine) + row, axis=1)
-    found[1:] /= (cover.lattice.spacing * size)[which]
-    crumbs = np.flatnonzero(cover.patches.in_crumb[elements])
-    if len(crumbs):
-        _, on = patches.places(crumbs)
-        linear = barycentric(points[crumbs], cover.patch_nodes[patches.values[on]].reshape(-1, 3, 2))
-        linear[1:] /= cover.lattice.spacing
-        found[:, on] = linear[: len(found)].reshape(len(found), -1)
+    patches = cover.patches.of_element.taken(elements)
+    nodes, half = np.ascontiguousarray(cover.patch_nodes.T), cover.patches.weight_half
+    found = np.empty((3 if derivatives else 1, len(patches.values)))
+    begin = 0
+    while begin < len(points):
+        last = int(np.searchsorted(patches.start, patches.start[begin] + AT_ONCE, side="right")) - 1
+        end = max(begin + 1, last)
+        start = patches.start[begin : end + 1]
+        own = slice(start[0], start[-1])
+        distance = nodes.take(patches.values[own], axis=1)
+        distance -= points[begin:end].T.repeat(np.diff(start), axis=1)
+        found[:, own] = mls(distance, half.take(patches.values[own]), start - start[0], derivatives)
+        begin = end
+    found[1:] /= cover.lattice.spacing
     return patches, found
 
 

@@ -18,7 +18,6 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches, physical_patches, without_specks
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
-from crackgrow.cover.windows import REGULAR
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.ragged import Ragged, starts_of
 
@@ -168,7 +167,7 @@ def _plain(lattice: Lattice, elements: Elements, touching: Bools, patches: Patch
     step = elements.vertices[elements.ring_end] - elements.vertices[elements.ring_start]
     slanted = np.all(step != 0.0, axis=1)
     plain = np.bincount(elements.ring_element, minlength=elements.n) == 4
-    plain &= lattice.windows.of_tile[elements.tile] == REGULAR
+    plain &= lattice.windows.regular[elements.tile]
     plain[elements.ring_element[slanted]] = False
     beside = np.concatenate([elements.edges.left[touching], elements.edges.right[touching]])
     plain[beside[beside >= 0]] = False

@@ -1,8 +1,8 @@
 """Crumbs: pieces of rock, cut out by cracks, that are no larger than a cell there.
 
 All functions of the lattice look alike on such a piece, up to what is linear: the stiffness would be singular to
-working precision. A crumb has three functions instead, the barycentric coordinates of a triangle round it. They add up
-to one and reproduce linear fields, as the others do; the crumb strains uniformly.
+working precision. A crumb has three functions instead, round the corners of a triangle round it: of so few, moving
+least squares makes the barycentric coordinates, whatever the weights. The crumb strains uniformly.
 """
 
 from __future__ import annotations
@@ -17,21 +17,12 @@ from crackgrow.cover.patches import Patches, with_those
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.arrangement import connected
 from crackgrow.ragged import Ragged, starts_of
-from crackgrow.vectors import cross
 
 LARGEST_CRUMB = 1.0
 """Side of the box round a crumb, over that of the largest cell that it has a part of."""
 
 AROUND = np.array([(-1.0, -0.6), (1.0, -0.6), (0.0, 1.2)])
 """Corners of a triangle round a box of side 1 about the origin."""
-
-
-def barycentric(points: Floats, corners: Floats) -> Floats:
-    """Functions (3, n, 3) at points (n, 2) of crumbs with `corners` (n, 3, 2): values, and slopes by x and by y."""
-    a, b, c = corners.transpose(1, 0, 2)
-    slopes = np.stack([_turned(b - c), _turned(c - a), _turned(a - b)], axis=1) / cross(b - a, c - a)[:, None, None]
-    values = 1.0 / 3.0 + np.einsum("nkd,nd->nk", slopes, points - (a + b + c) / 3.0)
-    return np.stack([values, slopes[..., 0], slopes[..., 1]])
 
 
 def with_crumbs(elements: Elements, patches: Patches, cracks: Sequence[CrackGeometry]) -> Patches:
@@ -81,8 +72,3 @@ def _crumbs(elements: Elements, at_tips: Ints) -> tuple[Ints, Floats]:
     number = np.where(small, np.cumsum(small) - 1, -1)
     corners = 0.5 * (low[:, small] + high[:, small]).T[:, None] + AROUND * size[small, None, None]
     return number[label], corners.reshape(-1, 3, 2)
-
-
-def _turned(v: Floats) -> Floats:
-    """Vectors (n, 2) turned clockwise by a right angle."""
-    return np.stack([v[:, 1], -v[:, 0]], axis=1)

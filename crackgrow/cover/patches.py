@@ -24,6 +24,9 @@ PEEK, PEEK_WEIGHT = 0.03, 1e-10
 Such patches a kink cuts off at their edge, where it peeks over a tile line, and they nearly depend on each other: the
 compliance of contact lost its symmetry or was singular. Of 135 random kinks 2e-6 is the worst left."""
 
+WIDE = 4.0
+"""Half width of the weights of a crumb's functions, over that of the triangle round it."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Patches:
@@ -35,6 +38,11 @@ class Patches:
     half: Floats  # (p,) half width of every patch, spacings; of a crumb that of its triangle
     n_of_lattice: int  # patches of the lattice's nodes: all but those of crumbs
     in_crumb: Bools  # (elements,) which elements belong to crumbs
+
+    @property
+    def weight_half(self) -> Floats:
+        """Half widths (p,) of their weights. All three of a crumb reach all of it: so they are linear."""
+        return np.where(np.arange(len(self.half)) < self.n_of_lattice, self.half, WIDE * self.half)
 
 
 def physical_patches(lattice: Lattice, elements: Elements) -> Patches:

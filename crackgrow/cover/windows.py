@@ -1,7 +1,7 @@
-"""Windows: the nodes over a tile, as they lie round its cell, in sides of the cell.
+"""Windows: the nodes over a tile, as they lie round its cell.
 
-Tiles with equal windows have equal functions, whatever their size. Where all cells round a tile are of its size the
-window is the regular one: whole numbers of sides, and one half width.
+Where all cells round a tile are of its size the window is the regular one: nodes whole numbers of sides away, and one
+half width. Tiles at the same place of their cells then have equal functions, whatever their size.
 """
 
 from __future__ import annotations
@@ -11,26 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cells import Nodes, Tiles
 from crackgrow.cover.squares import Squares
-
-REGULAR = 0
-"""Number of the regular window."""
-
-FAR = 1e9
-"""Where a window has fewer nodes than the largest one: no point of the cell is near."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Windows:
-    """The windows of all tiles; k is the largest number of nodes."""
+    """The windows of all tiles."""
 
-    of_tile: Ints  # (tiles,) number of the window
-    slot: Ints  # (q,) which place of the window each of the nodes over each tile has
-    nodes: Floats  # (windows, k, 2)
-    half: Floats  # (windows, k) half widths of their patches
-    counts: Ints  # (windows,) number of nodes; what follows them is far away
+    regular: Bools  # (tiles,) which are the regular one
+    slot: Ints  # (q,) which place of its window each of the nodes over each tile has
 
 
 def regular_window(support: float) -> Floats:
@@ -44,27 +35,14 @@ def windows_of(cells: Squares, nodes: Nodes, tiles: Tiles, support: float) -> Wi
     """The windows of all tiles."""
     over = tiles.over
     tile, node = over.row, over.values
-    window, reach = regular_window(support), math.ceil(support)
+    reach = math.ceil(support)
     cell = tiles.cell[tile]
     size, off, half = cells.size[cell], nodes.places[node] - cells.low[cell], nodes.half[node]
     odd = (off % size[:, None] != 0).any(axis=1) | (half != np.rint(support * size))
     irregular = (np.bincount(tile[odd], minlength=over.n) > 0) | (over.counts != _of_regular(cells, tiles, support))
     step = off // size[:, None] + reach - 1
     slot = np.where(irregular[tile], np.arange(len(tile)) - over.start[tile], step[:, 0] * 2 * reach + step[:, 1])
-    some = np.flatnonzero(irregular)
-    found = np.full((len(some) + 1, max(len(window), int(over.counts[some].max(initial=0))), 3), FAR)
-    found[:, :, 2] = 1.0
-    found[0, : len(window)] = np.column_stack([window, np.full(len(window), support)])
-    at = np.flatnonzero(irregular[tile])
-    row = 1 + np.searchsorted(some, tile[at])
-    found[row, slot[at]] = np.column_stack([off[at], half[at]]) / size[at, None]
-    numbers: dict[bytes, int] = {}
-    number = np.array([numbers.setdefault(window.tobytes(), len(numbers)) for window in found], dtype=np.int64)
-    different = found[np.unique(number, return_index=True)[1]]
-    of_tile = np.full(over.n, REGULAR)
-    of_tile[some] = number[1:]
-    counts = np.count_nonzero(different[:, :, 0] < FAR, axis=1)
-    return Windows(of_tile, slot, different[:, :, :2], different[:, :, 2], counts)
+    return Windows(~irregular, slot)
 
 
 def _of_regular(cells: Squares, tiles: Tiles, support: float) -> Ints:

@@ -2,8 +2,9 @@
 
 Every unknown has a box, the support of its function, and is coupled only to unknowns whose boxes overlap its own. A
 line sends the boxes on its two sides into two parts that are not coupled; those that it crosses are eliminated after
-both. Lines are one period apart where a part is that large, so that most parts between them are translations of each
-other and have equal factors; they lie where the plane alone says, so that they stay where they are while cracks grow.
+both. Where boxes are of one size lines are one period apart where a part is that large, so that most parts between them
+are translations of each other and have equal factors; they lie where the plane alone says, so that they stay where they
+are while cracks grow. Where boxes are of several sizes lines lie where they cross few.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Ints
+from crackgrow.direct.least_cuts import least_cuts
 
 PERIOD = 12
 """Cells from one line to the next. A multiple of `clusters.BLOCK`: clusters then lie alike in all parts."""
@@ -29,7 +31,8 @@ class Places:
     high: Ints  # (n, 2) upper right corners
     first: Ints  # (2,) lower left corner of all
     last: Ints  # (2,) upper right corner of all
-    cell: int  # lines go through `first` or lie a whole number of cells from it
+    cell: int  # lines go through `first` or lie a whole number of cells from it, where boxes are
+    even: bool = True  # all of one size, but for a few
 
     @property
     def period(self) -> int:
@@ -65,7 +68,10 @@ def dissect(places: Places, low: Ints, high: Ints, weight: Ints) -> Dissection:
     axes: list[Ints] = []
     while True:
         level, mine = levels[-1], part[moving] - begin
-        across, at = level.cut(places.cell, period)
+        if places.even:
+            across, at = level.cut(places.cell, period)
+        else:
+            across, at = least_cuts(mine, low[moving], high[moving], weight[moving], level.n)
         axes.append(across)
         cut = (np.bincount(mine, weight[moving], level.n) > LEAF) & (at > level.low[np.arange(level.n), across])
         moving, mine = moving[cut[mine]], mine[cut[mine]]

@@ -21,7 +21,7 @@ import numpy as np
 from crackgrow.approximation.basis import basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.windows import REGULAR
+from crackgrow.cover.windows import regular_window
 from crackgrow.estimate.energy_norm import energy_components
 from crackgrow.estimate.patch_fits import FreeSamples, RegularSamples, fit, misfits
 from crackgrow.quadrature.elements import ElementPoints
@@ -109,7 +109,7 @@ def _regular(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, chos
         body = np.tile(cover.elements.body[mine], len(share))
         values = energy_components(materials, stress_of(materials, gradient.reshape(-1, 2, 2), body), body)
         area = weights * kind.size.prod()
-        distance = (kind.low + share * kind.size)[:, None] - lattice.windows.nodes[REGULAR, kind.slots]
+        distance = (kind.low + share * kind.size)[:, None] - regular_window(lattice.support)[kind.slots]
         of_points = values.reshape(len(share), len(mine), 3)
         of_area = area[:, None] * np.maximum(phi.T, 0.0)
         found.append(RegularSamples(mine, patches, distance, of_area, side**2, of_points))

@@ -68,10 +68,10 @@ def fit(n_patches: int, regular: list[RegularSamples], free: list[FreeSamples]) 
     for block in free:
         seen = np.flatnonzero(np.bincount(block.patches, minlength=n_patches))
         number[seen] = np.arange(len(seen))
-        p, n = monomials(block.distance), len(block.patches)
-        products = p[:, None] * np.concatenate([p, block.values.T])
+        n, p = len(block.patches), np.ascontiguousarray(monomials(block.distance).T)
+        products = p[:, :, None] * np.column_stack([p, block.values])[:, None]  # pair by pair, as they are gathered
         gather = csc_array((block.weights, number[block.patches], np.arange(n + 1)), shape=(len(seen), n))
-        sums[seen] += (gather @ products.reshape(-1, n).T).reshape(len(seen), *sums.shape[1:])
+        sums[seen] += (gather @ products.reshape(n, -1)).reshape(len(seen), *sums.shape[1:])
     return _solved(sums[..., :N_MONOMIALS], sums[..., N_MONOMIALS:])
 
 

@@ -15,6 +15,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.squares import QUANTA
+from crackgrow.cover.windows import regular_window
 
 
 def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:
@@ -41,8 +42,11 @@ class PlainKind:
 
     def functions(self, lattice: Lattice, share: Floats) -> tuple[Floats, Floats]:
         """Functions (k, m) and gradients (2, k, m), per side of a cell, at points by `share` (m, 2) of the size."""
-        phi, dphi = mls(self.low + share * self.size, lattice.support, lattice.reach)
-        return phi.T[self.slots], dphi.transpose(2, 1, 0)[:, self.slots]
+        nodes, points = regular_window(lattice.support)[self.slots], self.low + share * self.size
+        distance = (nodes - points[:, None]).reshape(-1, 2).T
+        half, start = np.full(distance.shape[1], lattice.support), len(nodes) * np.arange(len(points) + 1)
+        found = mls(distance, half, start).reshape(3, len(points), len(nodes)).swapaxes(1, 2)
+        return found[0], found[1:]
 
 
 def plain_kinds(cover: Cover) -> list[PlainKind]:

@@ -8,7 +8,7 @@ numbering, the tips with their geometry, and the material.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 
@@ -19,7 +19,6 @@ from crackgrow import ragged
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import Tip
-from crackgrow.cover.windows import Windows
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.ragged import Ragged, by_row, starts_of
@@ -95,77 +94,66 @@ def clusters_of(cover: Cover, n: int) -> Clusters:
 
 def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity]) -> list[bytes]:
     """What the stiffness of each cluster depends on, hashed."""
-    elements, enrichment, patches = clusters.elements.values, cover.enrichment, cover.patches
-    lattice, body = cover.lattice, cover.elements.body
+    elements, lattice = clusters.elements.values, cover.lattice
     moduli = np.array([(material.c11, material.c12, material.c33) for material in materials])
-    tips = enrichment.tips.taken(elements)
+    general = np.full((clusters.elements.n, 2), (lattice.spacing, lattice.support))
+    body = cover.elements.body[elements[clusters.elements.start[:-1]]]
+    tables = [(np.arange(clusters.elements.n + 1), np.column_stack([general, moduli[body]]))]
+    tables += [(start[clusters.elements.start], table) for start, table in _contents(cover, clusters)]
+    rows = [(start.tolist(), np.ascontiguousarray(table)) for start, table in tables]
+    geometry = [_geometry(tip) for tip in cover.tips]
+    found = []
+    for cluster in range(clusters.elements.n):
+        parts = [table[start[cluster] : start[cluster + 1]] for start, table in rows]
+        mine = elements[clusters.span(cluster)]
+        parts += [geometry[tip] for tip in np.unique(cover.enrichment.tips.taken(mine).values)]
+        digest = blake2b(digest_size=20)
+        for part in parts:
+            digest.update(np.int64(part.size).tobytes())
+            digest.update(part.data)
+        found.append(digest.digest())
+    return found
+
+
+def _contents(cover: Cover, clusters: Clusters) -> Iterator[tuple[Ints, NDArray[np.generic]]]:
+    """Tables of what the elements of clusters are integrated from, and which rows belong to each: starts (m + 1,)."""
+    elements, enrichment, patches = clusters.elements.values, cover.enrichment, cover.patches
+    tips, over = enrichment.tips.taken(elements), patches.of_element.taken(elements)
     _, pair = enrichment.tips.places(elements)
     carriers = enrichment.first.taken(pair)
     _, carrier = enrichment.first.places(pair)
     place = enrichment.place.taken(carrier)
     share = enrichment.share[enrichment.place.places(carrier)[1]]
-    over = patches.of_element.taken(elements)
-    cell = np.column_stack([cover.elements.cell, cover.elements.size])[elements]
-    reference, in_crumb = cover.elements.reference[elements], patches.in_crumb
-    geometry = [_geometry(tip) for tip in cover.tips]
-    window, names = lattice.windows.of_tile[cover.elements.tile[elements]], _names(lattice.windows)
-    inside, rim = clusters.inside, clusters.rim
-    found = []
-    for cluster in range(clusters.elements.n):
-        mine = clusters.span(cluster)
-        pairs, owned = (slice(start[mine.start], start[mine.stop]) for start in (tips.start, over.start))
-        carried = slice(carriers.start[pairs.start], carriers.start[pairs.stop])
-        at, on = (slice(part.start[mine.start], part.start[mine.stop]) for part in (inside, rim))
-        parts: list[NDArray[np.generic]] = [
-            np.array([lattice.spacing, lattice.support, *moduli[body[elements[mine.start]]]]),
-            np.diff(inside.start[mine.start : mine.stop + 1]),
-            np.diff(rim.start[mine.start : mine.stop + 1]),
-            cell[mine],
-            reference[mine],
-            over.counts[mine],
-            np.column_stack([patches.nodes, patches.half])[over.values[owned]],
-            names[window[mine]],
-            in_crumb[elements[mine]],
-            clusters.local_of(cluster),
-            carriers.counts[pairs],
-            place.counts[carried],
-            place.values[place.start[carried.start] : place.start[carried.stop]],
-            share[place.start[carried.start] : place.start[carried.stop]],
-            inside.points[at],
-            inside.weights[at],
-            rim.points[on],
-            rim.weights[on],
-            *(geometry[tip] for tip in np.unique(tips.values[pairs])),
-        ]
-        digest = blake2b(digest_size=20)
-        for part in parts:
-            digest.update(np.int64(part.size).tobytes() + np.ascontiguousarray(part).tobytes())
-        found.append(digest.digest())
-    return found
+    inside, rim, own = clusters.inside, clusters.rim, cover.elements
+    counts = np.column_stack([inside.counts, rim.counts, over.counts, tips.counts, patches.in_crumb[elements]])
+    places = np.column_stack([own.cell, own.size, own.reference])[elements]
+    yield np.arange(len(elements) + 1), counts
+    yield np.arange(len(elements) + 1), places
+    yield over.start, np.column_stack([patches.nodes, patches.half])[over.values]
+    yield clusters.local.start, clusters.local.values
+    yield tips.start, carriers.counts
+    yield carriers.start[tips.start], place.counts
+    yield place.start[carriers.start[tips.start]], np.column_stack([place.values, share])
+    yield inside.start, np.column_stack([inside.points, inside.weights])
+    yield rim.start, np.column_stack([rim.points, rim.weights])
 
 
 def _gathered(cover: Cover) -> Ragged:
     """The elements of all clusters. Their order is that of their places: it is the same in every configuration."""
     cut = np.flatnonzero(~cover.plain)
-    size = cover.elements.size[cut]
-    block = np.column_stack([cover.elements.cell[cut] // (BLOCK * size[:, None]), size]).tolist()
-    ends = cover.enrichment.tips.start.tolist()
+    size, tips = cover.elements.size[cut], cover.enrichment.tips
     x, y = cover.elements.reference[cut].T
-    numbers: dict[tuple[object, ...], int] = {}
-    cluster = np.empty(len(cut), dtype=np.int64)
-    for place, (element, body) in enumerate(zip(cut.tolist(), cover.elements.body[cut].tolist(), strict=True)):
-        tips = cover.enrichment.tips.values[ends[element] : ends[element + 1]].tolist()
-        where = tuple(tips) if tips else (None, *block[place])
-        cluster[place] = numbers.setdefault((body, where), len(numbers))
-    order = np.lexsort((y, x, cluster))
-    return by_row(cluster[order], cut[order], len(numbers))
-
-
-def _names(windows: Windows) -> NDArray[np.uint8]:
-    """A hash of each window (windows, 16)."""
-    found = zip(windows.nodes, windows.half, windows.counts.tolist(), strict=True)
-    digests = [blake2b(nodes[:n].tobytes() + half[:n].tobytes(), digest_size=16).digest() for nodes, half, n in found]
-    return np.frombuffer(b"".join(digests), dtype=np.uint8).reshape(-1, 16)
+    together = np.full(len(cut), -1)  # those on which the same tips act
+    numbers: dict[tuple[int, ...], int] = {}
+    for place in np.flatnonzero(tips.counts[cut]).tolist():
+        together[place] = numbers.setdefault(tuple(tips.of(cut[place]).tolist()), len(numbers))
+    block = np.column_stack([cover.elements.cell[cut] // (BLOCK * size[:, None]), size])
+    block[together >= 0] = 0.0
+    alike = np.column_stack([cover.elements.body[cut], together, block])
+    order = np.lexsort((y, x, *alike.T))
+    new = np.any(np.diff(alike[order], axis=0) != 0.0, axis=1)
+    cluster = np.append(0, np.cumsum(new))[: len(cut)]
+    return by_row(cluster, cut[order], int(cluster.max(initial=-1)) + 1)
 
 
 def _geometry(tip: Tip) -> Floats:

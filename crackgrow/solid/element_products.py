@@ -7,13 +7,16 @@ who smooth the gradients over nodal cells; here their deviation from the mean ov
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from crackgrow.approximation.basis import basis_at, values_at
+from crackgrow.approximation.basis import Basis, basis_at, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
+from crackgrow.ragged import starts_of
 from crackgrow.solid.clusters import Points
 
 
@@ -31,36 +34,47 @@ def products(gradients: Floats, weights: Floats) -> Products:
     return Products(x @ x.swapaxes(-1, -2), x @ y.swapaxes(-1, -2), y @ y.swapaxes(-1, -2))
 
 
-def consistent(gradients: Floats, weights: Floats, rim_values: Floats, normals: Floats) -> Floats:
+def consistent(gradients: Floats, weights: Floats, on_rim: Floats) -> Floats:
     """Gradients (2, ..., k, n) of k functions at points with weights (..., n), shifted by a constant per function.
 
-    Their integral then equals that of phi n along the rim, given by values (..., k, m) and normals times lengths
-    (..., m, 2).
+    Their integral is then that of the functions times the outward normal along the rim, `on_rim` (..., k, 2).
     """
-    on_rim = np.moveaxis(rim_values @ normals, -1, 0)
     inside = (gradients @ weights[..., None])[..., 0]
-    return np.asarray(gradients + ((on_rim - inside) / weights.sum(axis=-1)[..., None])[..., None])
+    shift = (np.moveaxis(on_rim, -1, 0) - inside) / weights.sum(axis=-1)[..., None]
+    return np.asarray(gradients + shift[..., None])
 
 
-def products_over(cover: Cover, elements: Ints, n_functions: Ints, inside: Points, rim: Points) -> list[Products]:
-    """The products of each of `elements` (e,) with so many functions (e,) and these points.
+def products_over(
+    cover: Cover, elements: Ints, n_functions: Ints, inside: Points, rim: Points
+) -> Iterator[tuple[Ints, Products]]:
+    """The products of `elements` (e,) with so many functions (e,) and these points.
 
-    Elements with equally many functions and points are taken together.
+    Elements with equally many functions and points come together: which of them, and theirs.
     """
-    n_patches = cover.patches.of_element.counts[elements]
-    size = np.column_stack([inside.counts, rim.counts, n_functions, n_patches])
-    order = np.lexsort(size.T)
-    ends = np.flatnonzero(np.any(np.diff(size[order], axis=0) != 0, axis=1)) + 1
-    first = np.append(0, ends) if len(order) else ends
-    groups = list(zip(np.diff(np.append(first, len(order))).tolist(), *size[order[first], :2].T.tolist(), strict=True))
-    inside, rim = inside.of_elements(order), rim.of_elements(order)
-    at_points = basis_at(cover, inside.points, inside.element).of_alike([(e, n) for e, n, _ in groups])
-    on_rims = values_at(cover, rim.points, rim.element).of_alike([(e, m) for e, _, m in groups])
-    found: list[Products] = []
-    point = edge = 0
-    for (e, n, m), basis, (values,) in zip(groups, at_points, on_rims, strict=True):
-        weights = inside.weights[point : point + e * n].reshape(e, n)
-        normals = rim.weights[edge : edge + e * m].reshape(e, m, 2)
-        found += map(Products, *products(consistent(basis[1:], weights, values, normals), weights))
-        point, edge = point + e * n, edge + e * m
-    return [found[place] for place in np.argsort(order).tolist()]
+    size = np.stack([n_functions, cover.patches.of_element.counts[elements]])
+    start = starts_of(n_functions)
+    on_rim = np.empty((start[-1], 2))
+    for group, values, normals in _in_groups(partial(values_at, cover), size, rim):
+        on_rim[start[group, None] + np.arange(values.shape[2])] = values[0] @ normals
+    for group, basis, weights in _in_groups(partial(basis_at, cover), size, inside):
+        own = on_rim[start[group, None] + np.arange(basis.shape[2])]
+        yield group, products(consistent(basis[1:], weights, own), weights)
+
+
+def _in_groups(
+    basis_of: Callable[[Floats, Ints], Basis], size: Ints, points: Points
+) -> Iterator[tuple[Ints, Floats, Floats]]:
+    """Groups of elements alike in `size` (..., e) and number of points n: which (g,), basis and weights (g, n, ...).
+
+    The basis is (components, g, k, n).
+    """
+    size = np.vstack([points.counts, size])
+    order = np.lexsort(size)
+    groups = np.split(order, np.flatnonzero(np.any(np.diff(size[:, order]) != 0, axis=0)) + 1)
+    mine = points.of_elements(order)
+    alike = [(len(group), int(points.counts[group[0]])) for group in groups]
+    begin = 0
+    for group, basis in zip(groups, basis_of(mine.points, mine.element).of_alike(alike), strict=True):
+        e, _, n = basis.shape[1:]
+        yield group, basis, mine.weights[begin : begin + e * n].reshape(e, n, *mine.weights.shape[1:])
+        begin += e * n

@@ -27,7 +27,7 @@ def places_of_unknowns(cover: Cover) -> Places:
     last = (QUANTA * np.array(lattice.shape) + widest) // unit
     boxes = [(middle - reach, middle + reach), *(_of_tip(tip, middle, reach) for tip in cover.tips)]
     low, high = (np.repeat(np.concatenate(corners), 2, axis=0) for corners in zip(*boxes, strict=True))
-    return Places(low, high, np.full(2, -widest // unit), last, cell // unit)
+    return Places(low, high, np.full(2, -widest // unit), last, cell // unit, bool(cell == lattice.cells.size.max()))
 
 
 def _of_tip(tip: Tip, middle: Ints, reach: Ints) -> tuple[Ints, Ints]:

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, half, sum_of
 from crackgrow.quadrature.plain_kinds import PlainKind, plain_kinds
@@ -23,7 +22,7 @@ from crackgrow.quadrature.rules import square
 from crackgrow.ragged import starts_of
 from crackgrow.solid.clusters import Clusters, clusters_of, keys
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.element_products import Products, consistent, products, products_over
+from crackgrow.solid.element_products import consistent, products, products_over
 
 BATCH = 500000
 """Values of functions at points that are held at once."""
@@ -94,7 +93,7 @@ def _plain(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> 
     _, gradients = kind.functions(cover.lattice, share)
     rim, normals = rectangle_rim(kind.size)
     rim_values, _ = kind.functions(cover.lattice, rim)
-    matrix = element_matrix(material, consistent(gradients, area, rim_values, normals), area)
+    matrix = element_matrix(material, consistent(gradients, area, rim_values @ normals), area)
     return matrix.reshape(2 * len(matrix), -1)
 
 
@@ -103,29 +102,37 @@ def _integrated(
 ) -> Iterator[tuple[int, HalfMatrix]]:
     """The matrices of the clusters `chosen`; they share the evaluation of the basis."""
     for batch in _batches(clusters, chosen):
-        _, at = clusters.elements.places(np.array(batch))
-        inside, rim = clusters.inside.of_elements(at), clusters.rim.of_elements(at)
-        terms = iter(products_over(cover, clusters.elements.values[at], clusters.local.counts[at], inside, rim))
-        for number in batch:
-            k, span = len(clusters.functions[number]), clusters.span(number)
-            local = [clusters.local.of(place) for place in range(span.start, span.stop)]
-            places = [(k * mine[:, None] + mine).ravel() for mine in local]
-            material = materials[cover.elements.body[clusters.elements.values[span.start]]]
-            yield number, _half_of_sum(material, k, places, list(islice(terms, len(local))))
+        owner, at = clusters.elements.places(np.array(batch))
+        n = np.array([len(clusters.functions[number]) for number in batch])
+        coupled, sums = _summed(cover, clusters, at, owner, n)
+        start = starts_of(n * n)
+        for place, (number, k) in enumerate(zip(batch, n.tolist(), strict=True)):
+            own = slice(start[place], start[place + 1])
+            pairs = np.flatnonzero(np.triu(coupled[own].reshape(k, k)))
+            xx, xy, yy = sums[:, own]
+            material = materials[cover.elements.body[clusters.elements.values[clusters.span(number).start]]]
+            mirrored = xy[pairs % k * k + pairs // k]
+            yield number, half(k, pairs, _elastic(material, xx[pairs], xy[pairs], mirrored, yy[pairs]))
 
 
-def _half_of_sum(material: PlaneElasticity, k: int, places: Sequence[Ints], terms: Sequence[Products]) -> HalfMatrix:
-    """The half of the matrix of k functions from the `products` of elements at their places in a (k, k) table."""
+def _summed(cover: Cover, clusters: Clusters, at: Ints, owner: Ints, n: Ints) -> tuple[Bools, Floats]:
+    """The `products` (3, q) of clusters with n (c,) functions, and which (q,) there are: tables (n, n) one by one.
+
+    The elements are those at the places `at` (m,) of all clusters, of the clusters `owner` (m,).
+    """
+    start, own = starts_of(n * n), clusters.local.taken(at)
+    inside, rim = clusters.inside.of_elements(at), clusters.rim.of_elements(at)
+    places, terms = [], []
+    for group, found in products_over(cover, clusters.elements.values[at], own.counts, inside, rim):
+        local, mine = own.values[own.start[group, None] + np.arange(found.xx.shape[1])], owner[group, None]
+        row = start[mine] + n[mine] * local
+        places.append((row[:, :, None] + local[:, None]).ravel())
+        terms.append([term.ravel() for term in found])
     place = np.concatenate(places)
-    coupled = np.zeros(k * k, dtype=bool)
+    coupled = np.zeros(start[-1], dtype=bool)
     coupled[place] = True
-    pairs = np.flatnonzero(np.triu(coupled.reshape(k, k)))
-    xx, xy, yy = (
-        np.asarray(np.bincount(place, np.concatenate([term.ravel() for term in of_elements]), k * k), dtype=np.float64)
-        for of_elements in zip(*terms, strict=True)
-    )
-    mirrored = pairs % k * k + pairs // k
-    return half(k, pairs, _elastic(material, xx[pairs], xy[pairs], xy[mirrored], yy[pairs]))
+    sums = [np.bincount(place, np.concatenate(parts), start[-1]) for parts in zip(*terms, strict=True)]
+    return coupled, np.stack(sums).astype(np.float64, copy=False)
 
 
 def _batches(clusters: Clusters, chosen: Sequence[int]) -> list[list[int]]:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from crackgrow.approximation.basis import basis_at, values_at
-from crackgrow.approximation.mls import mls
 from crackgrow.approximation.tip_functions import tip_functions
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import tip_angle
 from crackgrow.quadrature.elements import element_points
 from tests.unit.cover_tables import function_table, patch_table
+from tests.unit.regular_functions import regular_functions
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 
@@ -127,7 +127,7 @@ def one_tip_at_a_time(sample, points: np.ndarray, elements: np.ndarray) -> tuple
     """All functions (n, n_functions) and gradients (n, n_functions, 2): phi_i, and phi_i times each tip's functions."""
     cover, lattice = sample.cover, sample.lattice
     cell = np.floor(points)  # tiles are cells at support 2
-    phi, dphi = mls(points - cell, lattice.support, lattice.reach)
+    phi, dphi, _ = regular_functions(points - cell, lattice.support)
     values = np.zeros((len(points), cover.n_functions))
     gradients = np.zeros((len(points), cover.n_functions, 2))
     table = patch_table(cover)[elements]

@@ -9,15 +9,9 @@ import pytest
 
 from crackgrow.approximation.mls import mls
 from crackgrow.approximation.weight import cubic_spline
-from crackgrow.cover.windows import regular_window
+from tests.unit.regular_functions import regular_functions
 
 SUPPORTS = (1.2, 1.5, 1.75, 2.0, 2.5, 3.0)
-
-
-def functions(local: np.ndarray, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values, gradients, and the nodes of the window."""
-    reach = math.ceil(support)
-    return *mls(local, support, reach), regular_window(support)
 
 
 def points(seed: int, n: int = 200) -> np.ndarray:
@@ -53,7 +47,7 @@ def test_weight_derivative_is_continuous_where_the_pieces_meet() -> None:
 
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_functions_sum_to_one_and_gradients_to_zero(support: float) -> None:
-    phi, dphi, _ = functions(points(10), support)
+    phi, dphi, _ = regular_functions(points(10), support)
     np.testing.assert_allclose(phi.sum(axis=1), 1.0, rtol=1e-12)
     np.testing.assert_allclose(dphi.sum(axis=1), 0.0, atol=1e-11)
 
@@ -61,7 +55,7 @@ def test_functions_sum_to_one_and_gradients_to_zero(support: float) -> None:
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_linear_fields_are_reproduced_with_their_gradients(support: float) -> None:
     local = points(11)
-    phi, dphi, nodes = functions(local, support)
+    phi, dphi, nodes = regular_functions(local, support)
     np.testing.assert_allclose(phi @ nodes, local, atol=1e-12)
     gradient = np.einsum("nwd,wc->ncd", dphi, nodes)
     np.testing.assert_allclose(gradient, np.broadcast_to(np.eye(2), gradient.shape), atol=1e-11)
@@ -70,7 +64,7 @@ def test_linear_fields_are_reproduced_with_their_gradients(support: float) -> No
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_quadratic_fields_are_not_reproduced(support: float) -> None:
     local = points(12)
-    phi, _, nodes = functions(local, support)
+    phi, _, nodes = regular_functions(local, support)
     assert np.abs(phi @ nodes[:, 0] ** 2 - local[:, 0] ** 2).max() > 0.05
 
 
@@ -78,10 +72,12 @@ def test_quadratic_fields_are_not_reproduced(support: float) -> None:
 def test_gradients_agree_with_differences(support: float) -> None:
     local = 0.01 + 0.98 * points(13)
     step = 1e-5
-    _, dphi, _ = functions(local, support)
+    _, dphi, _ = regular_functions(local, support)
     for axis in range(2):
         move = step * np.eye(2)[axis]
-        difference = (functions(local + move, support)[0] - functions(local - move, support)[0]) / (2 * step)
+        difference = (regular_functions(local + move, support)[0] - regular_functions(local - move, support)[0]) / (
+            2 * step
+        )
         # truncation 1e-10 times the third derivative, at most 300 (support 1.2); rounding 1e-16 / step = 1e-11
         np.testing.assert_allclose(dphi[:, :, axis], difference, atol=5e-8)
 
@@ -91,7 +87,7 @@ def test_functions_are_continuous_from_cell_to_cell(support: float) -> None:
     """A node keeps its values and gradients across a cell's border: the window moves by one."""
     y = points(14)[:, 1]
     reach = math.ceil(support)
-    right, left = (functions(np.stack([np.full_like(y, x), y], axis=1), support)[:2] for x in (1.0, 0.0))
+    right, left = (regular_functions(np.stack([np.full_like(y, x), y], axis=1), support)[:2] for x in (1.0, 0.0))
     for before, after in zip(right, left, strict=True):
         before, after = (a.reshape(len(y), 2 * reach, 2 * reach, -1) for a in (before, after))
         np.testing.assert_allclose(before[:, 1:], after[:, :-1], atol=1e-11)
@@ -101,19 +97,31 @@ def test_functions_are_continuous_from_cell_to_cell(support: float) -> None:
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_functions_have_the_symmetries_of_the_square(support: float) -> None:
     local = points(15)
-    phi, _, nodes = functions(local, support)
+    phi, _, nodes = regular_functions(local, support)
     side = 2 * math.ceil(support)
-    mirrored = functions(local * (-1, 1) + (1, 0), support)[0].reshape(-1, side, side)[:, ::-1]
+    mirrored = regular_functions(local * (-1, 1) + (1, 0), support)[0].reshape(-1, side, side)[:, ::-1]
     np.testing.assert_allclose(mirrored.reshape(phi.shape), phi, atol=1e-13)
-    swapped = functions(local[:, ::-1], support)[0].reshape(-1, side, side).transpose(0, 2, 1)
+    swapped = regular_functions(local[:, ::-1], support)[0].reshape(-1, side, side).transpose(0, 2, 1)
     np.testing.assert_allclose(swapped.reshape(phi.shape), phi, atol=1e-13)
     assert nodes.shape == (side**2, 2)
+
+
+def test_nodes_without_weight_change_nothing() -> None:
+    """Points may have differently many nodes: those that a point lies outside of need not be among its own."""
+    local, support = points(18, 40), 1.75
+    phi, dphi, nodes = regular_functions(local, support)
+    point, node = np.nonzero(np.abs(nodes - local[:, None]).max(axis=2) < support)
+    start = np.searchsorted(point, np.arange(len(local) + 1))
+    assert len(set(np.diff(start))) > 1
+    found = mls((nodes[node] - local[point]).T, np.full(len(node), support), start)
+    np.testing.assert_allclose(found[0], phi[point, node], atol=1e-14)
+    np.testing.assert_allclose(found[1:].T, dphi[point, node], atol=1e-13)
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_functions_vanish_outside_of_their_patches(support: float) -> None:
     local = np.concatenate([points(16), [[0.0, 0.4], [0.3, 1.0]]])  # whole supports end on the cell's border only
-    phi, dphi, nodes = functions(local, support)
+    phi, dphi, nodes = regular_functions(local, support)
     outside = np.abs(nodes[None] - local[:, None]).max(axis=2) >= support
     assert outside.any()
     assert np.all(phi[outside] == 0.0)
@@ -124,7 +132,7 @@ def test_functions_vanish_outside_of_their_patches(support: float) -> None:
 def test_functions_agree_with_a_least_squares_fit(support: float) -> None:
     """phi_i(x) is the value at x of the linear fit to a unit datum at node i, weighted round x."""
     local = points(17, 10)
-    phi, _, nodes = functions(local, support)
+    phi, _, nodes = regular_functions(local, support)
     for x, row in zip(local, phi, strict=True):
         w = np.prod(cubic_spline(np.abs(nodes - x) / support)[0], axis=1)
         design = np.column_stack([np.ones(len(nodes)), nodes - x])

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from crackgrow.approximation.basis import basis_at, values_at
-from crackgrow.approximation.mls import mls, mls_round
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.cover.windows import regular_window
 
 SIZE = (6, 5)
 CRACK = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
@@ -36,17 +34,6 @@ def some_points(sample, seed: int) -> tuple[np.ndarray, np.ndarray]:
 def plain(cover: Cover, components: list) -> list[np.ndarray]:
     """The columns of the functions that are no tip functions."""
     return [component[:, : len(cover.patch_nodes)] for component in components]
-
-
-@pytest.mark.parametrize("support", [1.5, 2.0, 2.5])
-def test_regular_windows_are_the_lattice_of_one_size(support: float) -> None:
-    local = np.random.default_rng(2).uniform(0.0, 1.0, (200, 2))
-    nodes = regular_window(support)
-    phi, dphi = mls(local, support, int(np.ceil(support)))
-    shape = (len(nodes), len(local))
-    found = mls_round(local, np.broadcast_to(nodes.T[:, :, None], (2, *shape)), np.full(shape, support))
-    np.testing.assert_allclose(found[0], phi.T, atol=1e-13)
-    np.testing.assert_allclose(found[1:], dphi.transpose(2, 1, 0), atol=1e-12)
 
 
 @pytest.mark.parametrize("levels", range(7))

@@ -7,10 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from numpy.typing import NDArray
 from scipy.sparse import block_array, block_diag, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import splu, spsolve
 
+from crackgrow.cover.lattice import place_lattice
+from crackgrow.cover.refinement import Focus, refined
 from crackgrow.direct import fronts as codes
 from crackgrow.direct import multifrontal as module
 from crackgrow.direct.dissection import LEAF, Places, dissect
@@ -151,11 +154,12 @@ def boxes_of_many_sizes(seed: int, n: int) -> tuple[Floats, Floats]:
     return middle - half[:, None], middle + half[:, None]
 
 
+@pytest.mark.parametrize("even", [True, False])
 @pytest.mark.parametrize("n", [1, 7, 300, 3000])
-def test_parts_of_a_dissection_are_coupled_to_those_above_them_alone(n: int) -> None:
+def test_parts_of_a_dissection_are_coupled_to_those_above_them_alone(n: int, even: bool) -> None:
     """Boxes overlap boxes of their own part, of parts below it and of parts that it is below."""
     low, high = boxes_of_many_sizes(n, n)
-    places = Places(low, high, low.min(axis=0), high.max(axis=0), 4)
+    places = Places(low, high, low.min(axis=0), high.max(axis=0), 4, even)
     tree = dissect(places, low, high, np.full(n, 5))
     np.testing.assert_array_equal(np.sort(tree.order), np.arange(n))
     assert (np.diff(tree.part[tree.order]) >= 0).all()
@@ -164,6 +168,23 @@ def test_parts_of_a_dissection_are_coupled_to_those_above_them_alone(n: int) -> 
     first, second = np.nonzero(overlap)
     upper, lower = np.maximum(tree.part[first], tree.part[second]), np.minimum(tree.part[first], tree.part[second])
     assert (tree.begin[upper] <= lower).all()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_cells_small_in_some_places_take_less_work_where_lines_cross_few(seed: int) -> None:
+    """The work is about n (n + b)^2 for a front that eliminates n unknowns and is coupled to b later ones."""
+    tips = np.random.default_rng(seed).uniform(2.0, 14.0, (6, 2))
+    lattice = place_lattice(np.zeros(2), np.full(2, 12.0), 1.0, 1.5)
+    nodes = refined(lattice, Focus(np.array([shapely.Point(tip) for tip in tips]), np.full(6, 0.125)), 2.0).nodes
+    unit = int(nodes.half.min()) // 3
+    low, high = ((nodes.places + side * nodes.half[:, None]).repeat(2, axis=0) // unit for side in (-1, 1))
+    work = []
+    for even in (True, False):
+        places = Places(low, high, low.min(axis=0), high.max(axis=0), 2, even)
+        fronts, _ = fronts_of(places, csr_array((0, len(low))))
+        own, later = np.diff(fronts.starts), np.array([len(boundary) for boundary in fronts.boundary])
+        work.append(int(np.sum(own * (own + later) ** 2)))
+    assert work[1] < 0.85 * work[0]
 
 
 @pytest.mark.parametrize("n", [400, 3000])
