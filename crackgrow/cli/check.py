@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, hand_out, say
 
@@ -35,25 +35,41 @@ def check(arguments: argparse.Namespace) -> int:
     case = load_case_file(arguments)
     if arguments.json:
         return _check_as_json(case, arguments)
-    say(crackgrow.plan_text(case))
-    if arguments.picture is not None:
-        crackgrow.draw_scene(arguments.picture, case)
+    from crackgrow.plan.text import plan_text  # only now: it loads numpy
+
+    say(plan_text(case))
+    if _draw(case, arguments):
         say(f"picture in {arguments.picture}")
     if arguments.unique:
         say("\nsolutions of the contact")
-        for line in crackgrow.unique_text(case):
+        for line in _unique(case):
             say(line)
     return EXIT_DONE
+
+
+def _draw(case: Case, arguments: argparse.Namespace) -> bool:
+    """Draw the scene if that is asked for; returns whether it is."""
+    if arguments.picture is None:
+        return False
+    from crackgrow.plan.picture import draw_scene  # only now: it loads matplotlib
+
+    draw_scene(arguments.picture, case)
+    return True
+
+
+def _unique(case: Case) -> Iterator[str]:
+    from crackgrow.study.second_solution import unique_text  # only now: it loads the solver
+
+    return unique_text(case)
 
 
 def _check_as_json(case: Case, arguments: argparse.Namespace) -> int:
     from crackgrow.plan.text import plan_record  # only now: it loads numpy
 
     record = plan_record(case)
-    if arguments.picture is not None:
-        crackgrow.draw_scene(arguments.picture, case)
+    _draw(case, arguments)
     if arguments.unique:
-        record["unique"] = list(crackgrow.unique_text(case))
+        record["unique"] = list(_unique(case))
     hand_out(json.dumps(record, indent=2, allow_nan=False) + "\n")
     return EXIT_DONE
 

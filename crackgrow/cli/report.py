@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import crackgrow
 from crackgrow.cli.console import EXIT_DONE, say
 
 HELP = """\
@@ -24,7 +23,9 @@ examples:
 
 def report(arguments: argparse.Namespace) -> int:
     """`crackgrow report`: the page about a run, made again."""
-    say(str(crackgrow.write_report(arguments.folder)))
+    from crackgrow.results.report import write_report  # only now: it loads numpy
+
+    say(str(write_report(arguments.folder)))
     return EXIT_DONE
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, say
 
@@ -26,12 +25,16 @@ examples:
 
 def stability(arguments: argparse.Namespace) -> int:
     """`crackgrow stability`: a scene at the extremes."""
+    from crackgrow.study.stability.runner import stability as trials  # only now: they load the solver
+    from crackgrow.study.stability.table import stability_line
+    from crackgrow.study.stability.writer import write_stability
+
     case = None if arguments.case is None else load_case_file(arguments)
     rows = []
-    for row in crackgrow.stability(case, arguments.axis, short=arguments.short):
+    for row in trials(case, arguments.axis, short=arguments.short):
         rows.append(row)
-        say(crackgrow.stability_line(row))
-    crackgrow.write_stability(arguments.out, rows)
+        say(stability_line(row))
+    write_stability(arguments.out, rows)
     good = all(row.verdict != "NO" for row in rows)
     say(f"{len(rows)} rows, {sum(row.verdict == 'NO' for row in rows)} NO\nresults in {arguments.out}")
     return EXIT_DONE if good else EXIT_DIFFERENT

@@ -43,6 +43,8 @@ def sweep(arguments: argparse.Namespace) -> int:
 
 def _run(plan: SweepPlan, arguments: argparse.Namespace) -> int:
     """Run the sweep and tell of each run; returns how many are done."""
+    from crackgrow.study.sweep.runner import sweep_line  # only now: it loads numpy
+
     n_runs, n_before, n_failed = len(plan.runs), 0, 0
     say(f"{plan.name}: {counted(n_runs, 'run')} over {', '.join(plan.parameters)}")
     rows = crackgrow.sweep(
@@ -56,7 +58,7 @@ def _run(plan: SweepPlan, arguments: argparse.Namespace) -> int:
         n_before += not row.new
         n_failed += not row.done
         if row.new:
-            say(f"[{number}/{n_runs}] {crackgrow.sweep_line(row)}")
+            say(f"[{number}/{n_runs}] {sweep_line(row)}")
     before = f", {n_before} of them done before" if n_before else ""
     say(f"{counted(n_runs - n_failed, 'run')} done{before}, {n_failed} not\nresults in {plan.folder}")
     return n_runs - n_failed

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 
 from crackgrow.arrays import Floats
 from crackgrow.results.atomic import write_atomically
+from crackgrow.results.drawn_frame import DrawnFrame, drawn_frame, field_unit
 from crackgrow.results.figures import (
     areas,
     bar_place,
@@ -26,8 +27,7 @@ from crackgrow.results.figures import (
     off_mean,
     shade,
 )
-from crackgrow.results.folder import RunFolder, read_run
-from crackgrow.results.frame_files import DrawnFrame, chosen_files, field_unit, read_frame
+from crackgrow.results.folder import RunFolder, open_run
 from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.results.units import LENGTHS, unit_of
@@ -59,9 +59,8 @@ def render(
 
     Raises FolderError where there is nothing to draw, OutputError.
     """
-    run = read_run(folder)
-    files = chosen_files(folder, steps)
-    frames = [read_frame(step, path, field) for step, path in files.items()]
+    run = open_run(folder)
+    frames = [drawn_frame(run, step, field) for step in run.frames_of(steps)]
     scene = _Scene(run, field, frames, warp, size)
     target = folder / FOLDER if out is None else out
     remove_rendered(target / field)
@@ -84,7 +83,7 @@ class _Scene:
         size: tuple[int, int] | None,
     ) -> None:
         self.title, self.field = run.case.title, field
-        self.factors = dict(zip(run.solved, run.steps.numbers("load_factor").tolist(), strict=True))
+        self.factors = dict(zip(run.solved, run.table("steps").numbers("load_factor").tolist(), strict=True))
         self.warp = min(displayed_magnification(frame) for frame in frames) if warp is None else warp
         values = np.concatenate([frame.values for frame in frames])
         self.unit = field_unit(field, values)

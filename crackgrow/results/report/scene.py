@@ -68,12 +68,13 @@ def _interfaces(case: Case, view: View) -> Iterator[Markup]:
 
 def _cracks(run: RunFolder, view: View) -> Iterator[Markup]:
     """Segments of all cracks, the given ones last, on top."""
-    if not len(run.paths):  # nothing was solved: the cracks are those given
+    paths = run.table("paths")
+    if not len(paths):  # nothing was solved: the cracks are those given
         for crack in run.case.cracks:
             yield tag("path", d=line_data(view.pixels(crack.points)), class_="given", data_step=0)
         return
-    names, steps = np.array(run.paths.words("crack")), run.paths.steps()
-    pixels = view.pixels(np.column_stack([run.paths.numbers("x"), run.paths.numbers("y")]))
+    names, steps = np.array(paths.words("crack")), paths.steps()
+    pixels = view.pixels(np.column_stack([paths.numbers("x"), paths.numbers("y")]))
     same = names[:-1] == names[1:]
     made = np.maximum(steps[:-1], steps[1:])  # a segment is as young as its younger vertex
     last = max(int(steps.max(initial=1)), 1)

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from crackgrow.case import Case
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.declarations import PHASES
-from crackgrow.results.resume import FINISHED
+from crackgrow.results.folder import FINISHED, RunFolder
 from crackgrow.study.cells import cell_text
 from crackgrow.study.trade.columns import COLUMNS, ENERGY
 from crackgrow.study.trade.grid import Setting
@@ -80,7 +78,7 @@ def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = NAN)
         "repeats": run.repeats,
     }
     if cost.cpu_steps:
-        summary: Any = json.loads((run.folder / "summary.json").read_text(encoding="utf-8"))
+        summary = RunFolder(run.folder).summary
         by_phase = summary["wall_seconds"]["by_phase"]
         values |= {"steps": summary["steps_done"], "n_dofs": summary["n_dofs"]["first"]}
         values |= {f"wall_{phase}": float(by_phase.get(phase, 0.0)) for phase in PHASES}

@@ -9,8 +9,8 @@ from pathlib import Path
 import matplotlib as mpl
 import pytest
 
-import crackgrow
-from crackgrow.case import load_case
+from crackgrow.case import Case, load_case
+from crackgrow.plan.picture import draw_scene
 from crackgrow.results import figures
 from crackgrow.results.load_point import load_point
 from crackgrow.results.style import own_style
@@ -27,11 +27,11 @@ DRAWN: dict[str, Callable[[Path], None]] = {
     "load curve": lambda path: figures.draw_load_curve(
         path, odd_case(), [load_point(make_result(k, load_factor=1.0 + k)) for k in range(3)]
     ),
-    "scene": lambda path: crackgrow.draw_scene(path, odd_case()),
+    "scene": lambda path: draw_scene(path, odd_case()),
 }
 
 
-def odd_case() -> crackgrow.Case:
+def odd_case() -> Case:
     case = load_case(CASES / "compression30.yaml", ["numerics.spacing=3"])
     crack = replace(case.cracks[0], name=NO_FORMULA)
     return replace(make_case(), title=NO_FORMULA, bodies=case.bodies, cracks=(crack,))
