@@ -36,8 +36,10 @@ class Fault:
 
     def __str__(self) -> str:
         place = self.source if self.line is None else f"{self.source}:{self.line}"
-        told = not self.key or place == f"--set {self.key}"
-        return f"{place}: {self.message}" if told else f"{place}: {self.key}: {self.message}"
+        key = self.key
+        if place.startswith("--set ") and f"{key}.".startswith(f"{place.removeprefix('--set ')}."):
+            key = key.removeprefix(place.removeprefix("--set ")).removeprefix(".")  # the place has the rest
+        return f"{place}: {key}: {self.message}" if key else f"{place}: {self.message}"
 
 
 class CaseError(CrackgrowError):
