@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pyvista
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.results.folder import FolderError, RunFolder
+from crackgrow.results.stress import principal_stresses
 from crackgrow.results.units import LENGTHS, STRESSES, Unit, unit_of
+from crackgrow.run.result import Frame
 
+if TYPE_CHECKING:
+    import pyvista
+
+VTK_TRIANGLE, VTK_QUAD = 5, 9  # kinds of cells
 COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")  # as they come in a frame's stress
 
 
@@ -39,12 +45,18 @@ def drawn_frame(run: RunFolder, step: int, field: str) -> DrawnFrame:
     return DrawnFrame(
         step=step,
         points=np.asarray(grid.points[:, :2], dtype=float),
-        triangles=_cells(grid, pyvista.CellType.TRIANGLE, 3),
-        quads=_cells(grid, pyvista.CellType.QUAD, 4),
+        triangles=_cells(grid, VTK_TRIANGLE, 3),
+        quads=_cells(grid, VTK_QUAD, 4),
         displacement=np.asarray(grid.point_data["displacement"][:, :2], dtype=float),
         values=values,
         by_point=by_point,
     )
+
+
+def frame_with_sigma_1(frame: Frame, step: int) -> DrawnFrame:
+    """The frame of a run that goes on, with the major principal stress in the plane."""
+    sigma_1, _ = principal_stresses(frame.point_stress)
+    return DrawnFrame(step, frame.points, frame.triangles, frame.quads, frame.displacement, sigma_1, by_point=True)
 
 
 def field_unit(field: str, values: Floats) -> Unit:
@@ -54,7 +66,7 @@ def field_unit(field: str, values: Floats) -> Unit:
     return unit_of(values.tolist(), STRESSES) if field.startswith(("sigma_", "stress_")) else (1.0, "")
 
 
-def _cells(grid: pyvista.UnstructuredGrid, kind: pyvista.CellType, n_corners: int) -> Ints:
+def _cells(grid: pyvista.UnstructuredGrid, kind: int, n_corners: int) -> Ints:
     """Corners (n, n_corners) of the cells of a kind."""
     return np.asarray(dict(grid.cells_dict).get(np.uint8(kind), []), dtype=np.int64).reshape(-1, n_corners)
 

@@ -11,7 +11,7 @@ import pyvista
 
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.drawn_frame import drawn_frame, field_unit
-from crackgrow.results.figures import areas, colours_of, displayed_magnification
+from crackgrow.results.field_picture import areas, colours_of, displayed_magnification
 from crackgrow.results.folder import open_run
 
 

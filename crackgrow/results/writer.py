@@ -327,4 +327,4 @@ class RunWriter:
         from crackgrow.results import figures  # as above
 
         if result.frame is not None:
-            figures.draw_sigma_1(self.folder / "figures" / name, self.case, result.frame, result.step)
+            figures.draw_sigma_1(self.folder / "figures" / name, self.case, result)

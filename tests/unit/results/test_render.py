@@ -13,7 +13,7 @@ import pyvista
 from PIL import Image
 
 from crackgrow import cli
-from crackgrow.results import animation, render, view
+from crackgrow.results import animation, field_picture, render, view
 from crackgrow.results.atomic import OutputError
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.folder import FolderError, RunFolder, open_run
@@ -67,7 +67,7 @@ def test_colour_scale_and_place_are_the_same_in_all_pictures(folder: Path, tmp_p
 
 
 def test_open_cracks_show_what_is_behind(folder: Path, tmp_path: Path) -> None:
-    behind = round(255 * float(render.BEHIND))
+    behind = round(255 * float(field_picture.BEHIND))
 
     def share_open(warp: float) -> float:
         *_, path = render.render(folder, warp=warp, size=(400, 560), out=tmp_path)

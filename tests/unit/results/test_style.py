@@ -15,14 +15,14 @@ from crackgrow.results import figures
 from crackgrow.results.load_point import load_point
 from crackgrow.results.style import own_style
 from tests.properties.broken_off import CASES, ENVIRONMENT, command, finished
-from tests.unit.results.synthetic import make_case, make_frame, make_paths, make_result
+from tests.unit.results.synthetic import make_case, make_paths, make_result
 
 NO_FORMULA = r"$\frac{1}{0$ & <b> $_$"
 ODD = {"font.family": ["cursive"], "font.size": 30.0, "lines.linewidth": 9.0, "figure.facecolor": "black",
        "axes.grid": True, "savefig.dpi": 20.0, "text.usetex": True, "figure.autolayout": True}  # fmt: skip
 DRAWN: dict[str, Callable[[Path], None]] = {
     "paths": lambda path: figures.draw_paths(path, odd_case(), make_paths(2)),
-    "sigma_1": lambda path: figures.draw_sigma_1(path, odd_case(), make_frame(), 1),
+    "sigma_1": lambda path: figures.draw_sigma_1(path, odd_case(), make_result(1)),
     "contact": lambda path: figures.draw_contact(path, odd_case(), make_result(1)),
     "load curve": lambda path: figures.draw_load_curve(
         path, odd_case(), [load_point(make_result(k, load_factor=1.0 + k)) for k in range(3)]
