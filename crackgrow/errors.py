@@ -36,9 +36,8 @@ class Fault:
 
     def __str__(self) -> str:
         place = self.source if self.line is None else f"{self.source}:{self.line}"
-        key = self.key
-        if place.startswith("--set ") and f"{key}.".startswith(f"{place.removeprefix('--set ')}."):
-            key = key.removeprefix(place.removeprefix("--set ")).removeprefix(".")  # the place has the rest
+        inner = f"{self.key}.".removeprefix(f"{place.removeprefix('--set ')}.").removesuffix(".")
+        key = self.key if inner[:1].isdigit() else inner  # of what an override sets, the place has the beginning
         return f"{place}: {key}: {self.message}" if key else f"{place}: {self.message}"
 
 
