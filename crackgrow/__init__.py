@@ -19,8 +19,8 @@ estimate       the error in the energy norm
 run            one step, and the loop over the steps
 results        tables, frames, figures and a report on disk, made from the results alone
 plan           what a case will model and cost, and a picture of it, before anything is solved
-study          what several runs tell: how far apart their crack paths are, what extremes do to a scene,
-               what accuracy costs, what parameters do: one run for each combination
+study          what several runs tell: how far apart their crack paths are, whether a case is the same
+               in other units and places, what accuracy costs, what parameters do: one run for each combination
 api            a case solved or run from Python: arrays, tables, meshes, fields at points
 cli            the command line, the only place that prints
 """
@@ -101,9 +101,6 @@ _MOVED = {
     "study.comparison": "Comparison",
     "study.comparison_text": "comparison_csv comparison_text",
     "study.second_solution": "unique_text",
-    "study.stability.runner": "stability",
-    "study.stability.table": "stability_line",
-    "study.stability.writer": "write_stability",
     "study.sweep.runner": "sweep_line",
     "study.trade.plan": "plan_trade",
     "study.trade.row": "trade_line",

@@ -11,11 +11,11 @@ from itertools import groupby
 from typing import Final
 
 from crackgrow.results.declarations import Column, File
-from crackgrow.study.stability.trial import Row
+from crackgrow.study.invariance.trial import Row, number
 
 FILE: Final = File(
     "stability.csv",
-    "a row for each scene that `crackgrow stability` has taken to an extreme; `stability.md` is the same for reading, "
+    "a row for each scene that `make stability` has taken to an extreme; `stability.md` is the same for reading, "
     "`stability.png` draws it",
     (
         Column("axis", "", "what is taken to extremes"),
@@ -58,8 +58,8 @@ def markdown_text(rows: Sequence[Row]) -> str:
     )  # fmt: skip
     lines = [
         (
-            row.axis, row.value, row.compared, _number(row.deviation), _number(row.tolerance), _number(row.condition),
-            str(row.iterations) if row.iterations >= 0 else "", _number(row.residual), row.status,
+            row.axis, row.value, row.compared, number(row.deviation), number(row.tolerance), number(row.condition),
+            str(row.iterations) if row.iterations >= 0 else "", number(row.residual), row.status,
             f"{row.seconds:.1f}", row.verdict, _shortened(row.reason),
         )
         for row in rows
@@ -95,14 +95,6 @@ def summary_text(rows: Sequence[Row]) -> str:
     return _table(head, lines)
 
 
-def stability_line(row: Row) -> str:
-    """A row on a line of the terminal."""
-    return (
-        f"{row.verdict:4}  {row.axis:20} {row.value:28} {row.status:8} deviation {_number(row.deviation):8} "
-        f"of {_number(row.tolerance):8} condition {_number(row.condition):8} {row.seconds:5.1f} s"
-    ).rstrip()
-
-
 def _table(head: Line, lines: Sequence[Line]) -> str:
     cells = [head, tuple("---" for _ in head), *lines]
     return "".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |\n" for line in cells)
@@ -110,16 +102,12 @@ def _table(head: Line, lines: Sequence[Line]) -> str:
 
 def _largest(values: Sequence[float]) -> str:
     found = [value for value in values if math.isfinite(value)]
-    return _number(max(found)) if found else ""
+    return number(max(found)) if found else ""
 
 
 def _range(values: Sequence[float]) -> str:
-    low, high = _number(min(values)), _number(max(values))
+    low, high = number(min(values)), number(max(values))
     return low if low == high else f"{low} ... {high}"
-
-
-def _number(value: float) -> str:
-    return f"{value:.2g}" if math.isfinite(value) else ""
 
 
 def _plain(value: object) -> object:
