@@ -227,7 +227,7 @@ class RunFolder:
     def table(self, name: str) -> TextTable:
         """A table such as `tips`; without rows of a step in which a run was killed, which some tables may have."""
         if name not in self._tables:
-            table = self._read(f"{name}.csv")
+            table = table_of(self.text(f"{name}.csv"), self.folder / f"{name}.csv")
             self._tables[name] = table.of_steps(self.solved) if table.path.name in OF_STEPS and len(table) else table
         return self._tables[name]
 
@@ -306,17 +306,6 @@ class RunFolder:
             raise damaged(self.folder / SUMMARY, "it is no mapping")
         return summary
 
-    def _read(self, name: str) -> TextTable:
-        path = self.folder / name
-        try:
-            rows = list(csv.reader(io.StringIO(self.text(name), newline="")))
-        except csv.Error as error:
-            raise damaged(path, str(error)) from error
-        header = rows.pop(0) if rows else []
-        for number, row in enumerate(rows, 1):
-            if len(row) != len(header):
-                raise damaged(path, f"row {number} has {len(row)} values, the header has {len(header)}")
-        return TextTable(path, {column: [row[index] for row in rows] for index, column in enumerate(header)})
 
 
 def open_run(path: str | Path) -> RunFolder:
@@ -335,6 +324,19 @@ def open_run(path: str | Path) -> RunFolder:
     run = RunFolder(path)
     run.text(SUMMARY)
     return run
+
+
+def table_of(text: str, path: Path) -> TextTable:
+    """The table of a CSV text, that of a file at `path`; raises FolderError where rows are unlike the header."""
+    try:
+        rows = list(csv.reader(io.StringIO(text, newline="")))
+    except csv.Error as error:
+        raise damaged(path, str(error)) from error
+    header = rows.pop(0) if rows else []
+    for number, row in enumerate(rows, 1):
+        if len(row) != len(header):
+            raise damaged(path, f"row {number} has {len(row)} values, the header has {len(header)}")
+    return TextTable(path, {column: [row[index] for row in rows] for index, column in enumerate(header)})
 
 
 def damaged(path: Path, what: str) -> FolderError:

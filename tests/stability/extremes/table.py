@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
 from typing import Final
 
+from crackgrow.results import tables
 from crackgrow.results.declarations import Column, File
 from crackgrow.study.invariance.trial import Row, number
 
@@ -42,12 +41,7 @@ Line = tuple[str, ...]
 
 def csv_text(rows: Sequence[Row]) -> str:
     """All rows; numbers with all their digits, nothing where there is none."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for row in rows:
-        writer.writerow([_plain(getattr(row, name)) for name in COLUMNS])
-    return out.getvalue()
+    return tables.csv_text(COLUMNS, ([getattr(row, name) for name in COLUMNS] for row in rows))
 
 
 def markdown_text(rows: Sequence[Row]) -> str:
@@ -108,10 +102,6 @@ def _largest(values: Sequence[float]) -> str:
 def _range(values: Sequence[float]) -> str:
     low, high = number(min(values)), number(max(values))
     return low if low == high else f"{low} ... {high}"
-
-
-def _plain(value: object) -> object:
-    return "" if isinstance(value, float) and math.isnan(value) else value
 
 
 def _shortened(text: str) -> str:
