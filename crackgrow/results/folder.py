@@ -96,6 +96,10 @@ class TextTable:
         except ValueError as error:
             raise damaged(self.path, f"step: {error}") from error
 
+    def rows(self) -> list[dict[str, str]]:
+        """The rows, each with its cells by name."""
+        return [dict(zip(self.columns, row, strict=True)) for row in zip(*self.columns.values(), strict=True)]
+
     def where(self, kept: Sequence[bool]) -> TextTable:
         """The rows for which `kept` says so."""
         return TextTable(self.path, {name: list(compress(words, kept)) for name, words in self.columns.items()})

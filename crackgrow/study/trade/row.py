@@ -103,7 +103,7 @@ def read_rows(path: Path) -> list[Row]:
         table = None
     if table is None or tuple(table.columns) != COLUMNS:
         raise CaseError([Fault(str(path), None, "", "has other columns than this version writes; leave out --resume")])
-    return [Row(dict(zip(COLUMNS, row, strict=True))) for row in zip(*table.columns.values(), strict=True)]
+    return [Row(row) for row in table.rows()]
 
 
 def trade_line(row: Row) -> str:
