@@ -103,12 +103,7 @@ def _check_as_json(case: Case, arguments: argparse.Namespace) -> int:
 def add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
     """Add the command and its arguments to those of `case`."""
     command = commands.add_parser(
-        "check",
-        parents=[case],
-        help="validate a case, say what it models and costs",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "check", parents=[case], help="validate a case, say what it models and costs", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("--picture", type=_picture, metavar="FILE.png|svg", help="draw the scene, too")
     command.add_argument("--json", action="store_true", help="print the plan as JSON")

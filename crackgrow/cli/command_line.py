@@ -62,7 +62,6 @@ def command_line() -> argparse.ArgumentParser:
         prog="crackgrow",
         usage="crackgrow [-h] [--version] COMMAND ...",
         description="Friction, slip and growth of closed cracks in rock, in two dimensions.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
     commands = parser.add_subparsers(prog="crackgrow", required=True, metavar="COMMAND", help=argparse.SUPPRESS)

@@ -50,11 +50,7 @@ def compare(arguments: argparse.Namespace) -> int:
 def add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "compare",
-        help="say how far apart the crack paths of two runs are",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "compare", help="say how far apart the crack paths of two runs are", description=HELP, epilog=EXAMPLES
     )
     for name in ("a", "b"):
         command.add_argument(name, metavar=name.upper(), help="a result folder or a CSV file")

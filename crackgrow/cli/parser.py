@@ -24,7 +24,10 @@ GONE: Final = {"stability": "check CASE.yaml --invariance"}
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that says what may have been meant; those of its commands are such, too."""
+    """A parser that says what may have been meant; those of its commands are such, too. Its help keeps its lines."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**{"formatter_class": argparse.RawDescriptionHelpFormatter, **settings})
 
     def parse_args(  # type: ignore[override]  # argparse has it overloaded for namespaces of other types
         self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None

@@ -77,7 +77,6 @@ def add_render(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="draw the frames of a run as pictures and an animation",
         description=RENDER_HELP,
         epilog=RENDER_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("--steps", type=_span, nargs="+", metavar="N|N-M", help="these steps alone (default: all)")
     command.add_argument("--size", type=_size, metavar="WxH", help="pixels (default: 1000 along the longer side)")
@@ -92,7 +91,6 @@ def add_render(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="open a window on the frames of a run",
         description=VIEW_HELP,
         epilog=VIEW_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.set_defaults(command=view)
 

@@ -32,11 +32,7 @@ def report(arguments: argparse.Namespace) -> int:
 def add_report(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "report",
-        help="write report.html of a result folder again",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "report", help="write report.html of a result folder again", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
     command.set_defaults(command=report)

@@ -188,12 +188,7 @@ def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
 def add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
     """Add the command and its arguments to those of `case`."""
     command = commands.add_parser(
-        "run",
-        parents=[case],
-        help="run a case and write its results",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "run", parents=[case], help="run a case and write its results", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<case>)")
     command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")

@@ -37,11 +37,7 @@ def schema(arguments: argparse.Namespace) -> int:
 def add_schema(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "schema",
-        help="print the JSON Schema of case files, for editors",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "schema", help="print the JSON Schema of case files, for editors", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("--out", type=Path, metavar="FILE", help="write it to a file")
     command.set_defaults(command=schema)

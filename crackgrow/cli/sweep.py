@@ -74,11 +74,7 @@ def _resuming(arguments: argparse.Namespace, plan: SweepPlan) -> str:
 def add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "sweep",
-        help="run a case for each combination of parameters",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "sweep", help="run a case for each combination of parameters", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("sweep", type=Path, metavar="SWEEP.yaml", help="the sweep file")
     place = command.add_mutually_exclusive_group()

@@ -60,7 +60,6 @@ def add_trade(commands: argparse._SubParsersAction[argparse.ArgumentParser], cas
         help="measure what accuracy costs over a grid of settings",
         description=HELP,
         epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("--axis", nargs="+", default=[], metavar="NAME=A,B,C", help="settings to vary, with values")
     command.add_argument(
