@@ -37,6 +37,7 @@ def told(*overrides: str) -> str:
         ("spacing=3", "did you mean 'numerics.spacing'?"),
         ("numerics.tip_functions=gather", "auto | patch | gathered; did you mean 'gathered'?"),
         ("supports[0].at=[0, 0]", "is written with its number, as in 'supports.0.at'"),
+        ("numerics.spacing=0.01", "lattice nodes; at most 4e+06 are allowed; wanted: 0."),
         ("cracks.flaw.path.points=[[0, 0], [5, 5]]", "--set cracks.flaw.path.points: does not go with center, length, "
          "angle; give either {center, length, angle} or {points} or {file}; --set "
          "'cracks.flaw.path={points: ...}' takes"),
