@@ -73,7 +73,7 @@ verify: $(STAMP)
 	@$(PY) -m tests.verification.verify $(ARGS)
 
 stability: $(STAMP)
-	@$(PY) -m crackgrow stability $(ARGS)
+	@$(PY) -m tests.stability.extremes.study $(ARGS)
 
 lint: $(STAMP)
 	@$(PY) -m ruff check .

@@ -19,154 +19,103 @@ estimate       the error in the energy norm
 run            one step, and the loop over the steps
 results        tables, frames, figures and a report on disk, made from the results alone
 plan           what a case will model and cost, and a picture of it, before anything is solved
-study          what several runs tell: how far apart their crack paths are, what extremes do to a scene,
-               what accuracy costs, what parameters do: one run for each combination
-api            a case solved or run from Python: arrays, tables, fields at points
+study          what several runs tell: how far apart their crack paths are, whether a case is the same
+               in other units and places, what accuracy costs, what parameters do: one run for each combination
+api            a case solved or run from Python: arrays, tables, meshes, fields at points
 cli            the command line, the only place that prints
 """
 
 from __future__ import annotations
 
+import warnings
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from crackgrow.api import Run, Solution, run_case, solve
-    from crackgrow.case import dump_case, load_case
-    from crackgrow.case.json_schema import case_schema
+    from crackgrow.case import load_case
     from crackgrow.case.model import Case
     from crackgrow.errors import CaseError, CrackgrowError, GeometryError, SolveError
-    from crackgrow.plan.picture import draw_scene
-    from crackgrow.plan.text import plan_text
-    from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4
     from crackgrow.results.atomic import OccupiedError, OutputError
     from crackgrow.results.export import export
-    from crackgrow.results.folder import FolderError
-    from crackgrow.results.overview import overview
-    from crackgrow.results.render import render
-    from crackgrow.results.report import write_report
-    from crackgrow.results.resume import find_resumption
-    from crackgrow.results.view import view
-    from crackgrow.results.writer import RunWriter, complete_run
+    from crackgrow.results.folder import FolderError, RunFolder, open_run
     from crackgrow.run import grow
-    from crackgrow.run.result import RunEnd, StepResult
     from crackgrow.study.compare import compare_paths
-    from crackgrow.study.comparison import Comparison
-    from crackgrow.study.comparison_text import comparison_csv, comparison_text
-    from crackgrow.study.second_solution import unique_text
-    from crackgrow.study.stability.runner import stability
-    from crackgrow.study.stability.table import stability_line
-    from crackgrow.study.stability.writer import write_stability
     from crackgrow.study.sweep.plan import plan_sweep
-    from crackgrow.study.sweep.runner import sweep, sweep_line
-    from crackgrow.study.trade.plan import plan_trade
-    from crackgrow.study.trade.row import trade_line
-    from crackgrow.study.trade.runner import trade
+    from crackgrow.study.sweep.runner import sweep
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Case",
     "CaseError",
-    "Comparison",
     "CrackgrowError",
     "FolderError",
     "GeometryError",
     "OccupiedError",
     "OutputError",
     "Run",
-    "RunEnd",
-    "RunWriter",
+    "RunFolder",
     "Solution",
     "SolveError",
-    "StepResult",
     "__version__",
-    "case_schema",
     "compare_paths",
-    "comparison_csv",
-    "comparison_text",
-    "complete_run",
-    "draw_scene",
-    "dump_case",
     "export",
-    "find_ffmpeg",
-    "find_resumption",
     "grow",
     "load_case",
-    "overview",
+    "open_run",
     "plan_sweep",
-    "plan_text",
-    "plan_trade",
-    "render",
     "run_case",
     "solve",
-    "stability",
-    "stability_line",
     "sweep",
-    "sweep_line",
-    "trade",
-    "trade_line",
-    "unique_text",
-    "view",
-    "write_gif",
-    "write_mp4",
-    "write_report",
-    "write_stability",
 ]
 
 # Loaded on first use: importing crackgrow stays cheap, and the command line can set thread limits before numpy.
 _HOMES = {
-    "Case": "crackgrow.case.model",
-    "CaseError": "crackgrow.errors",
-    "Comparison": "crackgrow.study.comparison",
-    "CrackgrowError": "crackgrow.errors",
-    "FolderError": "crackgrow.results.folder",
-    "GeometryError": "crackgrow.errors",
-    "OccupiedError": "crackgrow.results.atomic",
-    "OutputError": "crackgrow.results.atomic",
-    "Run": "crackgrow.api",
-    "RunEnd": "crackgrow.run.result",
-    "RunWriter": "crackgrow.results.writer",
-    "Solution": "crackgrow.api",
-    "SolveError": "crackgrow.errors",
-    "StepResult": "crackgrow.run.result",
-    "case_schema": "crackgrow.case.json_schema",
-    "compare_paths": "crackgrow.study.compare",
-    "comparison_csv": "crackgrow.study.comparison_text",
-    "comparison_text": "crackgrow.study.comparison_text",
-    "complete_run": "crackgrow.results.writer",
-    "draw_scene": "crackgrow.plan.picture",
-    "dump_case": "crackgrow.case",
-    "export": "crackgrow.results.export",
-    "find_ffmpeg": "crackgrow.results.animation",
-    "find_resumption": "crackgrow.results.resume",
-    "grow": "crackgrow.run",
-    "load_case": "crackgrow.case",
-    "overview": "crackgrow.results.overview",
-    "plan_sweep": "crackgrow.study.sweep.plan",
-    "plan_text": "crackgrow.plan.text",
-    "plan_trade": "crackgrow.study.trade.plan",
-    "render": "crackgrow.results.render",
-    "run_case": "crackgrow.api",
-    "solve": "crackgrow.api",
-    "stability": "crackgrow.study.stability.runner",
-    "stability_line": "crackgrow.study.stability.table",
-    "sweep": "crackgrow.study.sweep.runner",
-    "sweep_line": "crackgrow.study.sweep.runner",
-    "trade": "crackgrow.study.trade.runner",
-    "trade_line": "crackgrow.study.trade.row",
-    "unique_text": "crackgrow.study.second_solution",
-    "view": "crackgrow.results.view",
-    "write_gif": "crackgrow.results.animation",
-    "write_mp4": "crackgrow.results.animation",
-    "write_report": "crackgrow.results.report",
-    "write_stability": "crackgrow.study.stability.writer",
+    "api": "Run Solution run_case solve",
+    "case": "load_case",
+    "case.model": "Case",
+    "errors": "CaseError CrackgrowError GeometryError SolveError",
+    "results.atomic": "OccupiedError OutputError",
+    "results.export": "export",
+    "results.folder": "FolderError RunFolder open_run",
+    "run": "grow",
+    "study.compare": "compare_paths",
+    "study.sweep.plan": "plan_sweep",
+    "study.sweep.runner": "sweep",
+}
+# Names that were public, and are still found here, with a warning that says where they are.
+_MOVED = {
+    "case": "dump_case",
+    "case.json_schema": "case_schema",
+    "plan.picture": "draw_scene",
+    "plan.text": "plan_text",
+    "results.animation": "find_ffmpeg write_gif write_mp4",
+    "results.overview": "overview",
+    "results.render": "render",
+    "results.report": "write_report",
+    "results.resume": "find_resumption",
+    "results.view": "view",
+    "results.writer": "RunWriter complete_run",
+    "run.result": "RunEnd StepResult",
+    "study.comparison": "Comparison",
+    "study.comparison_text": "comparison_csv comparison_text",
+    "study.second_solution": "unique_text",
+    "study.sweep.runner": "sweep_line",
+    "study.trade.plan": "plan_trade",
+    "study.trade.row": "trade_line",
+    "study.trade.runner": "trade",
 }
 
 
 def __getattr__(name: str) -> object:
-    if name in _HOMES:
-        return getattr(import_module(_HOMES[name]), name)
+    for homes in (_HOMES, _MOVED):
+        for home, names in homes.items():
+            if name in names.split():
+                if homes is _MOVED:
+                    told = f"crackgrow.{name} is now in crackgrow.{home}, and will not be found here in a later version"
+                    warnings.warn(told, DeprecationWarning, stacklevel=2)
+                return getattr(import_module(f"crackgrow.{home}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

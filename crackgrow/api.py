@@ -9,6 +9,7 @@ import html
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -21,6 +22,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results import data_frames
 from crackgrow.results.gathered import Gathered
+from crackgrow.results.vtk_frames import FIELDS, as_pyvista, specimen_grid
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.error import estimated_error
 from crackgrow.run.frame import make_frame
@@ -28,6 +30,9 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import Frame, RunEnd, StepResult
 from crackgrow.solid import recovery
+
+if TYPE_CHECKING:
+    import pyvista
 
 Steps = Generator[tuple[StepResult, StepSolution], None, RunEnd]
 
@@ -157,6 +162,18 @@ class Solution(_Tables):
         with single_threaded():
             return make_frame(solved.cover, solved.materials, solved.outcome.u, estimated_error(solved))
 
+    @property
+    def mesh(self) -> pyvista.UnstructuredGrid:
+        """The same for pyvista, as `open_run(...).mesh(step)` reads it from a frame; m, Pa.
+
+            >>> import crackgrow
+            >>> case = crackgrow.load_case("cases/compression30.yaml", ["numerics.spacing=3"])
+            >>> mesh = crackgrow.solve(case).mesh
+            >>> round(mesh.area * 1e6), float(round(mesh["displacement"][:, 1].min() * 1e3, 2))   # mm^2, mm
+            (1705, -0.52)
+        """
+        return as_pyvista(specimen_grid(self.frame, FIELDS))
+
     def displacement_at(self, points: ArrayLike) -> Floats:
         """Displacement (..., 2) m at points (..., 2) in m; nan outside of the rock.
 
@@ -257,6 +274,10 @@ class Run(_Tables):
         if step == self.last.result.step:
             return self.last
         return _solution(self.case, solved_steps(self.case, self.results[numbers.index(step)].checkpoint))
+
+    def mesh(self, step: int) -> pyvista.UnstructuredGrid:
+        """The specimen in a step for pyvista, as `Solution.mesh`; solved again but for the last one, as `solution`."""
+        return self.solution(step).mesh
 
     def __repr__(self) -> str:
         return f"<Run of {self.case.name}: {self.status}: {self.reason}>"

@@ -36,8 +36,9 @@ class Fault:
 
     def __str__(self) -> str:
         place = self.source if self.line is None else f"{self.source}:{self.line}"
-        told = not self.key or place == f"--set {self.key}"
-        return f"{place}: {self.message}" if told else f"{place}: {self.key}: {self.message}"
+        inner = f"{self.key}.".removeprefix(f"{place.removeprefix('--set ')}.").removesuffix(".")
+        key = self.key if inner[:1].isdigit() else inner  # of what an override sets, the place has the beginning
+        return f"{place}: {key}: {self.message}" if key else f"{place}: {self.message}"
 
 
 class CaseError(CrackgrowError):

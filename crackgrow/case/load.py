@@ -87,6 +87,9 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
         if root is not None and not report.faults:
             report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
         raise report.error()
+    if "base" in root.entries and "parameters" in root.entries:
+        report.fault((), f"this is a sweep file, not a case: `crackgrow sweep {report.source}` runs it", root.place)
+        raise report.error()
     folders: dict[str, Path] = {}
     root = with_base(root, path, report, folders)
     if root is None:

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from crackgrow.case.synonyms import SYNONYMS
+from crackgrow.case.synonyms import EXPLAINED, SYNONYMS
 from crackgrow.errors import CaseError, Fault
 
 Path = tuple[str | int, ...]
@@ -50,7 +50,11 @@ def nearest(text: str, allowed: Iterable[str]) -> str | None:
 
 
 def did_you_mean(text: str, allowed: Iterable[str]) -> str:
-    """Return "; did you mean 'x'?" for the nearest of the allowed words, or nothing."""
+    """Return "; did you mean 'x'?" for the nearest of the allowed words, what to do instead, or nothing."""
+    allowed = list(allowed)
+    key, instead = EXPLAINED.get(text.lower(), ("", ""))
+    if key in allowed:
+        return f"; {instead}"
     word = nearest(text, allowed)
     return f"; did you mean '{word}'?" if word else ""
 

@@ -176,6 +176,7 @@ class Number:
 
     bounds: Bounds = ANY
     multiple_of: float | None = None
+    note: str = ""  # added to the message for what is no number
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
@@ -184,7 +185,7 @@ class Number:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the float."""
-        value = _read_float(node, path, context, self, self.bounds, parse_number, "")
+        value = _read_float(node, path, context, self, self.bounds, parse_number, self.note)
         if isinstance(value, float) and self.multiple_of and value % self.multiple_of != 0:
             return refuse(node, self.describe(), path, context)
         return value
@@ -277,5 +278,6 @@ class WordOr:
         if isinstance(self.other, Quantity | Share) and node.text.strip()[:1] in _BEGIN_OF_NUMBER:
             return self.other.read(node, path, context)
         hint = did_you_mean(node.text, self.words)
-        context.report.fault(path, f"{given(node)} given; wanted: {self.describe()}{hint}")
+        note = self.other.note if isinstance(self.other, Number) and node.text[:1] in _BEGIN_OF_NUMBER else ""
+        context.report.fault(path, f"{given(node)} given; wanted: {self.describe()}{note}{hint}")
         return INVALID

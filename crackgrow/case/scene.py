@@ -359,7 +359,10 @@ _DISCRETIZATION: Final = Choice(
     ("mortar", "gauss"), ("on average round nodes along the faces", "at Gauss points; wants a finite stiffness")
 )
 _SOLVER: Final = Choice(("newton", "lemke"), ("semismooth Newton", "complementary pivots; slow with many points"))
-_CONTACT_STIFFNESS: Final = WordOr(("rigid",), Number(POSITIVE))
+_KAPPA: Final = Number(
+    POSITIVE, note=", kappa of k = kappa E / h without a unit; that of a joint in Pa/m is `stiffness` of its contact"
+)
+_CONTACT_STIFFNESS: Final = WordOr(("rigid",), _KAPPA)
 _SUPPORT_WIDTH: Final = Number(Bounds(at_least=1.25, at_most=4), 0.25)
 _GAUSS_POINTS: Final = Integer(Bounds(at_least=2, at_most=10))
 _LEVELS: Final = WordOr((AUTO,), Integer(Bounds(at_least=0, at_most=MOST_LEVELS)))

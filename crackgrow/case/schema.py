@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from crackgrow.case.reader import Listing, Node, Scalar, Table
-from crackgrow.case.report import Path, did_you_mean, nearest, quoted
+from crackgrow.case.report import Path, did_you_mean, dotted, nearest, quoted
 from crackgrow.case.scalars import INVALID, Context, Spec, refuse
 
 _NAME = re.compile(r"\w[\w-]{0,63}")
@@ -159,8 +159,34 @@ class OneOf:
             if key not in known:
                 message = f"unknown key; allowed: {', '.join(known)}{did_you_mean(key, free)}"
                 context.report.fault((*path, key), message, entry.place)
-        context.report.fault(path, f"give either {' or '.join(form.form() for form in self.forms)}")
+        either = f"give either {' or '.join(form.form() for form in self.forms)}"
+        odd = self._odd(node) if len(given) > 1 and not matches else None
+        if odd is None:
+            context.report.fault(path, either)
+        else:
+            others = [key for key in node.entries if key in given and key != odd]
+            context.report.put((*path, odd), node.entries[odd].place)
+            message = f"does not go with {', '.join(others)}; {either}{_instead(path, odd, node)}"
+            context.report.fault((*path, odd), message)
         return INVALID
+
+    def _odd(self, node: Table) -> str | None:
+        """The first key that does not go with those before it; those of the file come before those of overrides."""
+        fitting = self.forms
+        for key in sorted(node.entries, key=lambda key: node.entries[key].place.line is None):
+            still = tuple(form for form in fitting if key in form.fields)
+            if not still and any(key in form.fields for form in self.forms):
+                return key
+            fitting = still or fitting
+        return None
+
+
+def _instead(path: Path, key: str, node: Table) -> str:
+    """How an override takes the place of all keys of the file, where it has added one to them."""
+    lines = [entry.place.line for entry in node.entries.values()]
+    if node.entries[key].place.line is not None or not any(lines):
+        return ""
+    return f"; --set '{dotted(path)}={{{key}: ...}}' takes the place of all of them"
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,3 +24,12 @@ SYNONYMS: Final = {  # in small letters: the first of these that is allowed wher
     "stage": ("history",), "mesh": ("numerics",), "mesh_size": ("spacing",), "da": ("increment",),
     "n_steps": ("steps",),
 }  # fmt: skip
+
+_UCS: Final = "a uniaxial compressive strength C gives cohesion = C (1 - sin phi) / (2 cos phi), phi: friction_angle"
+_FACTOR: Final = "loads have the factors of `loading`, such as {history: [0.5, 1]}; `held: true` keeps one as it is"
+
+EXPLAINED: Final = {  # what no key stands for: a key that is allowed where it stands, and what to do instead
+    "compression": ("friction_angle", _UCS), "compressive": ("friction_angle", _UCS),
+    "compressive_strength": ("friction_angle", _UCS), "sigma_c": ("friction_angle", _UCS),
+    "ucs": ("friction_angle", _UCS), "factor": ("held", _FACTOR), "load_factor": ("held", _FACTOR),
+}  # fmt: skip

@@ -4,29 +4,33 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import crackgrow
 from crackgrow.cli.case_file import load_case_file
-from crackgrow.cli.console import EXIT_DONE, hand_out, say
+from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
+    from crackgrow.study.invariance.trial import Row
 
 HELP = """\
 Validate a case and print the plan of its run: bodies, cracks and tips, what is modelled and why, the unknowns of the
 first step, counted on its cover, what a step costs in seconds and memory, and what to beware of. Nothing is solved
-unless --unique asks whether friction leaves the contact one solution at every load factor.
+unless --unique asks whether friction leaves the contact one solution at every load factor, or --invariance whether the
+first step is in balance and the same in other units, on another lattice, turned, mirrored and moved.
 """
 EXAMPLES = """\
 exit codes: 0 the case can be run; 2 it is wrong, all faults are listed; 3 its cracks cannot be covered, or with
---unique its loads not be solved.
+--unique its loads not be solved; 4 with --invariance: something changes that must not, and no warning says so (a NO).
+verdicts of --invariance: yes: within the tolerance; said: no good, or refused, and the program says so; NO: neither.
 
 examples:
   crackgrow check cases/compression30.yaml
   crackgrow check cases/two_flaws.yaml --set numerics.spacing=1 --picture two_flaws.svg
   crackgrow check cases/confined30.yaml --unique
+  crackgrow check cases/junction_static.yaml --invariance
 """
 
 
@@ -35,43 +39,81 @@ def check(arguments: argparse.Namespace) -> int:
     case = load_case_file(arguments)
     if arguments.json:
         return _check_as_json(case, arguments)
-    say(crackgrow.plan_text(case))
-    if arguments.picture is not None:
-        crackgrow.draw_scene(arguments.picture, case)
+    from crackgrow.plan.text import plan_text  # only now: they load numpy
+    from crackgrow.study.invariance.trial import line_of
+
+    say(plan_text(case))
+    if _draw(case, arguments):
         say(f"picture in {arguments.picture}")
     if arguments.unique:
         say("\nsolutions of the contact")
-        for line in crackgrow.unique_text(case):
+        for line in _unique(case):
             say(line)
-    return EXIT_DONE
+    if not arguments.invariance:
+        return EXIT_DONE
+    say("\nwhat must not change")
+    rows = []
+    for row in _invariance(case):
+        rows.append(row)
+        say(line_of(row))
+    return _verdict(rows)
+
+
+def _draw(case: Case, arguments: argparse.Namespace) -> bool:
+    """Draw the scene if that is asked for; returns whether it is."""
+    if arguments.picture is None:
+        return False
+    from crackgrow.plan.picture import draw_scene  # only now: it loads matplotlib
+
+    draw_scene(arguments.picture, case)
+    return True
+
+
+def _unique(case: Case) -> Iterator[str]:
+    from crackgrow.study.second_solution import unique_text  # only now: it loads the solver
+
+    return unique_text(case)
+
+
+def _invariance(case: Case) -> Iterator[Row]:
+    from crackgrow.study.invariance.axes import invariance  # only now: it loads the solver
+
+    return invariance(case)
+
+
+def _verdict(rows: Sequence[Row]) -> int:
+    return EXIT_DIFFERENT if any(row.verdict == "NO" for row in rows) else EXIT_DONE
 
 
 def _check_as_json(case: Case, arguments: argparse.Namespace) -> int:
-    from crackgrow.plan.text import plan_record  # only now: it loads numpy
+    from crackgrow.plan.text import plan_record  # only now: they load numpy
+    from crackgrow.study.invariance.trial import record_of
 
     record = plan_record(case)
-    if arguments.picture is not None:
-        crackgrow.draw_scene(arguments.picture, case)
+    _draw(case, arguments)
     if arguments.unique:
-        record["unique"] = list(crackgrow.unique_text(case))
+        record["unique"] = list(_unique(case))
+    rows = list(_invariance(case)) if arguments.invariance else []
+    if arguments.invariance:
+        record["invariance"] = [record_of(row) for row in rows]
     hand_out(json.dumps(record, indent=2, allow_nan=False) + "\n")
-    return EXIT_DONE
+    return _verdict(rows)
 
 
 def add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
     """Add the command and its arguments to those of `case`."""
     command = commands.add_parser(
-        "check",
-        parents=[case],
-        help="validate a case, say what it models and costs",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "check", parents=[case], help="validate a case, say what it models and costs", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("--picture", type=_picture, metavar="FILE.png|svg", help="draw the scene, too")
     command.add_argument("--json", action="store_true", help="print the plan as JSON")
     command.add_argument(
         "--unique", action="store_true", help="solve the first step: does friction leave one solution?"
+    )
+    command.add_argument(
+        "--invariance",
+        action="store_true",
+        help="solve it in other units, on other lattices, turned, mirrored, moved: is it the same?",
     )
     command.set_defaults(command=check)
 

@@ -22,7 +22,6 @@ from crackgrow.cli.render import add_render
 from crackgrow.cli.report import add_report
 from crackgrow.cli.run import add_run
 from crackgrow.cli.schema import add_schema
-from crackgrow.cli.stability import add_stability
 from crackgrow.cli.sweep import add_sweep
 from crackgrow.cli.trade import add_trade
 from crackgrow.errors import CaseError, CrackgrowError, is_out_of_memory, reason_of
@@ -63,7 +62,6 @@ def command_line() -> argparse.ArgumentParser:
         prog="crackgrow",
         usage="crackgrow [-h] [--version] COMMAND ...",
         description="Friction, slip and growth of closed cracks in rock, in two dimensions.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
     commands = parser.add_subparsers(prog="crackgrow", required=True, metavar="COMMAND", help=argparse.SUPPRESS)
@@ -83,7 +81,6 @@ def command_line() -> argparse.ArgumentParser:
     add_compare(commands)
     add_sweep(commands)
     add_trade(commands, case)
-    add_stability(commands)
     add_schema(commands)
     add_completion(commands, parser)
     for command in commands.choices.values():

@@ -28,7 +28,7 @@ examples:
 
 def compare(arguments: argparse.Namespace) -> int:
     """`crackgrow compare`: how far apart the crack paths of two runs are."""
-    from crackgrow.study.comparison_text import comparison_record  # only now: it loads numpy
+    from crackgrow.study.comparison_text import comparison_csv, comparison_record, comparison_text  # loads numpy
 
     comparison = crackgrow.compare_paths(
         arguments.a,
@@ -41,20 +41,16 @@ def compare(arguments: argparse.Namespace) -> int:
     if arguments.json:
         hand_out(json.dumps(comparison_record(comparison), indent=2, allow_nan=False) + "\n")
     else:
-        say(crackgrow.comparison_text(comparison))
+        say(comparison_text(comparison))
     if arguments.csv is not None:
-        write_text(arguments.csv, crackgrow.comparison_csv(comparison))
+        write_text(arguments.csv, comparison_csv(comparison))
     return EXIT_DONE if comparison.agrees else EXIT_DIFFERENT
 
 
 def add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "compare",
-        help="say how far apart the crack paths of two runs are",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "compare", help="say how far apart the crack paths of two runs are", description=HELP, epilog=EXAMPLES
     )
     for name in ("a", "b"):
         command.add_argument(name, metavar=name.upper(), help="a result folder or a CSV file")

@@ -199,11 +199,7 @@ def add_completion(
         return EXIT_DONE
 
     command = commands.add_parser(
-        "completion",
-        help="print a script that completes command lines in a shell",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "completion", help="print a script that completes command lines in a shell", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("shell", choices=SHELLS, help="the shell")
     command.set_defaults(command=completion)

@@ -38,11 +38,7 @@ def explain_name(arguments: argparse.Namespace) -> int:
 def add_explain(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "explain",
-        help="say what a key of a case, or a column of the results, means",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "explain", help="say what a key of a case, or a column of the results, means", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("name", nargs="?", default="", metavar="KEY|COLUMN", help="a key, a file or a column")
     command.set_defaults(command=explain_name)

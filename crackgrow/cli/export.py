@@ -41,7 +41,6 @@ def add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="write a frame of a run as a mesh file of another program",
         description=HELP,
         epilog=f"formats:\n{formats}\n\n{EXAMPLES}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
     command.add_argument("--to", choices=tuple(FORMATS), required=True, help="the format")

@@ -62,11 +62,7 @@ def _aligned(rows: dict[str, str]) -> list[str]:
 def add_list(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "list",
-        help="list the cases that are here, and the templates",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "list", help="list the cases that are here, and the templates", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("folder", nargs="?", type=Path, metavar="DIR", help="a folder of cases (default: cases)")
     command.set_defaults(command=list_cases)

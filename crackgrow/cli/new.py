@@ -73,7 +73,6 @@ def add_new(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         help="write a commented case to start from",
         description=HELP,
         epilog=f"templates:\n{listed}\n\n{EXAMPLES}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("name", metavar="NAME", help="the name of the case, or its file")
     command.add_argument(

@@ -13,14 +13,21 @@ GROUPS: Final = {
     "start": ("list", "new", "check", "explain"),
     "run": ("run",),
     "look": ("report", "render", "view", "export"),
-    "study": ("compare", "sweep", "trade", "stability"),
+    "study": ("compare", "sweep", "trade"),
     "tools": ("schema", "completion"),
 }
 """Commands by what one wants."""
 
 
+GONE: Final = {"stability": "check CASE.yaml --invariance"}
+"""Commands of earlier versions, and what does the same."""
+
+
 class Parser(argparse.ArgumentParser):
-    """A parser that says what may have been meant; those of its commands are such, too."""
+    """A parser that says what may have been meant; those of its commands are such, too. Its help keeps its lines."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**{"formatter_class": argparse.RawDescriptionHelpFormatter, **settings})
 
     def parse_args(  # type: ignore[override]  # argparse has it overloaded for namespaces of other types
         self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
@@ -57,7 +64,8 @@ class Parser(argparse.ArgumentParser):
         if action.choices is None or value in action.choices:
             return
         near = difflib.get_close_matches(str(value), [str(choice) for choice in action.choices], n=1)
-        hint = f"; did you mean {near[0]}?" if near else ""
+        meant = GONE.get(str(value)) or (near[0] if near else "")
+        hint = f"; did you mean {meant}?" if meant else ""
         allowed = ", ".join(str(choice) for choice in action.choices)
         raise argparse.ArgumentError(action, f"{str(value)!r} is none of {allowed}{hint}")
 

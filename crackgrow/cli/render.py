@@ -7,7 +7,6 @@ import math
 import re
 from pathlib import Path
 
-import crackgrow
 from crackgrow.cli.console import EXIT_DONE, say
 
 RENDER_HELP = """\
@@ -37,17 +36,20 @@ MOST_PIXELS = 8000  # of a side
 
 def render(arguments: argparse.Namespace) -> int:
     """`crackgrow render`: pictures of the frames of a run, and an animation."""
+    from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4  # only now: they load much
+    from crackgrow.results.render import render as drawn
+
     if arguments.animation == "mp4":
-        crackgrow.find_ffmpeg()
+        find_ffmpeg()
     pictures = []
-    for picture in crackgrow.render(
+    for picture in drawn(
         arguments.folder, arguments.field, arguments.warp, arguments.steps, arguments.size, arguments.out
     ):
         pictures.append(picture)
         say(str(picture))
     if len(pictures) > 1:
         path = pictures[0].parent / f"animation.{arguments.animation}"
-        write = crackgrow.write_mp4 if arguments.animation == "mp4" else crackgrow.write_gif
+        write = write_mp4 if arguments.animation == "mp4" else write_gif
         write(path, pictures)
         say(str(path))
     return EXIT_DONE
@@ -55,7 +57,9 @@ def render(arguments: argparse.Namespace) -> int:
 
 def view(arguments: argparse.Namespace) -> int:
     """`crackgrow view`: a window on the frames of a run."""
-    crackgrow.view(arguments.folder, arguments.field, arguments.warp)
+    from crackgrow.results.view import view as shown  # only now: it loads pyvista
+
+    shown(arguments.folder, arguments.field, arguments.warp)
     return EXIT_DONE
 
 
@@ -73,7 +77,6 @@ def add_render(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="draw the frames of a run as pictures and an animation",
         description=RENDER_HELP,
         epilog=RENDER_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("--steps", type=_span, nargs="+", metavar="N|N-M", help="these steps alone (default: all)")
     command.add_argument("--size", type=_size, metavar="WxH", help="pixels (default: 1000 along the longer side)")
@@ -88,7 +91,6 @@ def add_render(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         help="open a window on the frames of a run",
         description=VIEW_HELP,
         epilog=VIEW_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.set_defaults(command=view)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import crackgrow
 from crackgrow.cli.console import EXIT_DONE, say
 
 HELP = """\
@@ -24,18 +23,16 @@ examples:
 
 def report(arguments: argparse.Namespace) -> int:
     """`crackgrow report`: the page about a run, made again."""
-    say(str(crackgrow.write_report(arguments.folder)))
+    from crackgrow.results.report import write_report  # only now: it loads numpy
+
+    say(str(write_report(arguments.folder)))
     return EXIT_DONE
 
 
 def add_report(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "report",
-        help="write report.html of a result folder again",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "report", help="write report.html of a result folder again", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
     command.set_defaults(command=report)

@@ -45,16 +45,19 @@ examples:
 
 def run(arguments: argparse.Namespace) -> int:
     """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run, and can be gone on from."""
+    from crackgrow.results.resume import find_resumption  # only now: they load numpy
+    from crackgrow.results.writer import RunWriter, complete_run
+
     case = load_case_file(arguments)
     folder = arguments.out or Path("outputs") / case.name
     if not arguments.resume:
         _spare_case_file(arguments.case, folder)
-    writer = crackgrow.RunWriter(case, folder)
+    writer = RunWriter(case, folder)
     with writer.held():
-        found = crackgrow.find_resumption(case, folder) if arguments.resume else None
+        found = find_resumption(case, folder) if arguments.resume else None
         if found is None or found.finished is None:
             return _run(writer, found, arguments)
-        crackgrow.complete_run(case, folder)
+        complete_run(case, folder)
     if not arguments.quiet:
         say(f"{found.finished}\nnothing is left to do, results in {folder}")
     return EXIT_DONE
@@ -185,12 +188,7 @@ def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
 def add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
     """Add the command and its arguments to those of `case`."""
     command = commands.add_parser(
-        "run",
-        parents=[case],
-        help="run a case and write its results",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "run", parents=[case], help="run a case and write its results", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<case>)")
     command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import crackgrow
 from crackgrow.cli.console import EXIT_DONE, hand_out
 from crackgrow.results.atomic import write_text
 
@@ -25,7 +24,9 @@ which names the schema relative to the case. What it cannot tell, such as names 
 
 def schema(arguments: argparse.Namespace) -> int:
     """`crackgrow schema`: print or write the JSON Schema of case files."""
-    text = crackgrow.case_schema()
+    from crackgrow.case.json_schema import case_schema  # only now: it loads numpy
+
+    text = case_schema()
     if arguments.out is None:
         hand_out(text)
     else:
@@ -36,11 +37,7 @@ def schema(arguments: argparse.Namespace) -> int:
 def add_schema(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "schema",
-        help="print the JSON Schema of case files, for editors",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "schema", help="print the JSON Schema of case files, for editors", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("--out", type=Path, metavar="FILE", help="write it to a file")
     command.set_defaults(command=schema)

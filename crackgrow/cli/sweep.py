@@ -43,6 +43,8 @@ def sweep(arguments: argparse.Namespace) -> int:
 
 def _run(plan: SweepPlan, arguments: argparse.Namespace) -> int:
     """Run the sweep and tell of each run; returns how many are done."""
+    from crackgrow.study.sweep.runner import sweep_line  # only now: it loads numpy
+
     n_runs, n_before, n_failed = len(plan.runs), 0, 0
     say(f"{plan.name}: {counted(n_runs, 'run')} over {', '.join(plan.parameters)}")
     rows = crackgrow.sweep(
@@ -56,7 +58,7 @@ def _run(plan: SweepPlan, arguments: argparse.Namespace) -> int:
         n_before += not row.new
         n_failed += not row.done
         if row.new:
-            say(f"[{number}/{n_runs}] {crackgrow.sweep_line(row)}")
+            say(f"[{number}/{n_runs}] {sweep_line(row)}")
     before = f", {n_before} of them done before" if n_before else ""
     say(f"{counted(n_runs - n_failed, 'run')} done{before}, {n_failed} not\nresults in {plan.folder}")
     return n_runs - n_failed
@@ -72,11 +74,7 @@ def _resuming(arguments: argparse.Namespace, plan: SweepPlan) -> str:
 def add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command and its arguments."""
     command = commands.add_parser(
-        "sweep",
-        help="run a case for each combination of parameters",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "sweep", help="run a case for each combination of parameters", description=HELP, epilog=EXAMPLES
     )
     command.add_argument("sweep", type=Path, metavar="SWEEP.yaml", help="the sweep file")
     place = command.add_mutually_exclusive_group()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_UNSOLVED, count, say
 
@@ -28,9 +27,13 @@ examples:
 
 def trade(arguments: argparse.Namespace) -> int:
     """`crackgrow trade`: errors and seconds over a grid of settings."""
+    from crackgrow.study.trade.plan import plan_trade  # only now: they load the solver
+    from crackgrow.study.trade.row import trade_line
+    from crackgrow.study.trade.runner import trade as trials
+
     case = load_case_file(arguments)
     folder = arguments.out or Path("outputs/trade") / case.name
-    plan = crackgrow.plan_trade(
+    plan = plan_trade(
         arguments.case,
         folder,
         overrides=arguments.overrides,
@@ -40,9 +43,9 @@ def trade(arguments: argparse.Namespace) -> int:
     )
     say(f"{case.name}: {len(plan.settings)} settings")
     rows = []
-    for row in crackgrow.trade(plan, repeat=arguments.repeat, resume=arguments.resume, timeout=arguments.timeout):
+    for row in trials(plan, repeat=arguments.repeat, resume=arguments.resume, timeout=arguments.timeout):
         rows.append(row)
-        say(crackgrow.trade_line(row))
+        say(trade_line(row))
     say(f"{len(rows)} new rows, {sum(not row.solved for row in rows)} not solved\nresults in {folder}")
     names = {setting.name for setting in plan.settings}
     solved = [row.solved for row in rows if row.name in names]  # not the reference, which is solved or ends it all
@@ -57,7 +60,6 @@ def add_trade(commands: argparse._SubParsersAction[argparse.ArgumentParser], cas
         help="measure what accuracy costs over a grid of settings",
         description=HELP,
         epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("--axis", nargs="+", default=[], metavar="NAME=A,B,C", help="settings to vary, with values")
     command.add_argument(

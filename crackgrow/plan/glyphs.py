@@ -1,62 +1,41 @@
-"""Signs of structural drawings: triangles, rollers, hatching, arrows, dimensions. Lengths are those of the axes."""
+"""Signs, words and dimensions by matplotlib. Lengths are those of the axes."""
 
 from __future__ import annotations
 
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, Polygon
+from matplotlib.collections import LineCollection
+from matplotlib.patches import Circle, Patch, Polygon
 
 from crackgrow.arrays import Floats
+from crackgrow.results.signs import Arrow, Sign, Strokes
+from crackgrow.results.signs import Polygon as Shape
 
-SUPPORT = "0.25"
 LOAD = "#b2182b"
-GIVEN = "#1b7837"  # prescribed displacements that are not zero
-
+LAW = "#762a83"
+COLOURS = {"support": "0.25", "ground": "0.25", "hatch": "0.25", "load": LOAD, "given": "#1b7837", "law": LAW}
+WIDTHS = {"ground": 1.2, "hatch": 0.6}  # points, of lines
 
 _ARROW = {"shrinkA": 0.0, "shrinkB": 0.0}  # from the very tail to the very head
 
 
-def triangle(axes: Axes, point: Floats, outward: Floats, size: float, *, roller: bool) -> None:
-    """A support at a point: a triangle towards `outward` (2,), a unit vector, on ground or, as a roller, on wheels."""
-    along = np.array([-outward[1], outward[0]])
-    base = point + size * outward
-    corners = [point, base + 0.6 * size * along, base - 0.6 * size * along]
-    axes.add_patch(Polygon(corners, closed=True, facecolor="white", edgecolor=SUPPORT, linewidth=1.0, zorder=5))
-    if roller:
-        for place in (-0.35, 0.35):
-            center = base + 0.18 * size * outward + place * size * along
-            axes.add_patch(Circle((center[0], center[1]), 0.17 * size, facecolor="white", edgecolor=SUPPORT, zorder=5))
-        base = base + 0.36 * size * outward
-    hatch(axes, np.array([base - 0.9 * size * along, base + 0.9 * size * along]), outward, 0.35 * size)
-
-
-def hatch(axes: Axes, line: Floats, outward: Floats, size: float) -> None:
-    """Solid ground: a line (2, 2) with strokes on its outer side."""
-    (x0, y0), (x1, y1) = line
-    axes.plot([x0, x1], [y0, y1], color=SUPPORT, linewidth=1.2, zorder=5, solid_capstyle="butt")
-    along = line[1] - line[0]
-    length = float(np.hypot(*along))
-    n = max(2, round(length / (0.9 * size)))
-    slant = (outward - along / max(length, 1e-300)) * size
-    for place in (np.arange(n) + 0.75) / n:
-        a = line[0] + place * along
-        axes.plot([a[0], a[0] + slant[0]], [a[1], a[1] + slant[1]], color=SUPPORT, linewidth=0.6, zorder=4)
-
-
-def rollers(axes: Axes, line: Floats, outward: Floats, size: float) -> None:
-    """An edge (2, 2) that slides along rigid ground: wheels between the two."""
-    along = line[1] - line[0]
-    n = max(2, round(float(np.hypot(*along)) / (2.0 * size)))
-    for place in (np.arange(n) + 0.5) / n:
-        x, y = line[0] + place * along + 0.5 * size * outward
-        axes.add_patch(Circle((x, y), 0.4 * size, facecolor="white", edgecolor=SUPPORT, linewidth=0.8, zorder=5))
-    hatch(axes, line + size * outward, outward, 0.8 * size)
-
-
-def arrow(axes: Axes, tail: Floats, head: Floats, colour: str) -> None:
-    """A straight arrow."""
-    style = {**_ARROW, "arrowstyle": "-|>", "color": colour, "linewidth": 0.9, "mutation_scale": 7}
-    axes.annotate("", (head[0], head[1]), (tail[0], tail[1]), arrowprops=style, zorder=6, annotation_clip=False)
+def draw_sign(axes: Axes, sign: Sign) -> None:
+    """The marks and the words of a support or a load."""
+    for mark in sign.marks:
+        colour, width = COLOURS[mark.kind], WIDTHS.get(mark.kind, 1.0)
+        if isinstance(mark, Arrow):
+            style = {**_ARROW, "arrowstyle": "-|>", "color": colour, "linewidth": 0.9, "mutation_scale": 7}
+            head, tail = mark.head.tolist(), mark.tail.tolist()
+            axes.annotate("", head, tail, arrowprops=style, zorder=6, annotation_clip=False)
+        elif isinstance(mark, Strokes):
+            lines = LineCollection(list(mark.ends), colors=colour, linewidths=width, capstyle="butt", zorder=5)
+            axes.add_collection(lines)
+        else:
+            patch: Patch
+            patch = Polygon(mark.corners) if isinstance(mark, Shape) else Circle(mark.center.tolist(), mark.radius)
+            patch.set(facecolor="white", edgecolor=colour, linewidth=width, zorder=5)
+            axes.add_patch(patch)
+    for words in sign.words:
+        label(axes, words.place, words.text, COLOURS[words.kind], rotation=90.0 if words.upright else 0.0)
 
 
 def label(

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import numpy as np
 import pandas as pd
 
 from crackgrow.results import tables
+from crackgrow.results.folder import TextTable
 from crackgrow.run.result import CrackPath, Event, StepResult
+
+COUNTS = frozenset({"step", "vertex", "increment", "n_dofs", "n_contact", "contact_iterations", "factorizations"})
+WORDS = frozenset({"crack", "tip", "criterion", "K_note", "state", "kind", "met", "where", "contact_status"})
+TRUTHS = frozenset({"advanced"})
+"""Columns of whole numbers, of words, of true and false; all others are of numbers."""
 
 
 def tips_frame(results: Iterable[StepResult]) -> pd.DataFrame:
@@ -44,6 +51,20 @@ def paths_frame(cracks: Iterable[CrackPath]) -> pd.DataFrame:
 def events_frame(events: Iterable[Event]) -> pd.DataFrame:
     """Rows of events.csv: one for each tip that has met something."""
     return _frame(tables.EVENTS, tables.event_rows(events))
+
+
+def frame_of(table: TextTable) -> pd.DataFrame:
+    """A table of a run's folder, with the types that the same table has in memory."""
+    columns: dict[str, object] = {}
+    for name, words in table.columns.items():
+        if name in WORDS:
+            columns[name] = words
+        elif name in TRUTHS:
+            columns[name] = [word == "true" for word in words]
+        else:
+            numbers = table.numbers(name)
+            columns[name] = numbers.astype(np.int64) if name in COUNTS else numbers
+    return pd.DataFrame(columns)
 
 
 def _frame(columns: Sequence[str], rows: Sequence[Sequence[tables.Value]]) -> pd.DataFrame:

@@ -12,8 +12,8 @@ import pyvista
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.folder import FolderError, read_run
-from crackgrow.results.frame_files import COMPONENTS, chosen_files, frame_files
+from crackgrow.results.drawn_frame import COMPONENTS
+from crackgrow.results.folder import open_run
 
 FORMATS: Final = ("msh", "inp", "vtk", "xdmf")
 KINDS: Final = {"triangle": pyvista.CellType.TRIANGLE, "quad": pyvista.CellType.QUAD}
@@ -27,24 +27,20 @@ def export(folder: Path, to: str, step: int | None = None, out: Path | None = No
     Without `out` it is export/step_NNNN.FORMAT in the run's folder.
     Raises FolderError where there is no such frame, CaseError where case.yaml is not of this version, OutputError.
     """
-    bodies = [body.name for body in read_run(folder).case.bodies]
-    files = frame_files(folder) if step is None else chosen_files(folder, [step])
-    number, file = list(files.items())[-1]
+    run = open_run(folder)
+    number = run.frames_of(None if step is None else [step])[-1]
     path = folder / "export" / f"step_{number:04d}.{to}" if out is None else out
-    mesh = frame_mesh(file, bodies)
+    mesh = frame_mesh(run.mesh(number), [body.name for body in run.case.bodies])
     write_atomically(path, lambda temporary: _write(temporary, mesh, to))
     return path
 
 
-def frame_mesh(file: Path, bodies: list[str]) -> meshio.Mesh:
+def frame_mesh(grid: pyvista.UnstructuredGrid, bodies: list[str]) -> meshio.Mesh:
     """A frame with a block and a set of cells for each body and kind of cell, and bodies as groups of Gmsh; m, Pa.
 
     Point and cell data are those of the frame, but for stress: each component is a field of its own, since formats
     order those of tensors in different ways. Groups are numbered from 1 in the order of the bodies.
     """
-    grid = pyvista.read(file)
-    if not isinstance(grid, pyvista.UnstructuredGrid) or "body" not in grid.cell_data or not grid.n_cells:
-        raise FolderError(f"{file} is damaged, or of another version: it has no cells of bodies; run the case again")
     blocks = _blocks(grid, len(bodies))
     cell_data = {name: [values[block.numbers] for block in blocks] for name, values in _fields(grid.cell_data).items()}
     sets = {

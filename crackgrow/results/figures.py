@@ -4,62 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, Protocol
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection, TriMesh
-from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
+from matplotlib.collections import LineCollection
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as LinePath
-from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
-from crackgrow.results.atomic import write_atomically
+from crackgrow.results.atomic import write_bytes
+from crackgrow.results.drawn_frame import frame_with_sigma_1
+from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
 from crackgrow.results.load_point import LoadPoint
-from crackgrow.results.stress import principal_stresses
 from crackgrow.results.style import own_style, wrapped
-from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, Frame, StepResult
+from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
-DISPLACED_SHARE = 0.04  # of the specimen's size: how far the most displaced point is drawn from its place
-LARGEST_STRAIN = 0.15  # that is drawn: beyond it holes lose their shape
-STRAIN_PERCENTILE = 98.0  # of the length of all sides of cells: what is left lies at tips
-WIDE = 2.0  # width over height from which a colour bar lies below the picture, where its words have room
-COLOUR_PERCENTILES = (2.0, 98.0)  # of the area: colours span these, so that a singular tip doesn't wash out the rest
-ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
 LONG_SIDE = 7.0  # inches
 DPI = 150
-COMPRESSION = 3  # of PNG: 6, which is usual, takes twice as long for smooth colours, and saves a fifth of the bytes
 MOST_CONTACT_ROWS = 6  # surfaces in one figure
 MOST_STEP_TICKS = 11  # on the colour bar of steps, and of points named by their step
-THIN = 2e-3  # of the size: cells thinner than that are drawn first, under their neighbours, since they come out wider
 SAME_PLACE = 0.04  # of a plot's width and height: points closer than this share the words that name them
-
-
-class Cells(Protocol):
-    """Triangles (t, 3) and quads (q, 4) of a mesh."""
-
-    @property
-    def triangles(self) -> NDArray[np.int64]: ...
-
-    @property
-    def quads(self) -> NDArray[np.int64]: ...
-
-
-class Displaced(Cells, Protocol):
-    """A mesh whose points (n, 2) m are displaced."""
-
-    @property
-    def points(self) -> Floats: ...
-
-    @property
-    def displacement(self) -> Floats: ...
 
 
 @own_style()
@@ -97,28 +66,12 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     _save(path, figure)
 
 
-@own_style()
-def draw_sigma_1(path: Path, case: Case, frame: Frame, step: int) -> None:
-    """Draw the major in-plane principal stress on the displaced, magnified specimen.
-
-    The mean translation is taken off first; the title says the magnification. Raises OutputError.
-    """
-    scale, unit = _length_unit(case)
-    magnification = displayed_magnification(frame)
-    points = (frame.points + magnification * off_mean(frame)) * scale
-    sigma_1, _ = principal_stresses(frame.point_stress)
-    sigma, stress_unit = (sigma_1 / 1e6, "MPa") if np.abs(sigma_1).max(initial=0.0) >= 1e4 else (sigma_1, "Pa")
-    norm, colormap = colours_of(sigma, areas(frame, by_point=True))
-    low, high = _extent([points])
-    figure, axes = _equal_axes(low, high, unit)
-    shades = shade(axes, frame, points, sigma, norm, colormap)
-    edges = points[boundary_edges(frame)]
-    axes.add_collection(LineCollection(list(edges), colors="0.15", linewidths=0.5))
-    bar = figure.colorbar(shades, ax=axes, extend="both", shrink=0.8, location=bar_place(high - low))
-    bar.set_label(f"\u03c3\u2081, most tensile in-plane principal stress [{stress_unit}]")
-    caption = f"step {step}, displacement x {magnification:g}"
-    axes.set_title(f"{wrapped(case.title, figure)}\n{caption}", fontsize=10)
-    _save(path, figure)
+def draw_sigma_1(path: Path, case: Case, result: StepResult) -> None:
+    """Draw the major in-plane principal stress on the displaced, magnified specimen. Raises OutputError."""
+    assert result.frame is not None  # who draws has asked for it
+    frame = frame_with_sigma_1(result.frame, result.step)
+    data = FieldPictures(case.title, "sigma_1", [frame], {result.step: result.load_factor}).png(frame)
+    write_bytes(path, data)
 
 
 @own_style()
@@ -221,101 +174,6 @@ def _most_slip(curve: Sequence[LoadPoint], unit: str) -> list[tuple[Floats, str]
     return [(slips[largest], f"largest slip of {largest} [{unit}]")]
 
 
-def displayed_magnification(frame: Displaced) -> float:
-    """Factor, two digits, that draws the largest displacement off the mean as DISPLACED_SHARE of the size.
-
-    It is less where LARGEST_STRAIN would be drawn, and 1 where nothing is displaced.
-    """
-    largest = np.linalg.norm(off_mean(frame), axis=1).max()
-    size = np.ptp(frame.points, axis=0).max()
-    if not largest > 0:
-        return 1.0
-    strain = max(_usual_strain(frame, sides) for sides in (np.concatenate(_all_sides(frame)), boundary_edges(frame)))
-    return float(f"{min(DISPLACED_SHARE * size / largest, LARGEST_STRAIN / max(strain, 1e-300)):.1e}")
-
-
-def _usual_strain(frame: Displaced, sides: NDArray[np.int64]) -> float:
-    """Size of the strain along sides of cells, given by their ends (n, 2), that little of their length exceeds."""
-    x, u = (values[sides[:, 1]] - values[sides[:, 0]] for values in (frame.points, frame.displacement))
-    squares = (x * x).sum(axis=1)
-    kept = squares > 0.0
-    strains = np.abs((x * u).sum(axis=1)[kept]) / squares[kept]
-    return float(_percentiles(strains, np.sqrt(squares[kept]), STRAIN_PERCENTILE)) if len(strains) else 0.0
-
-
-def boundary_edges(frame: Cells) -> NDArray[np.int64]:
-    """Edges (n, 2) that one cell alone has: the outline and both faces of the cracks."""
-    unique, counts = np.unique(np.sort(np.concatenate(_all_sides(frame)), axis=1), axis=0, return_counts=True)
-    outer: NDArray[np.int64] = unique[counts == 1]
-    return outer
-
-
-def _all_sides(frame: Cells) -> list[NDArray[np.int64]]:
-    """Ends (n, 2) of the sides of triangles and of quads, a side of two cells twice."""
-    return [np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in _cell_groups(frame)]
-
-
-def bar_place(extent: Floats) -> Literal["right", "bottom"]:
-    """The side of a picture of something of this width and height (2,) on which its colour bar has room."""
-    return "bottom" if extent[0] > WIDE * extent[1] else "right"
-
-
-def _cell_groups(frame: Cells) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    return frame.triangles.reshape(-1, 3), frame.quads.reshape(-1, 4)
-
-
-def off_mean(frame: Displaced) -> Floats:
-    """Displacement (n, 2) m less its mean over the specimen."""
-    return np.asarray(frame.displacement - np.average(frame.displacement, axis=0, weights=areas(frame, by_point=True)))
-
-
-def areas(frame: Displaced, *, by_point: bool) -> Floats:
-    """Area m^2 of each cell (c,), or that each point (n,) stands for: equal parts of those of its cells."""
-    groups = _cell_groups(frame)
-    of_cells = [_areas(frame.points, cells) for cells in groups]
-    if not by_point:
-        return np.concatenate(of_cells)
-    corners = np.concatenate([cells.ravel() for cells in groups])
-    parts = [np.repeat(some / cells.shape[1], cells.shape[1]) for some, cells in zip(of_cells, groups, strict=True)]
-    return np.asarray(np.bincount(corners, np.concatenate(parts), len(frame.points)), dtype=float)
-
-
-def _areas(points: Floats, cells: NDArray[np.int64]) -> Floats:
-    """Areas (c,) of cells with corners (c, k) among points (n, 2)."""
-    x, y = points[cells].transpose(2, 0, 1)
-    return np.asarray(0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1)))
-
-
-def shade(axes: Axes, frame: Cells, points: Floats, values: Floats, norm: Normalize, colormap: str) -> TriMesh:
-    """Fill a frame's cells, its points drawn at `points` (n, 2), with the colours between those of its points (n,)."""
-    triangles, quads = _cell_groups(frame)
-    middle = np.broadcast_to(len(points) + np.arange(len(quads))[:, None], quads.shape)
-    fans = np.stack([quads, np.roll(quads, -1, axis=1), middle], axis=2).reshape(-1, 3)
-    corners = np.concatenate([triangles, fans])
-    points, values = (np.concatenate([field, field[quads].mean(axis=1)]) for field in (points, values))
-    ends = points[np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)]
-    longest = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).max(axis=1)
-    thin = 2.0 * _areas(points, corners) < THIN * longest * np.ptp(points, axis=0).max()
-    corners = np.concatenate([corners[thin], corners[~thin]])
-    mesh = Triangulation(points[:, 0], points[:, 1], corners)
-    return axes.tripcolor(mesh, values, shading="gouraud", cmap=colormap, norm=norm)
-
-
-def colours_of(values: Floats, weights: Floats) -> tuple[Normalize, str]:
-    """Limits that values of little weight, such as area, don't move; symmetrical where both signs matter."""
-    low, high = (float(limit) for limit in _percentiles(values, weights, COLOUR_PERCENTILES))
-    largest = max(abs(low), abs(high))
-    if min(-low, high) > ONE_SIGN_SHARE * largest:
-        return Normalize(-largest, largest), "RdBu_r"
-    if high - low <= 1e-9 * largest:  # one value: any width shows it
-        low, high = low - 0.5 * (largest or 1.0), high + 0.5 * (largest or 1.0)
-    return Normalize(low, high), "viridis"
-
-
-def _percentiles(values: Floats, weights: Floats, percentiles: float | tuple[float, float]) -> Floats:
-    return np.asarray(np.percentile(values, percentiles, weights=weights, method="inverted_cdf"))
-
-
 def _step_colours(last: int) -> ScalarMappable:
     """One colour for each of the steps 1..last; none so pale that it is lost on the specimen."""
     colours = mpl.colormaps["plasma"](np.linspace(0.05, 0.85, last))
@@ -346,6 +204,4 @@ def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
 
 
 def _save(path: Path, figure: Figure) -> None:
-    """Draw the figure once; `Figure.savefig` would draw it twice, where the layout is its own."""
-    options = {"compress_level": COMPRESSION}
-    write_atomically(path, lambda temporary: FigureCanvasAgg(figure).print_png(temporary, pil_kwargs=options))
+    write_bytes(path, png_of(figure))

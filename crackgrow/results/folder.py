@@ -1,15 +1,17 @@
-"""What a result folder holds, as far as a report needs it."""
+"""A run's folder: what its files are called, and the one place where they are read."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
-from collections.abc import Collection
-from dataclasses import dataclass
-from itertools import compress
+import re
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import compress, pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,17 +20,26 @@ from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError
-from crackgrow.results import tables
 
-COLUMNS = {
-    "steps.csv": tables.STEPS,
-    "tips.csv": tables.TIPS,
-    "contact.csv": tables.CONTACT,
-    "paths.csv": tables.PATHS,
-    "events.csv": tables.EVENTS,
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyvista
+
+REPORT, SUMMARY, LOG, CASE, HISTORY = "report.html", "summary.json", "run.log", "case.yaml", "history.csv"
+FILES = (CASE, SUMMARY, "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
+         "events.csv", HISTORY, LOG, REPORT)  # fmt: skip
+FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
+           "figures/load_curve.png")  # fmt: skip
+SERIES = {
+    "frames": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtu"),
+    "cracks": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtp"),
 }
-# Columns that runs of earlier versions lack.
-LATER = {"tips.csv": ("K_I_spread", "K_II_spread", "cell_size"), "contact.csv": ("mean_opening", "mean_slip")}
+OF_STEPS = ("tips.csv", "contact.csv", "reactions.csv", HISTORY)
+"""Tables that may have rows of a step that a run was killed in: they count where steps.csv has the step."""
+
+FINISHED: Final = ("completed", "arrested", "broke_through")
+"""How a run ends that has done what it was asked."""
+
 SUMMARY_KEYS = ("case", "title", "status", "stop_reason", "n_solves", "version", "git_commit", "git_modified", "n_dofs",
                 "wall_seconds", "peak_memory_mb", "error_estimate", "warnings")  # fmt: skip
 
@@ -39,6 +50,21 @@ class FolderError(CrackgrowError):
     exit_code = 3
 
 
+def frame_name(step: int) -> str:
+    """Path of a step's frame, relative to the run's folder."""
+    return f"frames/step_{step:04d}.vtu"
+
+
+def cracks_name(step: int) -> str:
+    """Path of a step's crack faces, relative to the run's folder."""
+    return f"cracks/step_{step:04d}.vtp"
+
+
+def series_names(case_name: str) -> tuple[str, str]:
+    """Paths of the two time series, of the specimen and of its cracks."""
+    return f"{case_name}.pvd", f"{case_name}_cracks.pvd"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TextTable:
     """A CSV file: its columns by name, as text."""
@@ -47,124 +73,267 @@ class TextTable:
     columns: dict[str, list[str]]
 
     def __len__(self) -> int:
-        return len(next(iter(self.columns.values())))
+        return len(next(iter(self.columns.values()), ()))
 
     def words(self, name: str) -> list[str]:
-        """A column as it stands."""
+        """A column as it stands. Raises FolderError where there is none."""
+        if name not in self.columns:
+            there = ", ".join(self.columns) or "none"
+            raise damaged(self.path, f"it has no column {name}; its columns are {there}")
         return self.columns[name]
 
     def numbers(self, name: str) -> Floats:
         """A column (n,) as numbers; nan where it says so. Raises FolderError where it has other words."""
         try:
-            return np.array(self.columns[name], dtype=float)
+            return np.array(self.words(name), dtype=float)
         except ValueError as error:
             raise damaged(self.path, f"{name}: {error}") from error
 
     def steps(self) -> NDArray[np.int64]:
         """The column `step` (n,). Raises FolderError where it has other words."""
         try:
-            return np.array(self.columns["step"], dtype=np.int64)
+            return np.array(self.words("step"), dtype=np.int64)
         except ValueError as error:
             raise damaged(self.path, f"step: {error}") from error
 
-    def of_steps(self, steps: Collection[int]) -> TextTable:
-        """The rows of these steps."""
-        kept = np.isin(self.steps(), list(steps)).tolist()
+    def rows(self) -> list[dict[str, str]]:
+        """The rows, each with its cells by name."""
+        return [dict(zip(self.columns, row, strict=True)) for row in zip(*self.columns.values(), strict=True)]
+
+    def where(self, kept: Sequence[bool]) -> TextTable:
+        """The rows for which `kept` says so."""
         return TextTable(self.path, {name: list(compress(words, kept)) for name, words in self.columns.items()})
 
+    def of_steps(self, steps: Collection[int]) -> TextTable:
+        """The rows of these steps."""
+        return self.where(np.isin(self.steps(), list(steps)).tolist())
 
-@dataclass(frozen=True, slots=True, eq=False)
+
 class RunFolder:
-    """A run as its files tell it; m, Pa."""
+    """A run as its files tell it; m, Pa. A file is read when it is asked for, and once.
 
-    path: Path
-    summary: dict[str, Any]
-    case: Case
-    case_text: str
-    steps: TextTable
-    tips: TextTable
-    contact: TextTable
-    paths: TextTable
-    events: TextTable
-    history: TextTable | None = None  # where the case names points
+    Everything raises FolderError where a file is missing or no longer whole, `case` also CaseError where case.yaml is
+    not of this version.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.folder = Path(path)
+        self._tables: dict[str, TextTable] = {}
+
+    def __repr__(self) -> str:
+        return f"<RunFolder {self.folder}: {self.status or 'no run'}>"
+
+    @cached_property
+    def found_summary(self) -> dict[str, Any]:
+        """summary.json as far as it is there; empty where it can't be read as a mapping."""
+        try:
+            return self._mapping()
+        except (FolderError, RecursionError):  # RecursionError: of lists in lists in lists
+            return {}
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """summary.json: how the run ended, what it cost, how good it is at its worst."""
+        summary = self._mapping()
+        missing = [key for key in SUMMARY_KEYS if key not in summary]
+        if missing:
+            raise damaged(self.folder / SUMMARY, f"it has no {', '.join(missing)}")
+        return summary
 
     @property
+    def status(self) -> str:
+        """How the run ended: completed, arrested, broke_through, failed, interrupted or running; empty if not told."""
+        return str(self.found_summary.get("status", ""))
+
+    @property
+    def reason(self) -> str:
+        """Why it ended, in words; empty if not told."""
+        return str(self.found_summary.get("stop_reason", ""))
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has ended as runs should."""
+        return self.status in FINISHED
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is unsure in the run, and why, one sentence a cause."""
+        return tuple(self.summary["warnings"])
+
+    @cached_property
+    def case_text(self) -> str:
+        """case.yaml: the case as it ran."""
+        return self.text(CASE)
+
+    @cached_property
+    def case(self) -> Case:
+        """The case as it ran, under its own name."""
+        self.text(CASE)  # where it is missing, FolderError says so
+        case = load_case(self.folder / CASE)
+        return replace(case, name=str(self.found_summary.get("case", case.name)))
+
+    @property
+    def steps(self) -> pd.DataFrame:
+        """steps.csv: a row for each step, with load factor, energies, checks, times."""
+        return self._frame("steps")
+
+    @property
+    def tips(self) -> pd.DataFrame:
+        """tips.csv: a row for each step and tip, with place (m), K_I and K_II (Pa sqrt(m)), the criterion."""
+        return self._frame("tips")
+
+    @property
+    def contact(self) -> pd.DataFrame:
+        """contact.csv: a row for each step and contact point, with tractions (Pa), opening and slip (m), state."""
+        return self._frame("contact")
+
+    @property
+    def reactions(self) -> pd.DataFrame:
+        """reactions.csv: a row for each step and support, foundation or interface, with its force (N/m)."""
+        return self._frame("reactions")
+
+    @property
+    def history(self) -> pd.DataFrame:
+        """history.csv: a row for each increment, with what `output.points` see; where the case names points."""
+        return self._frame("history")
+
+    @property
+    def events(self) -> pd.DataFrame:
+        """events.csv: tips that have met a crack, a hole, the outline or an interface."""
+        return self._frame("events")
+
+    @property
+    def paths(self) -> pd.DataFrame:
+        """paths.csv: the cracks at the end, a row for each vertex (m) with the step that made it."""
+        return self._frame("paths")
+
+    def path(self, crack: str) -> Floats:
+        """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
+        table = self.table("paths")
+        names = table.words("crack")
+        if crack not in names:
+            raise KeyError(f"no crack {crack!r}; the cracks are {', '.join(dict.fromkeys(names)) or 'none'}")
+        own = table.where([name == crack for name in names])
+        return np.column_stack([own.numbers("x"), own.numbers("y")])
+
+    @cached_property
     def solved(self) -> list[int]:
         """Numbers of the steps that were solved, in order."""
-        return [int(step) for step in self.steps.steps()]
+        return [int(step) for step in self.table("steps").steps()]
 
     @property
     def places(self) -> list[int]:
         """The steps that can be shown: those solved, and one more where the last advance was not solved any more."""
-        latest = int(self.paths.steps().max(initial=0))
+        latest = int(self.table("paths").steps().max(initial=0))
         solved = self.solved
         return [*solved, latest] if not solved or latest > solved[-1] else solved
 
+    def table(self, name: str) -> TextTable:
+        """A table such as `tips`; without rows of a step in which a run was killed, which some tables may have."""
+        if name not in self._tables:
+            table = table_of(self.text(f"{name}.csv"), self.folder / f"{name}.csv")
+            self._tables[name] = table.of_steps(self.solved) if table.path.name in OF_STEPS and len(table) else table
+        return self._tables[name]
 
-def read_run(folder: Path) -> RunFolder:
-    """Read the files of a run.
+    def n_rows(self, name: str) -> int:
+        """How many rows a table has, whole or not; 0 where there is no such file."""
+        path = self.folder / f"{name}.csv"
+        return max(len(path.read_bytes().splitlines()) - 1, 0) if path.is_file() else 0
 
-    A run that was killed while it wrote a step may have left rows of it in some tables: they are left out.
+    def has(self, name: str) -> bool:
+        """Whether there is a file of this name."""
+        return (self.folder / name).is_file()
 
-    Raises FolderError where one is missing or no longer whole, CaseError where case.yaml is not of this version.
+    def text(self, name: str) -> str:
+        """A file of the folder as it stands."""
+        try:
+            return (self.folder / name).read_text(encoding="utf-8")
+        except UnicodeDecodeError as error:
+            raise damaged(self.folder / name, str(error)) from error
+        except OSError as error:
+            raise FolderError(
+                f"{self.folder} is not a folder of results: {name} cannot be read ({error.strerror}); give the folder "
+                "that `crackgrow run` wrote, such as outputs/compression30"
+            ) from error
+
+    @cached_property
+    def frames(self) -> dict[int, Path]:
+        """Files of the frames by step, in order."""
+        paths = sorted((self.folder / "frames").glob("step_*.vtu"))
+        matches = [(SERIES["frames"].fullmatch(path.name), path) for path in paths]
+        found = {int(match[1]): path for match, path in matches if match and ".tmp" not in path.name}
+        return dict(sorted(found.items()))  # by number: step_10000 comes before step_9999 by name
+
+    def frames_of(self, steps: Sequence[int | range] | None = None) -> list[int]:
+        """The steps among these, or ranges of them, as they are found; all that have frames where none are named.
+
+        Raises FolderError for a step without a frame, and where there are no frames at all.
+        """
+        if not self.frames:
+            raise FolderError(f"{self.folder} has no frames to draw: run the case with output.frames=every_step")
+        if steps is None:
+            return list(self.frames)
+        spans = [step if isinstance(step, range) else range(step, step + 1) for step in steps]
+        missing = [gap for span in spans for gap in _gaps(span, self.frames)]
+        if missing:
+            there = _words(range(step, step + 1) for step in self.frames)
+            raise FolderError(f"{self.folder} has no frame of step {_words(missing)}; it has those of {there}")
+        return [step for step in self.frames if any(step in span for span in spans)]
+
+    def mesh(self, step: int | None = None) -> pyvista.UnstructuredGrid:
+        """The specimen in a step, of the last one that has a frame where none is named; m, Pa.
+
+        Points are double along cracks. Point data: displacement, stress, sigma_1, sigma_3; cell data: these in the
+        middle of cells but for displacement, body, energy_error.
+        """
+        import pyvista  # here: who reads tables alone needs none of it
+
+        found = self.frames_of(None if step is None else [step])[-1]
+        path = self.frames[found]
+        grid = pyvista.read(path)
+        if not isinstance(grid, pyvista.UnstructuredGrid) or "body" not in grid.cell_data or not grid.n_cells:
+            raise damaged(path, "it has no cells of bodies")
+        return grid
+
+    def _frame(self, name: str) -> pd.DataFrame:
+        from crackgrow.results.data_frames import frame_of  # here: pandas takes long to load
+
+        return frame_of(self.table(name))
+
+    def _mapping(self) -> dict[str, Any]:
+        text = self.text(SUMMARY)
+        try:
+            summary = json.loads(text)
+        except ValueError as error:
+            raise damaged(self.folder / SUMMARY, str(error)) from error
+        if not isinstance(summary, dict):
+            raise damaged(self.folder / SUMMARY, "it is no mapping")
+        return summary
+
+
+
+def open_run(path: str | Path) -> RunFolder:
+    """The run that `crackgrow run` or `run_case` left in a folder, ended or not.
+
+        >>> import crackgrow, tempfile
+        >>> case = crackgrow.load_case("cases/compression30.yaml", ["numerics.spacing=3", "growth.steps=0"])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     end = crackgrow.run_case(case, folder)
+        ...     run = crackgrow.open_run(folder)
+        ...     run.status, run.tips["K_II"].round(-4).tolist(), run.mesh(0).n_arrays
+        ('completed', [-5750000.0, -5750000.0], 9)
+
+    Raises FolderError where the folder holds none.
     """
-    summary = _summary(folder)
-    case_text = _text(folder, "case.yaml")
-    steps, paths, events = (_table(folder, name) for name in ("steps.csv", "paths.csv", "events.csv"))
-    solved = steps.steps().tolist()
-    tips, contact = (_table(folder, name).of_steps(solved) for name in ("tips.csv", "contact.csv"))
-    case = load_case(folder / "case.yaml")
-    history = None
-    if case.output.points and (folder / "history.csv").is_file():
-        history = _read_table(folder, "history.csv").of_steps(solved)
-    return RunFolder(folder, summary, case, case_text, steps, tips, contact, paths, events, history)
+    run = RunFolder(path)
+    run.text(SUMMARY)
+    return run
 
 
-def damaged(path: Path, what: str) -> FolderError:
-    """The error of a file that can't be read as what it should be."""
-    return FolderError(f"{path} is damaged, or of another version: {what}; run the case again")
-
-
-def _summary(folder: Path) -> dict[str, Any]:
-    path, text = folder / "summary.json", _text(folder, "summary.json")
+def table_of(text: str, path: Path) -> TextTable:
+    """The table of a CSV text, that of a file at `path`; raises FolderError where rows are unlike the header."""
     try:
-        summary = json.loads(text)
-    except ValueError as error:
-        raise damaged(path, str(error)) from error
-    if not isinstance(summary, dict):
-        raise damaged(path, "it is no mapping")
-    missing = [key for key in SUMMARY_KEYS if key not in summary]
-    if missing:
-        raise damaged(path, f"it has no {', '.join(missing)}")
-    return summary
-
-
-def _text(folder: Path, name: str) -> str:
-    try:
-        return (folder / name).read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise damaged(folder / name, str(error)) from error
-    except OSError as error:
-        raise FolderError(
-            f"{folder} is not a folder of results: {name} cannot be read ({error.strerror}); give the folder that "
-            "`crackgrow run` wrote, such as outputs/compression30"
-        ) from error
-
-
-def _table(folder: Path, name: str) -> TextTable:
-    """A table whose columns are the same in every run."""
-    table = _read_table(folder, name)
-    header = list(table.columns)
-    earlier = [column for column in COLUMNS[name] if column not in LATER.get(name, ())]
-    if header not in (list(COLUMNS[name]), earlier):
-        raise damaged(table.path, f"its columns are {', '.join(header) or 'none'}, not {', '.join(COLUMNS[name])}")
-    return table
-
-
-def _read_table(folder: Path, name: str) -> TextTable:
-    path = folder / name
-    try:
-        rows = list(csv.reader(io.StringIO(_text(folder, name), newline="")))
+        rows = list(csv.reader(io.StringIO(text, newline="")))
     except csv.Error as error:
         raise damaged(path, str(error)) from error
     header = rows.pop(0) if rows else []
@@ -172,3 +341,30 @@ def _read_table(folder: Path, name: str) -> TextTable:
         if len(row) != len(header):
             raise damaged(path, f"row {number} has {len(row)} values, the header has {len(header)}")
     return TextTable(path, {column: [row[index] for row in rows] for index, column in enumerate(header)})
+
+
+def damaged(path: Path, what: str) -> FolderError:
+    """The error of a file that can't be read as what it should be."""
+    return FolderError(f"{path} is damaged, or of another version: {what}; run the case again")
+
+
+def _gaps(span: range, found: Iterable[int]) -> list[range]:
+    """What of a range of steps is not among those found, which are in order."""
+    edges = [span.start - 1, *(step for step in found if step in span), span.stop]
+    return [range(before + 1, after) for before, after in pairwise(edges) if before + 1 < after]
+
+
+def _merged(spans: Iterable[range]) -> list[range]:
+    """Ranges in order, as one where they touch or overlap."""
+    merged: list[range] = []
+    for span in sorted(spans, key=lambda span: span.start):
+        if merged and span.start <= merged[-1].stop:
+            merged[-1] = range(merged[-1].start, max(merged[-1].stop, span.stop))
+        else:
+            merged.append(span)
+    return merged
+
+
+def _words(spans: Iterable[range]) -> str:
+    """Ranges in words: 0 to 5, 7."""
+    return ", ".join(f"{span[0]} to {span[-1]}" if len(span) > 1 else str(span[0]) for span in _merged(spans))

@@ -6,19 +6,17 @@ where there is none, or an empty one as after a loss of power, a checkpoint or a
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 from crackgrow.results.atomic import OccupiedError, OutputError, temporary_path
 from crackgrow.results.checkpoint_file import checkpoint_files, is_checkpoint
+from crackgrow.results.folder import FIGURES, FILES, LOG, SERIES, SUMMARY, RunFolder, series_names
 from crackgrow.results.lock import check_place, existing_part, is_too_long
 from crackgrow.results.log import is_log
 from crackgrow.results.rendered import rendered_files
 
-REPORT, SUMMARY, LOG = "report.html", "summary.json", "run.log"
 OWN_KEYS = (
     "case",
     "status",
@@ -31,29 +29,6 @@ OWN_KEYS = (
     "peak_memory_mb",
     "worst_checks",
 )  # of a summary, all of them in that of every version
-FILES = ("case.yaml", SUMMARY, "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
-         "events.csv", "history.csv", LOG, REPORT)  # fmt: skip
-FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
-           "figures/load_curve.png")  # fmt: skip
-SERIES = {
-    "frames": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtu"),
-    "cracks": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtp"),
-}
-
-
-def frame_name(step: int) -> str:
-    """Path of a step's frame, relative to the run's folder."""
-    return f"frames/step_{step:04d}.vtu"
-
-
-def cracks_name(step: int) -> str:
-    """Path of a step's crack faces, relative to the run's folder."""
-    return f"cracks/step_{step:04d}.vtp"
-
-
-def series_names(case_name: str) -> tuple[str, str]:
-    """Paths of the two time series, of the specimen and of its cracks."""
-    return f"{case_name}.pvd", f"{case_name}_cracks.pvd"
 
 
 def check_folder(folder: Path, case_name: str) -> None:
@@ -100,12 +75,8 @@ def remove_files(files: Iterable[Path]) -> None:
 
 def _own_summary(folder: Path) -> dict[str, Any] | None:
     """The summary of a run in a folder; None if there is none, or one of something else."""
-    path = folder / SUMMARY
-    try:
-        summary = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
-    except (OSError, ValueError, RecursionError):  # RecursionError: of lists in lists in lists
-        return None
-    return summary if isinstance(summary, dict) and all(key in summary for key in OWN_KEYS) else None
+    summary = RunFolder(folder).found_summary
+    return summary if all(key in summary for key in OWN_KEYS) else None
 
 
 def _is_own_without_summary(folder: Path) -> bool:

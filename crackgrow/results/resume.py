@@ -21,12 +21,12 @@ from crackgrow.results.checkpoint_file import (
     read_checkpoint,
     steps_with_checkpoint,
 )
+from crackgrow.results.folder import RunFolder
 from crackgrow.results.summary import program_commit
 from crackgrow.results.tables import fits
 from crackgrow.run.result import Checkpoint
 
 FREE = ("title", "source", "output.figures", "output.report", "growth.steps")
-FINISHED = ("completed", "arrested", "broke_through")
 MOST_DIFFERENCES = 20  # that are told
 NOT_GIVEN = "not given"  # in place of a value
 
@@ -72,13 +72,14 @@ def find_resumption(case: Case, folder: Path) -> Resumption | None:
             remarks.append(f"the checkpoint of step {step} does not fit {', '.join(missing)}")
             continue
         differences = _differences(case, stored)
-        if not differences and _finished(folder):
-            return Resumption(stored, _finished(folder), ())
+        run = RunFolder(folder)
+        if not differences and run.finished:
+            return Resumption(stored, f"{run.status}: {run.reason}", ())
         _check_same(case, folder, stored, differences)
         return Resumption(stored, None, (*remarks, *_version_remarks(stored)))
     if remarks:
         raise ResumeError(f"{folder} has nothing to go on from: {'; '.join(remarks)}; run without --resume")
-    if (folder / "steps.csv").is_file() and len((folder / "steps.csv").read_bytes().splitlines()) > 1:
+    if RunFolder(folder).n_rows("steps"):
         raise ResumeError(f"{folder} has results but no checkpoint to go on from; run without --resume")
     return None
 
@@ -118,16 +119,6 @@ def _missing(folder: Path, stored: StoredCheckpoint) -> list[str]:
     broken = [name for name, mark in results["tables"].items() if not fits(folder / name, mark)]
     frames = [name for series in ("frames", "cracks") for _, name in results[series]]
     return [*broken, *(name for name in frames if not (folder / name).is_file())]
-
-
-def _finished(folder: Path) -> str | None:
-    """How the run in a folder has ended, None if it has not, or if nothing tells."""
-    try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        status, reason = summary["status"], summary["stop_reason"]
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):  # then its last step is made again, which tells
-        return None
-    return f"{status}: {reason}" if status in FINISHED else None
 
 
 def _version_remarks(stored: StoredCheckpoint) -> list[str]:

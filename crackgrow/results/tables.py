@@ -77,6 +77,16 @@ def format_value(value: Value) -> str:
     return repr(float(value)) if isinstance(value, float) else str(int(value))
 
 
+def csv_text(columns: Sequence[str], rows: Iterable[Iterable[Value | None]]) -> str:
+    """A whole table, as studies write theirs: empty where there is no value, and for nan."""
+    lines = [columns, *([_or_empty(value) for value in row] for row in rows)]
+    return "".join(",".join(format_value(value) for value in line) + "\n" for line in lines)
+
+
+def _or_empty(value: Value | None) -> Value:
+    return "" if value is None or value != value else value  # nan alone is not itself
+
+
 def tip_rows(result: StepResult) -> list[tuple[Value, ...]]:
     """Rows of tips.csv: m, Pa, Pa sqrt(m), degrees; the point is the tip before its advance."""
     return [

@@ -10,8 +10,9 @@ from typing import Any
 import pyvista
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.figures import areas, colours_of, displayed_magnification
-from crackgrow.results.frame_files import field_unit, frame_files, read_frame
+from crackgrow.results.drawn_frame import drawn_frame, field_unit
+from crackgrow.results.field_picture import areas, colours_of, displayed_magnification
+from crackgrow.results.folder import open_run
 
 
 class NoDisplayError(CrackgrowError):
@@ -43,9 +44,9 @@ def view(folder: Path, field: str = "sigma_1", warp: float | None = None) -> Non
 
 def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None) -> None:
     """Put the last frame into a plotter, with a slider that changes it; raises FolderError."""
-    files = frame_files(folder)
-    steps = sorted(files)
-    last = read_frame(steps[-1], files[steps[-1]], field)
+    run = open_run(folder)
+    steps = run.frames_of()
+    last = drawn_frame(run, steps[-1], field)
     factor = displayed_magnification(last) if warp is None else warp
     size, name = field_unit(field, last.values)
     norm, colour_map = colours_of(last.values / size, areas(last, by_point=last.by_point))
@@ -55,8 +56,8 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
 
     def show(value: float) -> Any:
         step = min(steps, key=lambda other: abs(other - value))
-        frame = read_frame(step, files[step], field)
-        grid = pyvista.read(files[step]).warp_by_vector("displacement", factor=factor)
+        frame = drawn_frame(run, step, field)
+        grid = run.mesh(step).warp_by_vector("displacement", factor=factor)
         data = grid.point_data if frame.by_point else grid.cell_data
         data[label] = frame.values / size
         looks: dict[str, Any] = {

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,7 +28,21 @@ from crackgrow.results.atomic import write_atomically, write_text
 from crackgrow.results.stress import principal_stresses
 from crackgrow.run.result import CrackFaces, Frame, StepResult
 
+if TYPE_CHECKING:
+    import pyvista
+
 STRESS_COMPONENTS = ("XX", "YY", "ZZ", "XY", "YZ", "XZ")  # the order that VTK expects of a symmetric tensor
+
+
+FIELDS = ("displacement", "stress")
+"""All that a frame can have."""
+
+
+def as_pyvista(grid: vtkUnstructuredGrid) -> pyvista.UnstructuredGrid:
+    """The same mesh with pyvista's methods."""
+    import pyvista  # here: a run that writes frames needs none of it
+
+    return pyvista.UnstructuredGrid(grid)
 
 
 def specimen_grid(frame: Frame, fields: Sequence[str]) -> vtkUnstructuredGrid:

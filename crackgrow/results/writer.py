@@ -16,18 +16,14 @@ from crackgrow.errors import reason_of
 from crackgrow.results import tables
 from crackgrow.results.atomic import write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
+from crackgrow.results.folder import CASE, HISTORY, LOG, REPORT, SUMMARY, cracks_name, frame_name, series_names
 from crackgrow.results.leftovers import (
-    REPORT,
-    SUMMARY,
     check_folder,
-    cracks_name,
     earlier_files,
-    frame_name,
     remove_file,
     remove_files,
     remove_frames,
     remove_half_written,
-    series_names,
 )
 from crackgrow.results.load_point import LoadPoint, load_point
 from crackgrow.results.lock import FolderLock
@@ -37,7 +33,6 @@ from crackgrow.results.summary import Tally, error_line, peak_memory_mb, program
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
 RUNNING = RunEnd("running", "the run goes on, or was broken off without a word", ())
-HISTORY = "history.csv"
 SPARE = 2**23  # bytes: what the last files of a run take, and more
 
 
@@ -72,7 +67,7 @@ class RunWriter:
         self.case = case
         self.folder = folder
         self._lock = FolderLock(folder, f"case {case.name}")
-        self._log = RunLog(folder / "run.log")
+        self._log = RunLog(folder / LOG)
         self._checkpoints = CheckpointWriter(folder)
         self._tally = Tally()
         self._tips = tables.Table(folder / "tips.csv", tables.TIPS)
@@ -113,7 +108,7 @@ class RunWriter:
         earlier = earlier_files(self.folder, self.case.name)
         self._write_summary(RUNNING)  # first of all: it shows that the files are a run's, whatever comes now
         remove_files(path for path in earlier if path.name != SUMMARY)
-        write_text(self.folder / "case.yaml", self._settings)
+        write_text(self.folder / CASE, self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
         self._warn_of_lock()
         self._write_tables(*self._growing)
@@ -128,7 +123,7 @@ class RunWriter:
         self._memory, self._resumed = results["memory"], [*results["resumed"], step]
         remove_half_written(self.folder, self.case.name)
         remove_file(self.folder / REPORT)  # of a run that had ended
-        write_text(self.folder / "case.yaml", self._settings)
+        write_text(self.folder / CASE, self._settings)
         if HISTORY in results["tables"]:
             self._begin_history(())
         for table in self._growing:
@@ -229,7 +224,7 @@ class RunWriter:
     def _write_summary(self, end: RunEnd) -> None:
         memory = max(self._memory, peak_memory_mb())
         summary = summarize(self.case, self._tally, end, self._log.seconds, memory, self._resumed)
-        write_text(self.folder / "summary.json", summary_text(summary))
+        write_text(self.folder / SUMMARY, summary_text(summary))
 
     def _write_report(self) -> None:
         """Made from the files, so it comes last; a run that ends without one has told why."""
@@ -332,4 +327,4 @@ class RunWriter:
         from crackgrow.results import figures  # as above
 
         if result.frame is not None:
-            figures.draw_sigma_1(self.folder / "figures" / name, self.case, result.frame, result.step)
+            figures.draw_sigma_1(self.folder / "figures" / name, self.case, result)

@@ -43,7 +43,10 @@ NEAR_COLLAPSE = 1e-3
 MOST_RETREATS = 12
 """Load factors without a solution, each about half of the one before, after which that is how it ends."""
 
-NEVER_CRITICAL = f"no load factor up to {LARGEST_FACTOR:g} meets the criterion at any tip"
+NEVER_CRITICAL = (
+    f"no load factor up to {LARGEST_FACTOR:g} meets the criterion at any tip; where loads confine, strength grows with "
+    "them: `held: true` leaves such a load as it is"
+)
 
 
 def critically_loaded(configuration: Configuration, cracks: Sequence[GrowingCrack], guess: float) -> StepSolution:

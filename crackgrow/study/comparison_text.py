@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from crackgrow.results.declarations import Column, File
-from crackgrow.results.tables import Value, format_value
+from crackgrow.results.tables import Value, csv_text
 from crackgrow.study.comparison import Comparison, Deviation, Pair, Place
 from crackgrow.study.path_files import PathSet
 
@@ -63,13 +63,12 @@ def comparison_csv(comparison: Comparison) -> str:
     """A row for each part of each crack, SI; empty where there is no value; a row for each crack that one alone has."""
     beyond = comparison.beyond
     judged = comparison.tolerance is not None
-    rows: list[Sequence[Value]] = [CSV_COLUMNS]
-    rows += [
+    rows: list[Sequence[Value]] = [
         (*_pair_values(pair), ("beyond" if pair in beyond else "within") if judged else "") for pair in comparison.pairs
     ]
     blank = [""] * (len(CSV_COLUMNS) - 3)
     rows += [(crack, f"only in {name}", *blank, "beyond" if judged else "") for crack, name in comparison.in_one_only]
-    return "".join(",".join(format_value(value) for value in row) + "\n" for row in rows)
+    return csv_text(CSV_COLUMNS, rows)
 
 
 def comparison_record(comparison: Comparison) -> dict[str, object]:

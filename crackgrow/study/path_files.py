@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 import re
 from collections.abc import Sequence
@@ -18,6 +17,7 @@ from crackgrow.case.report import clean, did_you_mean, quoted
 from crackgrow.case.settings import read_settings
 from crackgrow.case.units import UNITS, QuantityError, Units, parse_number, parse_quantity
 from crackgrow.errors import CaseError, Fault
+from crackgrow.results.folder import CASE, FolderError, RunFolder
 
 MOST_VERTICES = 2000  # of one crack: comparing takes time and memory in the product of two of them
 MOST_FAULTS = 10  # of the rows of one file that are told
@@ -62,9 +62,12 @@ def read_paths(source: str | Path, columns: Sequence[str] | None = None) -> Path
         if not path.is_file():
             raise CaseError([Fault(str(path), None, "", _missing(path))])
         return PathSet(str(source), _read_csv(path, columns), "", None)
-    if not (path / "paths.csv").is_file():
+    run = RunFolder(path)
+    if not run.has("paths.csv"):
         raise CaseError([Fault(str(path), None, "", _no_results(path))])
-    return PathSet(str(source), _read_csv(path / "paths.csv", None), _status(path), _settings(path))
+    steps = run.found_summary.get("steps_done")
+    status = f"{run.status}, {steps} steps" if run.status and steps is not None else ""
+    return PathSet(str(source), _read_csv(path / "paths.csv", None), status, _settings(run))
 
 
 def _missing(path: Path) -> str:
@@ -78,30 +81,21 @@ def _no_results(path: Path) -> str:
     return f"is no result folder: it has no paths.csv{hint}"
 
 
-def _status(folder: Path) -> str:
-    """How the run ended; nothing where the summary is missing or unreadable: the paths are still there."""
-    try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        return f"{summary['status']}, {summary['steps_done']} steps"
-    except (OSError, ValueError, KeyError, TypeError):
-        return ""
-
-
-def _settings(folder: Path) -> dict[str, str] | None:
-    path = folder / "case.yaml"
-    if not path.is_file():
+def _settings(run: RunFolder) -> dict[str, str] | None:
+    path = run.folder / CASE
+    if not run.has(CASE):
         return None
     try:
-        return read_settings(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, RecursionError) as error:
-        raise CaseError([Fault(str(path), None, "", f"cannot be read: {_reason(error)}")]) from error
+        return read_settings(run.case_text)
+    except (FolderError, RecursionError) as error:
+        raise CaseError([Fault(str(path), None, "", f"cannot be read: {_reason(error.__cause__ or error)}")]) from error
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         problem = getattr(error, "problem", None) or "is no YAML"
         raise CaseError([Fault(str(path), mark.line + 1 if mark else None, "", f"is no YAML: {problem}")]) from error
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: BaseException) -> str:
     return getattr(error, "strerror", None) or "is not a text in UTF-8"
 
 

@@ -37,8 +37,9 @@ ENOUGH_SAMPLES, ENOUGH_FIRSTS, ENOUGH_SECONDS = 3, 7, 6.0
 
 START_UP = """
 import sys, pathlib, crackgrow.cli
+from crackgrow.results.writer import RunWriter
 case = crackgrow.load_case(sys.argv[1], sys.argv[2:])
-crackgrow.RunWriter(case, pathlib.Path("never_written"))
+RunWriter(case, pathlib.Path("never_written"))
 crackgrow.grow(case)
 """
 

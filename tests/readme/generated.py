@@ -20,6 +20,7 @@ from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of, helps_of
 from crackgrow.cli.reference import FOLDERS, column_entry, key_entry, sections
 from crackgrow.results.declarations import File
+from tests.stability.extremes.table import FILE as EXTREMES
 
 ROOT = Path(__file__).resolve().parents[2]
 BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
@@ -77,11 +78,11 @@ def files() -> str:
     return table(("file", "content"), [[f"`{file.name}`", file.doc] for file in FOLDERS["run"]])
 
 
-def columns(command: str) -> Callable[[], str]:
-    """The columns of the files that a command writes, a table for each file."""
+def columns(files: Iterable[File]) -> Callable[[], str]:
+    """The columns of files, a table for each that has some."""
 
     def part() -> str:
-        tables = [f"### `{file.name}`\n\n{columns_of(file)}" for file in FOLDERS[command] if file.columns]
+        tables = [f"### `{file.name}`\n\n{columns_of(file)}" for file in files if file.columns]
         return "\n".join(tables)
 
     return part
@@ -98,12 +99,12 @@ PARTS: Final[dict[tuple[str, str], Callable[[], str]]] = {
     ("README.md", "commands"): commands,
     ("cases/README.md", "presets"): presets,
     ("cases/README.md", "keys"): keys,
-    ("cases/sweeps/README.md", "columns"): columns("sweep"),
+    ("cases/sweeps/README.md", "columns"): columns(FOLDERS["sweep"]),
     ("outputs/README.md", "files"): files,
-    ("outputs/README.md", "columns"): columns("run"),
-    ("outputs/README.md", "compare"): columns("compare"),
-    ("tests/benchmarks/README.md", "columns"): columns("trade"),
-    ("tests/stability/README.md", "columns"): columns("stability"),
+    ("outputs/README.md", "columns"): columns(FOLDERS["run"]),
+    ("outputs/README.md", "compare"): columns(FOLDERS["compare"]),
+    ("tests/benchmarks/README.md", "columns"): columns(FOLDERS["trade"]),
+    ("tests/stability/README.md", "columns"): columns([EXTREMES]),
 }
 """What is made of declarations, by file and name."""
 

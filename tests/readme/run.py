@@ -36,7 +36,7 @@ NEEDS_A_WINDOW = (
 """Never run: the program is none of ours, and waits for its user."""
 
 LONG = (
-    "crackgrow stability",
+    "make stability",
     "crackgrow trade cases/compression30.yaml --repeat 3 --reference numerics.spacing=0.25 "
     "--axis spacing=3,2,1.5,1,0.75,0.5 support=1.5,2 quadrature=3,4 contact_spacing=1.25,2",
     "crackgrow trade cases/interface_friction04.yaml --repeat 3 "

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.study.stability.measures import balanced, contact_tractions
-from crackgrow.study.stability.solved import Solved, solved
+from crackgrow.study.invariance.measures import balanced
+from crackgrow.study.invariance.solved import Solved, solved
+from tests.stability.extremes.measures import contact_tractions
 
 CASES = Path(__file__).parents[2] / "cases"
 BLOCK = 1e3  # Pa, Young's modulus of the block

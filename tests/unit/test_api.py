@@ -21,6 +21,7 @@ import crackgrow
 from crackgrow import api
 from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
+from crackgrow.results.writer import RunWriter
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import RunEnd, StepResult
 
@@ -216,11 +217,11 @@ def test_report_that_fails_is_a_note_to_what_ended_the_run(tmp_path: Path, monke
         raise crackgrow.SolveError("singular")
         yield
 
-    def fails(self: crackgrow.RunWriter) -> None:
+    def fails(self: RunWriter) -> None:
         raise IndexError("in the report")
 
     monkeypatch.setattr(api, "solved_steps", breaking)
-    monkeypatch.setattr(crackgrow.RunWriter, "_write_report", fails)
+    monkeypatch.setattr(RunWriter, "_write_report", fails)
     with pytest.raises(crackgrow.SolveError, match="singular") as caught:
         crackgrow.run_case(case("compression30"), tmp_path)
     assert caught.value.__notes__ == [
@@ -232,6 +233,20 @@ def test_report_that_fails_is_a_note_to_what_ended_the_run(tmp_path: Path, monke
 def test_errors_can_be_caught_by_the_names_in_the_docstrings(name: str) -> None:
     assert issubclass(getattr(crackgrow, name), crackgrow.CrackgrowError)
     assert name in dir(crackgrow)
+
+
+def test_a_name_that_has_moved_is_found_and_its_home_told() -> None:
+    for names in crackgrow._MOVED.values():
+        for name in names.split():
+            with pytest.warns(DeprecationWarning, match=f"crackgrow.{name} is now in crackgrow."):
+                assert getattr(crackgrow, name).__name__ == name
+    with pytest.raises(AttributeError, match="has no attribute 'rendered'"):
+        crackgrow.rendered  # noqa: B018
+
+
+def test_public_names_are_few_and_there() -> None:
+    assert len(crackgrow.__all__) <= 22
+    assert all(getattr(crackgrow, name) for name in crackgrow.__all__)
 
 
 def test_importing_the_package_loads_no_numpy() -> None:

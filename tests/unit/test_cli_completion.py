@@ -75,7 +75,7 @@ def test_every_command_and_option_is_there(shell: str) -> None:
 
 
 def test_every_command_has_examples_or_is_plain(capsys: pytest.CaptureFixture[str]) -> None:
-    for name in ("run", "check", "compare", "stability", "trade", "new", "schema", "completion"):
+    for name in ("run", "check", "compare", "sweep", "trade", "new", "schema", "completion"):
         with pytest.raises(SystemExit):
             command_line().parse_args([name, "--help"])
         assert "examples:" in capsys.readouterr().out, name

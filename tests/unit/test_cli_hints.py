@@ -23,6 +23,7 @@ def refused(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
 @pytest.mark.parametrize(("words", "hint"), [
     (["rnu", CASE], "did you mean run?"),
     (["chek"], "did you mean check?"),
+    (["stability", CASE], "did you mean check CASE.yaml --invariance?"),
     (["run", CASE, "--ressume"], "did you mean --resume?"),
     (["run", CASE, "--spacing", "3"], "did you mean --set numerics.spacing=3?"),
     (["run", CASE, "--steps=4"], "did you mean --set growth.steps=4?"),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.results.folder import RunFolder
+from crackgrow.results.folder import HISTORY, RunFolder
 from crackgrow.results.units import (
     ENERGIES,
     FORCES,
@@ -43,7 +43,7 @@ def charts(run: RunFolder) -> list[Chart]:
     history = list(_history_charts(run))
     if len(run.solved) < 2:
         return history
-    factor = run.steps.numbers("load_factor")
+    factor = run.table("steps").numbers("load_factor")
     found = [*history, *_tip_charts(run)]
     if len(set(factor.tolist())) > 1:
         found.append(_load_curve(run, factor))
@@ -52,7 +52,7 @@ def charts(run: RunFolder) -> list[Chart]:
         ("Crack length", "crack_length", LENGTHS),
         ("Displacement of the loads", "load_displacement", LENGTHS),
     ):
-        values = run.steps.numbers(column)
+        values = run.table("steps").numbers(column)
         unit = unit_of(values, units)
         found.append(_by_step(run, title, f"{title.lower()} [{unit[1]}]", [(title.lower(), values)], unit))
     found.append(_energies(run))
@@ -62,7 +62,8 @@ def charts(run: RunFolder) -> list[Chart]:
 def drawn_tips(run: RunFolder) -> list[tuple[str, str]]:
     """The tips that plots show, those that have grown most first: name of the crack, and which end."""
     advances: dict[tuple[str, str], int] = {}
-    for crack, tip, advanced in zip(*(run.tips.words(name) for name in ("crack", "tip", "advanced")), strict=True):
+    tips = run.table("tips")
+    for crack, tip, advanced in zip(*(tips.words(name) for name in ("crack", "tip", "advanced")), strict=True):
         advances[crack, tip] = advances.get((crack, tip), 0) + (advanced == "true")
     return sorted(advances, key=lambda tip: -advances[tip])[:MOST_TIPS]
 
@@ -71,8 +72,8 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
     tips = drawn_tips(run)
     if not tips:
         return []
-    steps = run.tips.steps()
-    owner = list(zip(run.tips.words("crack"), run.tips.words("tip"), strict=True))
+    steps = run.table("tips").steps()
+    owner = list(zip(run.table("tips").words("crack"), run.table("tips").words("tip"), strict=True))
     n_tips = len(set(owner))
     rest = f" ({len(tips)} of {n_tips} tips)" if n_tips > len(tips) else ""
     found = []
@@ -80,7 +81,7 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
         ("Stress intensity", ("K_I", "K_II"), INTENSITIES),
         ("Stress at the tips", ("sigma_1", "sigma_3"), STRESSES),
     ):
-        values = [run.tips.numbers(column) for column in columns]
+        values = [run.table("tips").numbers(column) for column in columns]
         if not np.isfinite(values).any():
             continue
         unit = unit_of(np.concatenate(values), units)
@@ -97,8 +98,10 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
 
 def _history_charts(run: RunFolder) -> Iterator[Chart]:
     """What the case's points see, increment by increment: those of a step at fractions of it."""
-    table = run.history
-    if table is None or len(table) < 2:
+    if not run.case.output.points or not run.has(HISTORY):
+        return
+    table = run.table("history")
+    if len(table) < 2:
         return
     steps, increment = table.steps(), table.numbers("increment")
     n_in_step = np.array([(steps == step).sum() for step in steps.tolist()])
@@ -119,7 +122,7 @@ def _history_charts(run: RunFolder) -> Iterator[Chart]:
 
 
 def _load_curve(run: RunFolder, factor: Floats) -> Chart:
-    displacement = run.steps.numbers("load_displacement")
+    displacement = run.table("steps").numbers("load_displacement")
     unit = unit_of(displacement, LENGTHS)
     x = rounded_all(displacement, unit[0])
     series = [_series("load factor", COLOURS[0], "", x, rounded_all(factor), run.solved)]
@@ -128,7 +131,7 @@ def _load_curve(run: RunFolder, factor: Floats) -> Chart:
 
 def _energies(run: RunFolder) -> Chart:
     names = ("work", "strain_energy", "dissipation", "released_energy")
-    values = [(name.replace("_", " "), run.steps.numbers(name)) for name in names]
+    values = [(name.replace("_", " "), run.table("steps").numbers(name)) for name in names]
     unit = unit_of(np.concatenate([column for _, column in values]), ENERGIES)
     return _by_step(run, "Energies", f"energy per thickness [{unit[1]}]", values, unit)
 

@@ -27,7 +27,7 @@ def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
     """Rows of the table of checks: name, worst value, step, limit, verdict."""
     jumps = _largest_jumps(run)
     for name, words in WHAT.items():
-        values = np.abs(run.steps.numbers(name))
+        values = np.abs(run.table("steps").numbers(name))
         if name == "penetration":
             values = np.divide(values, jumps, out=np.zeros_like(values), where=jumps > 0.0)
         if len(values) == 0:
@@ -54,8 +54,9 @@ def _flat(values: dict[str, Any], before: str) -> Iterator[tuple[str, str]]:
 
 def _largest_jumps(run: RunFolder) -> Floats:
     """Largest jump (m) at the contact points of each solved step; 0 where there are none."""
-    steps = run.contact.steps()
-    sizes = np.hypot(run.contact.numbers("opening"), run.contact.numbers("slip"))
+    contact = run.table("contact")
+    steps = contact.steps()
+    sizes = np.hypot(contact.numbers("opening"), contact.numbers("slip"))
     largest = np.zeros(len(run.solved))
     np.maximum.at(largest, np.searchsorted(run.solved, steps), sizes)
     return largest

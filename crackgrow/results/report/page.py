@@ -8,8 +8,7 @@ from string import Template
 from typing import Any
 
 from crackgrow.results.atomic import write_text
-from crackgrow.results.folder import RunFolder, read_run
-from crackgrow.results.leftovers import REPORT
+from crackgrow.results.folder import REPORT, RunFolder, open_run
 from crackgrow.results.log import counted
 from crackgrow.results.report.charts import charts
 from crackgrow.results.report.checks import check_rows, estimate_rows, status_badge
@@ -51,7 +50,7 @@ def write_report(folder: Path) -> Path:
     Raises FolderError where the folder has no results, CaseError where its case is not of this version, OutputError.
     """
     path = folder / REPORT
-    write_text(path, page(read_run(folder)))
+    write_text(path, page(open_run(folder)))
     return path
 
 
@@ -139,7 +138,7 @@ def _steps(run: RunFolder, contact: dict[str, Any], shots: list[dict[str, Any]])
         label = tag("label", "Surface ", choice)
         left_out = tag("p", "Some steps are left out to keep the page small.") if contact["left_out"] else ""
         cards.append(_card("Along the faces", label, tag("div", id="contact"), left_out))
-    if len(run.tips):
+    if len(run.table("tips")):
         tips = tag(
             "table", tag("caption", id="tips-caption"), tag("thead", id="tips-head"), tag("tbody", id="tips-body")
         )
@@ -149,7 +148,7 @@ def _steps(run: RunFolder, contact: dict[str, Any], shots: list[dict[str, Any]])
 
 
 def _step_legend(run: RunFolder) -> Markup:
-    last = int(run.paths.steps().max(initial=0))
+    last = int(run.table("paths").steps().max(initial=0))
     if last == 0:
         return tag("p", "black: the given cracks" if run.case.cracks else "dashed: interfaces", class_="legend")
     colours = ", ".join(step_colour(step, 9) for step in range(1, 10))
@@ -179,8 +178,9 @@ def _quality(run: RunFolder) -> Markup:
         cards.append(_card("Estimated error", table("By the run's own account", ("quantity", "value"), estimates)))
     cards.append(_card("Time", table("Wall time by phase", ("phase", "seconds", ""), _phase_rows(summary))))
     cards.append(_card("Warnings", _warnings(summary["warnings"])))
-    if len(run.events):
-        cards.append(_card("Events", table("Tips that have met something", *event_rows(run.events)), wide=True))
+    events = run.table("events")
+    if len(events):
+        cards.append(_card("Events", table("Tips that have met something", *event_rows(events)), wide=True))
     return tag("section", *cards, class_="cards", aria_label="quality")
 
 

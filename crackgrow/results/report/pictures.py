@@ -22,12 +22,12 @@ def pictures(run: RunFolder) -> list[dict[str, Any]]:
 
     Raises FolderError for one that is damaged.
     """
-    series = rendered(run.path)
+    series = rendered(run.folder)
     for field in series:
         return _thinned(field, series[field], run)
     found = []
     for name, step in (("sigma_1_first", run.solved[:1]), ("sigma_1_last", run.solved[-1:])):
-        path = run.path / "figures" / f"{name}.png"
+        path = run.folder / "figures" / f"{name}.png"
         if path.is_file() and step:
             found.append(_picture(step[0], "major principal stress", path, MOST_PIXELS_OF_FIGURES))
     return found

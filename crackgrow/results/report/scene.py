@@ -6,26 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from crackgrow.arrays import Floats
-from crackgrow.case.formula import component_at
-from crackgrow.case.model import (
-    Body,
-    Case,
-    ContactSupport,
-    CrackPressure,
-    EdgeRegion,
-    EdgeSupport,
-    EdgeTraction,
-    Gravity,
-    Load,
-    PointForce,
-    PointSupport,
-    Support,
-)
+from crackgrow.case.model import Body, Case
 from crackgrow.results.folder import RunFolder
-from crackgrow.results.report import symbols
 from crackgrow.results.report.markup import Markup, tag
+from crackgrow.results.report.symbols import svg_of
 from crackgrow.results.report.view import View, line_data, view_of
+from crackgrow.results.signs import load_signs, support_signs
 
 STEP_COLOURS = ((59, 15, 158), (156, 23, 158), (214, 80, 98), (240, 143, 54))  # from the first step to the last
 
@@ -37,8 +23,8 @@ def draw_scene(run: RunFolder) -> Markup:
     parts = [
         tag("g", *(_body(body, view) for body in run.case.bodies), class_="bodies"),
         tag("g", *_interfaces(run.case, view), class_="interfaces"),
-        tag("g", *(_support(item, run.case, view) for item in run.case.supports), class_="supports"),
-        tag("g", *(_load(item, run.case, view) for item in run.case.loads), class_="loads"),
+        tag("g", *(svg_of(sign, view) for sign in support_signs(run.case)), class_="supports"),
+        tag("g", *(svg_of(sign, view) for sign in load_signs(run.case)), class_="loads"),
         tag("g", *_cracks(run, view), class_="cracks"),
         tag("g", id="tips"),
     ]
@@ -68,12 +54,13 @@ def _interfaces(case: Case, view: View) -> Iterator[Markup]:
 
 def _cracks(run: RunFolder, view: View) -> Iterator[Markup]:
     """Segments of all cracks, the given ones last, on top."""
-    if not len(run.paths):  # nothing was solved: the cracks are those given
+    paths = run.table("paths")
+    if not len(paths):  # nothing was solved: the cracks are those given
         for crack in run.case.cracks:
             yield tag("path", d=line_data(view.pixels(crack.points)), class_="given", data_step=0)
         return
-    names, steps = np.array(run.paths.words("crack")), run.paths.steps()
-    pixels = view.pixels(np.column_stack([run.paths.numbers("x"), run.paths.numbers("y")]))
+    names, steps = np.array(paths.words("crack")), paths.steps()
+    pixels = view.pixels(np.column_stack([paths.numbers("x"), paths.numbers("y")]))
     same = names[:-1] == names[1:]
     made = np.maximum(steps[:-1], steps[1:])  # a segment is as young as its younger vertex
     last = max(int(steps.max(initial=1)), 1)
@@ -86,123 +73,6 @@ def _cracks(run: RunFolder, view: View) -> Iterator[Markup]:
             stroke=None if given else step_colour(int(made[k]), last),
             data_step=int(made[k]),
         )
-
-
-def _support(support: Support, case: Case, view: View) -> Markup:
-    if isinstance(support, PointSupport):
-        place = view.pixels(support.point)[0]
-        fixed = [component is not None for component in support.displacement]
-        outward = _outward_at(_body_of(support.body, case), support.point)
-        direction = outward if all(fixed) else np.array(fixed, dtype=float)
-        side = 1.0 if direction @ outward >= 0.0 else -1.0
-        if not all(fixed) and abs(direction @ outward) < 0.5:  # held along the edge: from the left, or from below
-            side = -1.0
-        return symbols.triangle(place, _flip(side * direction), rolls=not all(fixed))
-    drawn = [_prescribed(support, case, view)] if isinstance(support, EdgeSupport) else []
-    for line, outward in _lines(support.region, case, view, symbols.HATCH[0]):
-        if isinstance(support, EdgeSupport) and None in support.displacement:
-            drawn.append(symbols.rollers(line, outward))
-        else:
-            drawn.append(symbols.ground(line, outward))
-    name = "rigid foundation under" if isinstance(support, ContactSupport) else "held:"
-    return tag("g", tag("title", f"{name} {support.region.body}.{support.region.edge}"), *drawn)
-
-
-def _prescribed(support: EdgeSupport, case: Case, view: View) -> Markup:
-    """Arrows of the displacements that are prescribed along an edge, the longest as long as those of loads."""
-    lines = [line for line, _ in _lines(support.region, case, view, symbols.ARROW_GAP)]
-    places = np.concatenate([symbols.spaced(line, symbols.ARROW_GAP) for line in lines])
-    metres = view.metres(places)
-    given = [
-        np.zeros(len(places)) if c is None else c(metres) if callable(c) else np.full(len(places), float(c))
-        for c in support.displacement
-    ]
-    moved = np.column_stack(given)
-    size = np.linalg.norm(moved, axis=1)
-    if not size.any():
-        return Markup("")
-    reach = symbols.ARROW * moved / size.max() * [1.0, -1.0]
-    seen = np.linalg.norm(reach, axis=1) > symbols.HEAD[0]
-    arrows = (symbols.arrow(place, place + arm) for place, arm in zip(places[seen], reach[seen], strict=True))
-    return tag("g", *arrows, class_="prescribed")
-
-
-def _load(load: Load, case: Case, view: View) -> Markup:
-    if isinstance(load, EdgeTraction):
-        name = tag("title", f"traction on {load.region.body}.{load.region.edge}")
-        drawn = []
-        for line, outward in _lines(load.region, case, view, symbols.ARROW_GAP):
-            middle = view.metres(line.mean(axis=0)[None])
-            traction = [float(component_at(component, middle)[0]) for component in load.traction]
-            if any(traction):
-                drawn.append(symbols.arrows_along(line, _flip(traction), outward))
-        return tag("g", name, *drawn) if drawn else Markup("")
-    if isinstance(load, PointForce) and any(load.force):
-        head = view.pixels(load.point[None])[0]
-        reach = symbols.ARROW * _flip(load.force) / np.linalg.norm(load.force)
-        return tag("g", tag("title", f"force on {load.body}"), symbols.arrow(head - reach, head))
-    if isinstance(load, Gravity) and any(load.acceleration):
-        outline = view.pixels(_body_of(load.body, case).outline)
-        middle = (outline.min(axis=0) + outline.max(axis=0)) / 2
-        reach = 40.0 * _flip(load.acceleration) / np.linalg.norm(load.acceleration)
-        return tag("g", tag("title", f"gravity on {load.body}"), symbols.arrow(middle - reach / 2, middle + reach / 2))
-    if isinstance(load, CrackPressure):
-        crack = next(crack for crack in case.cracks if crack.name == load.crack)
-        line = view.pixels(crack.points)
-        along = line[-1] - line[0]
-        normal = np.array([-along[1], along[0]]) / np.linalg.norm(along)
-        pairs = [symbols.arrow(place, place + side * 14.0 * normal)
-                 for place in symbols.spaced(line, symbols.ARROW_GAP) for side in (-1.0, 1.0)]  # fmt: skip
-        return tag("g", tag("title", f"pressure in {load.crack}"), *pairs)
-    return Markup("")  # an in-situ stress fills the body: words tell it
-
-
-def _lines(region: EdgeRegion, case: Case, view: View, shortest: float) -> Iterator[tuple[Floats, Floats]]:
-    """Straight stretches of a region, each as a line (2, 2) px with its outward direction (2,) px.
-
-    Sides of an arc or another smooth edge are taken together until they are no shorter than `shortest`.
-    """
-    body = _body_of(region.body, case)
-    starts = np.concatenate([ring.points for ring in body.rings])
-    ends = np.concatenate([np.roll(ring.points, -1, axis=0) for ring in body.rings])
-    waiting: list[Floats] = []
-    for side, (first, last) in zip(region.sides, region.limits, strict=True):
-        a, b = starts[side], ends[side]
-        waiting.append(view.pixels([a + first * (b - a), a + last * (b - a)]))
-        stretch = np.array([waiting[0][0], waiting[-1][1]])
-        along = stretch[1] - stretch[0]
-        length = float(np.linalg.norm(along))
-        if length >= shortest or side == region.sides[-1]:
-            waiting = []
-            if length > 0.0:  # rock on the left, seen with y upwards: outward is on the right
-                yield stretch, np.array([-along[1], along[0]]) / length
-
-
-def _outward_at(body: Body, point: Floats) -> Floats:
-    """Outward direction (2,), y upwards, of the side of a body that is next to a point.
-
-    At a corner the side that is nearest to horizontal counts: supports stand below or above rather than beside.
-    """
-    best: list[tuple[float, float, Floats]] = []
-    for ring in body.rings:
-        along = np.roll(ring.points, -1, axis=0) - ring.points
-        size = np.linalg.norm(along, axis=1)
-        along = along[size > 0.0] / size[size > 0.0, None]
-        t = np.clip(np.einsum("ij,ij->i", point - ring.points[size > 0.0], along), 0.0, size[size > 0.0])
-        distance = np.linalg.norm(ring.points[size > 0.0] + t[:, None] * along - point, axis=1)
-        extent = float(np.ptp(body.outline, axis=0).max())
-        best.extend(zip(np.round(distance / extent, 6), np.round(np.abs(along[:, 1]), 6), along, strict=True))
-    _, _, side = min(best, key=lambda item: item[:2])
-    return np.array([side[1], -side[0]])
-
-
-def _body_of(name: str, case: Case) -> Body:
-    return next(body for body in case.bodies if body.name == name)
-
-
-def _flip(direction: object) -> Floats:
-    """A direction (2,), y upwards, as one of the picture."""
-    return np.asarray(direction, dtype=float) * [1.0, -1.0]
 
 
 def describe_actions(case: Case) -> list[tuple[str, str]]:

@@ -25,7 +25,7 @@ def tip_data(run: RunFolder, view: View) -> dict[str, Any]:
     steps     by step: a row for each tip
     places     by step: x and y (px), and whether the tip advances, for each tip
     """
-    tips = run.tips
+    tips = run.table("tips")
     K = unit_of(np.concatenate([tips.numbers("K_I"), tips.numbers("K_II")]), INTENSITIES)
     stress = unit_of(np.concatenate([tips.numbers("sigma_1"), tips.numbers("sigma_3")]), STRESSES)
     header = ["crack", "tip", f"K_I [{K[1]}]", f"K_II [{K[1]}]", f"sigma_1 [{stress[1]}]", f"sigma_3 [{stress[1]}]"]
@@ -66,7 +66,8 @@ def contact_data(run: RunFolder) -> dict[str, Any]:
     surfaces     by name and step: the columns s, normal_traction, tangential_traction, opening, slip, state
     left_out     whether steps were left out to keep the page small
     """
-    table, steps = run.contact, run.contact.steps()
+    table = run.table("contact")
+    steps = table.steps()
     kept = _kept_steps(table, MOST_CONTACT_ROWS)
     units: dict[str, Unit] = {}
     for names, choice in CONTACT_COLUMNS:
@@ -97,6 +98,7 @@ def _kept_steps(table: TextTable, most: int) -> set[int]:
 def step_words(run: RunFolder) -> dict[int, str]:
     """What the slider says of each step."""
     words = {}
-    for step, factor, n in zip(run.solved, run.steps.numbers("load_factor"), run.steps.words("n_dofs"), strict=True):
+    steps = run.table("steps")
+    for step, factor, n in zip(run.solved, steps.numbers("load_factor"), steps.words("n_dofs"), strict=True):
         words[step] = f"load factor {shown(float(factor))}, {n} unknowns"
     return {place: words.get(place, "after the last advance, not solved") for place in run.places}

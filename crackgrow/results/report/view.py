@@ -34,11 +34,6 @@ class View:
         x, y = ((np.atleast_2d(points) - self.low) * self.scale).T
         return np.column_stack([x + MARGIN, self.size[1] - MARGIN - y])
 
-    def metres(self, pixels: Floats) -> Floats:
-        """Points (n, 2) m of pixels (n, 2)."""
-        x, y = pixels.T
-        return self.low + np.column_stack([x - MARGIN, self.size[1] - MARGIN - y]) / self.scale
-
 
 def view_of(case: Case) -> View:
     """The view that shows all bodies of a case."""

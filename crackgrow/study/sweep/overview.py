@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically
+from crackgrow.results.folder import FINISHED
 from crackgrow.results.overview import length_unit
-from crackgrow.results.resume import FINISHED
 from crackgrow.results.style import own_style
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.sweep.job import Values

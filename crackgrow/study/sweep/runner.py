@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -12,10 +11,10 @@ from typing import TYPE_CHECKING, Final
 from crackgrow.case import dump_case
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.atomic import OccupiedError
+from crackgrow.results.folder import FINISHED, FolderError, RunFolder
 from crackgrow.results.leftovers import earlier_files, remove_files
 from crackgrow.results.lock import FolderLock, LockedError
 from crackgrow.results.log import counted
-from crackgrow.results.resume import FINISHED
 from crackgrow.study.sweep.job import Job, Values, job_of, run_job
 from crackgrow.study.sweep.measured import measured
 from crackgrow.study.sweep.plan import Run, SweepPlan
@@ -122,15 +121,10 @@ def done(run: Run) -> bool:
     """Whether the folder of a run holds its results, of the same case to the last digit."""
     if run.case is None:
         return False
-    settings, summary = run.folder / "case.yaml", run.folder / "summary.json"
-    if not settings.is_file() or not summary.is_file():
-        return False
-    if settings.read_text(encoding="utf-8") != dump_case(run.case):
-        return False
+    found = RunFolder(run.folder)
     try:
-        ended = json.loads(summary.read_text(encoding="utf-8"))["status"] in FINISHED
-        return ended and bool(measured(run.folder))
-    except (OSError, ValueError, KeyError, TypeError):  # damaged, or of another version: it is run again
+        return found.finished and found.case_text == dump_case(run.case) and bool(measured(run.folder))
+    except (FolderError, ValueError, KeyError, TypeError):  # damaged, or of another version: it is run again
         return False
 
 

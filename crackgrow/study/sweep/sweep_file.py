@@ -66,6 +66,10 @@ def read_sweep_file(path: Path) -> SweepFile:
         if root is not None and not report.faults:
             report.fault((), "the file holds no mapping; a sweep is written as key: value", root.place)
         raise report.error()
+    if "bodies" in root.entries and "parameters" not in root.entries:
+        sweep = f"a sweep has `base: {path.name}` and `parameters`, such as cases/sweeps/angle_friction.yaml"
+        report.fault((), f"this is a case, not a sweep file: `crackgrow run {path}` runs it; {sweep}", root.place)
+        raise report.error()
     values: Any = FORMAT.read(root, (), Context(report, Units(), path.parent))
     base = path.parent / values["base"] if report.sound("base") else path
     if report.sound("base"):

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,7 +12,7 @@ from pyarrow import parquet
 
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically, write_text
-from crackgrow.study.cells import cell_text
+from crackgrow.results.tables import csv_text
 from crackgrow.study.sweep.columns import COSTS, ENDING, FIRST
 from crackgrow.study.sweep.job import Values
 from crackgrow.study.sweep.plan import Run, SweepPlan
@@ -35,7 +33,8 @@ class SweepTable:
     def write(self) -> None:
         """Bring both files up to date; raises OutputError."""
         columns, rows = self.columns(), self.rows()
-        write_text(self.plan.folder / CSV_FILE, csv_text(columns, rows))
+        lines = ([row.get(name) for name in columns] for row in rows)
+        write_text(self.plan.folder / CSV_FILE, csv_text(columns, lines))
         schema = pyarrow.schema([(name, self._kind(name)) for name in columns])
         table = pyarrow.Table.from_pylist([_numbers(row, schema) for row in rows], schema)
         write_atomically(self.plan.folder / PARQUET_FILE, lambda file: parquet.write_table(table, file))
@@ -65,15 +64,6 @@ class SweepTable:
         if column in WORDS or word:
             return pyarrow.string()
         return pyarrow.int64() if column in COUNTS else pyarrow.float64()
-
-
-def csv_text(columns: Sequence[str], rows: Sequence[Values]) -> str:
-    """All rows; empty where there is no value."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([cell_text(row.get(column)) for column in columns] for row in rows)
-    return out.getvalue()
 
 
 def _numbers(row: Values, schema: pyarrow.Schema) -> Mapping[str, object]:

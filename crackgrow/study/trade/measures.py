@@ -6,7 +6,6 @@ last load factor. A measure that a scene does not have is nan.
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,10 +15,9 @@ from scipy.interpolate import PchipInterpolator
 from crackgrow.arrays import Floats
 from crackgrow.errors import CaseError, Fault
 from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.results.folder import RunFolder, TextTable
 from crackgrow.study.compare import compare_paths
 from crackgrow.study.path_files import read_paths
-
-Records = list[dict[str, str]]
 
 NAN = float("nan")
 FILES = ("case.yaml", "tips.csv", "paths.csv", "contact.csv", "steps.csv")
@@ -46,7 +44,8 @@ NO_ERRORS = Errors(*[NAN] * 9)
 
 def check_results(folder: Path) -> None:
     """Raise CaseError where a folder lacks what a reference needs."""
-    missing = [name for name in FILES if not (folder / name).is_file()]
+    run = RunFolder(folder)
+    missing = [name for name in FILES if not run.has(name)]
     if missing:
         message = f"is no result folder of a run: it has no {', '.join(missing)}"
         raise CaseError([Fault("--reference", None, str(folder), message)])
@@ -54,34 +53,39 @@ def check_results(folder: Path) -> None:
 
 def errors_of(run: Path, reference: Path, *, grows: bool) -> Errors:
     """The errors of a result folder against another; `grows`: whether the case has growth."""
-    mine, true = _at_step(run, "tips.csv", grows), _at_step(reference, "tips.csv", grows)
-    K_error, K_II_error = K_errors(mine, true)
-    contacts = (_at_step(folder, "contact.csv", grows) for folder in (run, reference))
-    energies = [float(_at_step(folder, "steps.csv", grows)[0]["strain_energy"]) for folder in (run, reference)]
+    both = RunFolder(run), RunFolder(reference)
+    tips, contacts, steps = ([_judged(one, name, grows) for one in both] for name in ("tips", "contact", "steps"))
+    K_error, K_II_error = K_errors(*tips)
+    energies = [float(table.numbers("strain_energy")[0]) for table in steps]
     energy = abs(energies[0] - energies[1]) / abs(energies[1]) if energies[1] else NAN
     return Errors(K_error, K_II_error, *contact_errors(*contacts), energy, *_path_errors(run, reference))
 
 
-def K_errors(mine: Records, true: Records) -> tuple[float, float]:
+def K_errors(mine: TextTable, true: TextTable) -> tuple[float, float]:
     """Relative errors of K and of K_II over all tips that both have."""
-    known = {(row["crack"], row["tip"]): row for row in true}
-    pairs = [(row, known[row["crack"], row["tip"]]) for row in mine if (row["crack"], row["tip"]) in known]
-    if not pairs:
+    known = _K_by_tip(true)
+    K = np.array([(K, known[tip]) for tip, K in _K_by_tip(mine).items() if tip in known])
+    if not len(K):
         return NAN, NAN
-    K = np.array([[[float(row[mode]) for mode in ("K_I", "K_II")] for row in pair] for pair in pairs])
     off, size = K[:, 0] - K[:, 1], np.hypot(*K[:, 1].T).max()
     size_II = np.abs(K[:, 1, 1]).max()
     K_error = float(np.hypot(*off.T).max() / size) if size > 0 else NAN
     return K_error, float(np.abs(off[:, 1]).max() / size_II) if size_II > NEGLIGIBLE * size else NAN
 
 
-def contact_errors(mine: Records, true: Records) -> tuple[float, float, float]:
+def _K_by_tip(tips: TextTable) -> dict[tuple[str, str], tuple[float, float]]:
+    """K_I and K_II of each tip."""
+    names = zip(tips.words("crack"), tips.words("tip"), strict=True)
+    return dict(zip(names, zip(tips.numbers("K_I").tolist(), tips.numbers("K_II").tolist(), strict=True), strict=True))
+
+
+def contact_errors(mine: TextTable, true: TextTable) -> tuple[float, float, float]:
     """Relative L2 errors of pressure, shear and slip along all faces in contact that both have.
 
     The reference is interpolated at the run's own contact points, so that nothing is said of what lies between them.
     """
     off, size = np.zeros(3), np.zeros(3)
-    for name in dict.fromkeys(row["crack"] for row in mine):
+    for name in dict.fromkeys(mine.words("crack")):
         s, values = _along(mine, name)
         s_true, values_true = _along(true, name)
         if len(s_true) == 0:
@@ -97,11 +101,11 @@ def contact_errors(mine: Records, true: Records) -> tuple[float, float, float]:
     return float(pressure), float(shear), float(np.sqrt(off[2] / size[2])) if size[2] > 0.0 else NAN
 
 
-def _along(records: Records, name: str) -> tuple[Floats, Floats]:
+def _along(points: TextTable, name: str) -> tuple[Floats, Floats]:
     """Arc lengths (n,) m of a surface's contact points, ascending, and pressure, shear, slip (n, 3) there."""
     columns = ("s", "normal_traction", "tangential_traction", "slip")
-    rows = [[float(row[column]) for column in columns] for row in records if row["crack"] == name]
-    table = np.array(rows, dtype=float).reshape(-1, 4)
+    own = points.where([crack == name for crack in points.words("crack")])
+    table = np.column_stack([own.numbers(column) for column in columns])
     table = table[np.argsort(table[:, 0], kind="stable")]
     return table[:, 0], table[:, 1:]
 
@@ -133,15 +137,13 @@ def _path_errors(run: Path, reference: Path) -> tuple[float, float, float]:
 
 
 def _has_grown(folder: Path) -> bool:
-    if len((folder / "paths.csv").read_text(encoding="utf-8").splitlines()) < 2:
+    if not RunFolder(folder).n_rows("paths"):
         return False  # a scene without cracks
     lines = read_paths(folder).cracks.values()
     return any(line.steps is not None and line.steps.max() > 0 and arc_lengths(line.points)[-1] > 0 for line in lines)
 
 
-def _at_step(folder: Path, name: str, grows: bool) -> Records:
+def _judged(run: RunFolder, name: str, grows: bool) -> TextTable:
     """The rows of a table at the step that is judged."""
-    with (folder / name).open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    step = "0" if grows or not rows else rows[-1]["step"]
-    return [row for row in rows if row["step"] == step]
+    table = run.table(name)
+    return table.of_steps([0 if grows or not len(table) else table.steps()[-1]])

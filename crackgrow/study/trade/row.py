@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
+import math
 import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from crackgrow.case import Case
 from crackgrow.errors import CaseError, Fault
+from crackgrow.results import tables
 from crackgrow.results.declarations import PHASES
-from crackgrow.results.resume import FINISHED
-from crackgrow.study.cells import cell_text
+from crackgrow.results.folder import FINISHED, FolderError, RunFolder, table_of
 from crackgrow.study.trade.columns import COLUMNS, ENERGY
 from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.measures import NO_ERRORS, Errors
@@ -80,7 +77,7 @@ def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = NAN)
         "repeats": run.repeats,
     }
     if cost.cpu_steps:
-        summary: Any = json.loads((run.folder / "summary.json").read_text(encoding="utf-8"))
+        summary = RunFolder(run.folder).summary
         by_phase = summary["wall_seconds"]["by_phase"]
         values |= {"steps": summary["steps_done"], "n_dofs": summary["n_dofs"]["first"]}
         values |= {f"wall_{phase}": float(by_phase.get(phase, 0.0)) for phase in PHASES}
@@ -90,26 +87,23 @@ def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = NAN)
         values |= {"cpu_first_step": cost.cpu_steps[0], "wall_first_step": cost.wall_steps[0]}
         values |= {"cpu_step": _mean(cost.cpu_steps[1:]), "wall_step": _mean(cost.wall_steps[1:])}
     values |= {name: getattr(cost, name) for name in ("cpu_seconds", "wall_seconds", "peak_memory_mb")}
-    return Row({column: cell_text(values.get(column)) for column in COLUMNS})
+    return Row({column: _text(values.get(column)) for column in COLUMNS})
 
 
 def csv_text(rows: Sequence[Row]) -> str:
     """All rows."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows([row.cells[column] for column in COLUMNS] for row in rows)
-    return out.getvalue()
+    return tables.csv_text(COLUMNS, ([row.cells[column] for column in COLUMNS] for row in rows))
 
 
 def read_rows(path: Path) -> list[Row]:
     """The rows of a table; raises CaseError where it is not one that this version writes."""
-    with path.open(encoding="utf-8", newline="") as file:
-        reader = csv.DictReader(file)
-        rows = list(reader)
-    if tuple(reader.fieldnames or ()) != COLUMNS or any(None in row or None in row.values() for row in rows):
+    try:
+        table = table_of(path.read_text(encoding="utf-8"), path)
+    except FolderError:
+        table = None
+    if table is None or tuple(table.columns) != COLUMNS:
         raise CaseError([Fault(str(path), None, "", "has other columns than this version writes; leave out --resume")])
-    return [Row(row) for row in rows]
+    return [Row(row) for row in table.rows()]
 
 
 def trade_line(row: Row) -> str:
@@ -119,6 +113,13 @@ def trade_line(row: Row) -> str:
     names = ("K_error", "path_hausdorff", "pressure_error", "slip_error", *ENERGY)
     shown = " ".join(f"{name.removesuffix('_error')} {row.number(name):.2g}" for name in names if row.cells[name])
     return f"{row.name:48} {row.cells['n_dofs']:>7} dofs {row.number('cpu_seconds'):8.2f} s  {shown}".rstrip()
+
+
+def _text(value: Value) -> str:
+    """A float to its last digit; empty where there is no value."""
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    return repr(value) if isinstance(value, float) else str(value)
 
 
 def _settings(case: Case) -> dict[str, Value]:

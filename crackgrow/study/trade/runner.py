@@ -8,8 +8,8 @@ from pathlib import Path
 from crackgrow.case import load_case
 from crackgrow.errors import CrackgrowError, SolveError
 from crackgrow.results.atomic import write_text
+from crackgrow.results.folder import FINISHED
 from crackgrow.results.lock import FolderLock
-from crackgrow.results.resume import FINISHED
 from crackgrow.study.folder_names import folder_names
 from crackgrow.study.trade.energy import EnergyReference
 from crackgrow.study.trade.grid import FINER, Setting, case_or_none

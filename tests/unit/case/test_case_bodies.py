@@ -405,7 +405,7 @@ def test_foundation(tmp_path: Path):
         ({"on": {"body": "low", "edge": "left"}}, "", "give either {at, displacement} or {on, displacement} or {on, c"),
         ({"contact": LAW}, ".on", "missing"),
         ({"displacement": {"x": 0}}, "", "give either {at, displacement} or"),
-        ({"at": [0, 0], "contact": LAW}, "", "give either"),
+        ({"at": [0, 0], "contact": LAW}, ".contact", "does not go with at; give either"),
         ({"on": {"body": "low", "edge": "right"}, "displacment": {"x": 0}}, ".displacment", "mean 'displacement'?"),
     ],
 )
@@ -456,7 +456,7 @@ def test_loads(tmp_path: Path):
         ({"body": "lo", "stress": [0, 0, 0]}, "loads.0.body", "no body 'lo'"),
         ({"body": "low", "stress": [0, 0]}, "loads.0.stress", "a list of 2 given; wanted: a list of 3"),
         ({"body": "low"}, "loads.0", "give either {on, traction} or {gravity} or {crack, pressure} or {stress}"),
-        ({"body": "low", "pressure": 1}, "loads.0", "give either"),
+        ({"body": "low", "pressure": 1}, "loads.0.pressure", "does not go with body; give either"),
         (
             {"crack": "flwa", "pressure": 1},
             "loads.0.crack",

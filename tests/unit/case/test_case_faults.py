@@ -57,7 +57,7 @@ FORMAT_FAULTS = [
     ("[0, -100]", "-100", "loads.0.traction", "a list of 2", "traction: -100"),
     ("{x: 0}", "{}", "supports.2.displacement", "at least one of x, y", "displacement: {}"),
     ("friction: 0.0", "friction: -0.1", "cracks.flaw.contact.friction", ">= 0", "friction: -0.1"),
-    ("angle: 30 ", "angle: 30\n      points: [[0, 0]] ", "cracks.flaw.path", "give either", "path:"),
+    ("angle: 30 ", "angle: 30\n      points: [[0, 0]] ", "cracks.flaw.path.points", "give either", "points:"),
     ("tips: both", "tips: bothe", "cracks.flaw.tips", "did you mean 'both'?", "tips"),
     ("flaw:", "a.b:", "cracks.a.b", "is not a name", "a.b:"),
     ("steps: 22", "steps: 2.5", "growth.steps", "a whole number", "steps: 2.5"),

@@ -101,11 +101,16 @@ def test_schema_and_reader_agree(spec: Spec, good: list[str], bad: list[str]):
         assert [text for text in bad if judge(spec, text)] == []
 
 
+def shown(schema: dict[str, Any]) -> dict[str, Any]:
+    """What an editor shows of a key: that of its definition where it has one."""
+    return SCHEMA["definitions"][schema["$ref"].rpartition("/")[2]] if "$ref" in schema else schema
+
+
 def properties(schema: Any) -> Iterator[tuple[str, dict[str, Any]]]:
     if isinstance(schema, dict):
         for key, value in schema.items():
             if key == "properties":
-                yield from value.items()
+                yield from ((name, shown(its)) for name, its in value.items())
             yield from properties(value)
     elif isinstance(schema, list):
         for value in schema:
@@ -122,6 +127,32 @@ def test_every_key_is_described_and_every_quantity_tells_its_units():
     assert support["default"] == 2.0
     criterion = next(its for name, its in found if name == "criterion")
     assert len(criterion["enum"]) == len(criterion["enumDescriptions"]) == 3
+
+
+def test_what_is_met_more_than_once_is_a_definition_and_nothing_else_is():
+    text = json.dumps(SCHEMA)
+    used = {name: text.count(f'"#/definitions/{name}"') for name in SCHEMA["definitions"]}
+    assert [name for name, times in used.items() if times < 2] == []
+    parts: list[str] = []
+
+    def gather(value: Any) -> None:
+        if isinstance(value, dict):
+            parts.append(json.dumps(value, sort_keys=True))
+        for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+            gather(inner)
+
+    gather(SCHEMA)
+    twice = {part for part in parts if parts.count(part) > 1}
+    assert max(map(len, twice)) < 260  # characters
+
+
+def test_beside_a_reference_there_is_nothing_that_draft_7_passes_over():
+    def alone(value: Any) -> bool:
+        if isinstance(value, dict):
+            return ("$ref" not in value or len(value) == 1) and all(map(alone, value.values()))
+        return all(map(alone, value)) if isinstance(value, list) else True
+
+    assert alone(SCHEMA)
 
 
 def test_a_key_of_the_reader_is_a_key_of_the_schema():

@@ -10,6 +10,7 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.case.load import read_case
 from crackgrow.errors import CaseError
+from crackgrow.study.sweep.sweep_file import read_sweep_file
 
 CASES = Path(__file__).parents[3] / "cases"
 FILE = CASES / "compression30.yaml"
@@ -36,10 +37,28 @@ def told(*overrides: str) -> str:
         ("spacing=3", "did you mean 'numerics.spacing'?"),
         ("numerics.tip_functions=gather", "auto | patch | gathered; did you mean 'gathered'?"),
         ("supports[0].at=[0, 0]", "is written with its number, as in 'supports.0.at'"),
+        ("numerics.spacing=0.01", "lattice nodes; at most 4e+06 are allowed; wanted: 0."),
+        ("cracks.flaw.path.points=[[0, 0], [5, 5]]", "--set cracks.flaw.path.points: does not go with center, length, "
+         "angle; give either {center, length, angle} or {points} or {file}; --set "
+         "'cracks.flaw.path={points: ...}' takes"),
+        ("loads.0={on: {body: rock, edge: top}, pressure: 100}", "--set loads.0: pressure: does not go with on; give"),
+        ("numerics.contact.stiffness=1e14 N/m^3", "rigid | a number > 0, kappa of k = kappa E / h without a unit"),
+        ("bodies.rock.strength.compression=50", "strength C gives cohesion = C (1 - sin phi) / (2 cos phi)"),
+        ("loads.0.factor=3", "loads have the factors of `loading`, such as {history: [0.5, 1]}"),
+        ("bodies.rock.shape={circle: {radius: 3}}", "--set bodies.rock.shape: circle: unknown key"),
     ],
-)
+)  # fmt: skip
 def test_what_was_meant_is_offered(override: str, words: str):
     assert words in told(override)
+
+
+def test_a_file_of_the_other_kind_is_told_in_a_line():
+    with pytest.raises(CaseError) as caught:
+        load_case(CASES / "sweeps" / "angle_friction.yaml")
+    assert [fault.message.partition(":")[0] for fault in caught.value.faults] == ["this is a sweep file, not a case"]
+    with pytest.raises(CaseError) as caught:
+        read_sweep_file(FILE)
+    assert [fault.message.partition(":")[0] for fault in caught.value.faults] == ["this is a case, not a sweep file"]
 
 
 def test_no_form_is_guessed_from_a_misspelt_key():

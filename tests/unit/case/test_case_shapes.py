@@ -130,7 +130,11 @@ REFUSED = [
     ({"polygon": SQUARE, "holes": [{"polygon": [[1, 1], [2, 2], [1, 2], [2, 1]]}]}, ".holes.0", "edges 0 and 2"),
     ({"polygon": SQUARE, "holes": [{"disk": {"center": [1, 1]}}]}, ".holes.0.disk.radius", "missing"),
     ({"polygon": SQUARE, "holes": [{"disk": {"center": [1, 1], "radius": 0}}]}, ".holes.0.disk.radius", "> 0"),
-    ({"polygon": SQUARE, "disk": {"center": [1, 1], "radius": 1}}, "", "give either {rectangle} or {polygon} or"),
+    (
+        {"polygon": SQUARE, "disk": {"center": [1, 1], "radius": 1}},
+        ".disk",
+        "does not go with polygon; give either {rectangle} or",
+    ),
     ({}, "", "give either {rectangle} or {polygon} or {disk} or {file}"),
     ({"holes": []}, "", "give either {rectangle}"),
 ]

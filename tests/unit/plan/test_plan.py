@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from crackgrow import cli
 from crackgrow.case import Case, load_case
-from crackgrow.plan import cost, picture, text
+from crackgrow.plan import cost, text
 from crackgrow.plan.cost import Cost, estimated_cost, probe
 from crackgrow.plan.picture import draw_scene
 from crackgrow.plan.sizes import Sizes, sizes_of
 from crackgrow.plan.text import plan_text
+from crackgrow.results import signs
 from crackgrow.run import grow
 
 Floats = NDArray[np.float64]
@@ -177,23 +178,19 @@ def test_the_picture_shows_what_acts(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["brazilian_disk", "compression30", "cyclic_friction", "flaw_and_hole"])
-def test_loads_and_supports_at_points_are_drawn_beside_each_other(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    arrows: list[tuple[Floats, Floats]] = []
-    signs: list[Floats] = []
-    monkeypatch.setattr(picture, "arrow", lambda axes, tail, head, colour: arrows.append((tail, head)))
-    monkeypatch.setattr(
-        picture, "triangle", lambda axes, point, outward, size, roller: signs.append(point + size * outward)
-    )
-    draw_scene(tmp_path / "scene.png", case := load_case(CASES / f"{name}.yaml"))
-    size = np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max()
+def test_loads_and_supports_at_points_are_drawn_beside_each_other(name: str) -> None:
+    case = load_case(CASES / f"{name}.yaml")
+    size = signs.size_of(case)
+    arrows = [mark for sign in signs.load_signs(case) for mark in sign.marks if isinstance(mark, signs.Arrow)]
+    triangles = [mark for sign in signs.support_signs(case) for mark in sign.marks if isinstance(mark, signs.Polygon)]
     along = np.linspace(0.0, 1.0, 21)[:, None]
-    across = [(tail, head) for tail, head in arrows if abs(head - tail)[1] > abs(head - tail)[0]]
+    across = [(a.tail, a.head) for a in arrows if abs(a.head - a.tail)[1] > abs(a.head - a.tail)[0]]
     assert len(across) >= 4  # of this and the other edge
+    assert triangles
     for tail, head in across:
-        for sign in signs:
-            assert np.hypot(*(tail + along * (head - tail) - sign).T).min() > 0.4 * picture.SIGN * size
+        for triangle in triangles:
+            base = triangle.corners[1:].mean(axis=0)
+            assert np.hypot(*(tail + along * (head - tail) - base).T).min() > 0.4 * signs.SIGN * size
 
 
 def test_the_picture_shows_cracks_and_what_holds_the_rock(tmp_path: Path) -> None:

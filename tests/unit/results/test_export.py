@@ -13,7 +13,7 @@ import pyvista
 from crackgrow import cli
 from crackgrow.cli.export import FORMATS as TOLD
 from crackgrow.results.export import FORMATS, _write, export, frame_mesh
-from crackgrow.results.folder import FolderError
+from crackgrow.results.folder import FolderError, RunFolder
 from crackgrow.results.vtk_frames import write_frame
 from tests.report_runs import make_run
 from tests.unit.results.synthetic import make_frame
@@ -97,7 +97,9 @@ def test_a_surface_that_shares_all_its_points_is_not_lost(tmp_path: Path) -> Non
     frame = make_frame()
     whole = replace(frame, triangles=frame.quads[:2, :3])
     write_frame(tmp_path / "a.vtu", whole, ("displacement",))
-    _write(tmp_path / "a.msh", frame_mesh(tmp_path / "a.vtu", ["rock"]), "msh")
+    grid = pyvista.read(tmp_path / "a.vtu")
+    assert isinstance(grid, pyvista.UnstructuredGrid)
+    _write(tmp_path / "a.msh", frame_mesh(grid, ["rock"]), "msh")
     mesh = meshio.read(tmp_path / "a.msh")
     corners = np.concatenate([whole.triangles.ravel(), whole.quads.ravel()])
     found = np.concatenate([block.data.ravel() for block in mesh.cells])
@@ -140,9 +142,10 @@ def test_bad_arguments_are_refused(capsys: pytest.CaptureFixture[str], arguments
 
 
 def test_a_damaged_frame_is_named(folder: Path, tmp_path: Path) -> None:
-    write_frame(tmp_path / "a.vtu", make_frame(), ())
-    grid = pyvista.read(tmp_path / "a.vtu")
+    path = tmp_path / "frames" / "step_0000.vtu"
+    write_frame(path, make_frame(), ())
+    grid = pyvista.read(path)
     grid.cell_data.clear()
-    grid.save(tmp_path / "a.vtu")
+    grid.save(path)
     with pytest.raises(FolderError, match="it has no cells of bodies; run the case again"):
-        frame_mesh(tmp_path / "a.vtu", ["rock"])
+        RunFolder(tmp_path).mesh()

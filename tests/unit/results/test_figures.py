@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
-from crackgrow.results import figures
+from crackgrow.results import field_picture, figures
 from crackgrow.results.load_point import LoadPoint
 from crackgrow.run.result import STICK
 from tests.unit.results.synthetic import HEIGHT, N_X, N_Y, WIDTH, make_case, make_frame, make_paths, make_result
@@ -43,13 +43,13 @@ def test_paths_figure_shows_every_advance_in_its_colour(tmp_path: Path) -> None:
 
 
 def test_sigma_1_figure_shows_the_field(tmp_path: Path) -> None:
-    figures.draw_sigma_1(tmp_path / "figures" / "a.png", make_case(), make_frame(), 3)
+    figures.draw_sigma_1(tmp_path / "figures" / "a.png", make_case(), replace(make_result(3), mesh=make_frame))
     assert inked_share(tmp_path / "figures" / "a.png") > 0.3
     assert n_colours(tmp_path / "figures" / "a.png") > 20
 
 
 def test_sigma_1_figure_of_a_body_at_rest(tmp_path: Path) -> None:
-    figures.draw_sigma_1(tmp_path / "a.png", make_case(), make_frame(0.0), 0)
+    figures.draw_sigma_1(tmp_path / "a.png", make_case(), replace(make_result(0), mesh=lambda: make_frame(0.0)))
     assert inked_share(tmp_path / "a.png") > 0.3
 
 
@@ -57,7 +57,7 @@ def test_sigma_1_figure_of_a_body_at_rest(tmp_path: Path) -> None:
 def test_magnification_draws_the_largest_displacement_as_four_percent(scale: float) -> None:
     frame = make_frame(scale)
     moved = frame.displacement + np.array([3.0, -1.0])  # a translation changes nothing
-    factor = figures.displayed_magnification(replace(frame, displacement=moved))
+    factor = field_picture.displayed_magnification(replace(frame, displacement=moved))
     largest = np.linalg.norm(frame.displacement - frame.displacement.mean(axis=0), axis=1).max()
     assert factor * largest / np.ptp(frame.points, axis=0).max() == pytest.approx(0.04, rel=0.05)  # two digits
 
@@ -71,8 +71,9 @@ def test_magnification_leaves_holes_their_shape() -> None:
     points, c = np.column_stack([x, y]), 1e-3
     closing = -c * points / np.maximum((points**2).sum(axis=1), 0.5)[:, None]
     frame = SimpleNamespace(points=points, displacement=closing, triangles=np.empty((0, 3), dtype=int), quads=quads)
-    factor = figures.displayed_magnification(frame)
-    assert figures.LARGEST_STRAIN / 2 < factor * c / 2 < figures.LARGEST_STRAIN * 1.5  # c / 2: at its corners
+    factor = field_picture.displayed_magnification(frame)
+    at_corners = factor * c / 2
+    assert field_picture.LARGEST_STRAIN / 2 < at_corners < field_picture.LARGEST_STRAIN * 1.5
 
 
 def white_rim(path: Path) -> bool:
@@ -87,7 +88,8 @@ def test_words_beside_a_colour_bar_have_room(stretch: tuple[float, float], tmp_p
     case = make_case()
     rings = [tuple(replace(ring, points=ring.points * stretch) for ring in body.rings) for body in case.bodies]
     bodies = tuple(replace(body, rings=mine) for body, mine in zip(case.bodies, rings, strict=True))
-    figures.draw_sigma_1(tmp_path / "a.png", case, replace(frame, points=frame.points * stretch), 3)
+    stretched = replace(frame, points=frame.points * stretch)
+    figures.draw_sigma_1(tmp_path / "a.png", case, replace(make_result(3), mesh=lambda: stretched))
     figures.draw_paths(tmp_path / "b.png", replace(case, bodies=bodies), make_paths(3))
     assert white_rim(tmp_path / "a.png")
     assert white_rim(tmp_path / "b.png")
@@ -111,27 +113,27 @@ def test_ticks_of_a_load_curve_do_not_overlap(size: float, tmp_path: Path, monke
 
 def test_boundary_edges_are_outline_and_both_crack_faces() -> None:
     frame = make_frame()
-    edges = figures.boundary_edges(frame)
+    edges = field_picture.boundary_edges(frame)
     # three inner nodes of the crack are double: four edges on either face
     assert len(edges) == 2 * (N_X + N_Y) + 2 * 4
 
 
 def test_colours_are_symmetrical_for_both_signs_and_ignore_outliers() -> None:
     values = np.concatenate([np.linspace(-1.0, 2.0, 1000), [1e9]])
-    norm, _ = figures.colours_of(values, np.ones(1001))
+    norm, _ = field_picture.colours_of(values, np.ones(1001))
     assert norm.vmin == -norm.vmax
     assert norm.vmax == pytest.approx(1.94, rel=1e-2)
-    norm, _ = figures.colours_of(np.linspace(1.0, 2.0, 101), np.ones(101))
+    norm, _ = field_picture.colours_of(np.linspace(1.0, 2.0, 101), np.ones(101))
     assert (norm.vmin, norm.vmax) == (pytest.approx(1.02, abs=0.011), pytest.approx(1.98, abs=0.011))
 
 
 def test_many_small_cells_at_a_tip_count_by_their_area() -> None:
     values = np.concatenate([np.linspace(1.0, 2.0, 1000), np.full(1000, 50.0)])
-    norm, _ = figures.colours_of(values, np.repeat([1.0, 1e-3], 1000))
+    norm, _ = field_picture.colours_of(values, np.repeat([1.0, 1e-3], 1000))
     assert norm.vmax == pytest.approx(1.98, rel=1e-2)
     frame = make_frame()
     for by_point in (False, True):
-        areas = figures.areas(frame, by_point=by_point)
+        areas = field_picture.areas(frame, by_point=by_point)
         assert len(areas) == len(frame.point_stress if by_point else frame.stress)
         assert areas.sum() == pytest.approx(WIDTH * HEIGHT)
 

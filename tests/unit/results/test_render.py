@@ -13,10 +13,10 @@ import pyvista
 from PIL import Image
 
 from crackgrow import cli
-from crackgrow.results import animation, render, view
+from crackgrow.results import animation, field_picture, render, view
 from crackgrow.results.atomic import OutputError
-from crackgrow.results.folder import FolderError
-from crackgrow.results.frame_files import frame_files, read_frame
+from crackgrow.results.drawn_frame import drawn_frame
+from crackgrow.results.folder import FolderError, RunFolder, open_run
 from tests.report_runs import make_run
 
 
@@ -67,7 +67,7 @@ def test_colour_scale_and_place_are_the_same_in_all_pictures(folder: Path, tmp_p
 
 
 def test_open_cracks_show_what_is_behind(folder: Path, tmp_path: Path) -> None:
-    behind = round(255 * float(render.BEHIND))
+    behind = round(255 * float(field_picture.BEHIND))
 
     def share_open(warp: float) -> float:
         *_, path = render.render(folder, warp=warp, size=(400, 560), out=tmp_path)
@@ -86,8 +86,8 @@ def test_other_fields_are_drawn(folder: Path, tmp_path: Path, field: str) -> Non
 
 
 def test_a_frame_reads_back_with_its_values(folder: Path) -> None:
-    files = frame_files(folder)
-    frames = {field: read_frame(3, files[3], field) for field in ("displacement", "sigma_1", "sigma_3", "stress_xy")}
+    run = open_run(folder)
+    frames = {field: drawn_frame(run, 3, field) for field in ("displacement", "sigma_1", "sigma_3", "stress_xy")}
     size = frames["displacement"]
     assert size.by_point
     np.testing.assert_allclose(size.values, np.hypot(*size.displacement.T), rtol=1e-6)
@@ -98,13 +98,14 @@ def test_a_frame_reads_back_with_its_values(folder: Path) -> None:
 
 def test_what_cells_alone_have_is_drawn_cell_by_cell(folder: Path, tmp_path: Path) -> None:
     """So it is with the stress of frames that have none at their points."""
-    files = frame_files(folder)
-    assert not read_frame(3, files[3], "energy_error").by_point
-    earlier = pyvista.read(files[3])
+    run = open_run(folder)
+    assert not drawn_frame(run, 3, "energy_error").by_point
+    earlier = run.mesh(3)
     for name in ("stress", "sigma_1", "sigma_3"):
         del earlier.point_data[name]
-    earlier.save(tmp_path / "earlier.vtu")
-    frame = read_frame(3, tmp_path / "earlier.vtu", "stress_xx")
+    (tmp_path / "frames").mkdir()
+    earlier.save(tmp_path / "frames" / "step_0003.vtu")
+    frame = drawn_frame(RunFolder(tmp_path), 3, "stress_xx")
     assert not frame.by_point
     np.testing.assert_array_equal(frame.values, earlier.cell_data["stress"][:, 0])
 
@@ -180,14 +181,14 @@ def test_view_without_a_display_says_what_to_do(folder: Path, monkeypatch: pytes
 def test_window_shows_the_displaced_specimen_of_the_step_on_its_slider(folder: Path) -> None:
     plotter = pyvista.Plotter(off_screen=True)
     view.fill(plotter, folder, "sigma_1", 100.0)
-    files = frame_files(folder)
+    run = open_run(folder)
 
     def height() -> float:
         low, high = plotter.actors["specimen"].bounds[2:4]
         return float(high - low)
 
     def drawn(step: int) -> float:
-        frame = read_frame(step, files[step], "sigma_1")
+        frame = drawn_frame(run, step, "sigma_1")
         return float(np.ptp(frame.points[:, 1] + 100.0 * frame.displacement[:, 1]))
 
     assert height() == pytest.approx(drawn(3))

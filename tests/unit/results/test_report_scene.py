@@ -8,63 +8,80 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
-from crackgrow.results.report import symbols
-from crackgrow.results.report.markup import Markup, tag, text
+from crackgrow.case import Case, load_case
+from crackgrow.results import signs
+from crackgrow.results.report.markup import tag, text
 from crackgrow.results.report.scene import describe_actions, step_colour
+from crackgrow.results.report.symbols import svg_of
 from crackgrow.results.report.view import view_of
 from crackgrow.results.units import LENGTHS, STRESSES, rounded, shown, unit_of
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
-EDGE = np.array([[0.0, 50.0], [100.0, 50.0]])
-UP = np.array([0.0, -1.0])  # the picture's y is downwards
 
 
-def heads(drawn: Markup) -> list[tuple[float, float]]:
-    """Points of the heads of arrows."""
-    found = re.findall(r'd="M([-\d.]+),([-\d.]+)L[^"]*" class="head"', drawn)
-    return [(float(x), float(y)) for x, y in found]
-
-
-def shafts(drawn: Markup) -> list[tuple[float, float]]:
-    """Tails of arrows."""
-    found = re.findall(r'd="M([-\d.]+),([-\d.]+)L[^"]*" class="shaft"', drawn)
-    return [(float(x), float(y)) for x, y in found]
+def loaded(traction: str) -> tuple[Case, list[signs.Arrow]]:
+    """The plate with one traction on its top, and the arrows of it."""
+    load = f"loads=[{{on: {{body: rock, edge: top}}, traction: {traction}}}]"
+    case = load_case(CASES / "compression30.yaml", [load])
+    (sign,) = signs.load_signs(case)
+    arrows = [mark for mark in sign.marks if isinstance(mark, signs.Arrow)]
+    return case, sorted(arrows, key=lambda arrow: float(arrow.tail[0]))
 
 
 def test_arrows_push_on_the_edge_or_pull_from_it() -> None:
-    pushing = symbols.arrows_along(EDGE, -3.0 * UP, UP)
-    assert [y for _, y in heads(pushing)] == [50.0] * 4
-    assert all(y == 50.0 - symbols.ARROW for _, y in shafts(pushing))
-    pulling = symbols.arrows_along(EDGE, 3.0 * UP, UP)
-    assert [y for _, y in shafts(pulling)] == [50.0] * 4
-    assert all(y == 50.0 - symbols.ARROW for _, y in heads(pulling))
-    assert [x for x, _ in heads(pulling)] == [12.5, 37.5, 62.5, 87.5]
+    for way in (-1, 1):
+        case, arrows = loaded(f"[0, {3 * way}]")
+        top, size = 0.0275, signs.size_of(case)
+        near = [(arrow.head if way < 0 else arrow.tail)[1] for arrow in arrows]
+        np.testing.assert_allclose(near, top + signs.GAP * size)
+        np.testing.assert_allclose([arrow.head - arrow.tail for arrow in arrows], [[0.0, way * signs.ARROW * size]] * 7)
+        np.testing.assert_allclose([arrow.tail[0] for arrow in arrows], 0.031 * (np.arange(7) - 3) / 7, atol=1e-15)
 
 
 def test_shear_runs_beside_the_edge_in_its_direction() -> None:
-    drawn = symbols.arrows_along(EDGE, np.array([2.0, 0.0]), UP)
-    assert {y for _, y in heads(drawn)} == {45.0}
-    assert all(head[0] - tail[0] == symbols.ARROW for head, tail in zip(heads(drawn), shafts(drawn), strict=True))
+    case, arrows = loaded("[2, 0]")
+    assert {round(arrow.tail[1] - 0.0275, 9) for arrow in arrows} == {round(signs.SHEAR_GAP * signs.size_of(case), 9)}
+    assert all(arrow.head[0] > arrow.tail[0] and arrow.head[1] == arrow.tail[1] for arrow in arrows)
+
+
+def test_arrows_are_as_long_as_a_traction_that_varies_is_large() -> None:
+    _, arrows = loaded('[0, "-1 - 20*(x + 15.5)/31"]')
+    lengths = np.array([arrow.tail[1] - arrow.head[1] for arrow in arrows])
+    assert (np.diff(lengths) > 0.0).all()
+    places = np.array([arrow.tail[0] for arrow in arrows])
+    expected = 1.0 + 20.0 * (places + 0.0155) / 0.031
+    np.testing.assert_allclose(lengths / lengths[-1], expected / expected[-1])
 
 
 @pytest.mark.parametrize("rolls", [True, False])
 def test_a_support_stands_outside_with_its_apex_at_the_point(rolls: bool) -> None:
-    drawn = symbols.triangle(np.array([10.0, 20.0]), np.array([0.0, 1.0]), rolls)
-    corners = re.search(r'd="M10\.00,20\.00L(.*?)Z" class="support"', drawn)
-    assert corners is not None
-    assert {float(pair.split(",")[1]) for pair in corners[1].split("L")} == {20.0 + symbols.TRIANGLE[0]}
-    assert ('class="hatch"' in drawn) != rolls
+    held = "{y: 0}" if rolls else "{x: 0, y: 0}"
+    first, other = f"at: [-15.5, -27.5], displacement: {held}", "at: [15.5, -27.5], displacement: {x: 0, y: 0}"
+    case = load_case(CASES / "compression30.yaml", [f"supports=[{{{first}}}, {{{other}}}]"])
+    sign, _ = signs.support_signs(case)
+    (triangle,) = (mark for mark in sign.marks if isinstance(mark, signs.Polygon))
+    np.testing.assert_allclose(triangle.corners[0], [-0.0155, -0.0275])
+    assert (triangle.corners[1:, 1] < -0.0275).all()
+    assert sum(isinstance(mark, signs.Circle) for mark in sign.marks) == (2 if rolls else 0)
 
 
-def test_view_keeps_proportions_and_goes_both_ways() -> None:
+@pytest.mark.parametrize("name", ["brazilian_disk", "slope_safety", "cyclic_friction", "two_flaws"])
+def test_signs_are_drawn_mark_by_mark(name: str) -> None:
+    case = load_case(CASES / f"{name}.yaml")
+    for sign in (*signs.support_signs(case), *signs.load_signs(case)):
+        drawn = svg_of(sign, view_of(case))
+        assert drawn.count('class="head"') == sum(isinstance(mark, signs.Arrow) for mark in sign.marks)
+        assert drawn.count("<circle") == sum(isinstance(mark, signs.Circle) for mark in sign.marks)
+        assert f"<title>{text(sign.title)}</title>" in drawn
+        assert "nan" not in drawn
+
+
+def test_view_keeps_proportions() -> None:
     case = load_case(CASES / "compression30.yaml")
-    view = view_of(case)
-    corners = view.pixels(case.bodies[0].outline)
+    corners = view_of(case).pixels(case.bodies[0].outline)
     width, height = np.ptp(corners, axis=0)
     assert width / height == pytest.approx(31 / 55)
     assert corners[0, 1] > corners[2, 1]  # the first corner is at the bottom, further down in the picture
-    np.testing.assert_allclose(view.metres(corners), case.bodies[0].outline, atol=1e-12)
 
 
 def test_actions_are_told_in_words() -> None:

@@ -9,29 +9,29 @@ from pathlib import Path
 import matplotlib as mpl
 import pytest
 
-import crackgrow
-from crackgrow.case import load_case
+from crackgrow.case import Case, load_case
+from crackgrow.plan.picture import draw_scene
 from crackgrow.results import figures
 from crackgrow.results.load_point import load_point
 from crackgrow.results.style import own_style
 from tests.properties.broken_off import CASES, ENVIRONMENT, command, finished
-from tests.unit.results.synthetic import make_case, make_frame, make_paths, make_result
+from tests.unit.results.synthetic import make_case, make_paths, make_result
 
 NO_FORMULA = r"$\frac{1}{0$ & <b> $_$"
 ODD = {"font.family": ["cursive"], "font.size": 30.0, "lines.linewidth": 9.0, "figure.facecolor": "black",
        "axes.grid": True, "savefig.dpi": 20.0, "text.usetex": True, "figure.autolayout": True}  # fmt: skip
 DRAWN: dict[str, Callable[[Path], None]] = {
     "paths": lambda path: figures.draw_paths(path, odd_case(), make_paths(2)),
-    "sigma_1": lambda path: figures.draw_sigma_1(path, odd_case(), make_frame(), 1),
+    "sigma_1": lambda path: figures.draw_sigma_1(path, odd_case(), make_result(1)),
     "contact": lambda path: figures.draw_contact(path, odd_case(), make_result(1)),
     "load curve": lambda path: figures.draw_load_curve(
         path, odd_case(), [load_point(make_result(k, load_factor=1.0 + k)) for k in range(3)]
     ),
-    "scene": lambda path: crackgrow.draw_scene(path, odd_case()),
+    "scene": lambda path: draw_scene(path, odd_case()),
 }
 
 
-def odd_case() -> crackgrow.Case:
+def odd_case() -> Case:
     case = load_case(CASES / "compression30.yaml", ["numerics.spacing=3"])
     crack = replace(case.cracks[0], name=NO_FORMULA)
     return replace(make_case(), title=NO_FORMULA, bodies=case.bodies, cracks=(crack,))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from crackgrow.results import tables
+from crackgrow.results.folder import table_of
 from tests.unit.results.synthetic import make_event, make_paths, make_result
 
 
@@ -145,3 +146,11 @@ def test_rows_are_appended_and_a_file_that_is_gone_or_changed_in_its_last_row_is
     table.extend([(6, 7.5)])
     table.write()
     assert path.read_text() == "x,y\n1,2.5\n3,5.5\n6,7.5\n"
+
+
+def test_a_whole_table_reads_back_and_has_no_nan() -> None:
+    rows = [("a, b", 0.1, 3), ('say "so"', float("nan"), None), ("", 1e-300, True)]
+    table = table_of(tables.csv_text(("name", "value", "count"), rows), Path("table.csv"))
+    assert table.words("name") == ["a, b", 'say "so"', ""]
+    assert table.words("value") == ["0.1", "", "1e-300"]
+    assert table.words("count") == ["3", "", "true"]

@@ -252,6 +252,7 @@ def test_where_no_load_is_critical_the_run_arrests_and_says_so(factors: list[flo
     assert len(results) == 1
     assert end.status == "arrested"
     assert end.reason == f"step 0: {critical_load.NEVER_CRITICAL}"
+    assert end.reason.endswith("strength grows with them: `held: true` leaves such a load as it is")
     assert any(critical_load.NEVER_CRITICAL in warning for warning in results[0].warnings)
     assert not any(tip.advanced for tip in results[0].tips)
     assert len(factors) <= 2 + MOST_SOLVES

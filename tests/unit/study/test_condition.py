@@ -11,7 +11,7 @@ from crackgrow.case.model import EdgeSupport
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.supports import constraints
-from crackgrow.study.stability.condition import condition_estimate
+from crackgrow.study.invariance.condition import condition_estimate
 from tests.conftest import Build, Sample
 
 

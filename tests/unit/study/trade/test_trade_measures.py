@@ -9,23 +9,24 @@ import numpy as np
 import pytest
 
 from crackgrow.errors import CaseError
+from crackgrow.results.folder import TextTable
 from crackgrow.study.trade.measures import K_errors, check_results, contact_errors, errors_of
 
-Records = list[dict[str, str]]
+
+def table(columns: str, *rows: tuple[str | float, ...]) -> TextTable:
+    names = columns.split()
+    return TextTable(Path("table.csv"), {name: [str(row[i]) for row in rows] for i, name in enumerate(names)})
 
 
-def tips(*K: tuple[float, float]) -> Records:
-    return [{"crack": f"c{i}", "tip": "end", "K_I": repr(K_I), "K_II": repr(K_II)} for i, (K_I, K_II) in enumerate(K)]
+def tips(*K: tuple[float, float]) -> TextTable:
+    return table("crack tip K_I K_II", *((f"c{i}", "end", *both) for i, both in enumerate(K)))
 
 
-def contact(s: np.ndarray, scale: float = 1.0, shift: float = 0.0) -> Records:
+def contact(s: np.ndarray, scale: float = 1.0, shift: float = 0.0) -> TextTable:
     """A pressure of 3, a shear of 4 and an elliptic slip, on a face of length 2; `shift` is added to the pressure."""
     slip = scale * np.sqrt(np.maximum(s * (2 - s), 0.0))
-    return [
-        {"crack": "flaw", "s": repr(float(x)), "normal_traction": repr(-3.0 + shift),
-         "tangential_traction": repr(4.0), "slip": repr(float(y))}
-        for x, y in zip(s, slip, strict=True)
-    ]  # fmt: skip
+    rows = [("flaw", x, -3.0 + shift, 4.0, y) for x, y in zip(s.tolist(), slip.tolist(), strict=True)]
+    return table("crack s normal_traction tangential_traction slip", *rows)
 
 
 def test_K_errors_are_relative_to_the_largest_K():
@@ -38,7 +39,7 @@ def test_K_II_without_a_size_has_no_relative_error():
     K_error, K_II_error = K_errors(tips((2.2, 1e-4)), tips((2.0, 2e-4)))
     assert K_error == pytest.approx(0.1, rel=1e-6)
     assert math.isnan(K_II_error)
-    assert all(map(math.isnan, K_errors([], tips((1.0, 1.0)))))
+    assert all(map(math.isnan, K_errors(tips(), tips((1.0, 1.0)))))
 
 
 def test_contact_errors_do_not_depend_on_where_the_points_lie():
@@ -54,7 +55,7 @@ def test_equal_results_have_no_error_and_a_single_point_counts():
     assert contact_errors(points, points) == (0.0, 0.0, 0.0)
     one = contact(np.array([1.0]), scale=1.5)
     assert contact_errors(one, points)[2] == pytest.approx(0.5, rel=0.05)
-    assert all(map(math.isnan, contact_errors([], points)))
+    assert all(map(math.isnan, contact_errors(contact(np.empty(0)), points)))
 
 
 def results(folder: Path, end: tuple[float, float], *, steps: int = 2) -> Path:

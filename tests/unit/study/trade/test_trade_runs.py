@@ -140,9 +140,9 @@ def test_trade_of_which_nothing_is_solved_is_told_by_its_exit_code(tmp_path: Pat
         row_of(Run(Setting(name, ()), None, Cost(status, "", 1.0, 1.0, (), (), 1.0), tmp_path))
         for name, status in (("reference", "completed"), ("spacing=5", "unsolved"))
     ]
-    monkeypatch.setattr("crackgrow.plan_trade", lambda *_, **__: plan)
+    monkeypatch.setattr("crackgrow.study.trade.plan.plan_trade", lambda *_, **__: plan)
     for given, code in ((rows, 3), (rows[:1], 0)):
-        monkeypatch.setattr("crackgrow.trade", lambda *_, given=given, **__: iter(given))
+        monkeypatch.setattr("crackgrow.study.trade.runner.trade", lambda *_, given=given, **__: iter(given))
         assert cli.main(["trade", str(FLAW), "--out", str(tmp_path)]) == code
 
 

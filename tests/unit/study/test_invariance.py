@@ -1,10 +1,10 @@
-"""The study of extremes: one bad row ends itself alone, verdicts, files, what the command line says."""
+"""What must not change: one bad row ends itself alone, verdicts, what the command line says."""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Iterator
-from dataclasses import fields, replace
+import json
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +16,11 @@ from crackgrow.case.model import Case, ContactSupport, EdgeTraction
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE
 from crackgrow.errors import SolveError
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.study.stability import runner
-from crackgrow.study.stability.measures import everything, overall
-from crackgrow.study.stability.placed import mirrored, moved, placed, scaled, turned
-from crackgrow.study.stability.scenes import Scenes
-from crackgrow.study.stability.solved import Solved, solved
-from crackgrow.study.stability.table import COLUMNS, csv_text, summary_text
-from crackgrow.study.stability.trial import Row, Trial, evaluate
-from crackgrow.study.stability.writer import write_stability
+from crackgrow.study.invariance.axes import invariance
+from crackgrow.study.invariance.measures import everything, overall
+from crackgrow.study.invariance.placed import mirrored, moved, placed, scaled, turned
+from crackgrow.study.invariance.solved import Solved, solved
+from crackgrow.study.invariance.trial import Row, Trial, evaluate, record_of
 
 ROOT = Path(__file__).parents[3]
 CASES = ROOT / "cases"
@@ -102,62 +99,27 @@ def test_what_is_raised_ends_its_own_row_alone(flaw: Solved) -> None:
     assert (crashed.status, crashed.reason, crashed.verdict) == ("crashed", "ZeroDivisionError: a bug", "NO")
 
 
-def test_csv_has_every_row_and_no_nan() -> None:
-    lines = list(csv.DictReader(csv_text([row(), row(float("nan"), "refused")]).splitlines()))
-    assert [line["verdict"] for line in lines] == ["yes", "NO"]
-    assert [line["deviation"] for line in lines] == ["0.0001", ""]
-    assert float(lines[0]["condition"]) == 1e5
+def test_a_NO_is_the_exit_code(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    case = str(CASES / "compression30.yaml")
+    for rows, code in (([row()], EXIT_DONE), ([row(), row(2e-3)], EXIT_DIFFERENT)):
+        monkeypatch.setattr("crackgrow.study.invariance.axes.invariance", lambda case, rows=rows: iter(rows))
+        assert cli.main(["check", case, "--set", "numerics.spacing=3", "--invariance"]) == code
+        assert capsys.readouterr().out.count("deviation 0.00") == len(rows)
+        assert cli.main(["check", case, "--set", "numerics.spacing=3", "--invariance", "--json"]) == code
+        told = json.loads(capsys.readouterr().out)["invariance"]
+        assert [line["verdict"] for line in told] == [one.verdict for one in rows]
 
 
-def test_summary_counts_axis_by_axis() -> None:
-    rows = [row(), row(2e-3, "warned", value="2"), row(2e-3, value="3"), row(axis="b")]
-    first, second = (line.split(" | ") for line in summary_text(rows).splitlines()[2:])
-    assert first[:4] == ["| a", "1 ... 3", "0.0001", "0.001"]
-    assert first[-3:] == ["1", "1", "1 |"]
-    assert second[-3:] == ["1", "0", "0 |"]
+def test_a_row_in_JSON_has_no_nan() -> None:
+    assert record_of(row(float("nan"), "refused"))["deviation"] is None
+    assert record_of(row())["deviation"] == 1e-4
 
 
-def test_files_are_written(tmp_path: Path) -> None:
-    write_stability(tmp_path / "new", [row(), row(float("nan"), "refused"), row(axis="b")])
-    assert sorted(path.name for path in (tmp_path / "new").iterdir()) == [
-        "stability.csv",
-        "stability.md",
-        "stability.png",
-    ]
-    assert "why / not" in (tmp_path / "new" / "stability.md").read_text(encoding="utf-8")
-
-
-def test_all_that_is_known_of_a_row_is_a_column() -> None:
-    assert set(COLUMNS) == {field.name for field in fields(Row)} - {"refusable"} | {"verdict"}
-
-
-def test_a_NO_is_the_exit_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, flaw: Solved) -> None:
-    monkeypatch.chdir(ROOT)
-    deviation = {"good": 1e-4, "bad": 1.0}
-
-    def axis(name: str) -> Callable[[Scenes], Iterator[Trial]]:
-        return lambda _: iter(
-            [trial(lambda: flaw, deviation[name], flaw), trial(crashes, 0.0, flaw)][: 2 - (name == "good")]
-        )
-
-    monkeypatch.setattr(runner, "AXES", {name: axis(name) for name in deviation})
-    assert cli.main(["stability", "--axis", "good", "--out", str(tmp_path)]) == EXIT_DONE
-    assert cli.main(["stability", "--out", str(tmp_path)]) == EXIT_DIFFERENT
-    assert (tmp_path / "stability.csv").read_text(encoding="utf-8").count("\n") == 4
-
-
-def test_unknown_axis_is_a_fault(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)
-    assert cli.main(["stability", "--axis", "young", "joung"]) == 2
-    assert "--axis: joung: no such axis here; there are stiffness, friction" in capsys.readouterr().err
-
-
-def test_scenes_that_are_not_there_are_a_fault(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert cli.main(["stability"]) == 2
-    assert "compression30.yaml: no such file: run in the folder that holds `cases`" in capsys.readouterr().err
+@pytest.mark.parametrize(("name", "spacing"), [("interface_friction01", 0.2), ("block_rigid", 0.25)])
+def test_shipped_cases_are_the_same_in_other_units_and_places(name: str, spacing: float) -> None:
+    rows = list(invariance(load_case(CASES / f"{name}.yaml", [f"numerics.spacing={spacing}"])))
+    assert {found.axis for found in rows} == {"balance", "units", "lattice", "scene"}
+    assert {found.verdict for found in rows} == {"yes"}
 
 
 @pytest.mark.parametrize("name", ["compression30", "block_rigid", "interface_friction01", "junction_static"])

@@ -15,7 +15,7 @@ from crackgrow.run.loading import load
 from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.study.stability.placed import Placement, placed, scaled
+from crackgrow.study.invariance.placed import Placement, placed, scaled
 
 
 @dataclass(frozen=True, slots=True, eq=False)

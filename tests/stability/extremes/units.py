@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import product
 
-from crackgrow.study.stability.measures import against, everything
-from crackgrow.study.stability.placed import Placement, scaled
-from crackgrow.study.stability.scenes import Scenes
-from crackgrow.study.stability.solved import solved_placed
-from crackgrow.study.stability.trial import Trial
+from crackgrow.study.invariance.axes import COMPARED, TOLERANCE
+from crackgrow.study.invariance.measures import against, everything
+from crackgrow.study.invariance.placed import Placement, scaled
+from crackgrow.study.invariance.solved import solved_placed
+from crackgrow.study.invariance.trial import Trial
+from tests.stability.extremes.scenes import Scenes
 
 YOUNG, STRESS, WIDTH = 10e9, 100e6, 31e-3
 """Pa, Pa, m: modulus, load and width of the flaw's specimen as they are."""
 
-TOLERANCE = 1e-8
-
-COMPARED = "K, tractions, jumps, states, tip stress, criticality, energies over their units"
 FRICTION = "cracks.flaw.contact.friction=0.3"
 
 

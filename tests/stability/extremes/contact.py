@@ -9,10 +9,11 @@ from math import radians, tan
 import numpy as np
 
 from crackgrow.case.checks import STIFFEST_GAUSS
-from crackgrow.study.stability.measures import K_II_against, Measure, against, uniform
-from crackgrow.study.stability.scenes import Scenes
-from crackgrow.study.stability.solved import Solved
-from crackgrow.study.stability.trial import Trial
+from crackgrow.study.invariance.measures import Measure, against
+from crackgrow.study.invariance.solved import Solved
+from crackgrow.study.invariance.trial import Trial
+from tests.stability.extremes.measures import K_II_against, uniform
+from tests.stability.extremes.scenes import Scenes
 
 STRESS = 100e6
 """Pa: the flaw's load."""

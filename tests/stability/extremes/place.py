@@ -11,24 +11,21 @@ import numpy as np
 
 from crackgrow.case.model import Case, PointSupport
 from crackgrow.run.scene import make_scene
-from crackgrow.study.stability.measures import K_II_against, against, overall, stress_intensity, uniform
-from crackgrow.study.stability.placed import Placement, mirrored, moved, placed, turned
-from crackgrow.study.stability.scenes import COARSE, USUAL, Scenes
-from crackgrow.study.stability.solved import Solved, solved, solved_placed
-from crackgrow.study.stability.trial import Trial
+from crackgrow.study.invariance.axes import LATTICE_TOLERANCE, OVERALL, PLACED_TOLERANCE
+from crackgrow.study.invariance.measures import against, overall, stress_intensity
+from crackgrow.study.invariance.placed import Placement, mirrored, moved, placed, turned
+from crackgrow.study.invariance.solved import Solved, solved, solved_placed
+from crackgrow.study.invariance.trial import Trial
+from tests.stability.extremes.measures import K_II_against, uniform
+from tests.stability.extremes.scenes import COARSE, USUAL, Scenes
 
 STRESS, HALF_LENGTH, ANGLE = 100e6, 5e-3, 30.0  # Pa, m, degrees: of the flaw as it is
 
-LATTICE_TOLERANCE = 1e-2
+
 WIDE_TOLERANCE = 2e-2
 """K in a plate of ten times the crack's length, by that in an infinite one: 1 % is the plate's."""
 
-PLACED_TOLERANCE = 1e-3
-"""In another direction polygons fall into other triangles: the noise of quadrature."""
-
 STICK_TOLERANCE = 1e-6
-
-OVERALL = "K, displacement, energies, forces"
 
 WIDTH = 100.0  # mm: ten times the flaw
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Literal
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.study.stability.condition import condition_estimate
-from crackgrow.study.stability.solved import Solved
+from crackgrow.study.invariance.condition import condition_estimate
+from crackgrow.study.invariance.solved import Solved
 
 NAN = float("nan")
 
@@ -79,3 +80,23 @@ def evaluate(trial: Trial) -> Row:
         trial.axis, trial.value, trial.compared, deviation, trial.tolerance, condition, iterations, residual, status,
         trial.refusable, " ".join(reason.split()), seconds,
     )  # fmt: skip
+
+
+def line_of(row: Row) -> str:
+    """A row on a line of the terminal."""
+    return (
+        f"{row.verdict:4}  {row.axis:20} {row.value:28} {row.status:8} deviation {number(row.deviation):8} "
+        f"of {number(row.tolerance):8} condition {number(row.condition):8} {row.seconds:5.1f} s"
+    ).rstrip()
+
+
+def record_of(row: Row) -> dict[str, object]:
+    """A row in what JSON can hold: null where there is no number."""
+    cells = {**asdict(row), "verdict": row.verdict}
+    absent = [key for key, value in cells.items() if isinstance(value, float) and not math.isfinite(value)]
+    return cells | dict.fromkeys(absent)
+
+
+def number(value: float) -> str:
+    """Two digits; empty where there is no number."""
+    return f"{value:.2g}" if math.isfinite(value) else ""

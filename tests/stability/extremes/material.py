@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from itertools import product
 
 from crackgrow.case.checks import LARGEST_POISSON
-from crackgrow.study.stability.measures import against, balanced, contact_tractions, stress_intensity
-from crackgrow.study.stability.scenes import FOUNDATION, RIGID, Scenes
-from crackgrow.study.stability.trial import Trial
+from crackgrow.study.invariance.measures import against, balanced, stress_intensity
+from crackgrow.study.invariance.trial import Trial
+from tests.stability.extremes.measures import contact_tractions
+from tests.stability.extremes.scenes import FOUNDATION, RIGID, Scenes
 
 K_TOLERANCE = 1e-2
 

@@ -10,13 +10,12 @@ from typing import TypeVar
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.study.stability.solved import Solved, solved
+from crackgrow.study.invariance.solved import Solved, solved
 
 T = TypeVar("T")
 
-FLAW = Path("cases/compression30.yaml")
-FOUNDATION = Path("cases/block_foundation.yaml")
-RIGID = Path("cases/block_rigid.yaml")
+CASES = Path(__file__).resolve().parents[3] / "cases"
+FLAW, FOUNDATION, RIGID = (CASES / f"{name}.yaml" for name in ("compression30", "block_foundation", "block_rigid"))
 
 COARSE, USUAL = 3.0, 1.5  # mm, spacings of the flaw's lattice
 
@@ -48,10 +47,6 @@ class Scenes:
     def usual_case(self, path: Path, *settings: str) -> Callable[[], Solved]:
         """The same, kept."""
         return partial(self._keep, (path, *settings), self.solved_case(path, *settings))
-
-    def usual(self, case: Case) -> Callable[[], Solved]:
-        """A case as it is, kept."""
-        return partial(self._keep, (case,), lambda: solved(case))
 
     def few(self, values: tuple[T, ...], short: tuple[T, ...]) -> tuple[T, ...]:
         """The values of an axis."""

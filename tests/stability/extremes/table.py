@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
 from typing import Final
 
+from crackgrow.results import tables
 from crackgrow.results.declarations import Column, File
-from crackgrow.study.stability.trial import Row
+from crackgrow.study.invariance.trial import Row, number
 
 FILE: Final = File(
     "stability.csv",
-    "a row for each scene that `crackgrow stability` has taken to an extreme; `stability.md` is the same for reading, "
+    "a row for each scene that `make stability` has taken to an extreme; `stability.md` is the same for reading, "
     "`stability.png` draws it",
     (
         Column("axis", "", "what is taken to extremes"),
@@ -42,12 +41,7 @@ Line = tuple[str, ...]
 
 def csv_text(rows: Sequence[Row]) -> str:
     """All rows; numbers with all their digits, nothing where there is none."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for row in rows:
-        writer.writerow([_plain(getattr(row, name)) for name in COLUMNS])
-    return out.getvalue()
+    return tables.csv_text(COLUMNS, ([getattr(row, name) for name in COLUMNS] for row in rows))
 
 
 def markdown_text(rows: Sequence[Row]) -> str:
@@ -58,8 +52,8 @@ def markdown_text(rows: Sequence[Row]) -> str:
     )  # fmt: skip
     lines = [
         (
-            row.axis, row.value, row.compared, _number(row.deviation), _number(row.tolerance), _number(row.condition),
-            str(row.iterations) if row.iterations >= 0 else "", _number(row.residual), row.status,
+            row.axis, row.value, row.compared, number(row.deviation), number(row.tolerance), number(row.condition),
+            str(row.iterations) if row.iterations >= 0 else "", number(row.residual), row.status,
             f"{row.seconds:.1f}", row.verdict, _shortened(row.reason),
         )
         for row in rows
@@ -95,14 +89,6 @@ def summary_text(rows: Sequence[Row]) -> str:
     return _table(head, lines)
 
 
-def stability_line(row: Row) -> str:
-    """A row on a line of the terminal."""
-    return (
-        f"{row.verdict:4}  {row.axis:20} {row.value:28} {row.status:8} deviation {_number(row.deviation):8} "
-        f"of {_number(row.tolerance):8} condition {_number(row.condition):8} {row.seconds:5.1f} s"
-    ).rstrip()
-
-
 def _table(head: Line, lines: Sequence[Line]) -> str:
     cells = [head, tuple("---" for _ in head), *lines]
     return "".join(f"| {' | '.join(cell.replace('|', '/') for cell in line)} |\n" for line in cells)
@@ -110,20 +96,12 @@ def _table(head: Line, lines: Sequence[Line]) -> str:
 
 def _largest(values: Sequence[float]) -> str:
     found = [value for value in values if math.isfinite(value)]
-    return _number(max(found)) if found else ""
+    return number(max(found)) if found else ""
 
 
 def _range(values: Sequence[float]) -> str:
-    low, high = _number(min(values)), _number(max(values))
+    low, high = number(min(values)), number(max(values))
     return low if low == high else f"{low} ... {high}"
-
-
-def _number(value: float) -> str:
-    return f"{value:.2g}" if math.isfinite(value) else ""
-
-
-def _plain(value: object) -> object:
-    return "" if isinstance(value, float) and math.isnan(value) else value
 
 
 def _shortened(text: str) -> str:

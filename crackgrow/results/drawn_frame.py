@@ -1,0 +1,87 @@
+"""A frame of a run with one of its fields, as arrays that pictures are drawn from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.results.folder import FolderError, RunFolder
+from crackgrow.results.stress import principal_stresses
+from crackgrow.results.units import LENGTHS, STRESSES, Unit, unit_of
+from crackgrow.run.result import Frame
+
+if TYPE_CHECKING:
+    import pyvista
+
+VTK_TRIANGLE, VTK_QUAD = 5, 9  # kinds of cells
+COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")  # as they come in a frame's stress
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnFrame:
+    """The specimen's mesh with one field on it. Cells: triangles first, then quads."""
+
+    step: int
+    points: Floats  # (n, 2) m
+    triangles: Ints  # (t, 3)
+    quads: Ints  # (q, 4)
+    displacement: Floats  # (n, 2) m
+    values: Floats  # (n,) by point, or (t + q,) by cell; SI units
+    by_point: bool
+
+
+def drawn_frame(run: RunFolder, step: int, field: str) -> DrawnFrame:
+    """The frame of a step with one of its fields; raises FolderError where it has no such field."""
+    grid = run.mesh(step)
+    if "displacement" not in grid.point_data:
+        raise FolderError(f"{run.frames[step]} has no displacement to draw: run the case with it among output.fields")
+    fields = _fields(grid)
+    if field not in fields:
+        raise FolderError(f"{run.frames[step]} has no field {field!r}; it has {', '.join(fields)}")
+    by_point, values = fields[field]
+    return DrawnFrame(
+        step=step,
+        points=np.asarray(grid.points[:, :2], dtype=float),
+        triangles=_cells(grid, VTK_TRIANGLE, 3),
+        quads=_cells(grid, VTK_QUAD, 4),
+        displacement=np.asarray(grid.point_data["displacement"][:, :2], dtype=float),
+        values=values,
+        by_point=by_point,
+    )
+
+
+def frame_with_sigma_1(frame: Frame, step: int) -> DrawnFrame:
+    """The frame of a run that goes on, with the major principal stress in the plane."""
+    sigma_1, _ = principal_stresses(frame.point_stress)
+    return DrawnFrame(step, frame.points, frame.triangles, frame.quads, frame.displacement, sigma_1, by_point=True)
+
+
+def field_unit(field: str, values: Floats) -> Unit:
+    """The unit in which values of a field are read easily; without a name for pure numbers."""
+    if field == "displacement":
+        return unit_of(values.tolist(), LENGTHS)
+    return unit_of(values.tolist(), STRESSES) if field.startswith(("sigma_", "stress_")) else (1.0, "")
+
+
+def _cells(grid: pyvista.UnstructuredGrid, kind: int, n_corners: int) -> Ints:
+    """Corners (n, n_corners) of the cells of a kind."""
+    return np.asarray(dict(grid.cells_dict).get(np.uint8(kind), []), dtype=np.int64).reshape(-1, n_corners)
+
+
+def _fields(grid: pyvista.UnstructuredGrid) -> dict[str, tuple[bool, Floats]]:
+    """Whether a field is one of points, and its values: the size of vectors, the components of stress one by one.
+
+    What both points and cells have is taken from the points; earlier versions wrote stress for cells alone.
+    """
+    found: dict[str, tuple[bool, Floats]] = {}
+    for by_point, data in ((True, grid.point_data), (False, grid.cell_data)):
+        fields = {"displacement": np.linalg.norm(data["displacement"], axis=1)} if by_point else {}
+        if "stress" in data:
+            fields |= zip(COMPONENTS, data["stress"].T, strict=False)
+        fields |= {name: data[name] for name in data if data[name].ndim == 1}
+        for name, values in fields.items():
+            found.setdefault(name, (by_point, np.asarray(values, dtype=float)))
+    return found
