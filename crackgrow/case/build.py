@@ -12,11 +12,11 @@ from crackgrow.case.model import (
     ContactSupport,
     CoulombContact,
     Crack,
-    CrackPressure,
     CriticalLoad,
     EdgeSupport,
     EdgeTraction,
     FacePoint,
+    FluidPressure,
     Gravity,
     Growth,
     HistoryPoint,
@@ -127,12 +127,14 @@ def _load(scene: Scene, index: int, load: Resolved) -> Load:
     if "gravity" in load:
         return Gravity(load["body"], tuple(load["gravity"]), held)
     if "pressure" in load:
-        return CrackPressure(load["crack"], component_of(load["pressure"]), held)
+        surface = load["crack"] if "crack" in load else tuple(load["interface"])
+        return FluidPressure(surface, component_of(load["pressure"]), held)
     if "force" in load:
         key = ("loads", index, "at")
         return PointForce(scene.holders[key], scene.places[key], tuple(load["force"]), held)
     if "stress" in load:
-        return InSituStress(load["body"], tuple(load["stress"]), held)
+        xx, yy, xy = (component_of(component) for component in load["stress"])
+        return InSituStress(load["body"], (xx, yy, xy), held)
     x, y = (component_of(component) for component in load["traction"])
     return EdgeTraction(scene.regions["loads", index, "on"], (x, y), held)
 

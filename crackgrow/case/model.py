@@ -159,20 +159,20 @@ class Gravity:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CrackPressure:
-    """Pressure of a fluid on both faces of a crack."""
+class FluidPressure:
+    """Pressure of a fluid on both faces of a crack or of an interface."""
 
-    crack: str
+    surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
     pressure: Component  # Pa, positive pushes the faces apart
     held: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InSituStress:
-    """Uniform stress that a body holds before anything displaces."""
+    """Stress that a body holds before anything displaces."""
 
     body: str
-    stress: tuple[float, float, float]  # Pa: xx, yy, xy
+    stress: tuple[Component, Component, Component]  # Pa: xx, yy, xy
     held: bool = False
 
 
@@ -187,7 +187,7 @@ class PointForce:
 
 
 Support = PointSupport | EdgeSupport | ContactSupport
-Load = EdgeTraction | Gravity | CrackPressure | InSituStress | PointForce
+Load = EdgeTraction | Gravity | FluidPressure | InSituStress | PointForce
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -292,7 +292,7 @@ LOAD: Final = OneOf(
         Mapping(
             {
                 "body": _BODY_NAME,
-                "stress": Field(ListOf(Quantity("stress"), 3), "in-situ stress, [xx, yy, xy]"),
+                "stress": Field(ListOf(OrFormula("stress"), 3), "in-situ stress, [xx, yy, xy]"),
                 "held": _HELD,
             }
         ),
@@ -301,6 +301,13 @@ LOAD: Final = OneOf(
                 "at": Field(POINT, "a point, [x, y]"),
                 "force": Field(ListOf(Quantity("force"), 2), "force per thickness, [x, y]"),
                 "body": _OF_BODY,
+                "held": _HELD,
+            }
+        ),
+        Mapping(
+            {
+                "interface": Field(ListOf(Text(), 2), "names of two bodies with an interface that is not bonded"),
+                "pressure": Field(OrFormula("stress"), "pressure of a fluid on both faces"),
                 "held": _HELD,
             }
         ),

@@ -22,10 +22,10 @@ from crackgrow.case.model import (
     Component,
     ContactSupport,
     Crack,
-    CrackPressure,
     EdgeRegion,
     EdgeSupport,
     EdgeTraction,
+    FluidPressure,
     Gravity,
     InSituStress,
     PointForce,
@@ -34,7 +34,7 @@ from crackgrow.case.model import (
 from crackgrow.cover.squares import QUANTA
 from crackgrow.plan.glyphs import GIVEN, LOAD, arrow, beside, dimension, hatch, label, rollers, triangle
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.overview import component_text, length_unit, stress_text
+from crackgrow.results.overview import component_text, length_unit, lines_of
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.configuration import first_cells
 from crackgrow.run.scene import make_scene
@@ -205,9 +205,8 @@ def _draw_loads(axes: Axes, case: Case, size: float) -> None:
             way = np.array(load.acceleration) / max(float(np.hypot(*load.acceleration)), 1e-300)
             arrow(axes, middle, middle + ARROW * size * way, LOAD)
             label(axes, middle + 1.3 * ARROW * size * way, f"g = {np.hypot(*load.acceleration):g} m/s²{held}", LOAD)
-        elif isinstance(load, CrackPressure):
-            crack = next(crack for crack in case.cracks if crack.name == load.crack)
-            place = crack.points.mean(axis=0) - [0.0, 0.06 * size]
+        elif isinstance(load, FluidPressure):
+            place = np.concatenate(lines_of(case, load.surface)).mean(axis=0) - [0.0, 0.06 * size]
             label(axes, place, f"p = {component_text(load.pressure)}{held}", LOAD)
         elif isinstance(load, PointForce):
             force = np.array(load.force)
@@ -215,7 +214,7 @@ def _draw_loads(axes: Axes, case: Case, size: float) -> None:
             arrow(axes, load.point - way, load.point, LOAD)
             label(axes, load.point - 1.3 * way, f"F = {np.hypot(*force):g} N/m{held}", LOAD)
         elif isinstance(load, InSituStress):
-            values = ", ".join(stress_text(value) for value in load.stress)
+            values = ", ".join(component_text(value) for value in load.stress)
             notes.append(f"in-situ stress xx, yy, xy in {load.body}: {values}{held}")
     if notes:
         axes.text(

@@ -18,10 +18,10 @@ from crackgrow.case.model import (
     ContactSupport,
     CoulombContact,
     Crack,
-    CrackPressure,
     CriticalLoad,
     EdgeSupport,
     EdgeTraction,
+    FluidPressure,
     Gravity,
     Growth,
     InSituStress,
@@ -139,8 +139,8 @@ def _loads(case: Case) -> str:
         held = " (held)" if load.held else ""
         if isinstance(load, Gravity):
             words.append(f"gravity on {load.body}{held}")
-        elif isinstance(load, CrackPressure):
-            words.append(f"pressure {component_text(load.pressure)} in {load.crack}{held}")
+        elif isinstance(load, FluidPressure):
+            words.append(f"pressure {component_text(load.pressure)} in {surface_text(load.surface)}{held}")
         elif isinstance(load, PointForce):
             words.append(f"a force at a point of {load.body}{held}")
         elif isinstance(load, InSituStress):
@@ -235,6 +235,18 @@ def length_unit(case: Case) -> tuple[float, str]:
     """How many of the unit that suits the scene are a metre, and its name."""
     size = float(np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max())
     return (1e3, "mm") if size < 1 else (1.0, "m")
+
+
+def surface_text(surface: str | tuple[str, str]) -> str:
+    """The name of a crack, or of the surface between two bodies."""
+    return surface if isinstance(surface, str) else "/".join(surface)
+
+
+def lines_of(case: Case, surface: str | tuple[str, str]) -> list[Floats]:
+    """The lines, each (n, 2) m, of a crack or of the interface of two bodies."""
+    if isinstance(surface, str):
+        return [next(crack.points for crack in case.cracks if crack.name == surface)]
+    return list(next(pair.lines for pair in case.interfaces if set(pair.bodies) == set(surface)))
 
 
 def component_text(value: Component) -> str:

@@ -15,8 +15,8 @@ from crackgrow.case.model import (
     Case,
     ContactSupport,
     CoulombContact,
-    CrackPressure,
     EdgeTraction,
+    FluidPressure,
     Gravity,
     InSituStress,
     Load,
@@ -26,9 +26,11 @@ from crackgrow.case.toughness import averaging_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.fracture.stress_intensity import BodyForce
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
+from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.supports import body_index
 
 
@@ -87,12 +89,19 @@ class Scene:
         """Whether a fluid presses on the faces of a crack."""
         return bool(self._fluids(crack))
 
-    def _fluids(self, crack: int) -> list[CrackPressure]:
+    def _fluids(self, crack: int) -> list[FluidPressure]:
         name = self.case.cracks[crack].name
-        return [load for load in self.case.loads if isinstance(load, CrackPressure) and load.crack == name]
+        return [load for load in self.case.loads if isinstance(load, FluidPressure) and load.surface == name]
 
-    def weight(self, body: int, load_factor: float) -> Floats:
-        """Body force (2,) N/m^3 at a load factor."""
+    def body_force(self, body: int, load_factor: float) -> BodyForce | None:
+        """What pulls at the rock of a body at a load factor, besides a uniform in-situ stress; None for nothing."""
+        weight, stress = self._weight(body, load_factor), self._in_situ(body, load_factor)
+        if not stress.varying:
+            return (lambda places: np.broadcast_to(weight, places.shape)) if weight.any() else None
+        return lambda places: weight + stress.divergence(places, self.lattice.spacing)
+
+    def _weight(self, body: int, load_factor: float) -> Floats:
+        """Weight (2,) N/m^3 at a load factor."""
         force = np.zeros(2)
         for load in self.case.loads:
             if isinstance(load, Gravity) and load.body == self.case.bodies[body].name:
@@ -100,6 +109,14 @@ class Scene:
                 assert density is not None  # the case was checked
                 force += density * np.asarray(load.acceleration) * _share(load, load_factor)
         return force
+
+    def _in_situ(self, body: int, load_factor: float) -> InSitu:
+        """In-situ stress of a body at a load factor."""
+        stress = InSitu()
+        for load in self.case.loads:
+            if isinstance(load, InSituStress) and load.body == self.case.bodies[body].name:
+                stress = stress.plus(load, _share(load, load_factor))
+        return stress
 
     def averaging_radius(self, body: int) -> float:
         """Radius (m) of the criterion in a body that has a strength, of a case with growth."""
@@ -110,14 +127,8 @@ class Scene:
 
     def materials_at(self, load_factor: float) -> tuple[PlaneElasticity, ...]:
         """Materials, body by body, with their in-situ stress at a load factor."""
-        stresses = np.zeros((len(self.materials), 3))
-        for load in self.case.loads:
-            if isinstance(load, InSituStress):
-                share = _share(load, load_factor)
-                stresses[body_index(self.case.bodies, load.body)] += share * np.asarray(load.stress)
         return tuple(
-            replace(material, initial=(float(xx), float(yy), float(xy)))
-            for material, (xx, yy, xy) in zip(self.materials, stresses, strict=True)
+            replace(material, initial=self._in_situ(body, load_factor)) for body, material in enumerate(self.materials)
         )
 
 

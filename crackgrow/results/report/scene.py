@@ -12,10 +12,10 @@ from crackgrow.case.model import (
     Body,
     Case,
     ContactSupport,
-    CrackPressure,
     EdgeRegion,
     EdgeSupport,
     EdgeTraction,
+    FluidPressure,
     Gravity,
     Load,
     PointForce,
@@ -23,6 +23,7 @@ from crackgrow.case.model import (
     Support,
 )
 from crackgrow.results.folder import RunFolder
+from crackgrow.results.overview import lines_of, surface_text
 from crackgrow.results.report import symbols
 from crackgrow.results.report.markup import Markup, tag
 from crackgrow.results.report.view import View, line_data, view_of
@@ -146,15 +147,18 @@ def _load(load: Load, case: Case, view: View) -> Markup:
         middle = (outline.min(axis=0) + outline.max(axis=0)) / 2
         reach = 40.0 * _flip(load.acceleration) / np.linalg.norm(load.acceleration)
         return tag("g", tag("title", f"gravity on {load.body}"), symbols.arrow(middle - reach / 2, middle + reach / 2))
-    if isinstance(load, CrackPressure):
-        crack = next(crack for crack in case.cracks if crack.name == load.crack)
-        line = view.pixels(crack.points)
-        along = line[-1] - line[0]
-        normal = np.array([-along[1], along[0]]) / np.linalg.norm(along)
-        pairs = [symbols.arrow(place, place + side * 14.0 * normal)
-                 for place in symbols.spaced(line, symbols.ARROW_GAP) for side in (-1.0, 1.0)]  # fmt: skip
-        return tag("g", tag("title", f"pressure in {load.crack}"), *pairs)
+    if isinstance(load, FluidPressure):
+        pairs = [pair for line in lines_of(case, load.surface) for pair in _apart(view.pixels(line))]
+        return tag("g", tag("title", f"pressure in {surface_text(load.surface)}"), *pairs)
     return Markup("")  # an in-situ stress fills the body: words tell it
+
+
+def _apart(line: Floats) -> Iterator[Markup]:
+    """Arrows off both sides of a line (n, 2) px."""
+    along = line[-1] - line[0] if np.any(line[-1] != line[0]) else line[1] - line[0]
+    normal = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+    for place in symbols.spaced(line, symbols.ARROW_GAP):
+        yield from (symbols.arrow(place, place + side * 14.0 * normal) for side in (-1.0, 1.0))
 
 
 def _lines(region: EdgeRegion, case: Case, view: View, shortest: float) -> Iterator[tuple[Floats, Floats]]:
