@@ -29,6 +29,8 @@ from crackgrow.case.model import (
     LoadHistory,
     PointForce,
     PointSupport,
+    Stage,
+    Stages,
     StrengthReduction,
 )
 from crackgrow.case.toughness import BY_K, averaging_radius
@@ -123,10 +125,17 @@ def _loading(case: Case) -> str:
         return "each step at its critical load factor"
     if isinstance(case.loading, StrengthReduction):
         return "all of them, with friction and cohesion divided by a factor until the scene fails"
+    if isinstance(case.loading, Stages):
+        return "in stages: " + ", ".join(_stage_text(stage) for stage in case.loading.stages)
     factors = [f"{factor:g}" for factor in case.loading.factors]
     if len(factors) > SHOWN_FACTORS:
         return f"{len(factors)} load factors {', '.join(factors[:SHOWN_FACTORS])}, ..., {factors[-1]}"
     return f"load factors {', '.join(factors)}"
+
+
+def _stage_text(stage: Stage) -> str:
+    gone = ", ".join(f"{name} {100.0 * share:g} % released" for name, share in stage.excavated)
+    return f"{stage.name} (without {gone})" if gone else stage.name
 
 
 def _loads(case: Case) -> str:
@@ -197,7 +206,7 @@ def _meetings(case: Case) -> str:
 def _growth_line(case: Case, scale: float, unit: str) -> str:
     growth = case.growth
     if growth is None:
-        n_factors = len(case.loading.factors) if isinstance(case.loading, LoadHistory) else 1
+        n_factors = case.last_step + 1 if isinstance(case.loading, LoadHistory | Stages) else 1
         return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"

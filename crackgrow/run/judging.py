@@ -95,7 +95,7 @@ class StepSolution:
     @property
     def displacement_size(self) -> float:
         """Size of the displacement field, m."""
-        return displacement_size(self.loads, self.outcome.u, self.state.factor * self.held.given)
+        return displacement_size(self.loads, self.outcome.u, self.configuration.given(self.state.factor))
 
 
 def judged(state: LoadState, fields: Sequence[TipField | None] | None = None) -> StepSolution:
