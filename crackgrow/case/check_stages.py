@@ -11,12 +11,13 @@ KEY = ("loading", "stages")
 
 
 def check_stages(scene: Scene) -> None:
-    """Report stages of a run with growth or a target, and every fault of a single one."""
+    """Report what does not go with stages, and every fault of a single one."""
     report, stages = scene.report, scene.resolved["loading"]["stages"]
     if not stages:
         report.fault(KEY, "no stage given; wanted: at least one, such as [{factor: 1}]")
-    if "growth" in scene.resolved:
-        report.fault(KEY, "stages are of a run without growth; leave out `growth`, or give loading: {history: [...]}")
+    if scene.get("growth", "unload_between_steps") is False:
+        message = "false given; wanted with stages: true. Every step goes through all stages from the unloaded state"
+        report.fault(("growth", "unload_between_steps"), message)
     if isinstance(scene.get("numerics", "accuracy"), float):
         report.fault(("numerics", "accuracy"), "an error of K is no target of a run in stages; wanted: a name")
     gone: dict[str, float] = {}

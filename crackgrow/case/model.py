@@ -413,8 +413,11 @@ class Case:
         """Number of the last step, counted from 0, if nothing ends the run before."""
         if self.growth is not None:
             return self.growth.steps
-        if isinstance(self.loading, StrengthReduction):
-            return 1
+        return 1 if isinstance(self.loading, StrengthReduction) else self.n_loads - 1
+
+    @property
+    def n_loads(self) -> int:
+        """Number of load factors that are given, or of stages; 1 where factors are found."""
         if isinstance(self.loading, Stages):
-            return len(self.loading.stages) - 1
-        return len(self.loading.factors) - 1 if isinstance(self.loading, LoadHistory) else 0
+            return len(self.loading.stages)
+        return len(self.loading.factors) if isinstance(self.loading, LoadHistory) else 1

@@ -341,7 +341,7 @@ STAGE: Final = Mapping(
 _HISTORY: Final = Mapping(
     {
         "history": Field(ListOf(Number()), "load factors applied in turn; left out: [1], or stages", OPTIONAL),
-        "stages": Field(ListOf(STAGE), "stages of a construction in turn, without growth", OPTIONAL),
+        "stages": Field(ListOf(STAGE), "stages of a construction, in turn", OPTIONAL),
     }
 )
 

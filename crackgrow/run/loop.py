@@ -22,8 +22,7 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load, load_again, load_history, load_to
 from crackgrow.run.report import paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
-from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.stages import load_stages
+from crackgrow.run.scene import Scene, make_scene, scene_at_end
 from crackgrow.run.strength_reduction import strength_reduction
 from crackgrow.run.target import Ways, aimed, aimed_history, halvings_after
 from crackgrow.solid.rigid_modes import all_pieces
@@ -117,7 +116,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             return _stopped(cracks, solution, step, n_pieces)
         if step < n_steps:
             solve = partial(load, scene, before=solution)
-            advance = advance_tips(BeforeAdvance(scene, growth, cracks, step + 1), solution, chosen, solve)
+            beginning_at = BeforeAdvance(scene_at_end(scene), growth, cracks, step + 1)
+            advance = advance_tips(beginning_at, solution, chosen, solve)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
     return RunEnd("completed", done, paths_of(cracks))
@@ -146,14 +146,11 @@ def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSo
     """The load factors of the history, or the stages, in turn, without growth."""
     cracks, n = begun.cracks, scene.case.last_step + 1
     chosen = np.empty(0, dtype=np.int64)
-    staged = isinstance(scene.case.loading, Stages)
-    histories = partial(aimed_history, known=begun.accuracy) if scene.case.numerics.target is not None else load_history
-    for step, solution in enumerate(
-        (load_stages if staged else histories)(scene, cracks, begun.step, begun.origin), begun.step
-    ):
+    histories = load_history if scene.case.numerics.target is None else partial(aimed_history, known=begun.accuracy)
+    for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin), begun.step):
         result = _reported(scene, RunState(step, cracks), solution, chosen)
         yield result, solution
-    done = f"all {n} {'stages' if staged else 'load factors'} are done"
+    done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
     return RunEnd("completed", "the static solve is done" if n == 1 else done, paths_of(cracks))
 
 

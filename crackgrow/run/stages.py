@@ -50,6 +50,20 @@ def load_stages(
         yield replace(judged(state), origin=origin, passed=history_of(state)[:-1])
 
 
+def through_stages(scene: Scene, cracks: tuple[GrowingCrack, ...], again: Origin | None = None) -> StepSolution:
+    """The cracks at the end of the last stage, after all of them; `again` from the origin of that solution.
+
+    Raises as `load_stages` does.
+    """
+    first = 0 if again is None else scene.case.n_loads - 1
+    passed: list[LoadState] = []
+    seconds: dict[str, float] = {}
+    for solution in load_stages(scene, cracks, first, again):
+        passed += [*solution.passed, *history_of(solution.state)[-1:]]
+        seconds = {phase: seconds.get(phase, 0.0) + spent for phase, spent in solution.seconds.items()}
+    return replace(solution, passed=tuple(passed[:-1]), seconds=seconds)
+
+
 def _next(
     state: LoadState, origin: Origin, here: Scene, cracks: tuple[GrowingCrack, ...]
 ) -> tuple[Configuration, Origin]:

@@ -15,6 +15,8 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
+from crackgrow.results.figures import draw_load_curve
+from crackgrow.results.load_point import load_point
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
@@ -268,3 +270,87 @@ output: {frames: none, figures: false}
     forces = [next(r.force[1] for r in result.reactions if r.where == "supports.1") for result in results]
     np.testing.assert_allclose(forces, [-2e6, 0.5e6], rtol=1e-9)
     np.testing.assert_allclose([result.energy.work for result in results], [2e3, 2e3 - 1.875e3], rtol=1e-9)
+
+
+GROWN = """
+title: a crack grows towards a hole that is cut first
+plane: stress
+units: {length: mm, stress: MPa}
+bodies:
+  plate:
+    shape: {rectangle: {center: [0, 0], width: 100, height: 100}, holes: [{disk: {center: [14, 5], radius: 6}}]}
+    material: {young: 10000, poisson: 0.25}
+    strength: {tension: 3, cohesion: 10, friction_angle: 40, toughness: "0.5 MPa sqrt(m)"}
+  plug: {shape: {disk: {center: [14, 5], radius: 6}}, material: {young: 10000, poisson: 0.25}}
+interfaces: [{between: [plate, plug], contact: bonded}]
+cracks: {flaw: {path: {points: [[-12, 0], [0, 0]]}, tips: end, contact: none}}
+supports: [{at: [-50, -50], displacement: {x: 0, y: 0}}, {at: [50, -50], displacement: {y: 0}}]
+loads:
+  - {on: {body: plate, edge: top}, traction: [0, 10]}
+  - {on: {body: plate, edge: bottom}, traction: [0, -10]}
+loading: {stages: [{}, {excavate: plug, release: 0.4}, {release: 1}]}
+growth: {steps: 8, increment: 2, advance: all, criterion: max_hoop_stress, direction: explicit}
+numerics: {spacing: 4}
+output: {frames: none, figures: false, points: {mouth: {crack: flaw, at: [-6, 0]}}}
+"""
+
+
+def test_a_crack_grows_at_the_end_of_all_stages(tmp_path: Path) -> None:
+    """As beside a hole that has always been there; it ends at its wall."""
+    staged, plain = tmp_path / "staged.yaml", tmp_path / "plain.yaml"
+    staged.write_text(GROWN, encoding="utf-8")
+    plain.write_text("\n".join(x for x in GROWN.splitlines() if "plug" not in x), encoding="utf-8")
+    (found, end), (expected, like) = (whole_run(load_case(path)) for path in (staged, plain))
+    assert len(found) == len(expected) > 3
+    np.testing.assert_allclose(end.cracks[0].points, like.cracks[0].points, rtol=0, atol=1e-9)
+    assert [event.kind for result in found for event in result.events] == ["hole"]
+    K = [[(tip.K_I, tip.K_II) for result in results for tip in result.tips] for results in (found, expected)]
+    np.testing.assert_allclose(K[0], K[1], rtol=0, atol=1e-6 * np.abs(K[1]).max())
+    assert all(result.history.load_factor[[0, -1]].tolist() == [1.0, 3.0] for result in found)
+
+
+BENCHES = """
+title: two benches beside each other, held at their sides, are taken away in turn
+plane: strain
+bodies:
+  low: {shape: {rectangle: {center: [0, 1], width: 8, height: 2}}, material: {young: 1e9, poisson: 0.2, density: 2000}}
+  left: {shape: {rectangle: {center: [-2, 3.5], width: 4, height: 3}}, material: {young: 4e9, poisson: 0, density: 3e3}}
+  right: {shape: {rectangle: {center: [2, 3.5], width: 4, height: 3}}, material: {young: 4e9, poisson: 0, density: 3e3}}
+interfaces:
+  - {between: [low, left], contact: {friction: 0.5, cohesion: 0}}
+  - {between: [low, right], contact: bonded}
+  - {between: [left, right], contact: {friction: 0.3, cohesion: 0}}
+supports:
+  - {on: {body: left, edge: left}, contact: {friction: 0.2, cohesion: 0}}
+  - {on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}
+  - {on: {body: right, edge: right, from: 2, to: 4}, displacement: {x: 0}}
+  - {at: [4, 5], displacement: {x: 0}}
+loads:
+  - {body: low, gravity: [0, -10]}
+  - {body: left, gravity: [0, -10]}
+  - {body: right, gravity: [0, -10]}
+  - {interface: [left, right], pressure: 1e4, name: water}
+  - {at: [-2, 5], force: [0, -1e4], body: left, held: true}
+loading: {stages: [{}, {loads: {water: 1}}, {excavate: right, release: 0.5}, {excavate: left}]}
+numerics: {spacing: 0.5}
+output: {frames: none, figures: false, points: {gap: {interface: [left, right], at: [0, 3]}}}
+"""
+
+
+def test_forces_balance_while_benches_go_with_what_holds_them(tmp_path: Path) -> None:
+    path = tmp_path / "benches.yaml"
+    path.write_text(BENCHES, encoding="utf-8")
+    results, _ = whole_run(load_case(path))
+    low, bench, load = 8 * 2 * 2e4, 4 * 3 * 3e4, 1e4
+    forces = [{reaction.where: np.array(reaction.force) for reaction in result.reactions} for result in results]
+    assert all(list(found) == list(forces[0]) for found in forces)  # those that are gone stay in the tables
+    weights = [low + 2 * bench + load] * 2 + [np.nan, low]  # on the way friction takes a part
+    for found, weight in zip(forces[:2] + forces[3:], weights[:2] + weights[3:], strict=True):
+        up = sum(found[name] for name in ("supports.1", "supports.2", "supports.3", "left.left"))
+        np.testing.assert_allclose(up, [0.0, weight], rtol=0, atol=1e-6 * weight)
+    for name in ("supports.2", "supports.3", "low/right", "left/right"):
+        assert not np.any([found[name] for found in forces[2:]])
+    slip = results[0].history.columns.index("gap.slip")
+    assert np.isnan([result.history.values[-1][slip] for result in results[2:]]).all()
+    assert max(result.energy.error for result in results) < 1e-6
+    draw_load_curve(tmp_path / "curve.png", load_case(path), [load_point(result) for result in results])

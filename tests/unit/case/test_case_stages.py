@@ -103,13 +103,15 @@ def test_fault_of_a_case_with_stages(changes: dict[str, Any], key: str, words: s
     assert words in message
 
 
-def test_stages_are_not_for_growth(tmp_path: Path) -> None:
-    growth = {"steps": 1, "increment": 1, "advance": "all", "criterion": "max_hoop_stress"}
+def test_a_step_of_growth_goes_through_all_stages(tmp_path: Path) -> None:
+    growth = {
+        "steps": 1, "increment": 1, "advance": "all", "criterion": "max_hoop_stress", "unload_between_steps": False
+    }  # fmt: skip
     flaw = {"flaw": {"path": {"points": [[1, 0.5], [3, 0.5]]}, "contact": "none"}}
     scene = staged({}, growth=growth, cracks=flaw)
     scene["bodies"]["low"]["strength"] = {
         "tension": 1, "cohesion": 1, "friction_angle": 30, "toughness": "1 MPa sqrt(m)"
     }  # fmt: skip
     where, message = fault(tmp_path, scene)
-    assert where == "loading.stages"
-    assert "stages are of a run without growth" in message
+    assert where == "growth.unload_between_steps"
+    assert "Every step goes through all stages" in message
