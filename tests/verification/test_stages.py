@@ -101,6 +101,17 @@ def test_rock_released_in_stages_is_rock_with_the_hole_from_the_start(tmp_path: 
         np.testing.assert_allclose(last.outcome.u, expected.outcome.u, rtol=0, atol=1e-9 * size)
 
 
+def test_a_lining_presses_on_the_wall_from_its_stage_on(tmp_path: Path) -> None:
+    """A traction with a name of its own on an edge that is a boundary with the core until then."""
+    rock = "  - {body: rock, stress"
+    lining = f"  - {{on: {{body: rock, edge: hole0}}, traction: [x/2, y/2], name: lining}}\n{rock}"
+    loading = "{stages: [{}, {excavate: core}, {loads: {lining: 3}}]}"
+    *_, (_, found) = steps_of(tunnel(tmp_path, loading, **{rock: lining}))
+    (_, expected), *_ = steps_of(tunnel(tmp_path, "{}", **{rock: lining.replace("x/2, y/2", "3*x/2, 3*y/2")}))
+    size = np.abs(expected.outcome.u).max()
+    np.testing.assert_allclose(found.outcome.u, expected.outcome.u, rtol=0, atol=1e-9 * size)
+
+
 def test_half_released_is_half_way(tmp_path: Path) -> None:
     (_, rest), (_, half), (_, all_) = steps_of(tunnel(tmp_path, TWO_HALVES))
     places = np.array([[2.5, 0.3], [3.0, 3.0], [-1.0, 4.0]])
