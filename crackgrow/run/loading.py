@@ -52,7 +52,7 @@ def load_to(
 def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
     """What `load` has made of the cracks, from the origin of that solution. Raises as it does."""
     if isinstance(scene.case.loading, Stages):
-        return through_stages(scene, cracks, origin)
+        return through_stages(scene, cracks)  # every step begins with the first of them
     return _loaded(assemble(scene, cracks), cracks, origin)
 
 

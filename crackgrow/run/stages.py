@@ -50,15 +50,11 @@ def load_stages(
         yield replace(judged(state), origin=origin, passed=history_of(state)[:-1])
 
 
-def through_stages(scene: Scene, cracks: tuple[GrowingCrack, ...], again: Origin | None = None) -> StepSolution:
-    """The cracks at the end of the last stage, after all of them; `again` from the origin of that solution.
-
-    Raises as `load_stages` does.
-    """
-    first = 0 if again is None else scene.case.n_loads - 1
+def through_stages(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> StepSolution:
+    """The cracks at the end of the last stage, after all of them. Raises as `load_stages` does."""
     passed: list[LoadState] = []
     seconds: dict[str, float] = {}
-    for solution in load_stages(scene, cracks, first, again):
+    for solution in load_stages(scene, cracks):
         passed += [*solution.passed, *history_of(solution.state)[-1:]]
         seconds = {phase: seconds.get(phase, 0.0) + spent for phase, spent in solution.seconds.items()}
     return replace(solution, passed=tuple(passed[:-1]), seconds=seconds)
@@ -106,11 +102,12 @@ def _same_functions(before: Cover, after: Cover) -> Ints:
     names = [body.name for body in before.bodies]
     numbers = np.array([names.index(body.name) for body in after.bodies])
     there = locate(before.lattice, before.elements, points.points[first], numbers[after.elements.body[elements]])
-    mine, theirs = after.functions_on(elements), before.functions_on(there)
     same = np.full(after.n_functions, -1, dtype=np.int64)
-    if np.array_equal(mine.counts, theirs.counts):
-        same[mine.values] = theirs.values
-    if (there < 0).any() or (same < 0).any() or not np.array_equal(same[mine.values], theirs.values):
-        what = "the functions of the rock change where rock is taken out beside it"
-        raise NotSolvedError(f"{what}; change numerics.spacing a little")
-    return same
+    if (there >= 0).all():
+        mine, theirs = after.functions_on(elements), before.functions_on(there)
+        if np.array_equal(mine.counts, theirs.counts):
+            same[mine.values] = theirs.values
+            if (same >= 0).all() and np.array_equal(same[mine.values], theirs.values):
+                return same
+    what = "the functions of the rock change where rock is taken out beside it"
+    raise NotSolvedError(f"{what}; change numerics.spacing a little")

@@ -6,6 +6,7 @@ stress there did, and when all of that is released the rest is what it would be 
 
 from __future__ import annotations
 
+from dataclasses import astuple
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.results.figures import draw_load_curve
 from crackgrow.results.load_point import load_point
+from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
@@ -318,6 +320,18 @@ def test_a_crack_grows_at_the_end_of_all_stages(tmp_path: Path) -> None:
     K = [[(tip.K_I, tip.K_II) for result in results for tip in result.tips] for results in (found, expected)]
     np.testing.assert_allclose(K[0], K[1], rtol=0, atol=1e-6 * np.abs(K[1]).max())
     assert all(result.history.load_factor[[0, -1]].tolist() == [1.0, 3.0] for result in found)
+
+
+def test_a_step_of_growth_is_made_again_to_the_same_bits(tmp_path: Path) -> None:
+    path = tmp_path / "staged.yaml"
+    path.write_text(GROWN, encoding="utf-8")
+    case = load_case(path, ["growth.steps=2"])
+    unbroken = list(grow(case))
+    again = list(grow(case, unbroken[1].checkpoint))
+    for expected, found in zip(unbroken[1:], again, strict=True):
+        assert [(tip.K_I, tip.K_II) for tip in found.tips] == [(tip.K_I, tip.K_II) for tip in expected.tips]
+        assert astuple(found.energy) == astuple(expected.energy)
+        np.testing.assert_array_equal(found.history.values, expected.history.values)
 
 
 BENCHES = """
