@@ -166,11 +166,11 @@ class Solution(_Tables):
     def mesh(self) -> pyvista.UnstructuredGrid:
         """The same for pyvista, as `open_run(...).mesh(step)` reads it from a frame; m, Pa.
 
-            >>> import crackgrow
-            >>> case = crackgrow.load_case("cases/compression30.yaml", ["numerics.spacing=3"])
-            >>> mesh = crackgrow.solve(case).mesh
-            >>> round(mesh.area * 1e6), float(round(mesh["displacement"][:, 1].min() * 1e3, 2))   # mm^2, mm
-            (1705, -0.52)
+        >>> import crackgrow
+        >>> case = crackgrow.load_case("cases/compression30.yaml", ["numerics.spacing=3"])
+        >>> mesh = crackgrow.solve(case).mesh
+        >>> round(mesh.area * 1e6), float(round(mesh["displacement"][:, 1].min() * 1e3, 2))   # mm^2, mm
+        (1705, -0.52)
         """
         return as_pyvista(specimen_grid(self.frame, FIELDS))
 

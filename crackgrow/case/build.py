@@ -12,11 +12,11 @@ from crackgrow.case.model import (
     ContactSupport,
     CoulombContact,
     Crack,
-    CrackPressure,
     CriticalLoad,
     EdgeSupport,
     EdgeTraction,
     FacePoint,
+    FluidPressure,
     Gravity,
     Growth,
     HistoryPoint,
@@ -34,6 +34,8 @@ from crackgrow.case.model import (
     Refinement,
     Ring,
     RockPoint,
+    Stage,
+    Stages,
     Strength,
     StrengthReduction,
     Support,
@@ -57,7 +59,7 @@ def build_case(name: str, scene: Scene) -> Case:
         interfaces=tuple(_interface(scene, interface) for interface in resolved["interfaces"]),
         supports=tuple(_support(scene, index, support) for index, support in enumerate(resolved["supports"])),
         loads=tuple(_load(scene, index, load) for index, load in enumerate(resolved["loads"])),
-        loading=_loading(resolved["loading"]),
+        loading=_loading(resolved),
         growth=_growth(resolved["growth"]) if "growth" in resolved else None,
         numerics=_numerics(resolved["numerics"]),
         output=_output(scene, resolved["output"]),
@@ -123,24 +125,46 @@ def _component(value: float | str | None) -> Component | None:
 
 
 def _load(scene: Scene, index: int, load: Resolved) -> Load:
-    held = load["held"]
+    held, name = load["held"], load.get("name")
     if "gravity" in load:
-        return Gravity(load["body"], tuple(load["gravity"]), held)
+        return Gravity(load["body"], tuple(load["gravity"]), held, name)
     if "pressure" in load:
-        return CrackPressure(load["crack"], component_of(load["pressure"]), held)
+        surface = load["crack"] if "crack" in load else tuple(load["interface"])
+        return FluidPressure(surface, component_of(load["pressure"]), held, name)
     if "force" in load:
         key = ("loads", index, "at")
-        return PointForce(scene.holders[key], scene.places[key], tuple(load["force"]), held)
+        return PointForce(scene.holders[key], scene.places[key], tuple(load["force"]), held, name)
     if "stress" in load:
-        return InSituStress(load["body"], tuple(load["stress"]), held)
+        xx, yy, xy = (component_of(component) for component in load["stress"])
+        return InSituStress(load["body"], (xx, yy, xy), held, name)
     x, y = (component_of(component) for component in load["traction"])
-    return EdgeTraction(scene.regions["loads", index, "on"], (x, y), held)
+    return EdgeTraction(scene.regions["loads", index, "on"], (x, y), held, name)
 
 
-def _loading(loading: Resolved | str) -> Loading:
+def _loading(resolved: Resolved) -> Loading:
+    loading = resolved["loading"]
     if isinstance(loading, str):
         return StrengthReduction() if loading == REDUCTION else CriticalLoad()
+    if "stages" in loading:
+        return _stages(loading["stages"], resolved["loads"])
     return LoadHistory(tuple(loading["history"]))
+
+
+def _stages(given: list[Resolved], loads: list[Resolved]) -> Stages:
+    """Every stage with all that holds at its end: what it does not say is as before; what is taken out is released."""
+    named = {name for stage in given for name in stage.get("loads", {})}
+    own = {load["name"]: float(load["held"]) for load in loads if load.get("name") in named}
+    before = stage = Stage("", 0.0, tuple(own.items()), ())
+    stages: list[Stage] = []
+    for number, item in enumerate(given):
+        own.update(item.get("loads", {}))
+        excavate, release = item.get("excavate", []), item.get("release", float("excavate" in item))
+        gone = dict(stage.excavated) | dict.fromkeys([excavate] if isinstance(excavate, str) else excavate, 0.0)
+        excavated = tuple((body, max(share, release)) for body, share in gone.items())
+        factor = item.get("factor", stage.factor if number else 1.0)
+        stage = Stage(item.get("name", f"stage {number}"), factor, tuple(own.items()), excavated)
+        stages.append(stage)
+    return Stages(before, tuple(stages))
 
 
 def _growth(growth: Resolved) -> Growth:

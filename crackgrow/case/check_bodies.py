@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
+from crackgrow.arrays import Floats
 from crackgrow.case.check_points import place_in_rock
 from crackgrow.case.check_regions import knows_body
 from crackgrow.case.check_supports import check_formula, sampled
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.regions import ends_of
 from crackgrow.case.report import Path, did_you_mean, quoted
+from crackgrow.case.shapes import BodyShape, Resolved
+
+SAMPLES_ACROSS = 17  # places across a body at which the formula of a stress must have a value
 
 
 def check_interfaces(scene: Scene) -> None:
@@ -56,14 +61,13 @@ def check_loads(scene: Scene) -> None:
     for kind in ("gravity", "stress"):
         for index, load in scene.items("loads", kind):
             knows_body(scene, ("loads", index, "body"), load["body"])
-    cracks = list(named(scene.resolved, "cracks"))
+            if kind == "stress" and load["body"] in scene.bodies:
+                for axis, component in enumerate(load["stress"]):
+                    places = _places_in(scene.bodies[load["body"]])
+                    check_formula(scene, ("loads", index, "stress", axis), component, places)
     for index, load in scene.items("loads", "pressure"):
-        if load["crack"] not in cracks:
-            hint = f"{', '.join(cracks) or 'none'}{did_you_mean(load['crack'], cracks)}"
-            message = f"no crack {quoted(load['crack'])}; the case has: {hint}"
-            scene.report.fault(("loads", index, "crack"), message)
-        elif load["crack"] in scene.cracks and len(scene.cracks[load["crack"]]) > 1:
-            points = scene.cracks[load["crack"]]
+        lines = _pressed_interface(scene, index, load) if "interface" in load else _pressed_crack(scene, index, load)
+        for points in lines:
             ends = np.stack([points[:-1], points[1:]], axis=1)
             check_formula(scene, ("loads", index, "pressure"), load["pressure"], sampled(ends))
     for index, load in scene.items("loads", "traction"):
@@ -74,3 +78,35 @@ def check_loads(scene: Scene) -> None:
                 check_formula(scene, ("loads", index, "traction", axis), component, points)
     for index, load in scene.items("loads", "force") if scene.complete else ():
         place_in_rock(scene, ("loads", index, "at"), load["at"], load)
+
+
+def _pressed_crack(scene: Scene, index: int, load: Resolved) -> list[Floats]:
+    """The line (n, 2) m of the crack that a pressure acts in; reports one that there is not."""
+    cracks, name = list(named(scene.resolved, "cracks")), load["crack"]
+    if name not in cracks:
+        hint = f"{', '.join(cracks) or 'none'}{did_you_mean(name, cracks)}"
+        message = f"no crack {quoted(name)}; the case has: {hint}"
+        scene.report.fault(("loads", index, "crack"), message)
+    return [scene.cracks[name]] if name in scene.cracks and len(scene.cracks[name]) > 1 else []
+
+
+def _pressed_interface(scene: Scene, index: int, load: Resolved) -> tuple[Floats, ...]:
+    """The lines (n, 2) m of the interface that a pressure acts in; reports one that there is not, or that is bonded."""
+    key, pair = ("loads", index, "interface"), load["interface"]
+    known = [knows_body(scene, (*key, k), name) for k, name in enumerate(pair)]
+    if not all(known) or not scene.report.sound("interfaces"):
+        return ()
+    meant = [item for _, item in scene.items("interfaces", "between") if set(item["between"]) == set(pair)]
+    if not meant:
+        scene.report.fault(key, f"'{pair[0]}' and '{pair[1]}' have no interface that a fluid could press apart")
+    elif meant[0]["contact"] == "bonded":
+        message = "is bonded: no fluid gets between faces that never part; give it a law of contact"
+        scene.report.fault(key, f"the interface of '{pair[0]}' and '{pair[1]}' {message}")
+    return scene.shared.get((pair[0], pair[1])) or scene.shared.get((pair[1], pair[0])) or ()
+
+
+def _places_in(body: BodyShape) -> Floats:
+    """Places (n, 2) m on the rim of a body and in it."""
+    low, high = body.sides.reshape(-1, 2).min(axis=0), body.sides.reshape(-1, 2).max(axis=0)
+    inside = low + (np.indices((SAMPLES_ACROSS, SAMPLES_ACROSS)).reshape(2, -1).T + 0.5) / SAMPLES_ACROSS * (high - low)
+    return np.concatenate([sampled(body.sides), inside[shapely.contains_xy(body.polygon, *inside.T)]])

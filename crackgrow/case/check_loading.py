@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from crackgrow.case.check_contacts import contact_laws
+from crackgrow.case.check_stages import check_stages
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.shapes import Resolved
 
@@ -16,6 +17,8 @@ def check_loading(scene: Scene) -> None:
         _check_critical(scene)
     elif loading == "strength_reduction":
         _check_reduction(scene)
+    elif loading is not None and "stages" in loading:
+        check_stages(scene)
     elif loading is not None and not loading["history"]:
         message = "no factor given; wanted: at least one, such as [1.0], or loading: critical"
         scene.report.fault(("loading", "history"), message)

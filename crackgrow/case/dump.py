@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from crackgrow.case.load import read_case
-from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Loading
+from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import CaseError, Fault
 
 # Of a case: the file does not hold them, or they are what it holds.
@@ -65,7 +65,7 @@ def _settings(case: Case) -> dict[str, Any]:
         "title": case.title,
         "source": case.source,
         "plane": case.plane,
-        "loading": _loading(case.loading),
+        "loading": _loading(case),
         "numerics": {
             "accuracy": numerics.accuracy,
             "spacing": numerics.spacing,
@@ -93,10 +93,12 @@ def _settings(case: Case) -> dict[str, Any]:
     return found
 
 
-def _loading(loading: Loading) -> object:
-    if isinstance(loading, LoadHistory):
-        return {"history": list(loading.factors)}
-    return "critical" if isinstance(loading, CriticalLoad) else "strength_reduction"
+def _loading(case: Case) -> object:
+    if isinstance(case.loading, LoadHistory):
+        return {"history": list(case.loading.factors)}
+    if isinstance(case.loading, Stages):
+        return case.resolved["loading"]
+    return "critical" if isinstance(case.loading, CriticalLoad) else "strength_reduction"
 
 
 def _same(one: Any, other: Any) -> bool:

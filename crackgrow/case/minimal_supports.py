@@ -100,7 +100,8 @@ def _check_balance(scene: Scene) -> None:
         for points, forces in _forces(scene, index, load):
             (held if load["held"] else scaled).add(points - scene.box.mean(axis=0), forces)
     loading = scene.get("loading")
-    factors = [(1.0, f) for f in loading["history"]] if isinstance(loading, dict) else [(1.0, 0.0), (0.0, 1.0)]
+    history = loading.get("history") if isinstance(loading, dict) else None
+    factors = [(1.0, f) for f in history] if history else [(1.0, 0.0), (0.0, 1.0)]
     for one, other in factors:
         left = one * held.sum + other * scaled.sum
         if np.abs(left).max() > BALANCED * (one * held.size + abs(other) * scaled.size):

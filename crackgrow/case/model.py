@@ -147,6 +147,7 @@ class EdgeTraction:
     region: EdgeRegion
     traction: tuple[Component, Component]  # Pa
     held: bool = False  # acts in full at every load factor
+    name: str | None = None  # by which stages give it factors of its own; several loads may share one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,24 +157,27 @@ class Gravity:
     body: str
     acceleration: tuple[float, float]  # m/s^2
     held: bool = False
+    name: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CrackPressure:
-    """Pressure of a fluid on both faces of a crack."""
+class FluidPressure:
+    """Pressure of a fluid on both faces of a crack or of an interface."""
 
-    crack: str
+    surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
     pressure: Component  # Pa, positive pushes the faces apart
     held: bool = False
+    name: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InSituStress:
-    """Uniform stress that a body holds before anything displaces."""
+    """Stress that a body holds before anything displaces."""
 
     body: str
-    stress: tuple[float, float, float]  # Pa: xx, yy, xy
+    stress: tuple[Component, Component, Component]  # Pa: xx, yy, xy
     held: bool = False
+    name: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -184,10 +188,11 @@ class PointForce:
     point: Floats  # (2,) m
     force: tuple[float, float]  # N per metre of thickness
     held: bool = False
+    name: str | None = None
 
 
 Support = PointSupport | EdgeSupport | ContactSupport
-Load = EdgeTraction | Gravity | CrackPressure | InSituStress | PointForce
+Load = EdgeTraction | Gravity | FluidPressure | InSituStress | PointForce
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -209,7 +214,25 @@ class StrengthReduction:
     factors: tuple[float, ...] = (1.0,)  # of the loads
 
 
-Loading = LoadHistory | CriticalLoad | StrengthReduction
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """What holds at the end of a stage; on the way there all of it changes in proportion."""
+
+    name: str
+    factor: float  # of given displacements, and of loads that are neither held nor named by stages
+    loads: tuple[tuple[str, float], ...]  # factors of the loads that stages name
+    excavated: tuple[tuple[str, float], ...]  # bodies that are gone, and the share of what they did that is released
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stages:
+    """Stages in turn; friction remembers."""
+
+    before: Stage  # what holds before the first one
+    stages: tuple[Stage, ...]
+
+
+Loading = LoadHistory | CriticalLoad | StrengthReduction | Stages
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -390,6 +413,11 @@ class Case:
         """Number of the last step, counted from 0, if nothing ends the run before."""
         if self.growth is not None:
             return self.growth.steps
-        if isinstance(self.loading, StrengthReduction):
-            return 1
-        return len(self.loading.factors) - 1 if isinstance(self.loading, LoadHistory) else 0
+        return 1 if isinstance(self.loading, StrengthReduction) else self.n_loads - 1
+
+    @property
+    def n_loads(self) -> int:
+        """Number of load factors that are given, or of stages; 1 where factors are found."""
+        if isinstance(self.loading, Stages):
+            return len(self.loading.stages)
+        return len(self.loading.factors) if isinstance(self.loading, LoadHistory) else 1

@@ -265,6 +265,7 @@ SUPPORTS: Final = WordOr(
 )
 
 _HELD: Final = Field(Switch(), "acts in full at every load factor", False)
+_LOAD_NAME: Final = Field(Text(), "name, by which stages give it factors of its own; loads may share one", OPTIONAL)
 
 LOAD: Final = OneOf(
     (
@@ -273,6 +274,7 @@ LOAD: Final = OneOf(
                 "on": _ON,
                 "traction": Field(TRACTION, "force per area, [x, y]"),
                 "held": _HELD,
+                "name": _LOAD_NAME,
             }
         ),
         Mapping(
@@ -280,6 +282,7 @@ LOAD: Final = OneOf(
                 "body": _BODY_NAME,
                 "gravity": Field(ListOf(Quantity("acceleration"), 2), "acceleration, [x, y]"),
                 "held": _HELD,
+                "name": _LOAD_NAME,
             }
         ),
         Mapping(
@@ -287,13 +290,15 @@ LOAD: Final = OneOf(
                 "crack": Field(Text(), "name of a crack"),
                 "pressure": Field(OrFormula("stress"), "pressure of a fluid on both faces"),
                 "held": _HELD,
+                "name": _LOAD_NAME,
             }
         ),
         Mapping(
             {
                 "body": _BODY_NAME,
-                "stress": Field(ListOf(Quantity("stress"), 3), "in-situ stress, [xx, yy, xy]"),
+                "stress": Field(ListOf(OrFormula("stress"), 3), "in-situ stress, [xx, yy, xy]"),
                 "held": _HELD,
+                "name": _LOAD_NAME,
             }
         ),
         Mapping(
@@ -302,15 +307,53 @@ LOAD: Final = OneOf(
                 "force": Field(ListOf(Quantity("force"), 2), "force per thickness, [x, y]"),
                 "body": _OF_BODY,
                 "held": _HELD,
+                "name": _LOAD_NAME,
+            }
+        ),
+        Mapping(
+            {
+                "interface": Field(ListOf(Text(), 2), "names of two bodies with an interface that is not bonded"),
+                "pressure": Field(OrFormula("stress"), "pressure of a fluid on both faces"),
+                "held": _HELD,
+                "name": _LOAD_NAME,
             }
         ),
     )
 )
 
-LOADING: Final = WordOr(
-    ("critical", "strength_reduction"),
-    Mapping({"history": Field(ListOf(Number()), "load factors applied in turn", [1.0])}),
+STAGE: Final = Mapping(
+    {
+        "name": Field(Text(), "name of the stage", OPTIONAL),
+        "factor": Field(
+            Number(), "of given displacements and of loads without a factor of their own; left out: as before", OPTIONAL
+        ),
+        "loads": Field(Named("load", Number()), "factors of loads by their name, from this stage on", OPTIONAL),
+        "excavate": Field(OneOrList(Text()), "bodies that are taken out", OPTIONAL),
+        "release": Field(
+            Number(Bounds(at_least=0, at_most=1)),
+            "share of what rock that is gone did on the rest that is taken away by the end; left out: 1 of a stage "
+            "that excavates, else as before",
+            OPTIONAL,
+        ),
+    }
 )
+
+_HISTORY: Final = Mapping(
+    {
+        "history": Field(ListOf(Number()), "load factors applied in turn; left out: [1], or stages", OPTIONAL),
+        "stages": Field(ListOf(STAGE), "stages of a construction, in turn", OPTIONAL),
+    }
+)
+
+
+def _history_or_stages(value: object, path: Path, context: Context) -> object:
+    """Return a history, [1] where there is neither that nor stages; report both."""
+    if isinstance(value, dict) and len(value) > 1:
+        context.report.fault(path, "has a history and stages; give one of them: a stage has a `factor`, too")
+    return value or {"history": [1.0]}
+
+
+LOADING: Final = WordOr(("critical", "strength_reduction"), Converted(_HISTORY, _history_or_stages))
 
 TIP_STRESS: Final = Mapping(
     {"radius": Field(Quantity("length", POSITIVE), "Shepard averaging radius, a material length")},

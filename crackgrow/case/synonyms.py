@@ -21,7 +21,8 @@ SYNONYMS: Final = {  # in small letters: the first of these that is allowed wher
     "name": ("title",), "blocks": ("bodies",), "joints": ("cracks",), "faults": ("cracks",), "flaws": ("cracks",),
     "boundary_conditions": ("supports",), "bcs": ("supports",), "u": ("displacement",), "fixed": ("displacement",),
     "t": ("traction",), "p": ("pressure",), "g": ("gravity",), "sigma": ("stress",), "f": ("force",),
-    "stage": ("history",), "mesh": ("numerics",), "mesh_size": ("spacing",), "da": ("increment",),
+    "stage": ("stages", "history"), "excavation": ("excavate",), "remove": ("excavate",), "phases": ("stages",),
+    "mesh": ("numerics",), "mesh_size": ("spacing",), "da": ("increment",),
     "n_steps": ("steps",),
 }  # fmt: skip
 

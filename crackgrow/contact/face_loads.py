@@ -8,32 +8,41 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.formula import component_at
-from crackgrow.case.model import CrackPressure, InSituStress, Load
+from crackgrow.case.model import FluidPressure, InSituStress, Load
 from crackgrow.contact.faces import integration_points
 from crackgrow.contact.jump import jump_matrix
 from crackgrow.cover.cover import Cover
+from crackgrow.solid.in_situ import InSitu, across
 
 
 def face_load_vector(cover: Cover, crack_bodies: Sequence[str], loads: Sequence[Load]) -> Floats:
     """Load vector f (n_dofs,) in N per metre of thickness; `crack_bodies` are the bodies that the cracks lie in.
 
     A pressure pushes each face away from the other. An in-situ stress would need the traction sigma n across the cut
-    to stay what it is; on the cut faces that traction is missing.
+    to stay what it is; on the cut faces that traction is missing. On interfaces the rims of both bodies see to that.
     """
     f = np.zeros((cover.n_functions, 2))
-    for index, crack in enumerate(cover.cracks):
-        pressures = [load.pressure for load in loads if isinstance(load, CrackPressure) and load.crack == crack.name]
-        stress = np.sum(
-            [load.stress for load in loads if isinstance(load, InSituStress) and load.body == crack_bodies[index]],
-            axis=0,
-            initial=0.0,
-        ) * np.ones(3)
-        if not stress.any() and all(pressure == 0.0 for pressure in pressures):
+    for index, surface in enumerate(cover.surfaces):
+        is_crack = index < len(cover.cracks)
+        fluids = [load for load in loads if isinstance(load, FluidPressure)]
+        pressures = [load.pressure for load in fluids if is_named(surface.name, is_crack, load.surface)]
+        stress = InSitu()
+        for load in loads if is_crack else ():
+            if isinstance(load, InSituStress) and load.body == crack_bodies[index]:
+                stress = stress.plus(load, 1.0)
+        if stress == InSitu() and all(pressure == 0.0 for pressure in pressures):
             continue
         points, lengths = integration_points(cover, index, np.empty(0))
-        xx, yy, xy = stress
         places = cover.lattice.to_metres(points.points)
         pressure = np.sum([np.zeros(len(places)), *(component_at(each, places) for each in pressures)], axis=0)
-        push = points.normal @ np.array([[xx, xy], [xy, yy]]) + pressure[:, None] * points.normal
+        push = across(stress.at(places), points.normal) + pressure[:, None] * points.normal
         f += jump_matrix(cover, points).T @ (lengths[:, None] * cover.lattice.spacing * push)
     return f.ravel()
+
+
+def is_named(name: str, is_crack: bool, wanted: str | tuple[str, str]) -> bool:
+    """Whether a surface is the crack that is `wanted`, or a line between the two bodies."""
+    if isinstance(wanted, str):
+        return is_crack and name == wanted
+    first, second = wanted
+    return not is_crack and name.partition(".")[0] in (f"{first}/{second}", f"{second}/{first}")

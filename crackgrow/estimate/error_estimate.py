@@ -107,7 +107,9 @@ def _regular(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, chos
         gradient = by.reshape(len(share), 2, len(mine), 2).transpose(0, 2, 3, 1)
         gradient = gradient / (lattice.spacing * side)[:, None, None]
         body = np.tile(cover.elements.body[mine], len(share))
-        values = energy_components(materials, stress_of(materials, gradient.reshape(-1, 2, 2), body), body)
+        at = cover.elements.cell[mine] + (kind.low + share * kind.size)[:, None] * side[:, None]
+        places = lattice.to_metres(at.reshape(-1, 2))
+        values = energy_components(materials, stress_of(materials, gradient.reshape(-1, 2, 2), body, places), body)
         area = weights * kind.size.prod()
         distance = (kind.low + share * kind.size)[:, None] - regular_window(lattice.support)[kind.slots]
         of_points = values.reshape(len(share), len(mine), 3)
@@ -137,7 +139,8 @@ def _free(
     body = cover.elements.body[element]
     basis = basis_at(cover, points, element)
     gradient = basis.field(u.reshape(-1, 2))[1:].transpose(1, 2, 0)
-    values = energy_components(materials, stress_of(materials, gradient, body), body)
+    places = cover.lattice.to_metres(points)
+    values = energy_components(materials, stress_of(materials, gradient, body, places), body)
     patches, point = basis.patches, basis.patches.row
     # no fits on crumbs, whose stress is uniform
     phi = np.where(cover.patches.in_crumb[element][point], 0.0, np.maximum(basis.phi[0], 0.0))

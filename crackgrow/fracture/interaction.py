@@ -30,7 +30,7 @@ def interaction(
     gradients: Floats,
     face_vectors: Floats,
     face_gradients: Floats,
-    body_force: Floats,
+    body_force: Floats | None,
 ) -> Floats:
     """M (radii, 2) of the discs of a rule, for the auxiliary modes I and II; all in the tip's axes.
 
@@ -38,7 +38,7 @@ def interaction(
     face_vectors: stress vectors sigma . n on the crack's left normal (2, m) at the points of the faces, the sums of
         both faces
     face_gradients: elastic displacement gradients (2, 2, m) there, sums as well; they may be zero on the last segment
-    body_force: (2,)
+    body_force: (2, n) at the points of the circles; None for nothing
     """
     circles, faces, radii = rule.circles, rule.faces, rule.radii
     r, t = circles.polar
@@ -51,8 +51,8 @@ def interaction(
     M += weighted_by_step(
         faces.r, faces.weight, _face_flux(material, rule, beside, face_vectors, face_gradients), radii
     )
-    if body_force.any():
-        work = np.einsum("i,min->mn", body_force, around[:, :, 0]).reshape(2, *circles.t.shape) @ circles.angle_weight
+    if body_force is not None:
+        work = np.einsum("in,min->mn", body_force, around[:, :, 0]).reshape(2, *circles.t.shape) @ circles.angle_weight
         M -= weighted_by_step(circles.r, circles.weight * circles.r, work, radii)
     return M
 

@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 
 from crackgrow.blas import single_threaded
-from crackgrow.case.model import Case, CriticalLoad, LoadHistory
+from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.plan.sizes import Sizes
 
 TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact", "held N")
@@ -55,11 +55,13 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
     slower = probe() / table["probe"] * (sizes.n_pairs / (2 * sizes.n_patches * USUAL_PAIRS)) ** CROWDING
     terms = terms_of(case, sizes)
     solves = IMPLICIT_SOLVES if case.growth is not None and case.growth.direction == "implicit" else 1.0
-    history = len(case.loading.factors) if isinstance(case.loading, LoadHistory) and case.growth is None else 1
+    static = case.growth is None and isinstance(case.loading, LoadHistory | Stages)
+    history = case.last_step + 1 if static else 1
+    share = 1.0 if isinstance(case.loading, Stages) else STATIC_SHARE
     first, later = (slower * float(terms @ table[key]) for key in ("first", "later"))
     return Cost(
         first_step=first,
-        later_step=STATIC_SHARE * first if case.growth is None else solves * later,
+        later_step=share * first if case.growth is None else solves * later,
         n_later=case.growth.steps if case.growth is not None else history - 1,
         memory=_memory(np.array(table["memory"]) * memory_terms_of(case, sizes), sizes),
     )

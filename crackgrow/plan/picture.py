@@ -18,7 +18,7 @@ from crackgrow.case.model import Body, Case, Crack, InSituStress
 from crackgrow.cover.squares import QUANTA
 from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.overview import length_unit, stress_text
+from crackgrow.results.overview import component_text, length_unit
 from crackgrow.results.signs import load_signs, support_signs
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.configuration import first_cells
@@ -132,7 +132,7 @@ def _name_crack(axes: Axes, crack: Crack, size: float, scale: float, unit: str, 
 def _stress_notes(case: Case) -> str:
     """In-situ stresses, which fill a body, in words."""
     return "\n".join(
-        f"in-situ stress xx, yy, xy in {load.body}: {', '.join(stress_text(value) for value in load.stress)}"
+        f"in-situ stress xx, yy, xy in {load.body}: {', '.join(component_text(value) for value in load.stress)}"
         f"{', held' if load.held else ''}"
         for load in case.loads
         if isinstance(load, InSituStress)

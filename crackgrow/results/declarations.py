@@ -35,7 +35,9 @@ class File:
 PHASES: Final = ("cover", "assembly", "factorize", "contact", "criterion", "output")
 
 _STEP: Final = Column("step", "", "number of the step, from 0: the given cracks")
-_LOAD_FACTOR: Final = Column("load_factor", "", "what all loads but the held ones are multiplied by")
+_LOAD_FACTOR: Final = Column(
+    "load_factor", "", "what all loads but the held ones are multiplied by; of stages their number, 1 for the first"
+)
 _SURFACE: Final = Column("crack", "", "name of the crack, `first/second` of an interface, `body.edge` of a foundation")
 
 TIPS: Final = File(

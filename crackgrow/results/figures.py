@@ -166,10 +166,13 @@ def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[floa
 
 
 def _most_slip(curve: Sequence[LoadPoint], unit: str) -> list[tuple[Floats, str]]:
-    """Slip (m) step by step of the surface that slips most, and what to call it; none without slip."""
-    slips = {name: np.array([point.slip[name] for point in curve]) for name in curve[0].slip}
-    largest = max(slips, key=lambda name: float(np.abs(slips[name]).max()), default=None)
-    if largest is None or not slips[largest].any():
+    """Slip (m) step by step of the surface that slips most, and what to call it; none without slip.
+
+    nan where the surface is gone with the rock beside it.
+    """
+    slips = {name: np.array([point.slip.get(name, np.nan) for point in curve]) for name in curve[0].slip}
+    largest = max(slips, key=lambda name: float(np.nanmax(np.abs(slips[name]))), default=None)
+    if largest is None or not np.nan_to_num(slips[largest]).any():
         return []
     return [(slips[largest], f"largest slip of {largest} [{unit}]")]
 

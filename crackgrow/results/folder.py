@@ -311,7 +311,6 @@ class RunFolder:
         return summary
 
 
-
 def open_run(path: str | Path) -> RunFolder:
     """The run that `crackgrow run` or `run_case` left in a folder, ended or not.
 

@@ -18,10 +18,10 @@ from crackgrow.case.model import (
     ContactSupport,
     CoulombContact,
     Crack,
-    CrackPressure,
     CriticalLoad,
     EdgeSupport,
     EdgeTraction,
+    FluidPressure,
     Gravity,
     Growth,
     InSituStress,
@@ -29,6 +29,8 @@ from crackgrow.case.model import (
     LoadHistory,
     PointForce,
     PointSupport,
+    Stage,
+    Stages,
     StrengthReduction,
 )
 from crackgrow.case.toughness import BY_K, averaging_radius
@@ -123,10 +125,17 @@ def _loading(case: Case) -> str:
         return "each step at its critical load factor"
     if isinstance(case.loading, StrengthReduction):
         return "all of them, with friction and cohesion divided by a factor until the scene fails"
+    if isinstance(case.loading, Stages):
+        return "in stages: " + ", ".join(_stage_text(stage) for stage in case.loading.stages)
     factors = [f"{factor:g}" for factor in case.loading.factors]
     if len(factors) > SHOWN_FACTORS:
         return f"{len(factors)} load factors {', '.join(factors[:SHOWN_FACTORS])}, ..., {factors[-1]}"
     return f"load factors {', '.join(factors)}"
+
+
+def _stage_text(stage: Stage) -> str:
+    gone = ", ".join(f"{name} {100.0 * share:g} % released" for name, share in stage.excavated)
+    return f"{stage.name} (without {gone})" if gone else stage.name
 
 
 def _loads(case: Case) -> str:
@@ -139,8 +148,8 @@ def _loads(case: Case) -> str:
         held = " (held)" if load.held else ""
         if isinstance(load, Gravity):
             words.append(f"gravity on {load.body}{held}")
-        elif isinstance(load, CrackPressure):
-            words.append(f"pressure {component_text(load.pressure)} in {load.crack}{held}")
+        elif isinstance(load, FluidPressure):
+            words.append(f"pressure {component_text(load.pressure)} in {surface_text(load.surface)}{held}")
         elif isinstance(load, PointForce):
             words.append(f"a force at a point of {load.body}{held}")
         elif isinstance(load, InSituStress):
@@ -197,7 +206,7 @@ def _meetings(case: Case) -> str:
 def _growth_line(case: Case, scale: float, unit: str) -> str:
     growth = case.growth
     if growth is None:
-        n_factors = len(case.loading.factors) if isinstance(case.loading, LoadHistory) else 1
+        n_factors = case.last_step + 1 if isinstance(case.loading, LoadHistory | Stages) else 1
         return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"
@@ -235,6 +244,18 @@ def length_unit(case: Case) -> tuple[float, str]:
     """How many of the unit that suits the scene are a metre, and its name."""
     size = float(np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max())
     return (1e3, "mm") if size < 1 else (1.0, "m")
+
+
+def surface_text(surface: str | tuple[str, str]) -> str:
+    """The name of a crack, or of the surface between two bodies."""
+    return surface if isinstance(surface, str) else "/".join(surface)
+
+
+def lines_of(case: Case, surface: str | tuple[str, str]) -> list[Floats]:
+    """The lines, each (n, 2) m, of a crack or of the interface of two bodies."""
+    if isinstance(surface, str):
+        return [next(crack.points for crack in case.cracks if crack.name == surface)]
+    return list(next(pair.lines for pair in case.interfaces if set(pair.bodies) == set(surface)))
 
 
 def component_text(value: Component) -> str:

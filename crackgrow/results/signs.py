@@ -15,16 +15,16 @@ from crackgrow.case.model import (
     Case,
     Component,
     ContactSupport,
-    CrackPressure,
     EdgeRegion,
     EdgeSupport,
     EdgeTraction,
+    FluidPressure,
     Gravity,
     Load,
     PointForce,
     PointSupport,
 )
-from crackgrow.results.overview import component_text, length_unit
+from crackgrow.results.overview import component_text, length_unit, lines_of, surface_text
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it
@@ -163,14 +163,23 @@ def _load_sign(case: Case, load: Load, size: float) -> Sign | None:
         way = reach * _unit(load.force)
         words = Words(load.point - 1.3 * way, f"F = {np.hypot(*load.force):g} N/m{held}", "load")
         return Sign(f"force on {load.body}", (Arrow(load.point - way, load.point, "load"),), (words,))
-    if isinstance(load, CrackPressure):
-        points = next(crack for crack in case.cracks if crack.name == load.crack).points
-        across = np.array([-1.0, 1.0]) * _unit((points[-1] - points[0])[::-1])
-        sides = (-0.4 * reach * across, 0.4 * reach * across)
-        pairs = [Arrow(p, p + side, "load") for p, _ in _spread(_straight(points), APART * size) for side in sides]
-        words = Words(points.mean(axis=0) - [0.0, 0.06 * size], f"p = {component_text(load.pressure)}{held}", "load")
-        return Sign(f"pressure in {load.crack}", tuple(pairs), (words,))
+    if isinstance(load, FluidPressure):
+        return _pressure(case, load, size, held)
     return None
+
+
+def _pressure(case: Case, load: FluidPressure, size: float, held: str) -> Sign:
+    """Arrows off both faces of a crack or an interface."""
+    marks: list[Mark] = []
+    lines = lines_of(case, load.surface)
+    for points in lines:
+        chord = points[-1] - points[0] if np.any(points[-1] != points[0]) else points[1] - points[0]
+        across = 0.4 * ARROW * size * np.array([-1.0, 1.0]) * _unit(chord[::-1])
+        places = _spread(_straight(points), APART * size)
+        marks += [Arrow(place, place + side, "load") for place, _ in places for side in (-across, across)]
+    place = np.concatenate(lines).mean(axis=0) - [0.0, 0.06 * size]
+    words = Words(place, f"p = {component_text(load.pressure)}{held}", "load")
+    return Sign(f"pressure in {surface_text(load.surface)}", tuple(marks), (words,))
 
 
 def _traction(case: Case, load: EdgeTraction, size: float, held: str) -> Sign | None:
@@ -347,4 +356,3 @@ def _outside(body: Body, point: Floats) -> Floats:
 
 def _body(case: Case, name: str) -> Body:
     return next(body for body in case.bodies if body.name == name)
-

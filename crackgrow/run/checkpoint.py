@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.configuration import Gone
 from crackgrow.run.halvings import Accuracy, accuracy_of_record, record_of
 from crackgrow.run.increments import FROM_REST, Origin, Remembered, Start
 from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_record
@@ -52,6 +53,7 @@ def packed(state: RunState) -> Checkpoint:
         "guess": origin.guess,
         "tips": [[g.crack.tip_at_start, g.crack.tip_at_end] for g in state.cracks],
         "start": None,
+        "gone": [rock.body for rock in origin.gone],
         "accuracy": None if state.accuracy is None else record_of(state.accuracy),
     }
     arrays: dict[str, NDArray[Any]] = {}
@@ -63,6 +65,7 @@ def packed(state: RunState) -> Checkpoint:
             "factor": start.factor, "holding": start.holding, "grown": start.grown, "energy": asdict(start.energy)
         }  # fmt: skip
         arrays.update({f"start_{name}": array for name, array in _arrays(start).items() if array is not None})
+    arrays.update({f"gone{number}": rock.forces for number, rock in enumerate(origin.gone)})
     return Checkpoint(state.step, values, arrays)
 
 
@@ -77,12 +80,13 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         for number, (crack, tips) in enumerate(zip(case.cracks, values["tips"], strict=True))
     )
     start = None if values["start"] is None else _start(values["start"], arrays)
+    gone = tuple(Gone(body, arrays[f"gone{number}"]) for number, body in enumerate(values.get("gone", [])))
     return RunState(
         checkpoint.step,
         cracks,
         tuple(event_of(record) for record in values["events"]),
         values["n_pieces"],
-        Origin(values["guess"], start),
+        Origin(values["guess"], start, gone),
         values["factorizations"],
         tuple(values["notes"]),
         accuracy_of_record(values["accuracy"]) if values.get("accuracy") else None,

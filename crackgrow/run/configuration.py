@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,6 +13,7 @@ import shapely
 from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import Load
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN, STICK, ContactLaw, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
@@ -84,6 +85,14 @@ class _Units:
     pull: Floats  # (l, 3) N/m: what they do on each rigid motion that supports leave free
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Gone:
+    """A body that has been taken out, and by which forces it held the rest."""
+
+    body: str
+    forces: Floats  # (n_dofs,) N/m
+
+
 @dataclass(frozen=True, eq=False)
 class Configuration:
     """Everything that depends on where the cracks lie, and not on how much they are loaded."""
@@ -107,15 +116,34 @@ class Configuration:
         """Loads (n_dofs,) N/m at a load factor, with a share of the held ones."""
         return holding * self.constant + factor * self.scaled
 
+    def given(self, factor: float) -> Floats:
+        """Given displacements (m,) m at a load factor."""
+        a, b = self.scene.given_parts
+        return (a + b * factor) * self.held.given
+
+    def shares(self, factor: float, holding: float = 1.0) -> Floats:
+        """What the scaled loads, the constant ones and given displacements (3,) are multiplied by."""
+        a, b = self.scene.given_parts
+        return np.array([factor, holding, a + b * factor])
+
+    def with_gone(self, gone: Sequence[Gone]) -> Configuration:
+        """The configuration with forces by which rock that is gone held it, as far as they are not released."""
+        scaled, constant = self.scaled.copy(), self.constant.copy()
+        for rock in gone:
+            a, b = self.scene.parts_of_gone(rock.body)
+            constant += a * rock.forces
+            scaled += b * rock.forces
+        return replace(self, scaled=scaled, constant=constant)
+
     def increment(self, factor: float, memory: ContactMemory, holding: float) -> tuple[Increment, Floats]:
         """An increment from `memory` on to a load factor, and the jumps (2 n,) m without tractions at its end.
 
         `holding` is the share of the held loads.
         """
-        units, share = self._units, np.array([factor, holding, factor])
+        units, share = self._units, self.shares(factor, holding)
         along, size = units.conjugates[:2] @ share, float(np.abs(self.loads(factor, holding)).sum())
         length = abs(float(along @ share[:2])) / size if size > 0.0 else 0.0
-        length = max(length, float(np.abs(factor * self.held.given).max(initial=0.0)))
+        length = max(length, float(np.abs(self.given(factor)).max(initial=0.0)))
         return Increment(self.contact, memory, units.pull @ share, OVERLAP * length), units.jumps @ share
 
     def states(
@@ -126,7 +154,7 @@ class Configuration:
         FreePieceError says which piece contact does not hold. `near` are states that may be close.
         """
         check_magnitude("loads", self.loads(factor, holding), LARGEST, "N/m")
-        check_magnitude("prescribed displacements", factor * self.held.given, self._farthest, "m")
+        check_magnitude("prescribed displacements", self.given(factor), self._farthest, "m")
         increment, free = self.increment(factor, memory, holding)
         check_magnitude("displacements", free, self._farthest, "m")
         try:
@@ -155,7 +183,7 @@ class Configuration:
 
     def conjugates(self, factor: float, holding: float, states: PointStates) -> Floats:
         """(3,): displacement under the loads per load factor, m N/m; under held loads; support force."""
-        units, share = self._units, np.array([factor, holding, factor])
+        units, share = self._units, self.shares(factor, holding)
         forces = np.tile(self.contact.weights, 2) * states.tractions
         found = units.conjugates @ share - SIGNS * (units.jumps.T @ forces)
         motion = np.zeros(len(units.pull)) if states.solution is None else states.solution.motion
@@ -172,9 +200,9 @@ class Configuration:
         memory = memory or ContactMemory.fresh(self.faces.n)
         states = states or self.states(factor, memory, holding)
         increment, free = self.increment(factor, memory, holding)
-        loads, share = self.loads(factor, holding), np.array([factor, holding, factor])
+        loads, share = self.loads(factor, holding), self.shares(factor, holding)
         without = (self._units.u @ share, self._units.multipliers @ share)
-        outcome = increment.formed(states, free, (loads, factor * self.held.given), without)
+        outcome = increment.formed(states, free, (loads, self.given(factor)), without)
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
@@ -238,10 +266,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         held = _tied_by_bonds(scene, cover, constraints(cover, case.bodies, case.supports))
         check_magnitude("prescribed displacements", held.given, LARGEST, "m")
         bodies = [g.crack.body for g in growing]
-        scaled, constant = (
-            load_vector(cover, case.bodies, loads, case.numerics.quadrature) + face_load_vector(cover, bodies, loads)
-            for loads in ([x for x in case.loads if not x.held], [x for x in case.loads if x.held])
-        )
+        scaled, constant = _loads(scene, cover, bodies)
         free = free_motions(cover, held.matrix)
         check_held(free.pieces, _patches_at(cover, faces))
     with timed(seconds, "factorize"):
@@ -256,6 +281,20 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, seconds)
 
 
+def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Floats, Floats]:
+    """What of the loads (n_dofs,) N/m a load factor multiplies, and what it does not."""
+    alike: dict[tuple[float, float], list[Load]] = {(0.0, 1.0): [], (1.0, 0.0): []}
+    for load in scene.case.loads:
+        alike.setdefault(scene.parts(load), []).append(load)
+    scaled, constant = np.zeros((2, cover.n_dofs))
+    for (a, b), loads in alike.items():
+        f = load_vector(cover, scene.case.bodies, loads, scene.case.numerics.quadrature)
+        f += face_load_vector(cover, crack_bodies, loads)
+        constant += a * f
+        scaled += b * f
+    return scaled, constant
+
+
 def lay_out(scene: Scene, growing: tuple[GrowingCrack, ...]) -> tuple[Cover, ContactFaces, Constraints]:
     """Cover, contact points and constraints of a configuration, as `assemble` makes them; nothing is integrated.
 
@@ -268,7 +307,7 @@ def lay_out(scene: Scene, growing: tuple[GrowingCrack, ...]) -> tuple[Cover, Con
 
 def _cover(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
     cracks = [crack_geometry(scene, g, body) for g, body in zip(growing, scene.crack_bodies, strict=True)]
-    lattice = lattice_of_cells(scene, cracks, None if before is None else before.lattice)
+    lattice = lattice_of_cells(scene.at_start, cracks, None if before is None else before.lattice)
     return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, before)
 
 

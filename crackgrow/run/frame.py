@@ -57,7 +57,8 @@ def _at_nodes(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, mes
     told[np.unique(mesh.place_node, return_index=True)[1]] = True
     node, element = mesh.place_node[told], mesh.place_element[told]
     value, *slopes = basis_at(cover, mesh.points[node], element).field(u.reshape(-1, 2))
-    stress = stress_of(materials, np.stack(slopes, axis=2), cover.elements.body[element])
+    places = cover.lattice.to_metres(mesh.points[node])
+    stress = stress_of(materials, np.stack(slopes, axis=2), cover.elements.body[element], places)
     found = _means(node, np.concatenate([value, stress], axis=1), len(mesh.points))
     if cover.tips:
         distance, _ = KDTree([tip.point for tip in cover.tips]).query(mesh.points)

@@ -9,6 +9,7 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import FacePoint, PointPair, RockPoint
+from crackgrow.contact.face_loads import is_named
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
@@ -65,6 +66,8 @@ def _at_point(state: LoadState, body: str, point: Floats) -> tuple[list[float], 
     """Displacement (m) and stress (Pa) at a point of a body; nan where no rock is left."""
     scene, cover = state.configuration.scene, state.configuration.cover
     at = cover.lattice.to_lattice(point[None])
+    if body not in (other.name for other in scene.case.bodies):
+        return [np.nan] * 2, [np.nan] * 3
     element = locate(cover.lattice, cover.elements, at, body_index(scene.case.bodies, body))
     if element[0] < 0:
         return [np.nan] * 2, [np.nan] * 3
@@ -76,26 +79,23 @@ def _at_point(state: LoadState, body: str, point: Floats) -> tuple[list[float], 
 
 
 def _jump(state: LoadState, point: FacePoint) -> tuple[float, float]:
-    """Opening and slip (m) of the surface at the place nearest to a point, wherever its ends have grown to."""
+    """Opening and slip (m) of the surface at the place nearest to a point, wherever its ends have grown to.
+
+    nan where it is gone.
+    """
     cover = state.configuration.cover
     at = shapely.Point(cover.lattice.to_lattice(point.point))
     lines = {
         index: shapely.LineString(surface.points)
         for index, (surface, law) in enumerate(zip(cover.surfaces, state.configuration.scene.laws, strict=True))
-        if _is_named(surface.name, law.kind, point.surface)
+        if is_named(surface.name, law.kind == "crack", point.surface)
     }
+    if not lines:
+        return np.nan, np.nan
     index = min(lines, key=lambda number: float(lines[number].distance(at)))
     s = np.array([shapely.line_locate_point(lines[index], at)])
     gap, slip = gap_and_slip(cover, points_at(cover, index, s), state.outcome.u)
     return float(gap[0]), float(slip[0])
-
-
-def _is_named(name: str, kind: str, surface: str | tuple[str, str]) -> bool:
-    """Whether a surface is the crack of that name, or a line between the two bodies."""
-    if isinstance(surface, str):
-        return kind == "crack" and name == surface
-    first, second = surface
-    return kind == "interface" and name.partition(".")[0] in (f"{first}/{second}", f"{second}/{first}")
 
 
 def _convergence(state: LoadState, pair: PointPair) -> float:

@@ -28,7 +28,7 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Surface
-from crackgrow.run.configuration import Configuration, Equilibrium
+from crackgrow.run.configuration import Configuration, Equilibrium, Gone
 from crackgrow.run.path import MOST_JUMPS, Load, next_piece
 from crackgrow.run.result import BALANCED, Energy
 
@@ -110,6 +110,7 @@ class Origin:
 
     guess: float = 1.0  # load factor that a search for the critical one tries first
     start: Start | None = None  # None: the case's loads come one after the other, from the unloaded state on
+    gone: tuple[Gone, ...] = ()  # rock that has been taken out
 
 
 FROM_REST = Origin()
@@ -139,7 +140,7 @@ def _on_from(state: LoadState) -> Start:
 
 
 def carried(state: LoadState, configuration: Configuration) -> Start:
-    """The state of another configuration, before the cracks grew, as the start on this one.
+    """The state of another configuration, before the cracks grew or rock was taken out, as the start on this one.
 
     Contact points remember the slip of the faces that were there before, averaged as they average their own; tractions
     are interpolated. New faces know nothing.
@@ -149,10 +150,13 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     jump = np.zeros(len(faces.lengths))  # at the integration points
     elastic, normal, tangential, dilation, lost = np.zeros((5, n))
     closed = np.ones(n, dtype=bool)
+    numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
     for index, surface in enumerate(old.cover.surfaces):
-        points, s = _on_old_faces(faces.points, index, surface)
+        if surface.name not in numbers:
+            continue
+        points, s = _on_old_faces(faces.points, numbers[surface.name], surface)
         jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
-        mine, s = _on_old_faces(faces.nodes, index, surface)
+        mine, s = _on_old_faces(faces.nodes, numbers[surface.name], surface)
         for values, found in (
             (elastic, old.contact.law.along * outcome.tangential_traction),
             (normal, outcome.normal_traction),
@@ -203,6 +207,17 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     return _told(replace(last, via=passed, notes=notes), began)
 
 
+def taken_over(state: LoadState, configuration: Configuration) -> Start:
+    """The state of another configuration under the same loads, as the start on this one.
+
+    What this one does not store any more is released.
+    """
+    start, load = carried(state, configuration), (state.factor, state.holding)
+    states = configuration.states(state.factor, start.remembered.memory, state.holding)
+    start = replace(start, conjugates=configuration.conjugates(*load, states))
+    return from_state(_booked(_stated(configuration, start, states, load), start))
+
+
 def _told(state: LoadState, began: float) -> LoadState:
     """The state with its displacements and the time (s) that it took. Raises SolveError where there are none."""
     formed = state.equilibrium
@@ -246,8 +261,9 @@ def _stated(configuration: Configuration, start: Start, states: PointStates, loa
     conjugates = configuration.conjugates(factor, holding, states)
     none = Energy(start.energy.work, 0.0, start.energy.dissipated, start.energy.released, 0.0)
     state = LoadState(configuration, factor, holding, was.memory, states, none, 0.0, conjugates, 0.0)
-    change, mean, step = conjugates - start.conjugates, 0.5 * (start.conjugates + conjugates), factor - start.factor
-    work = 0.5 * (start.factor + factor) * change[0] + 0.5 * (start.holding + holding) * change[1] + mean[2] * step
+    change, mean = conjugates - start.conjugates, 0.5 * (start.conjugates + conjugates)
+    shares = [configuration.shares(*at) for at in ((start.factor, start.holding), load)]
+    work = 0.5 * (shares[0] + shares[1])[:2] @ change[:2] + mean[2] * (shares[1][2] - shares[0][2])
     strain, terms = _strain(state)
     dissipated = none.dissipated + _dissipated(configuration, was, state)
     energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), terms)
@@ -260,7 +276,7 @@ def _strain(state: LoadState) -> tuple[float, float]:
     u K u = u'(f - C'm - G'W p): the work of all that acts on the rock.
     """
     contact, states = state.configuration.contact, state.states
-    loads = state.conjugates * (state.factor, state.holding, state.factor)
+    loads = state.conjugates * state.configuration.shares(state.factor, state.holding)
     jumps = np.concatenate([states.gap + states.dilation, states.slip])
     elastic = contact.law.compliances * states.tractions
     tractions = np.tile(contact.weights, 2) * states.tractions

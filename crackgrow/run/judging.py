@@ -95,7 +95,7 @@ class StepSolution:
     @property
     def displacement_size(self) -> float:
         """Size of the displacement field, m."""
-        return displacement_size(self.loads, self.outcome.u, self.state.factor * self.held.given)
+        return displacement_size(self.loads, self.outcome.u, self.configuration.given(self.state.factor))
 
 
 def judged(state: LoadState, fields: Sequence[TipField | None] | None = None) -> StepSolution:
@@ -134,8 +134,8 @@ def tip_states(
     bodies = [scene.crack_bodies[crack] for crack, _ in cover.tip_ends]
     K_faces = from_face_displacements(cover, [materials[body].young_prime for body in bodies], u, tips)
     tractions = [_tractions(state, crack) for crack, _ in cover.tip_ends]
-    weights = [scene.weight(body, state.factor) for body in bodies]
-    intensities = interaction_integrals(cover, materials, u, tips, tractions, weights)
+    forces = [scene.body_force(body, state.factor) for body in bodies]
+    intensities = interaction_integrals(cover, materials, u, tips, tractions, forces)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
     for tip, field in enumerate(fields):
         if field is not None:

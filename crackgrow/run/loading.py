@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from crackgrow.case.model import CriticalLoad, LoadHistory
+from crackgrow.case.model import CriticalLoad, LoadHistory, Stages
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
@@ -13,6 +13,7 @@ from crackgrow.run.history import history_of
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, carried, from_state, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import Scene
+from crackgrow.run.stages import load_stages, through_stages
 
 
 def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | None = None) -> StepSolution:
@@ -21,6 +22,8 @@ def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | 
     `before` is the step before, whose state is gone on from where steps do not start unloaded. Raises GeometryError or
     SolveError where a state can't be solved.
     """
+    if isinstance(scene.case.loading, Stages):
+        return through_stages(scene, cracks)
     configuration = assemble(scene, cracks, None if before is None else before.configuration)
     return _loaded(configuration, cracks, _origin(configuration, before))
 
@@ -48,13 +51,21 @@ def load_to(
 
 def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
     """What `load` has made of the cracks, from the origin of that solution. Raises as it does."""
+    if isinstance(scene.case.loading, Stages):
+        return through_stages(scene, cracks)  # every step begins with the first of them
     return _loaded(assemble(scene, cracks), cracks, origin)
 
 
 def load_history(
     scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin | None = None
 ) -> Iterator[StepSolution]:
-    """The cracks at every factor of the case's history, in turn, from number `first` on, whose `origin` is given."""
+    """The cracks at every factor of the case's history, or at the end of every stage, in turn.
+
+    From number `first` on, whose `origin` is given.
+    """
+    if isinstance(scene.case.loading, Stages):
+        yield from load_stages(scene, cracks, first, origin)
+        return
     assert isinstance(scene.case.loading, LoadHistory)
     configuration = assemble(scene, cracks)
     start = None if origin is None else origin.start

@@ -10,7 +10,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.blas import single_threaded
-from crackgrow.case.model import Case, Growth, LoadHistory, StrengthReduction
+from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack, growing_tips
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
@@ -22,7 +22,7 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load, load_again, load_history, load_to
 from crackgrow.run.report import paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
-from crackgrow.run.scene import Scene, make_scene
+from crackgrow.run.scene import Scene, make_scene, scene_at_end
 from crackgrow.run.strength_reduction import strength_reduction
 from crackgrow.run.target import Ways, aimed, aimed_history, halvings_after
 from crackgrow.solid.rigid_modes import all_pieces
@@ -116,7 +116,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             return _stopped(cracks, solution, step, n_pieces)
         if step < n_steps:
             solve = partial(load, scene, before=solution)
-            advance = advance_tips(BeforeAdvance(scene, growth, cracks, step + 1), solution, chosen, solve)
+            beginning_at = BeforeAdvance(scene_at_end(scene), growth, cracks, step + 1)
+            advance = advance_tips(beginning_at, solution, chosen, solve)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
     return RunEnd("completed", done, paths_of(cracks))
@@ -142,18 +143,15 @@ def _on_target(cracks: tuple[GrowingCrack, ...], solution: StepSolution, before:
 
 
 def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
-    """The load factors of the history in turn, without growth."""
-    assert isinstance(scene.case.loading, LoadHistory)  # critical loads need a criterion: the case was checked
-    cracks = begun.cracks
+    """The load factors of the history, or the stages, in turn, without growth."""
+    cracks, n = begun.cracks, scene.case.last_step + 1
     chosen = np.empty(0, dtype=np.int64)
     histories = load_history if scene.case.numerics.target is None else partial(aimed_history, known=begun.accuracy)
     for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin), begun.step):
         result = _reported(scene, RunState(step, cracks), solution, chosen)
         yield result, solution
-    n = len(scene.case.loading.factors)
-    return RunEnd(
-        "completed", "the static solve is done" if n == 1 else f"all {n} load factors are done", paths_of(cracks)
-    )
+    done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
+    return RunEnd("completed", "the static solve is done" if n == 1 else done, paths_of(cracks))
 
 
 def _reduced(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case.model import ContactSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
@@ -12,23 +13,30 @@ from crackgrow.run.result import Reaction
 
 
 def reactions(state: LoadState) -> tuple[Reaction, ...]:
-    """Force of every support and foundation on the rock, and of the second body of an interface on the first."""
+    """Force of every support and foundation on the rock, and of the second body of an interface on the first.
+
+    Those of rock that is gone are zero.
+    """
     found, scene = [], state.configuration.scene
     held, multipliers = state.configuration.held, state.outcome.multipliers
-    for number in np.unique(held.support[held.support >= 0]).tolist():
+    supports = [n for n, support in enumerate(scene.case.supports) if not isinstance(support, ContactSupport)]
+    for number in supports:
         force = [-float(multipliers[(held.support == number) & (held.component == axis)].sum()) for axis in range(2)]
         found.append(Reaction(f"supports.{number}", (force[0], force[1])))
-    cover = state.configuration.cover
-    for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
-        if law.kind == "crack":
+    cover, first = state.configuration.cover, len(scene.case.cracks)
+    numbers = {surface.name: number for number, surface in enumerate(cover.surfaces)}
+    at_start = scene.at_start
+    for name in [*(line.name for line in at_start.interfaces), *(each.name for each in at_start.foundations)]:
+        index = numbers.get(name, -1)
+        if index < first:
+            found.append(Reaction(name, (0.0, 0.0)))
             continue
-        forces = _face_forces(state, index)
-        body = cover.elements.body[surface.edges.plus[0]]
-        found.append(Reaction(surface.name, _resultant(cover, forces, int(body))))
+        body = cover.elements.body[cover.surfaces[index].edges.plus[0]]
+        found.append(Reaction(name, _resultant(cover, face_forces(state, index), int(body))))
     return tuple(found)
 
 
-def _face_forces(state: LoadState, surface: int) -> Floats:
+def face_forces(state: LoadState, surface: int) -> Floats:
     """Forces (n_dofs,) N/m of a surface's contact or bond on the rock on both of its sides."""
     held, contact, outcome = state.configuration.held, state.configuration.contact, state.outcome
     mine, here = held.surface == surface, state.configuration.faces.surface == surface
@@ -57,7 +65,7 @@ def imbalance(solution: StepSolution) -> float:
     Rows of the system can each be in balance to round-off while their sum is not: where a stiff body is held by one
     that is many times softer, and moves that many times further than it strains.
     """
-    interfaces = {surface.name for surface in solution.configuration.scene.interfaces}
+    interfaces = {surface.name for surface in solution.configuration.scene.at_start.interfaces}
     held = [np.array(reaction.force) for reaction in reactions(solution.state) if reaction.where not in interfaces]
     size = float(np.abs(solution.loads).sum() + sum(np.hypot(*force) for force in held))
     left = float(np.abs(sum(held, start=total_load(solution))).max())

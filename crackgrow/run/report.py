@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -44,7 +45,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     shares = overlap_shares(scene, solution, faces)
     error = estimated_error(solution) if state.step == 0 else None
     K = [tip.K for tip in solution.tips]
-    make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error)
+    make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error, scene.numbers_at_start)
     return StepResult(
         step=state.step,
         load_factor=solution.state.factor,
@@ -82,9 +83,11 @@ def _frame(
     u: Floats,
     K: Sequence[tuple[float, float]],
     error: ErrorEstimate | None,
+    bodies: Ints,
 ) -> Frame:
-    """The mesh of a solution, its error estimated if it is not known."""
-    return make_frame(cover, materials, u, estimate_with(cover, materials, u, K) if error is None else error)
+    """The mesh of a solution, its error estimated if it is not known; `bodies` are their numbers in the case."""
+    frame = make_frame(cover, materials, u, estimate_with(cover, materials, u, K) if error is None else error)
+    return replace(frame, body=bodies[frame.body])
 
 
 def _load_displacement(solution: StepSolution) -> float:
@@ -96,7 +99,7 @@ def _load_displacement(solution: StepSolution) -> float:
     total = float(np.abs(on_patches).sum())
     if total > 0.0:
         return float(solution.state.conjugates[0]) / total
-    return solution.state.factor * float(np.abs(solution.held.given).max(initial=0.0))
+    return float(np.abs(solution.configuration.given(solution.state.factor)).max(initial=0.0))
 
 
 def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error: tuple[float, float]) -> TipResult:

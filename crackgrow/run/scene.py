@@ -2,33 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
 from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
     ContactSupport,
     CoulombContact,
-    CrackPressure,
     EdgeTraction,
+    FluidPressure,
     Gravity,
     InSituStress,
     Load,
     PointSupport,
+    Stage,
+    Stages,
 )
 from crackgrow.case.toughness import averaging_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.fracture.stress_intensity import BodyForce
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
+from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.supports import body_index
 
 
@@ -61,6 +66,25 @@ class SurfaceLaw:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """How loads change in a stage: the load factor counts stages, and rises by one in each."""
+
+    number: int  # of the stage, from 0 on
+    begin: Stage
+    end: Stage
+
+    def parts(self, value: Callable[[Stage], float]) -> tuple[float, float]:
+        """a and b: what has some `value` at the end of a stage is a + b F at a load factor F."""
+        b = value(self.end) - value(self.begin)
+        return value(self.begin) - self.number * b, b
+
+
+def course_of(loading: Stages, number: int) -> Course:
+    """The course of a stage, from 0 on."""
+    return Course(number, loading.stages[number - 1] if number else loading.before, loading.stages[number])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """A case made ready for its steps."""
 
@@ -75,31 +99,80 @@ class Scene:
     lengths: tuple[Length, ...]  # what the stress varies over besides cracks
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
     halvings: Halvings = AS_GIVEN  # what a target of the error of K asks for
+    course: Course | None = None  # of the stage; None: the case has no stages
+    whole: Scene | None = None  # with the rock that is gone; None: none is
+
+    @property
+    def at_start(self) -> Scene:
+        """The scene with all of its rock: its cells are those of every stage."""
+        return self.whole or self
+
+    @property
+    def numbers_at_start(self) -> Ints:
+        """Body by body (n,) its number in the case."""
+        names = [body.name for body in self.at_start.case.bodies]
+        return np.array([names.index(body.name) for body in self.case.bodies])
+
+    def parts(self, load: Load) -> tuple[float, float]:
+        """a and b: at a load factor F a load acts with a + b F."""
+        if self.course is None:
+            return (1.0, 0.0) if load.held else (0.0, 1.0)
+        return self.course.parts(lambda stage: _share_at_end(stage, load))
+
+    def share(self, load: Load, load_factor: float) -> float:
+        """How much of a load acts at a load factor."""
+        a, b = self.parts(load)
+        return a + b * load_factor
+
+    @property
+    def given_parts(self) -> tuple[float, float]:
+        """The same of given displacements."""
+        return (0.0, 1.0) if self.course is None else self.course.parts(lambda stage: stage.factor)
+
+    def parts_of_gone(self, body: str) -> tuple[float, float]:
+        """The same of the forces by which a body held the rest that is gone."""
+        assert self.course is not None
+        return self.course.parts(lambda stage: 1.0 - dict(stage.excavated).get(body, 0.0))
 
     def fluid_pressure(self, crack: int, load_factor: float, places: Floats) -> Floats:
         """Pressure (n,) Pa on the faces of a crack at places (n, 2) m, at a load factor."""
         total = np.zeros(len(places))
         for load in self._fluids(crack):
-            total += component_at(load.pressure, places) * _share(load, load_factor)
+            total += component_at(load.pressure, places) * self.share(load, load_factor)
         return total
 
     def has_fluid(self, crack: int) -> bool:
         """Whether a fluid presses on the faces of a crack."""
         return bool(self._fluids(crack))
 
-    def _fluids(self, crack: int) -> list[CrackPressure]:
+    def _fluids(self, crack: int) -> list[FluidPressure]:
         name = self.case.cracks[crack].name
-        return [load for load in self.case.loads if isinstance(load, CrackPressure) and load.crack == name]
+        return [load for load in self.case.loads if isinstance(load, FluidPressure) and load.surface == name]
 
-    def weight(self, body: int, load_factor: float) -> Floats:
-        """Body force (2,) N/m^3 at a load factor."""
+    def body_force(self, body: int, load_factor: float) -> BodyForce | None:
+        """What pulls at the rock of a body at a load factor, besides a uniform in-situ stress; None for nothing."""
+        weight, stress = self._weight(body, load_factor), self._in_situ(body, load_factor)
+        if not stress.varying:
+            return (lambda places: np.broadcast_to(weight, places.shape)) if weight.any() else None
+        return lambda places: weight + stress.divergence(places, self.lattice.spacing)
+
+    def _weight(self, body: int, load_factor: float) -> Floats:
+        """Weight (2,) N/m^3 at a load factor."""
         force = np.zeros(2)
         for load in self.case.loads:
             if isinstance(load, Gravity) and load.body == self.case.bodies[body].name:
                 density = self.case.bodies[body].material.density
                 assert density is not None  # the case was checked
-                force += density * np.asarray(load.acceleration) * _share(load, load_factor)
+                force += density * np.asarray(load.acceleration) * self.share(load, load_factor)
         return force
+
+    def _in_situ(self, body: int, load_factor: float) -> InSitu:
+        """In-situ stress of a body at a load factor."""
+        stress = InSitu()
+        for load in self.case.loads:
+            if isinstance(load, InSituStress) and load.body == self.case.bodies[body].name:
+                stress = stress.plus(load, self.share(load, load_factor))
+        return stress
 
     def averaging_radius(self, body: int) -> float:
         """Radius (m) of the criterion in a body that has a strength, of a case with growth."""
@@ -110,20 +183,17 @@ class Scene:
 
     def materials_at(self, load_factor: float) -> tuple[PlaneElasticity, ...]:
         """Materials, body by body, with their in-situ stress at a load factor."""
-        stresses = np.zeros((len(self.materials), 3))
-        for load in self.case.loads:
-            if isinstance(load, InSituStress):
-                share = _share(load, load_factor)
-                stresses[body_index(self.case.bodies, load.body)] += share * np.asarray(load.stress)
         return tuple(
-            replace(material, initial=(float(xx), float(yy), float(xy)))
-            for material, (xx, yy, xy) in zip(self.materials, stresses, strict=True)
+            replace(material, initial=self._in_situ(body, load_factor)) for body, material in enumerate(self.materials)
         )
 
 
-def _share(load: Load, load_factor: float) -> float:
-    """How much of a load acts at a load factor."""
-    return 1.0 if load.held else load_factor
+def _share_at_end(stage: Stage, load: Load) -> float:
+    """How much of a load acts at the end of a stage."""
+    own = dict(stage.loads)
+    if load.name is not None and load.name in own:
+        return own[load.name]
+    return 1.0 if load.held else stage.factor
 
 
 def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
@@ -139,6 +209,45 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
         lengths = [float(arc_lengths(crack.points)[-1]) for crack in case.cracks]
         halvings = first_halvings(numerics.target, numerics.spacing, lengths)
     lattice = place_lattice(*box, numerics.spacing * 2**halvings.everywhere, numerics.support, offset)
+    scene = replace(_scene_on(case, lattice), halvings=halvings)
+    return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, Stages) else scene
+
+
+def scene_of_stage(scene: Scene, number: int) -> Scene:
+    """The scene of a stage, from 0 on, of a case that has them: without the rock that is gone, on the same lattice."""
+    assert isinstance(scene.case.loading, Stages)
+    course = course_of(scene.case.loading, number)
+    gone = {body for body, _ in course.end.excavated}
+    if not gone:
+        return replace(scene, course=course)
+    left = _scene_on(without(scene.case, gone), scene.lattice)
+    return replace(left, halvings=scene.halvings, lengths=scene.lengths, course=course, whole=scene)
+
+
+def scene_at_end(scene: Scene) -> Scene:
+    """The scene at its last load: that of the last stage, if there are any."""
+    return scene_of_stage(scene, scene.case.n_loads - 1) if isinstance(scene.case.loading, Stages) else scene
+
+
+def without(case: Case, gone: set[str]) -> Case:
+    """The case without some bodies and what acts on them. Supports keep their numbers: those of gone bodies stay."""
+
+    def is_left(load: Load) -> bool:
+        if isinstance(load, FluidPressure):
+            return isinstance(load.surface, str) or gone.isdisjoint(load.surface)
+        return (load.region.body if isinstance(load, EdgeTraction) else load.body) not in gone
+
+    return replace(
+        case,
+        bodies=tuple(body for body in case.bodies if body.name not in gone),
+        interfaces=tuple(interface for interface in case.interfaces if gone.isdisjoint(interface.bodies)),
+        loads=tuple(filter(is_left, case.loads)),
+    )
+
+
+def _scene_on(case: Case, lattice: Lattice) -> Scene:
+    """The scene of a case on a lattice."""
+    bodies = {body.name for body in case.bodies}
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
     laws = [SurfaceLaw("crack", c.contact, False, _stiffness(case, (c.body,))) for c in case.cracks]
@@ -154,7 +263,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     foundations: list[Foundation] = []
     on_edge = [f"{s.region.body}.{s.region.edge}" for s in case.supports if isinstance(s, ContactSupport)]
     for support in case.supports:
-        if isinstance(support, ContactSupport):
+        if isinstance(support, ContactSupport) and support.region.body in bodies:
             region, number = support.region, len(foundations)
             suffix = f".{on_edge[:number].count(on_edge[number])}" if on_edge.count(on_edge[number]) > 1 else ""
             index = body_index(case.bodies, region.body)
@@ -171,7 +280,6 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
         crack_bodies=crack_bodies,
         lengths=_lengths(case),
         laws=tuple(laws),
-        halvings=halvings,
     )
 
 

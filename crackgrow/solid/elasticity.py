@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.solid.in_situ import NONE, InSitu
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +23,7 @@ class PlaneElasticity:
     c33: float  # Pa, the shear modulus
     zz: float
     young_prime: float  # Pa: E' = E / (1 - nu^2) in plane strain, E in plane stress
-    initial: tuple[float, float, float] = (0.0, 0.0, 0.0)  # Pa: xx, yy, xy
+    initial: InSitu = NONE
 
     @property
     def matrix(self) -> Floats:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -14,9 +15,11 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.elements import element_points
+from crackgrow.quadrature.everywhere import all_points
 from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.rules import square
+from crackgrow.solid.in_situ import InSitu, across
 from crackgrow.solid.supports import body_index, edge_points
 
 
@@ -33,7 +36,10 @@ def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: 
             assert density is not None  # the case was checked
             f += np.outer(_volume_of_functions(cover, body, n), density * np.asarray(load.acceleration))
         elif isinstance(load, InSituStress):
-            f -= _rim_tractions(cover, body_index(bodies, load.body), np.asarray(load.stress))
+            body, stress = body_index(bodies, load.body), InSitu().plus(load, 1.0)
+            f -= _rim_tractions(cover, body, stress)
+            if stress.varying:
+                f += _body_forces(cover, body, n, partial(stress.divergence, spacing=cover.lattice.spacing))
         elif isinstance(load, PointForce):
             f += _at_point(cover, body_index(bodies, load.body), load)
     return f.ravel()
@@ -63,11 +69,11 @@ def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeTr
     return np.asarray(values_at(cover, points, elements).values().T @ np.concatenate(forces))
 
 
-def _rim_tractions(cover: Cover, body: int, stress: Floats) -> Floats:
-    """Integral of phi sigma n (n_functions, 2) N/m along the rim of a body, for a uniform stress (3,): xx, yy, xy.
+def _rim_tractions(cover: Cover, body: int, stress: InSitu) -> Floats:
+    """Integral of phi sigma n (n_functions, 2) N/m along the rim of a body.
 
-    By the divergence theorem this, with the crack faces' part, is the integral of B' sigma. On the rim it cancels
-    tractions that balance the stress exactly.
+    By the divergence theorem this, with the crack faces' part and less the integral of phi div sigma, is the integral
+    of B' sigma. On the rim it cancels tractions that balance the stress exactly, inside so does the divergence weight.
     """
     outlines = cover.elements.outlines
     mine = np.flatnonzero(outlines.body == body)
@@ -75,10 +81,17 @@ def _rim_tractions(cover: Cover, body: int, stress: Floats) -> Floats:
     edge, points, length = points_on_outlines(cover, ends, element, outlines.edge[mine])
     step = ends[:, 1] - ends[:, 0]
     outward = np.stack([step[:, 1], -step[:, 0]], axis=1) / np.hypot(step[:, 0], step[:, 1])[:, None]
-    xx, yy, xy = stress
-    traction = outward[edge] @ np.array([[xx, xy], [xy, yy]])
+    traction = across(stress.at(cover.lattice.to_metres(points)), outward[edge])
     forces = length[:, None] * cover.lattice.spacing * traction
     return np.asarray(values_at(cover, points, element[edge]).values().T @ forces)
+
+
+def _body_forces(cover: Cover, body: int, n: int, force: Callable[[Floats], Floats]) -> Floats:
+    """Integral of phi b (n_functions, 2) N/m over a body, of a force b (k, 2) N/m^3 at places (k, 2) m."""
+    lattice, at = cover.lattice, all_points(cover, n)
+    mine = np.flatnonzero(cover.elements.body[at.element] == body)
+    forces = at.weights[mine, None] * force(lattice.to_metres(at.points[mine])) * lattice.spacing**2
+    return np.asarray(values_at(cover, at.points[mine], at.element[mine]).values().T @ forces)
 
 
 def _volume_of_functions(cover: Cover, body: int, n: int) -> Floats:

@@ -25,15 +25,22 @@ def gradient_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floa
 def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:
     """Stress (n, 3) Pa: xx, yy, xy at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
     gradient = gradient_at(cover, u, points, elements)
-    return stress_of(materials, gradient, cover.elements.body[elements])
+    return stress_of(materials, gradient, cover.elements.body[elements], cover.lattice.to_metres(points))
 
 
-def stress_of(materials: Sequence[PlaneElasticity], gradient: Floats, body: Ints) -> Floats:
-    """Stress (n, 3) Pa: xx, yy, xy for displacement gradients (n, 2, 2) in bodies (n,), in-situ stress included."""
+def stress_of(materials: Sequence[PlaneElasticity], gradient: Floats, body: Ints, places: Floats) -> Floats:
+    """Stress (n, 3) Pa: xx, yy, xy for displacement gradients (n, 2, 2) in bodies (n,) at places (n, 2) m.
+
+    In-situ stress is included.
+    """
     strain = np.stack([gradient[:, 0, 0], gradient[:, 1, 1], gradient[:, 0, 1] + gradient[:, 1, 0]], axis=1)
     matrices = np.stack([material.matrix for material in materials])[body]
-    initial = np.array([material.initial for material in materials])[body]
-    return np.asarray(np.einsum("nij,nj->ni", matrices, strain) + initial)
+    stress = np.einsum("nij,nj->ni", matrices, strain) + np.array([m.initial.uniform for m in materials])[body]
+    for number, material in enumerate(materials):
+        if material.initial.varying:
+            mine = body == number
+            stress[mine] += material.initial.more_at(places[mine])
+    return np.asarray(stress)
 
 
 def principal(stress: Floats) -> tuple[Floats, Floats, Floats]:

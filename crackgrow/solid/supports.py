@@ -34,11 +34,16 @@ class Constraints:
 
 
 def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support]) -> Constraints:
-    """The conditions of all supports; contact supports have none.
+    """The conditions of all supports of these bodies; contact supports have none.
 
     Raises GeometryError for a support outside of its body.
     """
-    prescribing = [(n, support) for n, support in enumerate(supports) if not isinstance(support, ContactSupport)]
+    names = {body.name for body in bodies}
+    prescribing = [
+        (n, support)
+        for n, support in enumerate(supports)
+        if not isinstance(support, ContactSupport) and held_body(support) in names
+    ]
     if not prescribing:
         none = np.empty(0, dtype=np.int64)
         return Constraints(csr_array((0, cover.n_dofs)), np.empty(0), none, none, none)
@@ -100,6 +105,11 @@ def edge_points(cover: Cover, bodies: Sequence[Body], regions: Sequence[EdgeRegi
         EdgePoints(points[mine], lengths[mine] * spacing, elements[edge[mine]], s[mine] * spacing)
         for mine in (np.flatnonzero(owner == number) for number in range(len(edges)))
     ]
+
+
+def held_body(support: Support) -> str:
+    """Name of the body that a support holds."""
+    return support.body if isinstance(support, PointSupport) else support.region.body
 
 
 def body_index(bodies: Sequence[Body], name: str) -> int:

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import Case, LoadHistory
+from crackgrow.case.model import Case, LoadHistory, Stages
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, active_set
 from crackgrow.contact.solve import OVERLAP, ContactOutcome
 from crackgrow.contact.system import ContactSystem
@@ -39,7 +39,7 @@ class SecondSolution:
 def unique_text(case: Case) -> Iterator[str]:
     """What is known of the solutions of contact at every load factor of a case, in lines. Raises as a run does."""
     scene, cracks = make_scene(case), beginning(case).cracks
-    history = isinstance(case.loading, LoadHistory)
+    history = isinstance(case.loading, LoadHistory | Stages)
     for solution in load_history(scene, cracks) if history else [load(scene, cracks)]:
         yield f"  at load factor {solution.state.factor:.6g}: {_found(solution)}"
 

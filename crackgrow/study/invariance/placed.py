@@ -8,16 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Body,
     Case,
     Component,
     ContactSupport,
     CoulombContact,
-    CrackPressure,
     EdgeRegion,
     EdgeSupport,
     EdgeTraction,
+    FluidPressure,
     Gravity,
     InSituStress,
     Interface,
@@ -29,6 +30,7 @@ from crackgrow.case.model import (
 )
 
 Pair = tuple[Component | None, Component | None]
+Stress = tuple[Component, Component, Component]
 
 STRAIGHT = 1e-12
 """A direction this close to an axis is along it."""
@@ -80,6 +82,20 @@ class _Moved:
         if callable(self.component):
             return np.asarray(self.factor * self.component(self.placement.before(points)))
         return np.full(len(points), self.factor * self.component)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sum:
+    """A sum of components, some of them formulas, at places after a placement."""
+
+    components: tuple[Component, ...]
+    factors: Floats
+    placement: Placement
+
+    def __call__(self, points: Floats) -> Floats:
+        before = self.placement.before(points)
+        values = [component_at(component, before) for component in self.components]
+        return np.asarray(np.tensordot(self.factors, np.stack(values), 1))
 
 
 def scaled(size: float = 1.0, stress: float = 1.0, young: float = 1.0) -> Placement:
@@ -234,7 +250,7 @@ def _load(load: Load, placement: Placement, corners: dict[str, list[int]]) -> Lo
         return replace(load, region=_region(load.region, placement, corners), traction=traction)
     if isinstance(load, Gravity):
         return replace(load, acceleration=placement.vector(load.acceleration, placement.stress / placement.size))
-    if isinstance(load, CrackPressure):
+    if isinstance(load, FluidPressure):
         pressure = load.pressure
         if callable(pressure):
             return replace(load, pressure=_Moved(pressure, placement.stress, placement))
@@ -243,6 +259,14 @@ def _load(load: Load, placement: Placement, corners: dict[str, list[int]]) -> Lo
         force = placement.vector(load.force, placement.stress * placement.size)
         return replace(load, point=placement.points(load.point[None])[0], force=force)
     assert isinstance(load, InSituStress)
-    xx, yy, xy = load.stress
-    stress = placement.stress * placement.turn @ np.array([[xx, xy], [xy, yy]]) @ placement.turn.T
-    return replace(load, stress=(float(stress[0, 0]), float(stress[1, 1]), float(stress[0, 1])))
+    return replace(load, stress=_stress(load.stress, placement))
+
+
+def _stress(stress: Stress, placement: Placement) -> Stress:
+    """Components of a stress turned."""
+    (a, b), (c, d) = placement.turn
+    rows = np.array([(a * a, b * b, 2.0 * a * b), (c * c, d * d, 2.0 * c * d), (a * c, b * d, a * d + b * c)])
+    if any(map(callable, stress)):
+        xx, yy, xy = (_Sum(stress, placement.stress * row, placement) for row in rows)
+        return xx, yy, xy
+    return tuple((placement.stress * rows @ np.asarray(stress)).tolist())

@@ -12,9 +12,9 @@ from crackgrow.case import (
     Case,
     ContactSupport,
     CoulombContact,
-    CrackPressure,
     EdgeSupport,
     EdgeTraction,
+    FluidPressure,
     Gravity,
     InSituStress,
     PointSupport,
@@ -439,8 +439,8 @@ def test_loads(tmp_path: Path):
     assert (traction.region.sides.tolist(), traction.traction) == ([1], (1e6, 2e3))
     assert isinstance(gravity, Gravity)
     assert (gravity.body, gravity.acceleration) == ("low", (1.0, -9.81))
-    assert isinstance(pressure, CrackPressure)
-    assert (pressure.crack, pressure.pressure) == ("flaw", -2e6)
+    assert isinstance(pressure, FluidPressure)
+    assert (pressure.surface, pressure.pressure) == ("flaw", -2e6)
     assert isinstance(stress, InSituStress)
     assert (stress.body, stress.stress) == ("top", (-2e7, -1e10, 3e6))
 
@@ -455,6 +455,14 @@ def test_loads(tmp_path: Path):
         ({"gravity": [0, -9.81]}, "loads.0.body", "missing"),
         ({"body": "lo", "stress": [0, 0, 0]}, "loads.0.body", "no body 'lo'"),
         ({"body": "low", "stress": [0, 0]}, "loads.0.stress", "a list of 2 given; wanted: a list of 3"),
+        ({"body": "low", "stress": [0, "2*z", 0]}, "loads.0.stress.1", "has the unknown name 'z'"),
+        ({"body": "low", "stress": [0, "1/(x - 2)", 0]}, "loads.0.stress.1", "has no finite value at (2 m, "),
+        ({"body": "low", "stress": [0, 0, "sqrt(y - 0.5)"]}, "loads.0.stress.2", "has no finite value at"),
+        ({"interface": ["low", "tip"], "pressure": 1}, "loads.0.interface.1", "no body 'tip'"),
+        ({"interface": ["low"], "pressure": 1}, "loads.0.interface", "a list of 1 given; wanted: a list of 2"),
+        ({"interface": ["low", "low"], "pressure": 1}, "loads.0.interface", "have no interface that a fluid could"),
+        ({"interface": ["top", "low"], "pressure": "y/0"}, "loads.0.pressure", "has no finite value at"),
+        ({"interface": ["top", "low"], "crack": "flaw", "pressure": 1}, "loads.0.crack", "does not go with inter"),
         ({"body": "low"}, "loads.0", "give either {on, traction} or {gravity} or {crack, pressure} or {stress}"),
         ({"body": "low", "pressure": 1}, "loads.0.pressure", "does not go with body; give either"),
         (

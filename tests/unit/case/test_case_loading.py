@@ -84,7 +84,7 @@ def test_a_word_gives_way_at_loading_only():
         (
             "loading=crit",
             "loading",
-            "'crit' given; wanted: critical | strength_reduction | a mapping of history; did you mean 'critical'?",
+            "critical | strength_reduction | a mapping of history, stages; did you mean 'critical'?",
         ),
         ("loading=1", "loading", "'1' given; wanted: critical"),
         ("loading=[1]", "loading", "a list given; wanted: a mapping of history"),

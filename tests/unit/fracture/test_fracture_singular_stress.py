@@ -26,7 +26,7 @@ def williams(cover: Cover, points: np.ndarray, elements: np.ndarray) -> np.ndarr
     r, t = tip_angle(tip, points, cover.elements.reference[elements])
     gradient = np.einsum("nmcd,m->ncd", williams_gradient(MATERIAL, r * cover.lattice.spacing, t), K)
     turned = tip.rotation.T @ gradient @ tip.rotation
-    return stress_of([MATERIAL], turned, np.zeros(len(r), dtype=np.int64))
+    return stress_of([MATERIAL], turned, np.zeros(len(r), dtype=np.int64), np.zeros((len(r), 2)))
 
 
 def points_in(cover: Cover, low: tuple[float, float], high: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:

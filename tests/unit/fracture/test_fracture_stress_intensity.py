@@ -17,6 +17,7 @@ from crackgrow.fracture.tip_rule import tip_rule
 from crackgrow.fracture.williams import williams_displacement, williams_gradient
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
+from crackgrow.solid.in_situ import InSitu
 
 YOUNG = 1e10
 MATERIAL = plane_elasticity(YOUNG, 0.25, "strain")
@@ -74,7 +75,7 @@ class ExactField:
         rule = tip_rule(self.tip, size, radius * PARTS)
         vectors, face_gradients = self.faces(rule.faces.arc)
         gradients = self.gradient(*rule.circles.polar).transpose(1, 2, 0)
-        M = interaction(MATERIAL, rule, gradients, vectors.T, face_gradients.transpose(1, 2, 0), self.force)
+        M = interaction(MATERIAL, rule, gradients, vectors.T, face_gradients.transpose(1, 2, 0), self.force[:, None])
         return 0.5 * MATERIAL.young_prime * M
 
 
@@ -183,12 +184,12 @@ def test_a_small_disc_is_told_and_too_small_a_one_has_no_K(build) -> None:
 def test_in_situ_stress_that_the_tractions_balance_has_no_K(build, points: list[tuple[float, float]]) -> None:
     """No displacement, a uniform stress, and on the faces its tractions by the crack's own normals."""
     sample = build.block((20, 20), [build.crack(points)], support=2.0)
-    material = replace(sample.material, initial=(-2.0, -5.0, 1.5))
+    material = replace(sample.material, initial=InSitu((-2.0, -5.0, 1.5)))
     u = np.zeros(sample.cover.n_dofs)
 
     def traction(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         places = points_at(sample.cover, 0, s)
-        xx, yy, xy = material.initial
+        xx, yy, xy = material.initial.uniform
         n = places.normal
         vector = n @ np.array([[xx, xy], [xy, yy]])
         return np.sum(vector * n, axis=1), vector[:, 0] * n[:, 1] - vector[:, 1] * n[:, 0]

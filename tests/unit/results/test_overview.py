@@ -15,7 +15,7 @@ CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 
 
 def test_overview_names_bodies_cracks_tips_and_spacing() -> None:
-    text = overview(load_case(CASE))
+    text = overview(load_case(CASE, ["numerics.spacing=1.5"]))
     for part in (
         "body rock: 31 x 55 mm, E = 10 GPa, nu = 0.25; tension 0.5 MPa",
         "crack flaw: length 10 mm, tips: start and end; friction 0, cohesion 0 MPa",
@@ -76,7 +76,7 @@ def test_overview_of_critical_loads_and_growth() -> None:
     assert (
         "each step at its critical load factor\ngrowth: none, directional_strength is judged, tip radius 1 mm" in text
     )
-    text = overview(load_case(CASE, ["growth.unload_between_steps=false", "growth.steps=1"]))
+    text = overview(load_case(CASE, ["growth.unload_between_steps=false", "growth.steps=1", "numerics.spacing=1.5"]))
     assert "growth: 1 step of 2 mm, directional_strength, most critical, tip radius 1 mm (0.667 x" in text
     assert "the spacing), without unloading between steps" in text
 

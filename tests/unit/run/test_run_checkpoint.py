@@ -32,6 +32,7 @@ SCENES = {
     "all tips, meeting": ("two_flaws", "growth.steps=11"),  # an inner wing meets the other flaw in the tenth
     "cyclic friction": ("cyclic_friction", "numerics.spacing=10", "loading.history=[0.4, 1, 0.7, -0.3, -1, -0.8, 0.6]"),
     "block on a foundation": ("block_rigid", "numerics.spacing=0.5", "loading.history=[0.3, 1.0, 0.1, 0.5]"),
+    "stages": ("tunnel_excavated", "numerics.spacing=1.5", "output.points={}"),
     "interface": ("interface_friction04", "numerics.spacing=0.2", "loading.history=[0.3, 1.0, 0.1, 0.5]"),
 }
 

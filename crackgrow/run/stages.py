@@ -1,0 +1,113 @@
+"""Stages of a construction: loads that change each by itself, and rock that is taken out.
+
+A stage is a configuration of its own, of the rock that is left, on the lattice of the whole scene: so the functions of
+what is left stay. What a body that is taken out did on it, the forces that bonds, contact and water between the two
+carried, goes on acting at first, and falls in proportion to what the stage releases. The strain energy of the body is
+released at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import FluidPressure, Stages
+from crackgrow.contact.face_loads import face_load_vector, is_named
+from crackgrow.cover.cover import Cover
+from crackgrow.cover.elements import locate
+from crackgrow.errors import NotSolvedError
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.quadrature.everywhere import all_points
+from crackgrow.run.configuration import Configuration, Gone, assemble
+from crackgrow.run.history import history_of
+from crackgrow.run.increments import FROM_REST, LoadState, Origin, held_loads, increment, taken_over
+from crackgrow.run.judging import StepSolution, judged
+from crackgrow.run.reactions import face_forces
+from crackgrow.run.scene import Scene, scene_of_stage
+
+
+def load_stages(
+    scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin | None = None
+) -> Iterator[StepSolution]:
+    """The cracks at the end of every stage of the case, in turn, from number `first` on, whose `origin` is given.
+
+    Raises GeometryError or SolveError where a stage has no state.
+    """
+    assert isinstance(scene.case.loading, Stages)
+    state: LoadState | None = None
+    for number in range(first, len(scene.case.loading.stages)):
+        here = scene_of_stage(scene, number)
+        if state is None:
+            origin = origin or FROM_REST
+            configuration = assemble(here, cracks).with_gone(origin.gone)
+        else:
+            configuration, origin = _next(state, origin or FROM_REST, here, cracks)
+        start = origin.start or held_loads(configuration)
+        state = increment(configuration, start, number + 1.0)
+        yield replace(judged(state), origin=origin, passed=history_of(state)[:-1])
+
+
+def through_stages(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> StepSolution:
+    """The cracks at the end of the last stage, after all of them. Raises as `load_stages` does."""
+    passed: list[LoadState] = []
+    seconds: dict[str, float] = {}
+    for solution in load_stages(scene, cracks):
+        passed += [*solution.passed, *history_of(solution.state)[-1:]]
+        seconds = {phase: seconds.get(phase, 0.0) + spent for phase, spent in solution.seconds.items()}
+    return replace(solution, passed=tuple(passed[:-1]), seconds=seconds)
+
+
+def _next(
+    state: LoadState, origin: Origin, here: Scene, cracks: tuple[GrowingCrack, ...]
+) -> tuple[Configuration, Origin]:
+    """The configuration of the next stage, and where it starts from."""
+    before = state.configuration
+    configuration = assemble(here, cracks, before)
+    left = {body.name for body in here.case.bodies}
+    newly = [body.name for body in before.scene.case.bodies if body.name not in left]
+    gone = (*origin.gone, *(Gone(body, _held_by(state, body)) for body in newly))
+    if newly:
+        same = _same_functions(before.cover, configuration.cover)
+        unknowns = (2 * same[:, None] + np.arange(2)).ravel()
+        gone = tuple(replace(rock, forces=rock.forces[unknowns]) for rock in gone)
+    configuration = configuration.with_gone(gone)
+    return configuration, Origin(start=taken_over(state, configuration), gone=gone)
+
+
+def _held_by(state: LoadState, body: str) -> Floats:
+    """Forces (n_dofs,) N/m of what is between a body and the rest, on all rock: bonds, contact, water."""
+    configuration = state.configuration
+    scene, cover = configuration.scene, configuration.cover
+    forces = np.zeros(cover.n_dofs)
+    between = [pair.bodies for pair in scene.case.interfaces if body in pair.bodies]
+    for index, surface in enumerate(cover.surfaces):
+        if index >= len(cover.cracks) and any(is_named(surface.name, False, pair) for pair in between):
+            forces += face_forces(state, index)
+    for load in scene.case.loads:
+        if isinstance(load, FluidPressure) and body in load.surface and not isinstance(load.surface, str):
+            forces += scene.share(load, state.factor) * face_load_vector(cover, [], [load])
+    return forces
+
+
+def _same_functions(before: Cover, after: Cover) -> Ints:
+    """For every function of the rock that is left its number before other rock was taken out.
+
+    Raises NotSolvedError where the functions are others.
+    """
+    points = all_points(after, 1)
+    elements, first = np.unique(points.element, return_index=True)
+    names = [body.name for body in before.bodies]
+    numbers = np.array([names.index(body.name) for body in after.bodies])
+    there = locate(before.lattice, before.elements, points.points[first], numbers[after.elements.body[elements]])
+    same = np.full(after.n_functions, -1, dtype=np.int64)
+    if (there >= 0).all():
+        mine, theirs = after.functions_on(elements), before.functions_on(there)
+        if np.array_equal(mine.counts, theirs.counts):
+            same[mine.values] = theirs.values
+            if (same >= 0).all() and np.array_equal(same[mine.values], theirs.values):
+                return same
+    what = "the functions of the rock change where rock is taken out beside it"
+    raise NotSolvedError(f"{what}; change numerics.spacing a little")

@@ -1,0 +1,381 @@
+"""Stages: rock that is taken out, loads that change each by itself; exact solutions, invariance, and friction's memory.
+
+A tunnel in rock under stress: wall stresses of Kirsch (1898). The body that is taken out has done on the rest what the
+stress there did, and when all of that is released the rest is what it would be had the hole always been there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.cover.elements import locate
+from crackgrow.results.figures import draw_load_curve
+from crackgrow.results.load_point import load_point
+from crackgrow.run import grow
+from crackgrow.run.judging import StepSolution
+from crackgrow.run.loop import solved_steps
+from crackgrow.run.result import StepResult
+from crackgrow.solid.recovery import stress_at
+from tests.whole_run import whole_run
+
+SIGMA_H, SIGMA_V = -10e6, -20e6
+
+TUNNEL = """
+title: a tunnel, radius 2 m
+plane: strain
+units: {stress: MPa}
+bodies:
+  rock:
+    shape: {rectangle: {center: [0, 0], width: WIDTH, height: WIDTH}, holes: [{disk: {center: [0, 0], radius: 2}}]}
+    material: {young: 20000, poisson: 0.25}
+  core: {shape: {disk: {center: [0, 0], radius: 2}}, material: {young: YOUNG, poisson: 0.25}}
+interfaces: [{between: [rock, core], contact: CONTACT}]
+CRACKS
+supports:
+  - {on: {body: rock, edge: bottom}, displacement: {y: 0}}
+  - {on: {body: rock, edge: top}, displacement: {y: 0}}
+  - {on: {body: rock, edge: left}, displacement: {x: 0}}
+  - {on: {body: rock, edge: right}, displacement: {x: 0}}
+loads:
+  - {body: rock, stress: [-10, -20, 0]}
+  - {body: core, stress: [-10, -20, 0]}
+loading: LOADING
+numerics: {spacing: SPACING}
+output: {frames: none, figures: false}
+"""
+ONE_STAGE = "{stages: [{name: rest}, {name: open, excavate: core}]}"
+TWO_HALVES = "{stages: [{}, {excavate: core, release: 0.5}, {release: 1}]}"
+JOINTS = """cracks:
+  a: {path: {points: [[-4, 1.2], [4, 3.6]]}, contact: {friction: 0.3, cohesion: 0}}
+  b: {path: {points: [[1.8, -2.6], [5.2, 1.2]]}, contact: {friction: 0.3, cohesion: 0}}
+"""
+
+
+def tunnel(folder: Path, loading: str, **changes: str) -> Case:
+    text = TUNNEL.replace("LOADING", loading)
+    defaults = {"WIDTH": "24", "YOUNG": "20000", "CONTACT": "bonded", "CRACKS": "", "SPACING": "1"}
+    for key, value in {**defaults, **changes}.items():
+        text = text.replace(key, value)
+    if loading == "{}":
+        lines = text.splitlines()
+        text = "\n".join(line for line in lines if "core" not in line)
+    path = folder / "tunnel.yaml"
+    path.write_text(text, encoding="utf-8")
+    return load_case(path)
+
+
+def steps_of(case: Case) -> list[tuple[StepResult, StepSolution]]:
+    return list(solved_steps(case))
+
+
+def stress_in(solution: StepSolution, places: np.ndarray, body: int = 0) -> np.ndarray:
+    cover = solution.cover
+    points = cover.lattice.to_lattice(places)
+    elements = locate(cover.lattice, cover.elements, points, body)
+    return stress_at(cover, solution.materials, solution.outcome.u, points, elements)
+
+
+def test_wall_of_a_tunnel_that_is_taken_out_has_the_stress_of_kirsch(tmp_path: Path) -> None:
+    """At `standard`, with `spacing: auto`, in a box of 20 radii each way."""
+    (_, before), (_, after) = steps_of(tunnel(tmp_path, ONE_STAGE, WIDTH="80", SPACING="auto"))
+    wall = np.array([[2.0, 0.0], [0.0, 2.0]]) * (1.0 + 1e-4)
+    found = stress_in(after, wall)
+    assert found[0, 1] == pytest.approx(3.0 * SIGMA_V - SIGMA_H, rel=0.01)
+    assert found[1, 0] == pytest.approx(3.0 * SIGMA_H - SIGMA_V, rel=0.01)
+    np.testing.assert_allclose([found[0, 0], found[1, 1]], 0.0, atol=0.01 * abs(3.0 * SIGMA_V - SIGMA_H))
+    np.testing.assert_allclose(stress_in(before, 1.5 * wall), [[SIGMA_H, SIGMA_V, 0.0]] * 2, atol=0.01 * abs(SIGMA_V))
+
+
+@pytest.mark.parametrize("core", [{}, {"YOUNG": "3000"}, {"CONTACT": "{friction: 3, cohesion: 0}"}], ids=str)
+def test_rock_released_in_stages_is_rock_with_the_hole_from_the_start(tmp_path: Path, core: dict[str, str]) -> None:
+    """Where nothing slides, whatever the core was made of and however many stages it takes."""
+    (_, expected), *_ = steps_of(tunnel(tmp_path, "{}"))
+    size = np.abs(expected.outcome.u).max()
+    for loading in (ONE_STAGE, TWO_HALVES):
+        *_, (_, last) = steps_of(tunnel(tmp_path, loading, **core))
+        np.testing.assert_allclose(last.outcome.u, expected.outcome.u, rtol=0, atol=1e-9 * size)
+
+
+def test_a_lining_presses_on_the_wall_from_its_stage_on(tmp_path: Path) -> None:
+    """A traction with a name of its own on an edge that is a boundary with the core until then."""
+    rock = "  - {body: rock, stress"
+    lining = f"  - {{on: {{body: rock, edge: hole0}}, traction: [x/2, y/2], name: lining}}\n{rock}"
+    loading = "{stages: [{}, {excavate: core}, {loads: {lining: 3}}]}"
+    *_, (_, found) = steps_of(tunnel(tmp_path, loading, **{rock: lining}))
+    (_, expected), *_ = steps_of(tunnel(tmp_path, "{}", **{rock: lining.replace("x/2, y/2", "3*x/2, 3*y/2")}))
+    size = np.abs(expected.outcome.u).max()
+    np.testing.assert_allclose(found.outcome.u, expected.outcome.u, rtol=0, atol=1e-9 * size)
+
+
+def test_half_released_is_half_way(tmp_path: Path) -> None:
+    (_, rest), (_, half), (_, all_) = steps_of(tunnel(tmp_path, TWO_HALVES))
+    places = np.array([[2.5, 0.3], [3.0, 3.0], [-1.0, 4.0]])
+    at = [stress_in(solution, places) for solution in (rest, half, all_)]
+    np.testing.assert_allclose(at[1], 0.5 * (at[0] + at[2]), rtol=0, atol=1e-9 * abs(SIGMA_V))
+
+
+def slips(solution: StepSolution) -> np.ndarray:
+    return np.asarray(solution.outcome.slip)
+
+
+def test_stops_on_the_way_change_nothing_where_joints_slide(tmp_path: Path) -> None:
+    """The release is followed from event to event."""
+    one, halves = (steps_of(tunnel(tmp_path, loading, CRACKS=JOINTS))[-1] for loading in (ONE_STAGE, TWO_HALVES))
+    assert one[0].energy.dissipated > 0.0
+    size = np.abs(slips(one[1])).max()
+    np.testing.assert_allclose(slips(halves[1]), slips(one[1]), rtol=0, atol=1e-6 * size)
+
+
+TWO_DRIFTS = """
+title: two drifts on both sides of a joint
+plane: strain
+units: {stress: MPa}
+bodies:
+  rock:
+    shape:
+      rectangle: {center: [0, 0], width: 24, height: 20}
+      holes: [{rectangle: {center: [-3, 0], width: 3, height: 3}}, {rectangle: {center: [3, 0], width: 3, height: 3}}]
+    material: {young: 20000, poisson: 0.25}
+  left: {shape: {rectangle: {center: [-3, 0], width: 3, height: 3}}, material: {young: 20000, poisson: 0.25}}
+  right: {shape: {rectangle: {center: [3, 0], width: 3, height: 3}}, material: {young: 20000, poisson: 0.25}}
+interfaces: [{between: [rock, left], contact: bonded}, {between: [right, rock], contact: bonded}]
+cracks: {joint: {path: {points: [[-1.2, -6], [1, 6]]}, contact: {friction: FRICTION, cohesion: 0}}}
+supports:
+  - {on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}
+  - {on: {body: rock, edge: top}, displacement: {x: 0, y: 0}}
+  - {on: {body: rock, edge: left}, displacement: {x: 0, y: 0}}
+  - {on: {body: rock, edge: right}, displacement: {x: 0, y: 0}}
+loads:
+  - {body: rock, stress: [-8, -16, 0]}
+  - {body: left, stress: [-8, -16, 0]}
+  - {body: right, stress: [-8, -16, 0]}
+loading: {stages: [{}, STAGES]}
+numerics: {spacing: 1}
+output: {frames: none, figures: false}
+"""
+ORDERS = (
+    "{excavate: left}, {excavate: right}",
+    "{excavate: right}, {excavate: left}",
+    "{excavate: [left, right]}",
+    "{excavate: [right, left], release: 0.3}, {release: 0.9}, {release: 1}",
+    "{excavate: left, release: 0.5}, {excavate: right}",
+)
+
+
+@pytest.mark.parametrize(("friction", "slides"), [("5", False), ("0.25", True)])
+def test_the_order_of_excavation_matters_where_a_joint_slides(tmp_path: Path, friction: str, slides: bool) -> None:
+    """And to rounding not where it holds: elasticity has no memory, friction has."""
+    path = tmp_path / "drifts.yaml"
+    last = []
+    for order in ORDERS:
+        text = TWO_DRIFTS.replace("STAGES", order).replace("FRICTION", friction)
+        path.write_text(text, encoding="utf-8")
+        last.append(steps_of(load_case(path))[-1])
+    found = [solution.outcome.u for _, solution in last]
+    size = np.abs(found[0]).max()
+    np.testing.assert_allclose(found[3], found[2], rtol=0, atol=1e-8 * size)  # the same way, with stops
+    for other in (1, 2, 4):
+        apart = np.abs(found[other] - found[0]).max()
+        assert apart > 1e-3 * size if slides else apart < 1e-9 * size
+    assert max(result.energy.error for result, _ in last) < 1e-6
+
+
+@pytest.mark.parametrize("loading", [ONE_STAGE, TWO_HALVES])
+@pytest.mark.parametrize("cracks", ["", JOINTS], ids=["plain", "joints"])
+def test_energies_balance_in_every_stage(tmp_path: Path, loading: str, cracks: str) -> None:
+    """Nothing but what the core stored is booked as released."""
+    results, _ = whole_run(tunnel(tmp_path, loading, CRACKS=cracks))
+    core = results[0].energy.strain  # the core strains by what the bond misses of the stress, the rest hardly
+    for result in results:
+        assert result.energy.error < 1e-6
+        assert 0.0 <= result.energy.released <= core + 1e-6 * result.energy.strain
+    assert all(later.energy.dissipated >= before.energy.dissipated for before, later in pairwise(results))
+
+
+COLUMN = """
+title: two blocks under their weight, the upper one is taken away
+plane: strain
+bodies:
+  low: {shape: {rectangle: {center: [0, 1], width: 2, height: 2}}, material: {young: 1e9, poisson: 0, density: 2000}}
+  top: {shape: {rectangle: {center: [0, 3.5], width: 2, height: 3}}, material: {young: 4e9, poisson: 0, density: 3000}}
+interfaces: [{between: [low, top], contact: CONTACT}]
+supports: SUPPORTS
+loads:
+  - {body: low, gravity: [0, -10]}
+  - {body: top, gravity: [0, -10]}
+  - {on: {body: top, edge: top}, traction: [0, -4e4], name: house}
+loading: {stages: [{}, {loads: {house: 1}}, {excavate: top, release: 0.25}, {release: 1}]}
+numerics: {spacing: 0.4}
+output: {frames: none, figures: false, points: {head: {body: low, at: [0, 2]}, roof: {at: [0, 5]}}}
+"""
+ON_ROLLERS = "[{on: {body: low, edge: bottom}, displacement: {y: 0}}, {at: [0, 0], displacement: {x: 0}}]"
+ON_ROCK = "[{on: {body: low, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}]"
+
+
+@pytest.mark.parametrize(
+    ("contact", "supports"),
+    [
+        ("bonded", ON_ROLLERS),
+        ("{friction: 0.5, cohesion: 0}", ON_ROLLERS),
+        ("{friction: 0.5, cohesion: 0}", ON_ROCK),
+    ],
+)
+def test_a_column_rebounds_when_its_upper_part_is_taken_away(tmp_path: Path, contact: str, supports: str) -> None:
+    """Uniform strain: head = -(q h + w h^2 / 2) / E with q the pressure on it; energies of the column exactly."""
+    path = tmp_path / "column.yaml"
+    path.write_text(COLUMN.replace("CONTACT", contact).replace("SUPPORTS", supports), encoding="utf-8")
+    results, _ = whole_run(load_case(path))
+    own, E, h = 2e4, 1e9, 2.0
+    pressures = [9e4, 13e4, 0.75 * 13e4, 0.0]
+    heads = [result.history.values[-1][result.history.columns.index("head.u_y")] for result in results]
+    np.testing.assert_allclose(heads, [-(q * h + 0.5 * own * h**2) / E for q in pressures], rtol=1e-6)
+    roofs = [result.history.values[-1][result.history.columns.index("roof.u_y")] for result in results]
+    assert np.isfinite(roofs[:2]).all()
+    assert np.isnan(roofs[2:]).all()
+    stored = [2.0 * (q**2 * h + q * own * h**2 + own**2 * h**3 / 3.0) / (2.0 * E) for q in pressures]
+    np.testing.assert_allclose([result.energy.strain for result in results[2:]], stored[2:], rtol=1e-6)
+    of_top = results[1].energy.strain - stored[1]
+    released = [result.energy.released for result in results]
+    np.testing.assert_allclose(released, [0, 0, of_top, of_top], rtol=1e-6, atol=1e-3)
+    assert max(result.energy.error for result in results) < 1e-6
+
+
+def test_stages_of_factors_are_a_history(tmp_path: Path) -> None:
+    """The same loads in the same turn; the configuration is made anew in each stage."""
+    settings = ["numerics.spacing=10", "output.frames=none", "output.figures=false"]
+    cyclic = Path(__file__).parents[2] / "cases" / "cyclic_friction.yaml"
+    factors = [0.4, 1, -0.3, 0.6]
+    in_turn, _ = whole_run(load_case(cyclic, [*settings, f"loading.history={factors}"]))
+    staged, _ = whole_run(load_case(cyclic, [*settings, f"loading={{stages: {[{'factor': f} for f in factors]}}}"]))
+    for expected, found in zip(in_turn, staged, strict=True):
+        size = np.abs(expected.contact.slip).max()
+        np.testing.assert_allclose(found.contact.slip, expected.contact.slip, rtol=0, atol=1e-9 * size)
+        assert found.energy.dissipated == pytest.approx(expected.energy.dissipated, rel=1e-9)
+        assert found.energy.error < 1e-9
+    assert [result.load_factor for result in staged] == [1.0, 2.0, 3.0, 4.0]
+
+
+def test_given_displacements_follow_the_factor(tmp_path: Path) -> None:
+    path = tmp_path / "press.yaml"
+    path.write_text(
+        """
+title: a block is pressed and let go
+plane: stress
+bodies: {rock: {shape: {rectangle: {center: [0, 0.5], width: 1, height: 1}}, material: {young: 1e9, poisson: 0}}}
+supports:
+  - {on: {edge: bottom}, displacement: {x: 0, y: 0}}
+  - {on: {edge: top}, displacement: {y: -1e-3}}
+loads: [{on: {edge: right}, traction: [0, 0]}]
+loading: {stages: [{factor: 2}, {factor: -0.5}]}
+numerics: {spacing: 0.25}
+output: {frames: none, figures: false}
+""",
+        encoding="utf-8",
+    )
+    results, _ = whole_run(load_case(path))
+    forces = [next(r.force[1] for r in result.reactions if r.where == "supports.1") for result in results]
+    np.testing.assert_allclose(forces, [-2e6, 0.5e6], rtol=1e-9)
+    np.testing.assert_allclose([result.energy.work for result in results], [2e3, 2e3 - 1.875e3], rtol=1e-9)
+
+
+GROWN = """
+title: a crack grows towards a hole that is cut first
+plane: stress
+units: {length: mm, stress: MPa}
+bodies:
+  plate:
+    shape: {rectangle: {center: [0, 0], width: 100, height: 100}, holes: [{disk: {center: [14, 5], radius: 6}}]}
+    material: {young: 10000, poisson: 0.25}
+    strength: {tension: 3, cohesion: 10, friction_angle: 40, toughness: "0.5 MPa sqrt(m)"}
+  plug: {shape: {disk: {center: [14, 5], radius: 6}}, material: {young: 10000, poisson: 0.25}}
+interfaces: [{between: [plate, plug], contact: bonded}]
+cracks: {flaw: {path: {points: [[-12, 0], [0, 0]]}, tips: end, contact: none}}
+supports: [{at: [-50, -50], displacement: {x: 0, y: 0}}, {at: [50, -50], displacement: {y: 0}}]
+loads:
+  - {on: {body: plate, edge: top}, traction: [0, 10]}
+  - {on: {body: plate, edge: bottom}, traction: [0, -10]}
+loading: {stages: [{}, {excavate: plug, release: 0.4}, {release: 1}]}
+growth: {steps: 8, increment: 2, advance: all, criterion: max_hoop_stress, direction: explicit}
+numerics: {spacing: 4}
+output: {frames: none, figures: false, points: {mouth: {crack: flaw, at: [-6, 0]}}}
+"""
+
+
+def test_a_crack_grows_at_the_end_of_all_stages(tmp_path: Path) -> None:
+    """As beside a hole that has always been there; it ends at its wall."""
+    staged, plain = tmp_path / "staged.yaml", tmp_path / "plain.yaml"
+    staged.write_text(GROWN, encoding="utf-8")
+    plain.write_text("\n".join(x for x in GROWN.splitlines() if "plug" not in x), encoding="utf-8")
+    (found, end), (expected, like) = (whole_run(load_case(path)) for path in (staged, plain))
+    assert len(found) == len(expected) > 3
+    np.testing.assert_allclose(end.cracks[0].points, like.cracks[0].points, rtol=0, atol=1e-9)
+    assert [event.kind for result in found for event in result.events] == ["hole"]
+    K = [[(tip.K_I, tip.K_II) for result in results for tip in result.tips] for results in (found, expected)]
+    np.testing.assert_allclose(K[0], K[1], rtol=0, atol=1e-6 * np.abs(K[1]).max())
+    assert all(result.history.load_factor[[0, -1]].tolist() == [1.0, 3.0] for result in found)
+
+
+def test_a_step_of_growth_is_made_again_to_the_same_bits(tmp_path: Path) -> None:
+    path = tmp_path / "staged.yaml"
+    path.write_text(GROWN, encoding="utf-8")
+    case = load_case(path, ["growth.steps=2"])
+    unbroken = list(grow(case))
+    again = list(grow(case, unbroken[1].checkpoint))
+    for expected, found in zip(unbroken[1:], again, strict=True):
+        assert [(tip.K_I, tip.K_II) for tip in found.tips] == [(tip.K_I, tip.K_II) for tip in expected.tips]
+        assert astuple(found.energy) == astuple(expected.energy)
+        np.testing.assert_array_equal(found.history.values, expected.history.values)
+
+
+BENCHES = """
+title: two benches beside each other, held at their sides, are taken away in turn
+plane: strain
+bodies:
+  low: {shape: {rectangle: {center: [0, 1], width: 8, height: 2}}, material: {young: 1e9, poisson: 0.2, density: 2000}}
+  left: {shape: {rectangle: {center: [-2, 3.5], width: 4, height: 3}}, material: {young: 4e9, poisson: 0, density: 3e3}}
+  right: {shape: {rectangle: {center: [2, 3.5], width: 4, height: 3}}, material: {young: 4e9, poisson: 0, density: 3e3}}
+interfaces:
+  - {between: [low, left], contact: {friction: 0.5, cohesion: 0}}
+  - {between: [low, right], contact: bonded}
+  - {between: [left, right], contact: {friction: 0.3, cohesion: 0}}
+supports:
+  - {on: {body: left, edge: left}, contact: {friction: 0.2, cohesion: 0}}
+  - {on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}
+  - {on: {body: right, edge: right, from: 2, to: 4}, displacement: {x: 0}}
+  - {at: [4, 5], displacement: {x: 0}}
+loads:
+  - {body: low, gravity: [0, -10]}
+  - {body: left, gravity: [0, -10]}
+  - {body: right, gravity: [0, -10]}
+  - {interface: [left, right], pressure: 1e4, name: water}
+  - {at: [-2, 5], force: [0, -1e4], body: left, held: true}
+loading: {stages: [{}, {loads: {water: 1}}, {excavate: right, release: 0.5}, {excavate: left}]}
+numerics: {spacing: 0.5}
+output: {frames: none, figures: false, points: {gap: {interface: [left, right], at: [0, 3]}}}
+"""
+
+
+def test_forces_balance_while_benches_go_with_what_holds_them(tmp_path: Path) -> None:
+    path = tmp_path / "benches.yaml"
+    path.write_text(BENCHES, encoding="utf-8")
+    results, _ = whole_run(load_case(path))
+    low, bench, load = 8 * 2 * 2e4, 4 * 3 * 3e4, 1e4
+    forces = [{reaction.where: np.array(reaction.force) for reaction in result.reactions} for result in results]
+    assert all(list(found) == list(forces[0]) for found in forces)  # those that are gone stay in the tables
+    weights = [low + 2 * bench + load] * 2 + [np.nan, low]  # on the way friction takes a part
+    for found, weight in zip(forces[:2] + forces[3:], weights[:2] + weights[3:], strict=True):
+        up = sum(found[name] for name in ("supports.1", "supports.2", "supports.3", "left.left"))
+        np.testing.assert_allclose(up, [0.0, weight], rtol=0, atol=1e-6 * weight)
+    for name in ("supports.2", "supports.3", "low/right", "left/right"):
+        assert not np.any([found[name] for found in forces[2:]])
+    slip = results[0].history.columns.index("gap.slip")
+    assert np.isnan([result.history.values[-1][slip] for result in results[2:]]).all()
+    assert max(result.energy.error for result in results) < 1e-6
+    draw_load_curve(tmp_path / "curve.png", load_case(path), [load_point(result) for result in results])
