@@ -149,10 +149,13 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     jump = np.zeros(len(faces.lengths))  # at the integration points
     elastic, normal, tangential, dilation, lost = np.zeros((5, n))
     closed = np.ones(n, dtype=bool)
+    n_old = len(old.cover.cracks)
+    n_new = len(configuration.cover.cracks) - n_old
     for index, surface in enumerate(old.cover.surfaces):
-        points, s = _on_old_faces(faces.points, index, surface)
+        now = index if index < n_old else index + n_new  # new cracks come before the interfaces
+        points, s = _on_old_faces(faces.points, now, surface)
         jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
-        mine, s = _on_old_faces(faces.nodes, index, surface)
+        mine, s = _on_old_faces(faces.nodes, now, surface)
         for values, found in (
             (elastic, old.contact.law.along * outcome.tangential_traction),
             (normal, outcome.normal_traction),
@@ -169,7 +172,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
 
 
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
-    """Which points of a surface lie on it as it was, and their arc lengths there."""
+    """Which points of the surface of a number lie on it as it was, and their arc lengths there."""
     mine = np.flatnonzero(points.surface == index)
     line, places = shapely.LineString(surface.points), shapely.points(points.points[mine])
     there = shapely.dwithin(places, line, ON_OLD_FACES)

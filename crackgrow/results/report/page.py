@@ -180,7 +180,13 @@ def _quality(run: RunFolder) -> Markup:
     cards.append(_card("Time", table("Wall time by phase", ("phase", "seconds", ""), _phase_rows(summary))))
     cards.append(_card("Warnings", _warnings(summary["warnings"])))
     if len(run.events):
-        cards.append(_card("Events", table("Tips that have met something", *event_rows(run.events)), wide=True))
+        cards.append(
+            _card(
+                "Events",
+                table("Tips that have met something, and cracks that have started", *event_rows(run.events)),
+                wide=True,
+            )
+        )
     return tag("section", *cards, class_="cards", aria_label="quality")
 
 
