@@ -153,3 +153,9 @@ def test_a_run_goes_on_to_the_same_bits_with_cracks_that_have_started(step: int)
         np.testing.assert_array_equal(path.points, again.points)
         np.testing.assert_array_equal(path.steps, again.steps)
     assert packed(restored(case, stored)).values == stored.values
+
+
+def test_steps_are_not_told_to_be_in_vain_where_cracks_may_start(tmp_path: Path) -> None:
+    settings = ("growth.initiation.spacing=auto", "loading={history: [1.0]}")
+    told = [run(plate(tmp_path, SQUARE, at, *settings))[0][0].warnings for at in ("tips", "outlines")]
+    assert [any("no crack has a tip" in words for words in warnings) for warnings in told] == [True, False]
