@@ -10,9 +10,14 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.fracture.criteria import TipLoading
+from crackgrow.fracture.sites import LARGEST_KINK, Site
+from crackgrow.fracture.tip_stress import TipField
 from crackgrow.run import grow
 from crackgrow.run.checkpoint import packed, restored
+from crackgrow.run.judging import verdict
 from crackgrow.run.result import Checkpoint, RunEnd, StepResult
+from crackgrow.run.scene import make_scene
 
 PLATE = """
 title: a plate without cracks
@@ -159,3 +164,31 @@ def test_steps_are_not_told_to_be_in_vain_where_cracks_may_start(tmp_path: Path)
     settings = ("growth.initiation.spacing=auto", "loading={history: [1.0]}")
     told = [run(plate(tmp_path, SQUARE, at, *settings))[0][0].warnings for at in ("tips", "outlines")]
     assert [any("no crack has a tip" in words for words in warnings) for warnings in told] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("in_shear", "K_I", "shear", "mode"),
+    [
+        (False, 0.0, 1.2, "tension"),
+        (True, 0.0, 0.8, "shear"),
+        (True, 5e6, 0.8, "tension"),  # of the two the more critical one, as long as shear is not met
+        (True, 5e6, 1.2, "shear"),
+    ],
+)
+def test_a_crack_that_has_started_in_shear_goes_on_so(in_shear: bool, K_I: float, shear: float, mode: str) -> None:
+    """On rays under the hydrostatic pressure p and a shear of the rays' own, over cohesion + p tan(phi)."""
+    scene = make_scene(load_case(CASES / "compression30.yaml", ["growth.criterion=max_hoop_stress"]))
+    strength, angles = scene.case.bodies[0].strength, np.deg2rad(np.linspace(-177.5, 177.5, 72))
+    assert strength is not None
+    pressure = 1e6
+    bound = strength.cohesion + pressure * np.tan(np.deg2rad(strength.friction_angle))
+    tau = shear * bound * np.cos(0.5 * angles)  # largest straight ahead
+    rays = np.stack([-pressure - tau * np.sin(2 * angles), -pressure + tau * np.sin(2 * angles)], axis=1)
+    rays = np.column_stack([rays, tau * np.cos(2 * angles)])
+    field = TipField(0.0, angles, rays, rays.mean(axis=0))
+    site = Site("tip", np.zeros(2), 0.0, LARGEST_KINK, 0, 0, in_shear)
+    found = verdict(scene, site, TipLoading(field, K_I, 0.0, 1e-3))
+    by_K = K_I / (strength.tension * np.sqrt(2.0 * np.pi * 1e-3))
+    assert found.mode == mode
+    if in_shear:
+        assert found.criticality == pytest.approx(max(shear, by_K), rel=1e-3)
