@@ -20,6 +20,7 @@ from crackgrow.case.model import (
     Gravity,
     Growth,
     HistoryPoint,
+    Initiation,
     InSituStress,
     Interface,
     Load,
@@ -176,7 +177,13 @@ def _growth(growth: Resolved) -> Growth:
         direction=growth["direction"],
         tip_radius=growth["tip_stress"]["radius"] if "tip_stress" in growth else None,
         unload_between_steps=growth["unload_between_steps"],
+        initiation=Initiation(growth["initiation"]["at"], _unless_auto(growth["initiation"]["spacing"])),
+        link_distance=_unless_auto(growth["link_distance"]),
     )
+
+
+def _unless_auto(value: float | str) -> float | None:
+    return None if isinstance(value, str) else value
 
 
 def _numerics(numerics: Resolved) -> Numerics:

@@ -62,8 +62,9 @@ def _check_tension(scene: Scene, name: str) -> None:
 
 
 def _strengths(scene: Scene, with_toughness: bool) -> list[str]:
-    """The bodies with cracks, or all where there is none, whose strength has a toughness, or has none."""
-    hosts = set(scene.hosts.values()) or set(named(scene.resolved, "bodies"))
+    """The bodies whose strength has a toughness, or has none: with cracks, or all where cracks may start in any."""
+    anywhere = scene.get("growth", "initiation", "at") in ("outlines", "anywhere")
+    hosts = set(() if anywhere else scene.hosts.values()) or set(named(scene.resolved, "bodies"))
     strengths = {name: scene.get("bodies", name, "strength") for name in named(scene.resolved, "bodies")}
     return [
         name

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 import yaml
 
+from crackgrow.case.accuracy import AUTO
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import CaseError, Fault
@@ -85,9 +86,13 @@ def _settings(case: Case) -> dict[str, Any]:
         },
     }
     if growth is not None:
-        found["growth"] = {
-            part.name: getattr(growth, part.name) for part in fields(growth) if part.name != "tip_radius"
+        apart = ("tip_radius", "initiation", "link_distance")
+        found["growth"] = {part.name: getattr(growth, part.name) for part in fields(growth) if part.name not in apart}
+        found["growth"]["initiation"] = {
+            "at": growth.initiation.at,
+            "spacing": AUTO if growth.initiation.spacing is None else growth.initiation.spacing,
         }
+        found["growth"]["link_distance"] = AUTO if growth.link_distance is None else growth.link_distance
         if growth.tip_radius is not None:
             found["growth"]["tip_stress"] = {"radius": growth.tip_radius}
     return found

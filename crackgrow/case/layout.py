@@ -96,11 +96,12 @@ class Scene:
 
     def averaging_radii(self) -> Iterator[tuple[str | None, tuple[str, ...], float]]:
         """Radii (m) to average over, with their keys: the one that is given, then, with its name, that of each body
-        whose toughness is known, unless the criterion goes by K alone."""
+        whose toughness is known, unless the criterion goes by K alone: it does at tips, not where cracks start."""
         given, criterion = self.get("growth", "tip_stress", "radius"), self.get("growth", "criterion")
+        by_K = BY_K if self.get("growth", "initiation", "at") in (None, "tips") else frozenset()
         if given is not None:
             yield None, ("growth", "tip_stress", "radius"), given
-        for name in named(self.resolved, "bodies") if criterion in MODE_I.keys() - BY_K else ():
+        for name in named(self.resolved, "bodies") if criterion in MODE_I.keys() - by_K else ():
             strength = self.get("bodies", name, "strength")
             if isinstance(strength, dict) and "toughness" in strength:
                 radius = radius_of(criterion, strength["tension"], strength["toughness"])

@@ -12,6 +12,7 @@ from crackgrow.case.check_bodies import check_interfaces, check_loads
 from crackgrow.case.check_contacts import check_contacts
 from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_foundations import check_foundations
+from crackgrow.case.check_initiation import check_initiation
 from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_points import check_points
 from crackgrow.case.check_regions import check_regions, settle_bodies
@@ -40,6 +41,7 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     check_material,
     settle_direction,
     check_strength,
+    check_initiation,
     check_numerics,
     check_cracks,
     check_contacts,

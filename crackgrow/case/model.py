@@ -235,6 +235,14 @@ class Stages:
 Loading = LoadHistory | CriticalLoad | StrengthReduction | Stages
 
 
+@dataclass(frozen=True, slots=True)
+class Initiation:
+    """Where cracks start."""
+
+    at: Literal["tips", "cracks", "outlines", "anywhere"] = "tips"  # each also where those before it
+    spacing: float | None = None  # m, of points on outlines and in the rock; None: by increment and averaging radius
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Growth:
     """How cracks grow."""
@@ -246,6 +254,8 @@ class Growth:
     direction: Literal["explicit", "implicit"]  # implicit: the kink is corrected until K_II vanishes at the new tip
     tip_radius: float | None  # m, Shepard averaging radius where rock has no toughness
     unload_between_steps: bool
+    initiation: Initiation = Initiation()
+    link_distance: float | None = None  # m, from other cracks at which a segment has reached them; None: a tenth of it
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -377,6 +377,29 @@ DIRECTION: Final = Choice(
     ("explicit", "implicit"), ("that at the old tip", "corrected until K_II vanishes at the new tip; max_hoop_stress")
 )
 
+INITIATION: Final = Mapping(
+    {
+        "at": Field(
+            Choice(
+                ("tips", "cracks", "outlines", "anywhere"),
+                (
+                    "nowhere new: cracks go on at their tips",
+                    "also between cracks: at kinks, beside wings, behind a crack that another one ends on",
+                    "also at outlines and holes",
+                    "also within the rock",
+                ),
+            ),
+            "where cracks may start, by the criterion of growth",
+            "tips",
+        ),
+        "spacing": Field(
+            WordOr((AUTO,), Quantity("length", POSITIVE)),
+            "distance of the places on outlines and in the rock; auto: the larger of increment and averaging radius",
+            AUTO,
+        ),
+    }
+)
+
 GROWTH: Final = Mapping(
     {
         "steps": Field(Integer(Bounds(at_least=0, at_most=10000)), "growth steps; 0: the criterion is only judged"),
@@ -389,6 +412,12 @@ GROWTH: Final = Mapping(
         "tip_stress": Field(TIP_STRESS, "how the stress at a tip is taken where rock has no toughness", OPTIONAL),
         "unload_between_steps": Field(
             Switch(), "start every step from the unloaded state; false: friction remembers", True
+        ),
+        "initiation": Field(INITIATION, "where new cracks start", BY_PARTS),
+        "link_distance": Field(
+            WordOr((AUTO,), Quantity("length", POSITIVE)),
+            "a segment that heads for another crack and comes this close links up with it; auto: a tenth of increment",
+            AUTO,
         ),
     }
 )

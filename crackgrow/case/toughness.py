@@ -31,7 +31,8 @@ def averaging_radius(growth: Growth, strength: Strength) -> float:
 def length_of_average(growth: Growth, strength: Strength | None) -> float:
     """The radius (m) that cells at a tip are to resolve; infinite where K_I and K_II are all that counts."""
     if strength is not None and strength.toughness is not None:
-        return np.inf if growth.criterion in BY_K else averaging_radius(growth, strength)
+        K_alone = growth.criterion in BY_K and growth.initiation.at == "tips"
+        return np.inf if K_alone else averaging_radius(growth, strength)
     return np.inf if growth.tip_radius is None else growth.tip_radius
 
 

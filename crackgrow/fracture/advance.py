@@ -9,10 +9,10 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import Crack
 from crackgrow.fracture.criteria import AT_STRENGTH
-from crackgrow.fracture.meeting import Meeting, first_met, other_crack, own_path, rims
+from crackgrow.fracture.meeting import Meeting, Obstacle, first_met, other_crack, own_path, rims
 from crackgrow.geometry.polyline import tip_direction
 
 TIE = 5e-3
@@ -20,6 +20,9 @@ TIE = 5e-3
 two ends of one straight crack, which are equal by symmetry, differ by up to 0.16 % wherever it lies, grown at one end
 or at both, by `max_hoop_stress`; by 0.2 % in the median of the other criteria, whose average sees the place in the
 lattice. It is the only tolerance of which tip grows: the order of cracks in a file never matters."""
+
+STARTS = -1
+"""In place of how often a tip has advanced: a crack may start there."""
 
 AS_FAR_LEFT = 1e-6
 """Of the extent of all tips: two that are as far to the left but for this are equally far."""
@@ -30,17 +33,36 @@ the segment is turned by 6 degrees at most. It is not a matter of the spacing: t
 of a crack or an outline were solved as well as others, without the integral for K."""
 
 
+@dataclass(frozen=True, slots=True)
+class Way:
+    """How a crack goes on from a site."""
+
+    kink: float  # rad, from the direction of the site
+    length: float  # m
+    link: float = CLEARANCE  # of the length: a segment that comes this close to another crack has reached it
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class GrowingCrack:
-    """A crack and the step in which each of its vertices was made (0: given)."""
+    """A crack and the step in which each of its vertices was made (0: given).
+
+    One that has started in a run has no vertex that was given; the oldest ones stand for them.
+    """
 
     crack: Crack
     steps: Ints  # (n,)
+    parent: int | None = None  # number of the crack that it has started on; None: of none
+    in_shear: bool = False  # whether it has started so
 
     @classmethod
     def given(cls, crack: Crack) -> GrowingCrack:
         """A crack that has not grown."""
         return cls(crack, np.zeros(len(crack.points), dtype=np.int64))
+
+    @property
+    def rooted(self) -> Bools:
+        """Which vertices (n,) growth from tips has not made."""
+        return np.asarray(self.steps == self.steps.min())
 
     def can_grow(self, at_end: bool) -> bool:
         """Whether the tip at the end (or start) may advance."""
@@ -48,18 +70,20 @@ class GrowingCrack:
 
     def n_advances(self, at_end: bool) -> int:
         """How often the tip at the end (or start) has advanced."""
-        given = np.flatnonzero(self.steps == 0)
+        given = np.flatnonzero(self.rooted)
         return int(len(self.steps) - 1 - given[-1] if at_end else given[0])
 
 
-def growing_tips(
+def leaving(
     criticality: Floats, n_advances: Ints, places: Floats, advance: Literal["most_critical", "in_turn", "all"]
 ) -> Ints:
-    """Numbers of the tips that grow: of those whose criticality (n,) is 1 or more, or within TIE of such a one's.
+    """Numbers of the sites that cracks leave: of those whose criticality (n,) is 1 or more, or within TIE of such a's.
 
-    `all`: all of them, from left to right; `most_critical`: the largest; `in_turn`: the largest of those that have
-    advanced least often, `n_advances` (n,). Of equally critical ones that which has advanced least often grows, of
-    those the leftmost, of those the lowest, by their `places` (n, 2): what is left is the same by symmetry.
+    `all`: all tips, from left to right, then one start; `most_critical`: the largest; `in_turn`: the largest of those
+    that have advanced least often, `n_advances` (n,), and of the starts, whose number is STARTS. At most one crack
+    starts: what it sets free may save the others. Of equally critical ones a tip goes before a start, then that which
+    has advanced least often, of those the leftmost, of those the lowest, by their `places` (n, 2): what is left is the
+    same by symmetry.
     """
     met = criticality[criticality >= 1.0 - 10.0 * AT_STRENGTH]
     if len(met) == 0:
@@ -67,50 +91,97 @@ def growing_tips(
     critical = np.flatnonzero(criticality >= min(1.0 - 10.0 * AT_STRENGTH, (1.0 - TIE) * met.min()))
     apart = AS_FAR_LEFT * float(np.ptp(places, axis=0).max()) or 1.0
     critical = critical[np.lexsort((places[critical, 1], np.round(places[critical, 0] / apart)))]
+    tips, starts = critical[n_advances[critical] != STARTS], critical[n_advances[critical] == STARTS]
     if advance == "all":
-        return critical
+        return np.concatenate([tips, _tied(starts, criticality)[:1]])
     if advance == "in_turn":
-        critical = _least_advanced(critical, n_advances)
-    tied = critical[criticality[critical] >= (1.0 - TIE) * criticality[critical].max()]
-    return _least_advanced(tied, n_advances)[:1]
+        tips = _least_advanced(tips, n_advances)
+    tied = _tied(np.concatenate([tips, starts]), criticality)
+    first = tied[n_advances[tied] != STARTS]
+    return _least_advanced(first if len(first) else tied, n_advances)[:1]
 
 
-def _least_advanced(tips: Ints, n_advances: Ints) -> Ints:
-    return np.asarray(tips[n_advances[tips] == n_advances[tips].min()])
+def _tied(sites: Ints, criticality: Floats) -> Ints:
+    """Those that are as critical as the largest, but for what a lattice does not resolve."""
+    return np.asarray(sites[criticality[sites] >= (1.0 - TIE) * criticality[sites].max(initial=-np.inf)])
+
+
+def _least_advanced(sites: Ints, n_advances: Ints) -> Ints:
+    return np.asarray(sites[n_advances[sites] == n_advances[sites].min(initial=np.iinfo(np.int64).max)])
 
 
 def advanced(
     growing: GrowingCrack,
     at_end: bool,
-    way: tuple[float, float],
+    way: Way,
     step: int,
     region: shapely.Polygon,
     others: Sequence[GrowingCrack] = (),
 ) -> tuple[GrowingCrack, Meeting | None]:
-    """The crack with a segment added to a tip, and what the tip has met; `way` is its kink (rad) and its length (m).
+    """The crack with a segment added to a tip, and what the tip has met.
 
     The new segment stays in `region` (m). It ends on the first of the region's rims, the `others` and its own path
-    that it meets, and the crack has no tip there any more. The segment then is shorter than that length, or turned by
-    up to CLEARANCE and longer by as much. An end of one of the `others` that is met is left as it is: see `closed`.
+    that it meets, and the crack has no tip there any more. The segment then is shorter than its length, or turned by
+    up to its clearance and longer by as much. An end of one of the `others` that is met is left as it is: see `closed`.
     """
-    crack, (kink, increment) = growing.crack, way
-    direction = tip_direction(crack.points, at_end)
-    c, s = np.cos(kink), np.sin(kink)
-    tip = crack.points[-1] if at_end else crack.points[0]
-    new = tip + increment * np.array([c * direction[0] - s * direction[1], s * direction[0] + c * direction[1]])
-    clearance = CLEARANCE * increment
-    obstacles = [other_crack(number, other.crack.points) for number, other in enumerate(others)]
-    obstacles += [own_path(crack.points, at_end, 2.0 * clearance), *rims(region)]
-    met = first_met(tip, new, obstacles, clearance)
-    end = new if met is None else met.point
+    crack, clearance = growing.crack, CLEARANCE * way.length
+    tip, direction = crack.points[-1] if at_end else crack.points[0], tip_direction(crack.points, at_end)
+    near = [own_path(crack.points, at_end, clearance), *rims(region, clearance)]
+    end, met = _segment(tip, direction, way, near, others)
     points = np.vstack([crack.points, end]) if at_end else np.vstack([end, crack.points])
     steps = np.append(growing.steps, step) if at_end else np.insert(growing.steps, 0, step)
-    longer = GrowingCrack(replace(crack, points=points), steps)
+    longer = replace(growing, crack=replace(crack, points=points), steps=steps)
     if met is not None:
         longer = closed(longer, at_end)
         if met.kind == "own_path" and met.end is not None:
             longer = closed(longer, met.end)
     return longer, met
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where a crack starts, and what it will be."""
+
+    crack: Crack  # but for its points
+    parent: int | None  # number of the crack that it starts on
+    in_shear: bool
+    point: Floats  # (2,) m
+    direction: float  # rad from +x, of the site
+    both_ways: bool
+    where: str  # in words
+
+
+def started(
+    start: Start, way: Way, step: int, region: shapely.Polygon, others: Sequence[GrowingCrack]
+) -> tuple[GrowingCrack, list[tuple[bool, Meeting]]]:
+    """A new crack from a site, and what its end (True) and its start have met, as `advanced` has it.
+
+    Within rock it goes to both sides, to each with half of the length.
+    """
+    half = replace(way, length=0.5 * way.length) if start.both_ways else way
+    direction = np.array([np.cos(start.direction), np.sin(start.direction)])
+    end, met = _segment(start.point, direction, half, rims(region, CLEARANCE * half.length), others)
+    crack = replace(start.crack, points=np.stack([start.point, end]), tip_at_start=False, tip_at_end=met is None)
+    new, found = GrowingCrack(crack, np.full(2, step), start.parent, start.in_shear), [(True, met)]
+    if start.both_ways:
+        new = replace(new, crack=replace(crack, tip_at_start=True))
+        new, met = advanced(new, False, replace(half, kink=0.0), step, region, others)
+        found.append((False, met))
+    return new, [(at_end, met) for at_end, met in found if met is not None]
+
+
+def _segment(
+    start: Floats, direction: Floats, way: Way, near: Sequence[Obstacle], others: Sequence[GrowingCrack]
+) -> tuple[Floats, Meeting | None]:
+    """Where a segment ends that leaves `start` (2,) m, and what it meets there: one of the others, or what is `near`.
+
+    `direction` (2,) is that of the site.
+    """
+    c, s = np.cos(way.kink), np.sin(way.kink)
+    turned = np.array([c * direction[0] - s * direction[1], s * direction[0] + c * direction[1]])
+    new, link = start + way.length * turned, way.link * way.length
+    met = first_met(start, new, [*(other_crack(n, other.crack.points, link) for n, other in enumerate(others)), *near])
+    return (new if met is None else met.point), met
 
 
 def closed(growing: GrowingCrack, at_end: bool) -> GrowingCrack:

@@ -11,7 +11,7 @@ Maximum hoop stress (Erdogan, Sih 1963): the hoop stress of K_I and K_II alone, 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -19,12 +19,9 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Strength
 from crackgrow.case.toughness import BY_K
+from crackgrow.fracture.sites import LARGEST_KINK
 from crackgrow.fracture.tip_stress import TipField
 from crackgrow.solid.recovery import principal
-
-LARGEST_KINK = np.deg2rad(110.0)
-"""Rays further back than this run along the crack's own faces, whose stress says nothing of growth."""
-
 
 AT_STRENGTH = 1e-9
 """A criticality this close below 1 is 1 but for round-off, as it is at a critical load."""
@@ -54,7 +51,7 @@ class Verdict:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TipLoading:
-    """What criteria know of a tip."""
+    """What criteria know of a tip, or of another site, which has no K."""
 
     field: TipField
     K_I: float  # Pa sqrt(m), nan where it is not known
@@ -64,20 +61,24 @@ class TipLoading:
     @property
     def none(self) -> TipLoading:
         """The same tip without any load."""
-        field = TipField(self.field.direction, self.field.angles, 0.0 * self.field.rays, 0.0 * self.field.mean)
+        field = replace(self.field, rays=0.0 * self.field.rays, mean=0.0 * self.field.mean)
         return TipLoading(field, 0.0 * self.K_I, 0.0 * self.K_II, self.radius)
 
     @classmethod
     def between(cls, first: TipLoading, last: TipLoading, share: float) -> TipLoading:
         """The loading at a share of the way from one load to another where everything is linear in the load."""
-        field = TipField(
-            first.field.direction,
-            first.field.angles,
-            first.field.rays + share * (last.field.rays - first.field.rays),
-            first.field.mean + share * (last.field.mean - first.field.mean),
+        field = replace(
+            first.field,
+            rays=first.field.rays + share * (last.field.rays - first.field.rays),
+            mean=first.field.mean + share * (last.field.mean - first.field.mean),
         )
         K_I, K_II = (a + share * (b - a) for a, b in ((first.K_I, last.K_I), (first.K_II, last.K_II)))
         return cls(field, K_I, K_II, first.radius)
+
+
+def without_K(field: TipField, radius: float) -> TipLoading:
+    """What criteria know where K is not known, with their material length (m)."""
+    return TipLoading(field, np.nan, np.nan, radius)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,8 @@ class Criterion:
     """A growth criterion."""
 
     name: str  # as in a case file
-    judge: Callable[[TipLoading, Strength], Verdict]
+    judge: Callable[[TipLoading, Strength], Verdict]  # a tip
+    judge_start: Callable[[TipLoading, Strength], Verdict]  # another site, without K
 
     @property
     def by_K(self) -> bool:
@@ -106,10 +108,12 @@ def strength(loading: TipLoading, limits: Strength) -> Verdict:
     centre, radius = 0.5 * (s1 + s3), 0.5 * (s1 - s3)
     shear = float(_ratio(radius, limits.cohesion * np.cos(phi) - centre * np.sin(phi)))
     compression_axis = axis + 0.5 * np.pi - field.direction
-    if tension >= 1.0 or tension >= shear:
-        kink = _forward(compression_axis)  # perpendicular to sigma_1
-        return Verdict(s1, s3, "tension", tension, kink)
+    across = _forward(compression_axis)  # perpendicular to sigma_1
     planes = [_forward(compression_axis + sense * (0.25 * np.pi - 0.5 * phi)) for sense in (-1.0, 1.0)]
+    planes = [plane for plane in planes if _within(field, plane)]
+    tension, shear = tension * _within(field, across), shear * bool(planes)
+    if tension >= 1.0 or tension >= shear or not planes:
+        return Verdict(s1, s3, "tension", tension, across)
     _, along = hoop_and_shear(field, field.rays)
     seen = np.isfinite(along)
     shears = [abs(np.interp(plane, field.angles[seen], along[seen])) for plane in planes]
@@ -122,7 +126,9 @@ def directional_strength(loading: TipLoading, limits: Strength) -> Verdict:
     field = loading.field
     s1, s3, _ = (float(v[0]) for v in principal(field.mean[None]))
     hoop, shear = hoop_and_shear(field, field.rays)
-    ahead = (np.abs(field.angles) <= LARGEST_KINK) & np.isfinite(hoop)
+    ahead = (np.abs(field.angles) <= field.half_width) & np.isfinite(hoop)
+    if not ahead.any():
+        return Verdict(s1, s3, "tension", 0.0, 0.0)
     angles, hoop, shear = field.angles[ahead], hoop[ahead], shear[ahead]
     tension, kink = _peak(angles, hoop / limits.tension)
     resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * hoop
@@ -163,9 +169,9 @@ def hoop_stress_kink(K_I: float, K_II: float) -> float:
 CRITERIA = {
     criterion.name: criterion
     for criterion in (
-        Criterion("strength", strength),
-        Criterion("directional_strength", directional_strength),
-        Criterion("max_hoop_stress", max_hoop_stress),
+        Criterion("strength", strength, strength),
+        Criterion("directional_strength", directional_strength, directional_strength),
+        Criterion("max_hoop_stress", max_hoop_stress, directional_strength),
     )
 }
 
@@ -181,6 +187,11 @@ def hoop_and_shear(field: TipField, stress: Floats) -> tuple[Floats, Floats]:
 def _ratio(load: Floats | float, resistance: Floats | float) -> Floats:
     """Load over resistance; a resistance that is used up (by tension) counts as none."""
     return np.asarray(np.minimum(load / np.maximum(resistance, LEAST_RESISTANCE), LARGEST_RATIO))
+
+
+def _within(field: TipField, kink: float) -> bool:
+    """Whether a crack may leave a site at an angle (rad)."""
+    return abs(kink) <= field.half_width
 
 
 def _forward(angle: float) -> float:

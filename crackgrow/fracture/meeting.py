@@ -53,52 +53,53 @@ class Obstacle:
     line: shapely.Geometry  # through the corners; a point where there is one alone
     near: shapely.Geometry  # the part of it that segments keep clear of, perhaps nothing
     ends: tuple[tuple[bool, Floats], ...]  # of a crack: whether it is its end or its start, (2,) m
+    clearance: float  # m: what comes closer has reached it
 
 
-def rims(region: shapely.Polygon) -> list[Obstacle]:
+def rims(region: shapely.Polygon, clearance: float) -> list[Obstacle]:
     """The outline and the holes of a body (m)."""
     outline, *holes = (shapely.LineString(ring) for ring in (region.exterior, *region.interiors))
-    found = [Obstacle("outline", 0, shapely.get_coordinates(outline), outline, outline, ())]
+    found = [Obstacle("outline", 0, shapely.get_coordinates(outline), outline, outline, (), clearance)]
     for number, hole in enumerate(holes):
-        found.append(Obstacle("hole", number, shapely.get_coordinates(hole), hole, hole, ()))
+        found.append(Obstacle("hole", number, shapely.get_coordinates(hole), hole, hole, (), clearance))
     return found
 
 
-def other_crack(number: int, points: Floats) -> Obstacle:
+def other_crack(number: int, points: Floats, clearance: float) -> Obstacle:
     """Another crack (n, 2) m."""
     line = shapely.LineString(points)
-    return Obstacle("crack", number, points, line, line, ((False, points[0]), (True, points[-1])))
+    return Obstacle("crack", number, points, line, line, ((False, points[0]), (True, points[-1])), clearance)
 
 
-def own_path(points: Floats, at_end: bool, beside: float) -> Obstacle:
+def own_path(points: Floats, at_end: bool, clearance: float) -> Obstacle:
     """A crack's own path (n, 2) m behind the segment that its tip at the end (or start) is on.
 
-    Its last part, up to the arc length `beside` (m) from the tip, may be crossed no more than the rest, but every new
-    segment begins near it.
+    Its last part, up to an arc length of two clearances (m) from the tip, may be crossed no more than the rest, but
+    every new segment begins near it.
     """
     behind = points[-2::-1] if at_end else points[1:]  # from the tip on
     ends = ((not at_end, behind[-1]),)
     if len(behind) == 1:
-        return Obstacle("own_path", 0, behind, shapely.Point(behind[0]), shapely.LineString(), ends)
+        return Obstacle("own_path", 0, behind, shapely.Point(behind[0]), shapely.LineString(), ends, clearance)
     line = shapely.LineString(behind)
     tip = points[-1] if at_end else points[0]
-    left_out = max(beside - float(np.hypot(*(tip - behind[0]))), 0.0)
+    left_out = max(2.0 * clearance - float(np.hypot(*(tip - behind[0]))), 0.0)
     near = substring(line, left_out, line.length) if left_out < line.length else shapely.LineString()
-    return Obstacle("own_path", 0, behind, line, near, ends)
+    return Obstacle("own_path", 0, behind, line, near, ends, clearance)
 
 
-def first_met(start: Floats, end: Floats, obstacles: Sequence[Obstacle], clearance: float) -> Meeting | None:
-    """What the segment from `start` to `end` (2,) m meets first, crossing it or closer than `clearance` (m); or None.
+def first_met(start: Floats, end: Floats, obstacles: Sequence[Obstacle]) -> Meeting | None:
+    """What the segment from `start` to `end` (2,) m meets first, crossing it or closer than its clearance; or None.
 
     On the way from `start` to the point of the meeting nothing else is crossed.
     """
     segment = shapely.LineString([start, end])
-    around = [obstacle for obstacle in obstacles if shapely.dwithin(segment, obstacle.line, 2.0 * clearance)]
+    around = [obstacle for obstacle in obstacles if shapely.dwithin(segment, obstacle.line, 2.0 * obstacle.clearance)]
     crossed = _first_crossing(start, end, around)
     reached = end if crossed is None else crossed.point
-    close = sorted(_approached(start, reached, around, clearance, crossed), key=lambda item: item[0])
+    close = sorted(_approached(start, reached, around, crossed), key=lambda item: item[0])
     for meeting in [*(meeting for _, meeting in close), *([crossed] if crossed else [])]:
-        for place in (*_corners_beside(start, meeting, around, clearance), meeting):
+        for place in (*_corners_beside(start, meeting, around), meeting):
             if _is_free(start, place.point, around):
                 return place
     return crossed
@@ -116,7 +117,7 @@ def _first_crossing(start: Floats, end: Floats, obstacles: Sequence[Obstacle]) -
 
 
 def _approached(
-    start: Floats, end: Floats, obstacles: Sequence[Obstacle], clearance: float, crossed: Meeting | None
+    start: Floats, end: Floats, obstacles: Sequence[Obstacle], crossed: Meeting | None
 ) -> Iterator[tuple[float, Meeting]]:
     """What a segment heads for and comes close to, with the length (m) that it has run when it is closest."""
     segment, tip = shapely.LineString([start, end]), shapely.Point(start)
@@ -125,27 +126,26 @@ def _approached(
         is_crossed = crossed is not None and (crossed.kind, crossed.number) == (obstacle.kind, obstacle.number)
         for which, place in ends if is_crossed else [(None, obstacle.near), *ends]:
             distance = shapely.distance(segment, place)  # nan where there is nothing near: no comparison holds
-            if distance < clearance and distance < HALVED * shapely.distance(tip, place):
+            away = shapely.distance(tip, place)  # a new crack begins on others
+            if distance < obstacle.clearance and distance < HALVED * away and away > GRAZED * segment.length:
                 along, point = shapely.get_coordinates(shapely.shortest_line(segment, place))
                 yield float(np.hypot(*(along - start))), Meeting(obstacle.kind, obstacle.number, point, which)
 
 
-def _corners_beside(
-    start: Floats, meeting: Meeting, obstacles: Sequence[Obstacle], clearance: float
-) -> Iterator[Meeting]:
+def _corners_beside(start: Floats, meeting: Meeting, obstacles: Sequence[Obstacle]) -> Iterator[Meeting]:
     """Where to end so that no stub is left: ends of cracks within the clearance, corners of the line much closer."""
     if meeting.end is not None:
         return
-    ends = [Meeting(o.kind, o.number, point, which) for o in obstacles for which, point in o.ends]
+    ends = [(Meeting(o.kind, o.number, point, which), o.clearance) for o in obstacles for which, point in o.ends]
     corners = [
-        Meeting(o.kind, o.number, point)
+        (Meeting(o.kind, o.number, point), CORNER * o.clearance)
         for o in obstacles
         if (o.kind, o.number) == (meeting.kind, meeting.number)
         for point in o.corners
     ]
     heading = meeting.point - start
-    for places, reach in ((ends, clearance), (corners, CORNER * clearance)):
-        for place in sorted(places, key=lambda place: float(np.hypot(*(place.point - meeting.point)))):
+    for places in (ends, corners):
+        for place, reach in sorted(places, key=lambda item: float(np.hypot(*(item[0].point - meeting.point)))):
             way = place.point - start
             ahead = way @ heading >= AHEAD * np.hypot(*way) * np.hypot(*heading) > 0.0
             if ahead and np.hypot(*(place.point - meeting.point)) < reach:

@@ -109,16 +109,22 @@ CONTACT: Final = File(
 
 EVENTS: Final = File(
     "events.csv",
-    "tips that have met something and end there: a row for each tip, two where two tips meet. `summary.json` has them, "
-    "too",
+    "tips that have met something and end there: a row for each tip, two where two tips meet; and cracks that have "
+    "started. `summary.json` has them, too",
     (
         Column("step", "", "step whose advance made the event"),
-        Column("kind", "", "`coalescence` (a crack), `hole`, `break_through` (the outline) or `interface`"),
+        Column(
+            "kind", "", "`coalescence` (a crack), `hole`, `break_through` (the outline), `interface` or `initiation`"
+        ),
         Column("crack", "", "name of the crack"),
         Column("tip", "", "`start` or `end` of the crack"),
         Column("x", "m", "the place"),
         Column("y", "m", "the place"),
-        Column("met", "", "what was met, such as `crack 'b'` or `hole0 of body 'rock'`"),
+        Column(
+            "met",
+            "",
+            "what was met, such as `crack 'b'` or `hole0 of body 'rock'`; of an initiation where, and the mode",
+        ),
     ),
 )
 

@@ -125,7 +125,9 @@ def length_words(result: StepResult) -> list[str]:
 
 
 def event_line(event: Event) -> str:
-    """One line on what a tip has met, and where (m)."""
+    """One line on what a tip has met, or where a crack has started, and where that is (m)."""
     x, y = event.point
+    if event.kind == "initiation":
+        return f"step {event.step}, initiation: crack '{event.crack}' starts on {event.met} at ({x:.6g}, {y:.6g}) m"
     tip = f"crack '{event.crack}' ({event.tip})"
     return f"step {event.step}, {event.kind}: {tip} reached {event.met} at ({x:.6g}, {y:.6g}) m"

@@ -214,7 +214,11 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
     if growth.steps == 0:
         return f"growth: none, {growth.criterion} is judged, {radius}"
     steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
-    return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}, {radius}{memory}"
+    at = growth.initiation.at
+    starts = "" if at == "tips" else f", new cracks {'anywhere' if at == 'anywhere' else f'at {at}'}"
+    return (
+        f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}{starts}, {radius}{memory}"
+    )
 
 
 def _radii(case: Case, growth: Growth, scale: float, unit: str) -> Iterator[str]:

@@ -19,6 +19,7 @@ from crackgrow.run.configuration import Gone
 from crackgrow.run.halvings import Accuracy, accuracy_of_record, record_of
 from crackgrow.run.increments import FROM_REST, Origin, Remembered, Start
 from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_record
+from crackgrow.run.starting import new_crack
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -52,6 +53,7 @@ def packed(state: RunState) -> Checkpoint:
         "notes": list(state.notes),
         "guess": origin.guess,
         "tips": [[g.crack.tip_at_start, g.crack.tip_at_end] for g in state.cracks],
+        "started": [[g.crack.name, g.crack.body, g.parent, g.in_shear] for g in state.cracks if g.steps.min() > 0],
         "start": None,
         "gone": [rock.body for rock in origin.gone],
         "accuracy": None if state.accuracy is None else record_of(state.accuracy),
@@ -72,18 +74,18 @@ def packed(state: RunState) -> Checkpoint:
 def restored(case: Case, checkpoint: Checkpoint) -> RunState:
     """The state that was packed in an earlier run of the case."""
     values, arrays = checkpoint.values, checkpoint.arrays
-    cracks = tuple(
-        GrowingCrack(
-            replace(crack, points=arrays[f"points{number}"], tip_at_start=tips[0], tip_at_end=tips[1]),
-            arrays[f"steps{number}"],
-        )
-        for number, (crack, tips) in enumerate(zip(case.cracks, values["tips"], strict=True))
-    )
+    cracks = list(map(GrowingCrack.given, case.cracks))
+    for name, body, parent, in_shear in values.get("started", ()):
+        new = GrowingCrack.given(new_crack(case, cracks, name, body, parent))
+        cracks.append(replace(new, parent=parent, in_shear=in_shear))
+    for number, (growing, tips) in enumerate(zip(cracks, values["tips"], strict=True)):
+        crack = replace(growing.crack, points=arrays[f"points{number}"], tip_at_start=tips[0], tip_at_end=tips[1])
+        cracks[number] = replace(growing, crack=crack, steps=arrays[f"steps{number}"])
     start = None if values["start"] is None else _start(values["start"], arrays)
     gone = tuple(Gone(body, arrays[f"gone{number}"]) for number, body in enumerate(values.get("gone", [])))
     return RunState(
         checkpoint.step,
-        cracks,
+        tuple(cracks),
         tuple(event_of(record) for record in values["events"]),
         values["n_pieces"],
         Origin(values["guess"], start, gone),

@@ -30,10 +30,12 @@ from crackgrow.cover.squares import Squares
 from crackgrow.direct import SymmetricMatrix
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.sites import Site
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.foci import focus_of, lattice_of_cells
 from crackgrow.run.scene import Scene
+from crackgrow.run.starting import sites_of
 from crackgrow.solid.dependent import with_dependent_held
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
@@ -105,6 +107,9 @@ class Configuration:
     faces: ContactFaces
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
+    sites: tuple[
+        Site, ...
+    ]  # places where cracks may go on, the tips of the cover in their order, then where they start
     seconds: dict[str, float]
 
     @property
@@ -250,10 +255,12 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     What has not changed since the configuration `before` is neither integrated nor factorized again; the result is the
     same without it.
     """
+    scene = scene.with_cracks(growing)
     case = scene.case
     seconds: dict[str, float] = {}
     with timed(seconds, "cover"):
         cover = _cover(scene, growing, None if before is None else before.cover)
+        sites = sites_of(scene, cover, growing)
     with timed(seconds, "assembly"):
         stiff_before = None if before is None else before.stiffness
         stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, stiff_before)
@@ -278,7 +285,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     law = _law(scene, cover, faces, growing)
     solver = case.numerics.contact.solver
     contact = ContactSystem(system, *operators, weights, law, solver, loose)
-    return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, seconds)
+    return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, sites, seconds)
 
 
 def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Floats, Floats]:
@@ -342,7 +349,7 @@ def crack_geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeome
             points[end] = shapely.shortest_line(boundary, place).coords[0]
             inside[index] = False
     points = scene.lattice.to_lattice(points)
-    first, last = np.flatnonzero(growing.steps == 0)[[0, -1]]
+    first, last = np.flatnonzero(growing.rooted)[[0, -1]]
     given = shapely.get_coordinates(shapely.simplify(shapely.LineString(points[first : last + 1]), ON_LINE))
     points = np.concatenate([points[:first], given, points[last + 1 :]])
     gathered = scene.case.numerics.gathers_tip_functions
@@ -396,7 +403,7 @@ def _law(scene: Scene, cover: Cover, faces: ContactFaces, growing: tuple[Growing
         weakening[mine] = law.contact.weakening_length
         if index < len(growing):
             crack = growing[index]
-            given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.steps == 0]
+            given = arc_lengths(scene.lattice.to_lattice(crack.crack.points))[crack.rooted]
             new = mine & ((faces.s < given[0] - ON_GIVEN_FACES) | (faces.s > given[-1] + ON_GIVEN_FACES))
             cohesion[new], friction[new] = 0.0, law.contact.residual_friction
     joints = any(law.joint for law in scene.laws)

@@ -17,7 +17,7 @@ import numpy as np
 from crackgrow.arrays import Bools
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.criteria import CRITERIA, TipLoading
+from crackgrow.fracture.criteria import CRITERIA, TipLoading, without_K
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged, stress_fields, tip_states, verdict
@@ -50,7 +50,7 @@ NEVER_CRITICAL = (
 
 
 def critically_loaded(configuration: Configuration, cracks: Sequence[GrowingCrack], guess: float) -> StepSolution:
-    """The configuration at the load factor at which the criterion is just met at the first of the tips that can grow.
+    """The configuration at the load factor at which the criterion is just met at the first of the sites that can grow.
 
     `guess` > 0 is the first factor that is tried. Where no factor up to `LARGEST_FACTOR` meets the criterion, the
     solution is the one at the guess, and its notes say so. Raises SolveError where the search does not settle, and
@@ -89,8 +89,8 @@ class _Trial:
     """What is known of a load factor."""
 
     factor: float
-    loadings: list[TipLoading | None]  # tip by tip
-    criticality: float  # largest of the tips that can grow
+    loadings: list[TipLoading | None]  # site by site
+    criticality: float  # largest of the sites that a crack can leave
     state: LoadState | None  # None without any load, where everything is zero
 
     @property
@@ -121,8 +121,9 @@ class _Search:
         self._why: FreePieceError | NotSolvedError | None = None  # it has none, or none was found
         self._n_unborne = 0  # load factors known to have none
         self.n_increments = 0
-        ends = configuration.cover.tip_ends
-        self.can_grow: Bools = np.array([cracks[index].can_grow(end) for index, end in ends], dtype=bool)
+        ends, sites = configuration.cover.tip_ends, configuration.sites
+        grow = [cracks[index].can_grow(end) for index, end in ends] + [True] * (len(sites) - len(ends))
+        self.can_grow: Bools = np.array(grow, dtype=bool)  # site by site
         self.rest = self._at_rest()
 
     def path(self, below: _Trial, factor: float) -> list[_Trial]:
@@ -189,15 +190,14 @@ class _Search:
         with timed(self._seconds, "criterion"):
             materials = self._configuration.scene.materials_at(state.factor)
             fields = stress_fields(state, materials)
+            scene, sites = self._configuration.scene, self._configuration.sites
+            loadings = [
+                None if field is None else without_K(field, scene.averaging_radius(site.body))
+                for field, site in zip(fields, sites, strict=True)
+            ]
             if CRITERIA[self._growth.criterion].by_K:
-                loadings = [tip.loading for tip in tip_states(state, materials, fields)]
-            else:
-                scene, ends = self._configuration.scene, self._configuration.cover.tip_ends
-                bodies = [scene.crack_bodies[crack] for crack, _ in ends]
-                loadings = [
-                    None if field is None else TipLoading(field, np.nan, np.nan, scene.averaging_radius(body))
-                    for field, body in zip(fields, bodies, strict=True)
-                ]
+                tips = tip_states(state, materials, fields[: len(self._configuration.cover.tips)])
+                loadings[: len(tips)] = [tip.loading for tip in tips]
             return _Trial(state.factor, loadings, self._largest_criticality(loadings), state)
 
     def _at_rest(self) -> _Trial:
@@ -216,12 +216,12 @@ class _Search:
         )
 
     def _largest_criticality(self, loadings: Sequence[TipLoading | None]) -> float:
-        """Largest criticality of the tips that can grow."""
-        scene, ends = self._configuration.scene, self._configuration.cover.tip_ends
+        """Largest criticality of the sites that a crack can leave."""
+        scene, sites = self._configuration.scene, self._configuration.sites
         return max(
             (
-                verdict(scene, scene.crack_bodies[crack], loading).criticality
-                for loading, grows, (crack, _) in zip(loadings, self.can_grow, ends, strict=True)
+                verdict(scene, site, loading).criticality
+                for loading, grows, site in zip(loadings, self.can_grow, sites, strict=True)
                 if grows and loading is not None
             ),
             default=0.0,

@@ -7,7 +7,7 @@ corrected by its own tip's K_II alone (diagonal secant); one whose tip has met s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -17,13 +17,14 @@ import shapely
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Growth
 from crackgrow.errors import GeometryError, SolveError
-from crackgrow.fracture.advance import GrowingCrack, advanced, closed
+from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Start, Way, advanced, closed, started
 from crackgrow.fracture.criteria import hoop_stress_kink
 from crackgrow.fracture.meeting import Meeting
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Event
 from crackgrow.run.scene import Scene
+from crackgrow.run.starting import start_at
 
 Solve = Callable[[tuple[GrowingCrack, ...]], StepSolution]
 
@@ -56,6 +57,12 @@ class BeforeAdvance:
     growth: Growth  # the scene's
     cracks: tuple[GrowingCrack, ...]
     step: int  # that they advance in
+    start: Start | None = None  # of a new crack, if one starts
+
+    def way(self, kink: float) -> Way:
+        """How a crack goes on at a kink (rad)."""
+        increment, link = self.growth.increment, self.growth.link_distance
+        return Way(kink, increment) if link is None else Way(kink, increment, link / increment)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,51 +89,101 @@ class _Trial:
 
 
 def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, solve: Solve) -> Advance:
-    """The cracks after the tips `chosen` of a solution have advanced; `solve` gives the step that follows."""
-    ends = [solution.cover.tip_ends[tip] for tip in chosen.tolist()]
-    verdicts = [solution.tips[tip].verdict for tip in chosen.tolist()]
-    kinks = np.array([verdict.kink for verdict in verdicts if verdict is not None])
+    """The cracks after they have left the sites `chosen` of a solution; `solve` gives the step that follows.
+
+    At most one of the sites is the start of a new crack, which comes last.
+    """
+    n_tips = len(solution.cover.tips)
+    tips, started_at = chosen[chosen < n_tips].tolist(), chosen[chosen >= n_tips].tolist()
+    ends = [solution.cover.tip_ends[tip] for tip in tips]
+    verdicts = [verdict for verdict in (solution.tips[tip].verdict for tip in tips) if verdict is not None]
+    turning = [verdict.mode == "tension" for verdict in verdicts]  # what starts, and shear, keep their directions
+    if started_at:
+        start = solution.starts[started_at[0] - n_tips]
+        before = replace(before, start=start_at(before.scene, before.cracks, start.site, start.verdict.mode))
+        ends, verdicts, turning = [*ends, (len(before.cracks), True)], [*verdicts, start.verdict], [*turning, False]
+    kinks = np.array([verdict.kink for verdict in verdicts])
     first = _advanced(before, ends, kinks)
-    if before.growth.direction == "explicit" or not any(_can_grow(first, end) for end in ends):
+    turned = [end for end, turns in zip(ends, turning, strict=True) if turns]
+    if before.growth.direction == "explicit" or not any(_can_grow(first, end) for end in turned):
         return first
-    return _without_shear(before, ends, kinks, first, solve)
+    return _without_shear(before, _Turning(ends, turning), kinks, first, solve)
+
+
+@dataclass(frozen=True, slots=True)
+class _Turning:
+    """The ends that advance, and whether a direction is looked for in which K_II vanishes."""
+
+    ends: list[tuple[int, bool]]
+    turning: list[bool]
 
 
 def _advanced(before: BeforeAdvance, ends: Sequence[tuple[int, bool]], kinks: Floats) -> Advance:
     """All cracks, with the tips `ends` advanced by `kinks` one after the other: each sees what those before have made.
 
-    A tip that one before it has met is no tip any more and stays: an event of its own.
+    A tip that one before it has met is no tip any more and stays: an event of its own. The number after the last crack
+    is that of the new one, which does not start where one before it has come.
     """
     scene, step = before.scene, before.step
     grown = list(before.cracks)
-    events = []
+    events: list[Event] = []
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
+        way = before.way(kink)
+        if index == len(grown):
+            events += _started(before, grown, way)
+            continue
         if not grown[index].can_grow(at_end):
             continue
-        numbers = [number for number in range(len(grown)) if number != index]
-        others = [grown[number] for number in numbers]
+        others = [grown[number] for number in range(len(grown)) if number != index]
         region = scene.regions[scene.crack_bodies[index]]
         earlier = list(grown)
-        way = (kink, before.growth.increment)
         grown[index], met = advanced(grown[index], at_end, way, step, region, others)
-        if met is None:
-            continue
-        kind, name = _named(scene, index, met, others)
-        events.append(Event(step, kind, grown[index].crack.name, _END[at_end], met.point, name))
-        if met.end is None:
-            continue
-        number = index if met.kind == "own_path" else numbers[met.number]
-        grown[number] = closed(grown[number], met.end)
-        if earlier[number].can_grow(met.end):
-            name = "its own path" if number == index else f"crack '{grown[index].crack.name}'"
-            events.append(Event(step, kind, grown[number].crack.name, _END[met.end], met.point, name))
+        if met is not None:
+            events += _told(before, earlier, grown, (index, at_end, met))
     return Advance(tuple(grown), tuple(events))
 
 
+def _started(before: BeforeAdvance, grown: list[GrowingCrack], way: Way) -> Iterator[Event]:
+    """Add the new crack to those that have grown, and tell what has happened."""
+    start, scene, earlier = before.start, before.scene, list(grown)
+    assert start is not None  # there is an end with its number
+    place, near = shapely.Point(start.point), CLEARANCE * way.length
+    for now, then in zip(grown, before.cracks, strict=True):
+        ends = [now.crack.points[k] for k in (0, -1) if (now.crack.points[k] != then.crack.points[k]).any()]
+        if any(shapely.dwithin(shapely.Point(end), place, near) for end in ends):
+            return
+    body = [each.name for each in scene.case.bodies].index(start.crack.body)
+    crack, meetings = started(start, way, before.step, scene.regions[body], grown)
+    grown.append(crack)
+    yield Event(before.step, "initiation", crack.crack.name, _END[False], start.point, start.where)
+    for at_end, met in meetings:
+        yield from _told(before, earlier, grown, (len(earlier), at_end, met))
+
+
+def _told(
+    before: BeforeAdvance, earlier: Sequence[GrowingCrack], grown: list[GrowingCrack], met_by: tuple[int, bool, Meeting]
+) -> Iterator[Event]:
+    """What is to be told of an end (number of its crack, whether its end) that has met something; ends met are closed.
+
+    `earlier` are the cracks before that end has moved.
+    """
+    index, at_end, met = met_by
+    numbers = [number for number in range(len(grown)) if number != index]
+    kind, name = _named(before.scene, grown[index].crack.body, met, [grown[number] for number in numbers])
+    yield Event(before.step, kind, grown[index].crack.name, _END[at_end], met.point, name)
+    if met.end is None:
+        return
+    number = index if met.kind == "own_path" else numbers[met.number]
+    grown[number] = closed(grown[number], met.end)
+    if earlier[number].can_grow(met.end):
+        name = "its own path" if number == index else f"crack '{grown[index].crack.name}'"
+        yield Event(before.step, kind, grown[number].crack.name, _END[met.end], met.point, name)
+
+
 def _named(
-    scene: Scene, crack: int, met: Meeting, others: Sequence[GrowingCrack]
+    scene: Scene, body: str, met: Meeting, others: Sequence[GrowingCrack]
 ) -> tuple[Literal["coalescence", "hole", "break_through", "interface"], str]:
-    """The kind of event that it is that a crack has met something, and what that is called."""
+    """The kind of event that it is that a crack in a body has met something, and what that is called."""
     if met.kind == "own_path":
         return "coalescence", "its own path"
     near = SAME_PLACE * scene.lattice.spacing
@@ -136,22 +193,19 @@ def _named(
         return "coalescence", " on ".join([f"crack '{others[met.number].crack.name}'", *there[:1]])
     if there:
         return "interface", there[0]
-    body = scene.case.bodies[scene.crack_bodies[crack]].name
     if met.kind == "hole":
         return "hole", f"hole{met.number} of body '{body}'"
     return "break_through", f"the outline of body '{body}'"
 
 
-def _without_shear(
-    before: BeforeAdvance, ends: Sequence[tuple[int, bool]], kinks: Floats, first: Advance, solve: Solve
-) -> Advance:
+def _without_shear(before: BeforeAdvance, wanted: _Turning, kinks: Floats, first: Advance, solve: Solve) -> Advance:
     """The advance whose new tips see least shear, with its solution and the cost of all solves."""
     trials: list[_Trial] = []
     seconds: dict[str, float] = {}
     advance, gave_up = first, ""
     while True:
         try:
-            advance = advance if not trials else _advanced(before, ends, kinks)
+            advance = advance if not trials else _advanced(before, wanted.ends, kinks)
             solved = solve(advance.cracks)
         except (GeometryError, SolveError) as error:
             if not trials:
@@ -160,7 +214,7 @@ def _without_shear(
             break
         for phase, spent in solved.seconds.items():
             seconds[phase] = seconds.get(phase, 0.0) + spent
-        trials.append(_judged(kinks, advance, solved, ends))
+        trials.append(_judged(kinks, advance, solved, wanted))
         if trials[-1].excess <= 1.0 or len(trials) == MOST_SOLVES:
             break
         kinks = _corrected(trials)
@@ -175,12 +229,12 @@ def _without_shear(
     return replace(best.advance, solution=solution)
 
 
-def _judged(kinks: Floats, advance: Advance, solution: StepSolution, ends: Sequence[tuple[int, bool]]) -> _Trial:
+def _judged(kinks: Floats, advance: Advance, solution: StepSolution, wanted: _Turning) -> _Trial:
     """The shear that new tips see."""
-    shear, error = np.zeros(len(ends)), np.full(len(ends), SMALL_SHEAR)
-    for number, end in enumerate(ends):
-        if not _can_grow(advance, end):
-            continue  # it has met something
+    shear, error = np.zeros(len(wanted.ends)), np.full(len(wanted.ends), SMALL_SHEAR)
+    for number, (end, turns) in enumerate(zip(wanted.ends, wanted.turning, strict=True)):
+        if not turns or not _can_grow(advance, end):
+            continue  # it keeps its direction, or has met something
         state = solution.tips[solution.cover.tip_ends.index(end)]
         size = float(np.hypot(*state.K))
         if size == 0.0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,10 +13,11 @@ from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
 from crackgrow.cover.cover import Cover
-from crackgrow.fracture.criteria import CRITERIA, TipLoading, Verdict
+from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, without_K
 from crackgrow.fracture.face_displacements import from_face_displacements
+from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity, interaction_integrals
-from crackgrow.fracture.tip_stress import TipField, tip_fields
+from crackgrow.fracture.tip_stress import TipField, site_fields
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
@@ -43,6 +44,15 @@ class TipState:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StartState:
+    """What a place makes of its stress at which a crack may start."""
+
+    site: Site
+    loading: TipLoading
+    verdict: Verdict
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StepSolution:
     """Everything that is known of a configuration under its loads."""
 
@@ -50,6 +60,7 @@ class StepSolution:
     state: LoadState
     materials: tuple[PlaneElasticity, ...]  # body by body, in-situ stress included
     tips: tuple[TipState, ...]
+    starts: tuple[StartState, ...]
     seconds: dict[str, float]
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
@@ -105,23 +116,34 @@ def judged(state: LoadState, fields: Sequence[TipField | None] | None = None) ->
     seconds = dict(configuration.seconds)
     seconds["contact"] = state.seconds
     with timed(seconds, "criterion"):
-        tips = tip_states(state, materials, stress_fields(state, materials) if fields is None else fields)
-    return StepSolution(configuration, state, materials, tips, seconds)
+        found = stress_fields(state, materials) if fields is None else fields
+        tips = tip_states(state, materials, found[: len(configuration.cover.tips)])
+        starts = tuple(_starts(configuration, found))
+    return StepSolution(configuration, state, materials, tips, starts, seconds)
 
 
 def stress_fields(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> list[TipField | None]:
-    """The stress round every tip, None where nothing can grow; `materials` body by body, in-situ stress included."""
-    scene, cover = state.configuration.scene, state.configuration.cover
-    fields: list[TipField | None] = [None] * len(cover.tips)
-    growth = scene.case.growth
-    if growth is None:
+    """The stress round every site, None where nothing can grow; `materials` body by body, in-situ stress included."""
+    scene, sites = state.configuration.scene, state.configuration.sites
+    fields: list[TipField | None] = [None] * len(sites)
+    if scene.case.growth is None:
         return fields
-    bodies = [scene.crack_bodies[crack] for crack, _ in cover.tip_ends]
-    tips = [tip for tip, body in enumerate(bodies) if scene.case.bodies[body].strength is not None]
-    radii = [scene.averaging_radius(bodies[tip]) for tip in tips]
-    for tip, field in zip(tips, tip_fields(cover, materials, state.outcome.u, tips, radii), strict=True):
-        fields[tip] = field
+    some = [number for number, site in enumerate(sites) if scene.case.bodies[site.body].strength is not None]
+    radii = [scene.averaging_radius(sites[number].body) for number in some]
+    strong = [sites[number] for number in some]
+    found = site_fields(state.configuration.cover, materials, state.outcome.u, strong, radii)
+    for number, field in zip(some, found, strict=True):
+        fields[number] = field
     return fields
+
+
+def _starts(configuration: Configuration, fields: Sequence[TipField | None]) -> Iterator[StartState]:
+    """What the places say at which cracks may start, of the stress round all sites."""
+    scene, n_tips = configuration.scene, len(configuration.cover.tips)
+    for site, field in zip(configuration.sites[n_tips:], fields[n_tips:], strict=True):
+        assert field is not None  # they are in rock that has a strength
+        loading = without_K(field, scene.averaging_radius(site.body))
+        yield StartState(site, loading, verdict(scene, site, loading))
 
 
 def tip_states(
@@ -140,16 +162,29 @@ def tip_states(
     for tip, field in enumerate(fields):
         if field is not None:
             loading = TipLoading(field, *found[tip].K, scene.averaging_radius(bodies[tip]))
-            found[tip] = replace(found[tip], loading=loading, verdict=verdict(scene, bodies[tip], loading))
+            found[tip] = replace(found[tip], loading=loading, verdict=verdict(scene, configuration.sites[tip], loading))
     return tuple(found)
 
 
-def verdict(scene: Scene, body: int, loading: TipLoading) -> Verdict:
-    """What the case's criterion says of a tip in a body that has a strength."""
-    growth, strength = scene.case.growth, scene.case.bodies[body].strength
+def verdict(scene: Scene, site: Site, loading: TipLoading) -> Verdict:
+    """What the case's criterion says of a site in a body that has a strength.
+
+    A crack that has started in shear goes on in shear where what it has started by is met, or sooner than the rest: at
+    loads that are beyond both it would turn to and fro.
+    """
+    growth, strength = scene.case.growth, scene.case.bodies[site.body].strength
     assert growth is not None
     assert strength is not None
-    return CRITERIA[growth.criterion].judge(loading, strength)
+    criterion = CRITERIA[growth.criterion]
+    if site.kind != "tip":
+        return criterion.judge_start(loading, strength)
+    goes_on = criterion.judge(loading, strength)
+    if not site.in_shear:
+        return goes_on
+    starts = criterion.judge_start(loading, strength)
+    if starts.mode == "tension" or starts.criticality < min(goes_on.criticality, 1.0 - AT_STRENGTH):
+        return goes_on
+    return replace(starts, criticality=max(starts.criticality, goes_on.criticality))
 
 
 def _tractions(state: LoadState, crack: int) -> FaceTraction:

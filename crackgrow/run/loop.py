@@ -12,7 +12,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
-from crackgrow.fracture.advance import GrowingCrack, growing_tips
+from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import BeforeAdvance, advance_tips
@@ -90,6 +90,7 @@ def _last_error(result: StepResult, solution: StepSolution) -> float:
 def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
     """The steps of a run with growth."""
     n_steps = growth.steps
+    scene = scene.with_cracks(begun.cracks)
     cracks, events, n_pieces = begun.cracks, begun.events, begun.n_pieces
     known = None if begun.origin is None else _again(scene, begun, begun.origin)
     before: StepSolution | None = None
@@ -119,6 +120,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             beginning_at = BeforeAdvance(scene_at_end(scene), growth, cracks, step + 1)
             advance = advance_tips(beginning_at, solution, chosen, solve)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
+            scene = scene.with_cracks(cracks)
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
     return RunEnd("completed", done, paths_of(cracks))
 
@@ -170,23 +172,23 @@ def _reduced(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepS
 
 
 def _choose(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolution, last: bool) -> Ints:
-    """Numbers of the tips that advance after this solve; none after the last."""
+    """Numbers of the sites that cracks leave after this solve, that of a new crack last; none after the last solve."""
     if last:
         return np.empty(0, dtype=np.int64)
-    n_advances = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
-    places = np.array([tip.point for tip in solution.cover.tips]).reshape(-1, 2)
-    counts = np.array(n_advances, dtype=np.int64)
-    return growing_tips(_criticality(cracks, solution), counts, places, growth.advance)
+    criticality, n_tips = _criticality(cracks, solution), len(solution.tips)
+    n_advances = np.full(len(criticality), STARTS, dtype=np.int64)
+    n_advances[:n_tips] = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
+    places = np.array([site.point for site in solution.configuration.sites]).reshape(-1, 2)
+    return leaving(criticality, n_advances, places, growth.advance)
 
 
 def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:
-    """Criticality (n,) of every tip, -inf for one that must not grow."""
-    return np.array(
-        [
-            tip.verdict.criticality if tip.verdict is not None and cracks[index].can_grow(at_end) else -np.inf
-            for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
-        ]
-    )
+    """Criticality (n,) of every site, -inf for a tip that must not grow."""
+    tips = [
+        tip.verdict.criticality if tip.verdict is not None and cracks[index].can_grow(at_end) else -np.inf
+        for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
+    ]
+    return np.array([*tips, *(start.verdict.criticality for start in solution.starts)])
 
 
 def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Ints) -> StepResult:

@@ -141,10 +141,10 @@ class FrameOnDemand:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Event:
-    """A tip has met something in its advance: it ends there."""
+    """A tip has met something in its advance: it ends there; or a crack has started (initiation): where, and how."""
 
     step: int  # whose advance made it
-    kind: Literal["coalescence", "hole", "break_through", "interface"]
+    kind: Literal["coalescence", "hole", "break_through", "interface", "initiation"]
     crack: str
     tip: Literal["start", "end"]
     point: Floats  # (2,) m

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -29,6 +29,7 @@ from crackgrow.case.toughness import averaging_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.stress_intensity import BodyForce
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings
@@ -173,6 +174,26 @@ class Scene:
             if isinstance(load, InSituStress) and load.body == self.case.bodies[body].name:
                 stress = stress.plus(load, self.share(load, load_factor))
         return stress
+
+    def with_cracks(self, growing: Sequence[GrowingCrack]) -> Scene:
+        """The scene with what has started since the case was made: a new crack has the fluid of the one it is on."""
+        case, n = self.case, len(self.case.cracks)
+        new = growing[n:]
+        if not new:
+            return self
+        loads = list(case.loads)
+        for growing_crack in new:
+            on = None if growing_crack.parent is None else growing[growing_crack.parent].crack.name
+            fluids = [load for load in loads if isinstance(load, FluidPressure) and load.surface == on]
+            loads += [replace(load, surface=growing_crack.crack.name) for load in fluids]
+        cracks = [growing_crack.crack for growing_crack in new]
+        laws = [SurfaceLaw("crack", c.contact, False, _stiffness(case, (c.body,))) for c in cracks]
+        return replace(
+            self,
+            case=replace(case, cracks=(*case.cracks, *cracks), loads=tuple(loads)),
+            crack_bodies=(*self.crack_bodies, *(body_index(case.bodies, crack.body) for crack in cracks)),
+            laws=(*self.laws[:n], *laws, *self.laws[n:]),
+        )
 
     def averaging_radius(self, body: int) -> float:
         """Radius (m) of the criterion in a body that has a strength, of a case with growth."""

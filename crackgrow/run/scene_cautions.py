@@ -16,10 +16,13 @@ from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.tips import largest_cell_at
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
+from crackgrow.run.starting import sites_of
 from crackgrow.solid.loads import load_vector
 
 MOST_MOVED = 8
@@ -33,14 +36,17 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     """What holds for all steps."""
     case = scene.case
     growth, support, contact = case.growth, case.numerics.support, case.numerics.contact
-    at_tips = max((tip.size for tip in cover.tips), default=1.0) * scene.lattice.spacing
+    given = tuple(map(GrowingCrack.given, case.cracks))
+    starts = [site for site in sites_of(scene, cover, given) if site.kind != "tip"]
+    sizes = [tip.size for tip in cover.tips] + [largest_cell_at(cover.lattice, site.point) for site in starts]
+    at_tips = max(sizes, default=1.0) * scene.lattice.spacing
     radii = [] if growth is None or growth.tip_radius is None else [growth.tip_radius]
     radii += [radius for radius, _ in _by_toughness(scene)]
     if min(radii, default=np.inf) < Cause.SMALL_RADIUS.limit * at_tips:
         yield Cause.SMALL_RADIUS.at(radius=min(radii), spacing=at_tips)
     yield from _wide_averages(scene)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
-    if growth is not None and growth.steps > 0 and not growing:
+    if growth is not None and growth.steps > 0 and not growing and not starts:
         yield Cause.NO_TIPS.at(steps=growth.steps)
     if support < Cause.SUPPORT.limit and case.cracks:
         yield Cause.SUPPORT.at(support=support)

@@ -18,10 +18,11 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.cover.cover import Cover, build_cover
-from crackgrow.fracture.advance import GrowingCrack, advanced
+from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.fracture.face_displacements import from_face_displacements
+from crackgrow.fracture.sites import tip_site
 from crackgrow.fracture.stress_intensity import interaction_integrals
-from crackgrow.fracture.tip_stress import tip_fields
+from crackgrow.fracture.tip_stress import site_fields
 from crackgrow.run.configuration import crack_geometry
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.stiffness import stiffness_after
@@ -104,7 +105,7 @@ def judged(scene: Scene, cover: Cover) -> None:
     nothing = [lambda s: (np.zeros(len(s)), np.zeros(len(s)))] * len(tips)
     from_face_displacements(cover, [scene.materials[0].young_prime] * len(tips), u, tips)
     interaction_integrals(cover, scene.materials, u, tips, nothing)
-    tip_fields(cover, scene.materials, u, tips, 1e-3)
+    site_fields(cover, scene.materials, u, [tip_site(cover.tips[tip]) for tip in tips], 1e-3)
 
 
 def main() -> None:
@@ -118,7 +119,7 @@ def main() -> None:
         first_seconds, first = timed(lambda: stiffness_after(cover, scene.materials, 4))  # noqa: B023
         judged_seconds, _ = timed(lambda: judged(scene, cover))  # noqa: B023
         others = cracks[1:]
-        cracks[0], _ = advanced(cracks[0], True, (0.6, 2e-3), 1, scene.regions[0], others)
+        cracks[0], _ = advanced(cracks[0], True, Way(0.6, 2e-3), 1, scene.regions[0], others)
         grown = covered(scene, cracks)
         later_seconds, later = timed(
             lambda: stiffness_after(grown, scene.materials, 4, first)  # noqa: B023

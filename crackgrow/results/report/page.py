@@ -180,7 +180,8 @@ def _quality(run: RunFolder) -> Markup:
     cards.append(_card("Warnings", _warnings(summary["warnings"])))
     events = run.table("events")
     if len(events):
-        cards.append(_card("Events", table("Tips that have met something", *event_rows(events)), wide=True))
+        told = "Tips that have met something, and cracks that have started"
+        cards.append(_card("Events", table(told, *event_rows(events)), wide=True))
     return tag("section", *cards, class_="cards", aria_label="quality")
 
 

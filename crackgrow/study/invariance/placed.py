@@ -132,7 +132,9 @@ def placed(case: Case, placement: Placement) -> Case:
         growth = replace(
             growth,
             increment=placement.size * growth.increment,
-            tip_radius=None if growth.tip_radius is None else placement.size * growth.tip_radius,
+            tip_radius=_scaled(growth.tip_radius, placement),
+            initiation=replace(growth.initiation, spacing=_scaled(growth.initiation.spacing, placement)),
+            link_distance=_scaled(growth.link_distance, placement),
         )
     corners = {body.name: [len(ring.points) for ring in body.rings] for body in case.bodies}
     return replace(
@@ -150,6 +152,10 @@ def placed(case: Case, placement: Placement) -> Case:
         growth=growth,
         numerics=numerics,
     )
+
+
+def _scaled(length: float | None, placement: Placement) -> float | None:
+    return None if length is None else placement.size * length
 
 
 def _body(body: Body, placement: Placement) -> Body:

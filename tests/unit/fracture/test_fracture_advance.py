@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -10,7 +11,18 @@ import pytest
 import shapely
 
 from crackgrow.case.model import Crack
-from crackgrow.fracture.advance import CLEARANCE, TIE, GrowingCrack, advanced, closed, growing_tips
+from crackgrow.fracture.advance import (
+    CLEARANCE,
+    STARTS,
+    TIE,
+    GrowingCrack,
+    Start,
+    Way,
+    advanced,
+    closed,
+    leaving,
+    started,
+)
 from crackgrow.fracture.meeting import CORNER, Meeting
 
 PLATE = shapely.box(-10.0, -10.0, 10.0, 10.0)
@@ -27,7 +39,7 @@ def numbers(
     """The tips that grow, of tips that lie from left to right."""
     counts = np.array(n_advances or [0] * len(criticality), dtype=np.int64)
     places = np.array([(float(k), 0.0) for k in range(len(criticality))]).reshape(-1, 2)
-    return growing_tips(np.array(criticality), counts, places, advance).tolist()
+    return leaving(np.array(criticality), counts, places, advance).tolist()
 
 
 def test_all_critical_tips_grow_with_all() -> None:
@@ -63,10 +75,10 @@ def test_the_order_of_the_tips_does_not_matter(advance: Literal["most_critical",
     criticality = np.array([1.2, 1.0, 1.2, 1.2001, 0.999])
     places = np.array([(3.0, 1.0), (2.0, 0.0), (-1.0, 5.0), (-1.0 + 1e-12, 2.0), (0.0, 0.0)])
     n_advances = np.array([1, 0, 1, 1, 0])
-    expected = places[growing_tips(criticality, n_advances, places, advance)].tolist()
+    expected = places[leaving(criticality, n_advances, places, advance)].tolist()
     for order in itertools.permutations(range(5)):
         these = list(order)
-        found = growing_tips(criticality[these], n_advances[these], places[these], advance)
+        found = leaving(criticality[these], n_advances[these], places[these], advance)
         assert places[these][found].tolist() == expected
 
 
@@ -83,7 +95,7 @@ def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: 
     direction = np.array([np.cos(a), np.sin(a)])
     before = growing([tuple(-2.0 * direction), tuple(direction)])
     for at_end, tip, outward in ((True, direction, a), (False, -2.0 * direction, a + np.pi)):
-        after, met = advanced(before, at_end, (kink, 0.5), 3, PLATE)
+        after, met = advanced(before, at_end, Way(kink, 0.5), 3, PLATE)
         assert met is None
         added = after.crack.points[-1 if at_end else 0]
         expected = tip + 0.5 * np.array([np.cos(outward + kink), np.sin(outward + kink)])
@@ -97,14 +109,14 @@ def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: 
 def test_advancing_changes_nothing_of_the_crack_before() -> None:
     before = growing([(0.0, 0.0), (1.0, 0.0)])
     points, steps = before.crack.points.copy(), before.steps.copy()
-    advanced(before, True, (0.3, 0.5), 1, PLATE)
+    advanced(before, True, Way(0.3, 0.5), 1, PLATE)
     np.testing.assert_array_equal(before.crack.points, points)
     np.testing.assert_array_equal(before.steps, steps)
 
 
 def test_two_opposite_kinks_at_both_ends_keep_point_symmetry() -> None:
-    crack, _ = advanced(growing([(-1.0, -0.5), (1.0, 0.5)]), True, (0.8, 0.7), 1, PLATE)
-    crack, _ = advanced(crack, False, (0.8, 0.7), 2, PLATE)
+    crack, _ = advanced(growing([(-1.0, -0.5), (1.0, 0.5)]), True, Way(0.8, 0.7), 1, PLATE)
+    crack, _ = advanced(crack, False, Way(0.8, 0.7), 2, PLATE)
     np.testing.assert_allclose(crack.crack.points, -crack.crack.points[::-1], atol=1e-14)
     assert crack.steps.tolist() == [2, 0, 0, 1]
 
@@ -113,7 +125,7 @@ def test_advances_are_counted_end_by_end() -> None:
     crack = growing([(0.0, 0.0), (1.0, 0.0), (2.0, 0.3)])
     assert [crack.n_advances(end) for end in (False, True)] == [0, 0]
     for step, at_end in enumerate([True, True, False, True], start=1):
-        crack, _ = advanced(crack, at_end, (0.05, 0.4), step, PLATE)
+        crack, _ = advanced(crack, at_end, Way(0.05, 0.4), step, PLATE)
     assert [crack.n_advances(end) for end in (False, True)] == [1, 3]
     assert crack.steps.tolist() == [3, 0, 0, 0, 1, 2, 4]
 
@@ -122,7 +134,7 @@ def test_advances_are_counted_end_by_end() -> None:
 def test_a_segment_that_would_leave_ends_on_the_outline_without_a_tip(at_end: bool) -> None:
     points = [(0.0, 1.0), (9.5, 1.0)]
     before = growing(points if at_end else points[::-1])
-    after, met = advanced(before, at_end, (np.deg2rad(30.0), 2.0), 1, PLATE)
+    after, met = advanced(before, at_end, Way(np.deg2rad(30.0), 2.0), 1, PLATE)
     assert met is not None
     assert met.kind == "outline"
     end = after.crack.points[-1 if at_end else 0]
@@ -135,7 +147,7 @@ def test_a_hole_is_met_by_its_number() -> None:
     holed = PLATE.difference(shapely.box(-9, -9, -8, -8)).difference(shapely.box(1.0, -1.0, 3.0, 1.0))
     number = next(k for k, hole in enumerate(holed.interiors) if hole.bounds[0] == 1.0)
     after, met = advanced(
-        growing([(-2.0, 0.0), (0.0, 0.0)]), True, (0.0, 5.0), 1, holed
+        growing([(-2.0, 0.0), (0.0, 0.0)]), True, Way(0.0, 5.0), 1, holed
     )  # 5 would reach beyond the hole
     assert met is not None
     assert (met.kind, met.number) == ("hole", number)
@@ -148,7 +160,7 @@ FLAW = [(0.0, 0.0), (4.0, 0.0)]
 
 def advance_flaw(*others: list[tuple[float, float]], kink_deg: float = 0.0) -> tuple[np.ndarray, Meeting | None]:
     cracks = [growing(points) for points in others]
-    after, met = advanced(growing(FLAW), True, (np.deg2rad(kink_deg), 1.0), 7, PLATE, cracks)
+    after, met = advanced(growing(FLAW), True, Way(np.deg2rad(kink_deg), 1.0), 7, PLATE, cracks)
     assert after.can_grow(True) == (met is None)
     assert after.can_grow(False)
     assert [crack.can_grow(end) for crack in cracks for end in (False, True)] == [True] * 2 * len(cracks)
@@ -241,28 +253,28 @@ def test_a_tip_that_turns_slowly_to_a_near_crack_reaches_it_when_it_runs_into_it
 def test_a_branch_leaves_the_crack_that_it_starts_on() -> None:
     """Its start is a junction; its tip is 0.04 from the other crack."""
     trunk, branch = growing([(-3.0, 0.0), (3.0, 0.0)]), growing([(0.0, 0.0), (0.04, 0.04)])
-    after, met = advanced(branch, True, (0.0, 1.0), 1, PLATE, [trunk])
+    after, met = advanced(branch, True, Way(0.0, 1.0), 1, PLATE, [trunk])
     assert met is None
-    after, met = advanced(after, True, (np.deg2rad(-130.0), 1.0), 2, PLATE, [trunk])  # turns back
+    after, met = advanced(after, True, Way(np.deg2rad(-130.0), 1.0), 2, PLATE, [trunk])  # turns back
     assert met is not None
     assert after.crack.points[-1][1] == 0.0
 
 
 def test_a_crack_ends_on_its_own_older_path() -> None:
     hook = growing([(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0)])
-    closed_up, met = advanced(hook, True, (np.deg2rad(90.0), 3.0), 1, PLATE)
+    closed_up, met = advanced(hook, True, Way(np.deg2rad(90.0), 3.0), 1, PLATE)
     assert met is not None
     assert (met.kind, met.end) == ("own_path", None)
     np.testing.assert_allclose(closed_up.crack.points[-1], [2.0, 0.0], atol=1e-15)
     assert [closed_up.can_grow(end) for end in (False, True)] == [True, False]
-    short, met = advanced(hook, True, (np.deg2rad(90.0), 1.5), 1, PLATE)  # stops short of the first segment
+    short, met = advanced(hook, True, Way(np.deg2rad(90.0), 1.5), 1, PLATE)  # stops short of the first segment
     assert met is None
     np.testing.assert_allclose(short.crack.points[-1], [2.0, 0.5], atol=1e-14)
 
 
 def test_a_crack_that_reaches_its_own_other_tip_has_no_tip_left() -> None:
     ring = growing([(2.0, 0.05), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0)])
-    closed_up, met = advanced(ring, True, (np.deg2rad(90.0), 2.0), 1, PLATE)
+    closed_up, met = advanced(ring, True, Way(np.deg2rad(90.0), 2.0), 1, PLATE)
     assert met is not None
     assert (met.kind, met.end) == ("own_path", False)
     np.testing.assert_array_equal(closed_up.crack.points[-1], closed_up.crack.points[0])
@@ -274,7 +286,7 @@ def test_a_crack_that_reaches_its_own_other_tip_has_no_tip_left() -> None:
 def test_a_wing_leaves_its_own_flaw(kink_deg: float, flaw_length: float) -> None:
     crack = growing([(-flaw_length, 0.0), (0.0, 0.0)])
     for step, (at_end, turn) in enumerate([(True, kink_deg), (False, kink_deg), (True, 0.0), (False, 0.0)], start=1):
-        crack, met = advanced(crack, at_end, (np.deg2rad(turn), 1.0), step, PLATE)
+        crack, met = advanced(crack, at_end, Way(np.deg2rad(turn), 1.0), step, PLATE)
         assert met is None
     assert np.hypot(*np.diff(crack.crack.points, axis=0).T) == pytest.approx([1.0, 1.0, flaw_length, 1.0, 1.0])
 
@@ -283,7 +295,7 @@ def test_a_wing_leaves_its_own_flaw(kink_deg: float, flaw_length: float) -> None
 def test_a_short_last_segment_is_not_met_by_straight_growth(last: float) -> None:
     """A digitised trace has segments far shorter than an increment."""
     trace = growing([(0.0, 0.0), (4.0, 0.0), (4.0 + last, 0.0)])
-    longer, met = advanced(trace, True, (np.deg2rad(30.0), 2.0), 1, PLATE)
+    longer, met = advanced(trace, True, Way(np.deg2rad(30.0), 2.0), 1, PLATE)
     assert met is None
     np.testing.assert_allclose(np.hypot(*(longer.crack.points[-1] - longer.crack.points[-2])), 2.0, rtol=1e-12)
 
@@ -324,7 +336,7 @@ def test_whatever_lies_around_a_segment_meets_at_most_what_it_ends_on(seed: int)
             continue
         others = [other for number, other in enumerate(cracks) if number != index]
         before, increment = cracks[index], float(rng.uniform(0.2, 2.0))
-        after, met = advanced(before, at_end, (rng.uniform(-1.3, 1.3), increment), step, HOLED, others)
+        after, met = advanced(before, at_end, Way(rng.uniform(-1.3, 1.3), increment), step, HOLED, others)
         points = after.crack.points[::-1] if at_end else after.crack.points
         tip, inner = points[1], shapely.LineString(before.crack.points)
         length = np.hypot(*(points[0] - tip))
@@ -371,3 +383,64 @@ def test_nothing_is_jumped_over_in_a_crowd(seed: int) -> None:
 
 def line_of(growing: GrowingCrack) -> shapely.LineString:
     return shapely.LineString(growing.crack.points)
+
+
+@pytest.mark.parametrize(("link", "met"), [(CLEARANCE, False), (0.5, True)])
+def test_a_segment_links_up_with_a_crack_that_it_heads_for_within_the_link_distance(link: float, met: bool) -> None:
+    """It would end 0.3 of its length in front of the other crack: with half of it, it ends there, turned by no more."""
+    wall = growing([(-3.0, 1.3), (3.0, 1.3)])
+    after, meeting = advanced(growing([(0.0, -2.0), (0.0, 0.0)]), True, Way(0.0, 1.0, link), 1, PLATE, [wall])
+    assert (meeting is not None) == met
+    assert after.crack.points[-1, 1] == pytest.approx(1.3 if met else 1.0)
+
+
+def test_outlines_are_reached_at_the_clearance_whatever_the_link_distance() -> None:
+    near = growing([(0.0, 7.0), (0.0, 8.7)])  # the outline is at 10
+    after, meeting = advanced(near, True, Way(0.0, 1.0, 0.5), 1, PLATE)
+    assert meeting is None
+    assert after.crack.points[-1, 1] == pytest.approx(9.7)
+
+
+def start_on_the_flaw(both_ways: bool = False) -> Start:
+    """Half way along a flaw, upwards."""
+    new = replace(growing(FLAW).crack, name="new1")
+    return Start(new, 0, False, np.zeros(2), 0.5 * np.pi, both_ways, "crack 'flaw'")
+
+
+def test_a_new_crack_leaves_the_one_that_it_starts_on() -> None:
+    flaw = growing([(-1.0, 0.0), (1.0, 0.0)])
+    new, met = started(replace(start_on_the_flaw(), in_shear=True), Way(-0.2, 0.5, 0.5), 4, PLATE, [flaw])
+    assert met == []
+    np.testing.assert_allclose(new.crack.points, [[0.0, 0.0], [0.5 * np.sin(0.2), 0.5 * np.cos(0.2)]], atol=1e-15)
+    assert new.steps.tolist() == [4, 4]
+    assert (new.can_grow(False), new.can_grow(True)) == (False, True)
+    assert (new.parent, new.in_shear, new.n_advances(True)) == (0, True, 0)
+    longer, _ = advanced(new, True, Way(0.0, 0.5), 5, PLATE, [flaw])
+    assert (longer.parent, longer.in_shear, longer.n_advances(True)) == (0, True, 1)
+
+
+def test_a_new_crack_ends_on_what_it_meets() -> None:
+    walls = [growing([(-1.0, 0.0), (1.0, 0.0)]), growing([(-1.0, 0.3), (1.0, 0.3)])]
+    new, met = started(start_on_the_flaw(), Way(0.0, 0.5), 1, PLATE, walls)
+    assert [(at_end, found.kind, found.number) for at_end, found in met] == [(True, "crack", 1)]
+    assert not new.can_grow(True)
+    np.testing.assert_allclose(new.crack.points[-1], [0.0, 0.3], atol=1e-15)
+
+
+def test_in_the_rock_a_new_crack_goes_both_ways() -> None:
+    wall = growing([(-1.0, -0.2), (1.0, -0.2)])
+    new, met = started(start_on_the_flaw(both_ways=True), Way(0.0, 1.0), 1, PLATE, [wall])
+    np.testing.assert_allclose(new.crack.points, [[0.0, -0.2], [0.0, 0.0], [0.0, 0.5]], atol=1e-15)
+    assert [(at_end, found.kind) for at_end, found in met] == [(False, "crack")]
+    assert (new.can_grow(False), new.can_grow(True)) == (False, True)
+
+
+def test_one_crack_starts_at_most_and_a_tip_that_is_equal_goes_first() -> None:
+    places = np.array([[0.0, 0.0], [1.0, 0.0], [-2.0, 0.0], [3.0, 0.0]])
+    counts = np.array([3, 5, STARTS, STARTS])
+    for way, expected in (("all", [0, 1, 3]), ("most_critical", [3]), ("in_turn", [3])):
+        assert leaving(np.array([1.1, 1.2, 1.3, 1.4]), counts, places, way).tolist() == expected
+    for way in ("most_critical", "in_turn"):
+        assert leaving(np.array([1.0, 0.5, 1.0 + 0.1 * TIE, 0.9]), counts, places, way).tolist() == [0]
+        assert leaving(np.array([0.9, 0.5, 1.0, 1.0]), counts, places, way).tolist() == [2]
+    assert leaving(np.array([0.9, 0.5, 0.8, 0.9]), counts, places, "all").tolist() == []

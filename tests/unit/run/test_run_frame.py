@@ -13,7 +13,7 @@ from crackgrow.case import load_case
 from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import Elements
-from crackgrow.fracture.advance import GrowingCrack, advanced
+from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import assemble
 from crackgrow.run.frame import make_frame
@@ -54,7 +54,7 @@ def solved(name: str) -> tuple[StepSolution, Frame]:
     scene = make_scene(case)
     growing = GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64))
     for step, kink in enumerate(kinks, start=1):
-        growing, _ = advanced(growing, True, (np.deg2rad(kink), 2e-3), step, scene.regions[0])
+        growing, _ = advanced(growing, True, Way(np.deg2rad(kink), 2e-3), step, scene.regions[0])
     solution = solve_step(scene, (growing,), 1.0)
     return solution, make_frame(solution.cover, scene.materials, solution.outcome.u)
 

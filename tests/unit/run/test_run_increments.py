@@ -12,7 +12,7 @@ from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.fracture.advance import GrowingCrack, advanced
+from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import LoadState, carried, from_state, increment, unloaded
@@ -222,7 +222,7 @@ def sheared() -> tuple[Scene, GrowingCrack, LoadState]:
 
 def longer(scene: Scene, growing: GrowingCrack, increment_m: float, kink: float = 0.0) -> GrowingCrack:
     """The crack with another segment at its end."""
-    return advanced(growing, True, (kink, increment_m), 1, scene.regions[0])[0]
+    return advanced(growing, True, Way(kink, increment_m), 1, scene.regions[0])[0]
 
 
 @pytest.mark.parametrize("kink", [0.0, 0.3, 1.2])

@@ -9,7 +9,7 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, STICK
-from crackgrow.fracture.advance import GrowingCrack, advanced
+from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
 from tests.solving import solve_step
@@ -25,7 +25,7 @@ def solve(*settings: str, wings: float | None = None) -> StepSolution:
     (crack,) = case.cracks
     growing = GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64))
     if wings is not None:
-        growing, _ = advanced(growing, True, (np.deg2rad(wings), 3e-3), 1, scene.regions[0])
+        growing, _ = advanced(growing, True, Way(np.deg2rad(wings), 3e-3), 1, scene.regions[0])
     return solve_step(scene, (growing,), 1.0)
 
 
@@ -62,7 +62,7 @@ def test_solving_the_same_configuration_twice_gives_the_same_bits() -> None:
     scene = make_scene(case)
     (crack,) = case.cracks
     growing = GrowingCrack(crack, np.zeros(2, dtype=np.int64))
-    longer, _ = advanced(growing, True, (1.0, 2e-3), 1, scene.regions[0])
+    longer, _ = advanced(growing, True, Way(1.0, 2e-3), 1, scene.regions[0])
     first = solve_step(scene, (growing,), 1.0)
     other = solve_step(scene, (longer,), 0.5)
     again = solve_step(scene, (growing,), 1.0)

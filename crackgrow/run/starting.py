@@ -1,0 +1,101 @@
+"""Cracks that start in a run: where they may, and what they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+
+from crackgrow.arrays import Floats
+from crackgrow.case.model import Case, CoulombContact, Crack, Growth
+from crackgrow.cover.cover import Cover
+from crackgrow.errors import SolveError
+from crackgrow.fracture.advance import GrowingCrack, Start
+from crackgrow.fracture.sites import Looked, Site, start_sites, tip_site
+from crackgrow.geometry.tolerance import SAME_PLACE
+from crackgrow.run.scene import Scene
+
+
+def sites_of(scene: Scene, cover: Cover, growing: Sequence[GrowingCrack]) -> tuple[Site, ...]:
+    """The tips of the cover in their order, then the places where cracks may start."""
+    tips, growth = tuple(tip_site(tip, growing[tip.crack].in_shear) for tip in cover.tips), scene.case.growth
+    if growth is None or growth.initiation.at == "tips":
+        return tips
+    began = [place for crack in growing for place in scene.lattice.to_lattice(_began(crack))]
+    return (*tips, *start_sites(cover, scene.crack_bodies, began, _looked(scene, growth)))
+
+
+def _began(growing: GrowingCrack) -> Floats:
+    """Vertices (n, 2) m from which a crack has grown on."""
+    first, last = np.flatnonzero(growing.rooted)[[0, -1]]
+    ends = [vertex for vertex, end in ((first, 0), (last, len(growing.steps) - 1)) if vertex != end]
+    return np.asarray(growing.crack.points[ends])
+
+
+def _looked(scene: Scene, growth: Growth) -> Looked:
+    """Where cracks may start, in lattice units."""
+    bodies = range(len(scene.case.bodies))
+    radii = [None if scene.case.bodies[n].strength is None else scene.averaging_radius(n) for n in bodies]
+    at, spacing = growth.initiation.at, growth.initiation.spacing
+    if spacing is None:
+        spacing = max([growth.increment, *(radius for radius in radii if radius is not None)])
+    h = scene.lattice.spacing
+    apart = tuple(None if radius is None else radius / h for radius in radii)
+    return Looked(True, at in ("outlines", "anywhere"), at == "anywhere", spacing / h, apart)
+
+
+def start_at(scene: Scene, growing: Sequence[GrowingCrack], site: Site, mode: str) -> Start:
+    """What starts at a site, in `tension` or `shear`."""
+    names = {growing_crack.crack.name for growing_crack in growing}
+    number = next(number for number in range(1, len(names) + 2) if f"new{number}" not in names)
+    crack = new_crack(scene.case, growing, f"new{number}", scene.case.bodies[site.body].name, site.crack)
+    place, where = _place(scene, growing, site), f"{_where(scene, growing, site)} ({mode})"
+    return Start(crack, site.crack, mode == "shear", place, site.direction, site.both_ways, where)
+
+
+def _place(scene: Scene, growing: Sequence[GrowingCrack], site: Site) -> Floats:
+    """Where a site lies (2,) m: exactly on its crack, or rim. The cover has rounded both."""
+    place = np.asarray(scene.lattice.to_metres(site.point))
+    if site.kind == "rock":
+        return place
+    line: shapely.Geometry = scene.regions[site.body].boundary
+    if site.crack is not None:
+        points = growing[site.crack].crack.points
+        nearest = points[np.argmin(np.hypot(*(points - place).T))]
+        if np.hypot(*(nearest - place)) <= SAME_PLACE * scene.lattice.spacing:
+            return np.asarray(nearest)
+        line = shapely.LineString(points)
+    return np.asarray(shapely.get_coordinates(shapely.shortest_line(line, shapely.Point(place)))[0])
+
+
+def new_crack(case: Case, growing: Sequence[GrowingCrack], name: str, body: str, parent: int | None) -> Crack:
+    """A crack that starts in a run on another one (its number) or on none, but for its points and tips.
+
+    Its faces are broken from the start, as those that growth makes. On another crack they have its law of contact,
+    elsewhere the friction of the rock's own shear strength.
+    """
+    if parent is None:
+        strength = next(each.strength for each in case.bodies if each.name == body)
+        if strength is None:
+            raise SolveError(f"a crack starts in body '{body}', which has no strength")
+        friction = float(np.tan(np.deg2rad(strength.friction_angle)))
+        contact: CoulombContact | None = CoulombContact(friction, 0.0, friction, False)
+    else:
+        law = growing[parent].crack.contact
+        contact = None if law is None else replace(law, cohesion=0.0, friction=law.residual_friction)
+    return Crack(name, np.zeros((2, 2)), True, True, contact, body)
+
+
+def _where(scene: Scene, growing: Sequence[GrowingCrack], site: Site) -> str:
+    """What a site lies on, in words."""
+    body = scene.case.bodies[site.body]
+    if site.crack is not None:
+        return f"crack '{growing[site.crack].crack.name}'"
+    if site.kind == "rock":
+        return f"the rock of body '{body.name}'"
+    for number, ring in enumerate(scene.bodies[site.body].rings[1:]):
+        if shapely.dwithin(shapely.LinearRing(ring), shapely.Point(site.point), SAME_PLACE):
+            return f"hole{number} of body '{body.name}'"
+    return f"the outline of body '{body.name}'"

@@ -1,0 +1,102 @@
+"""Where cracks can start: the corners of rock between cracks and rims, and points in the rock."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from crackgrow.fracture.sites import BESIDE, Looked, Site, start_sites
+from crackgrow.fracture.tip_stress import site_fields
+
+APART = 0.5
+BENT = [(2.0, 6.1), (6.05, 6.1), (8.05, 6.1 + 2.0 * np.sqrt(3.0))]  # turns by 60 degrees
+
+
+def looked(on_cracks: bool = False, on_rims: bool = False, in_rock: bool = False) -> Looked:
+    return Looked(on_cracks, on_rims, in_rock, 2.0, (APART,))
+
+
+def sites(sample, where: Looked, began=()) -> list[Site]:
+    """Sites with their places as those of the sample, whose spacing is 1."""
+    cover, origin = sample.cover, sample.lattice.to_lattice(np.zeros(2))
+    found = start_sites(cover, [0] * len(cover.cracks), [place + origin for place in began], where)
+    return [replace(site, point=site.point - origin) for site in found]
+
+
+def plate(build, *cracks):
+    given = [build.crack(np.array(path), (path[0][0] > 0.0, True)) for path in cracks]
+    return build.sample((0.0, 0.0), (12.0, 12.0), given, support=2.0, spacing=1.0)
+
+
+def degrees(found: list[Site]) -> list[tuple[float, float]]:
+    ways = [(np.rad2deg(site.direction) % 360.0, np.rad2deg(site.half_width)) for site in found]
+    return sorted((round(direction, 6), round(width, 6)) for direction, width in ways)
+
+
+def test_a_kink_has_a_corner_of_rock_on_either_side(build) -> None:
+    found = sites(plate(build, BENT), looked(on_cracks=True))
+    np.testing.assert_allclose([site.point for site in found], [BENT[1]] * 2, atol=1e-8)
+    assert degrees(found) == [(120.0, 30.0), (300.0, 90.0)]
+    assert {(site.kind, site.crack) for site in found} == {("crack", 0)}
+
+
+def test_a_gentle_bend_has_none_unless_growth_began_there(build) -> None:
+    gentle = [(2.0, 6.1), (6.05, 6.1), (10.05, 7.1)]
+    sample = plate(build, gentle)
+    assert sites(sample, looked(on_cracks=True)) == []
+    assert len(sites(sample, looked(on_cracks=True), [np.array(gentle[1])])) == 2
+
+
+def test_an_end_of_a_crack_is_no_start(build) -> None:
+    sample = plate(build, [(2.0, 6.1), (6.05, 6.1)])
+    assert sites(sample, looked(on_cracks=True), [np.array([6.05, 6.1])]) == []
+
+
+def test_behind_a_crack_another_one_that_ends_on_it_may_go_on(build) -> None:
+    wall, guest = [(6.05, 2.0), (6.05, 10.0)], [(2.0, 6.1), (6.05, 6.1)]
+    found = sites(plate(build, wall, guest), looked(on_cracks=True))
+    assert degrees(found) == [(0.0, 60.0), (135.0, 15.0), (225.0, 15.0)]
+    assert {site.crack for site in found} == {1}
+
+
+def test_starts_on_rims_look_into_the_rock_and_keep_clear_of_cracks(build) -> None:
+    found = sites(plate(build, [(0.0, 6.0), (4.0, 6.0)]), looked(on_rims=True))
+    points = np.array([site.point for site in found])
+    inward = np.array([[np.cos(site.direction), np.sin(site.direction)] for site in found])
+    assert ((points + 0.1 * inward > 0.0) & (points + 0.1 * inward < 12.0)).all()
+    np.testing.assert_allclose([site.half_width for site in found], 0.5 * np.pi - BESIDE, rtol=1e-12)
+    assert np.hypot(*(points - [0.0, 6.0]).T).min() > APART
+    assert {tuple(point) for point in points.tolist()} >= {(2.0, 0.0), (12.0, 4.0), (0.0, 4.0), (0.0, 8.0)}
+
+
+def test_points_of_the_rock_keep_clear_of_rims_and_cracks(build) -> None:
+    found = sites(plate(build, [(2.0, 5.0), (10.0, 5.0)]), looked(in_rock=True))
+    points = np.array([site.point for site in found])
+    assert points.min() >= APART
+    assert points.max() <= 12.0 - APART
+    across = np.maximum(np.maximum(2.0 - points[:, 0], points[:, 0] - 10.0), 0.0)
+    assert np.hypot(across, points[:, 1] - 5.0).min() > APART
+
+
+def test_rock_without_strength_has_no_starts(build) -> None:
+    everywhere = Looked(True, True, True, 2.0, (None,))
+    assert sites(plate(build, BENT), everywhere) == []
+
+
+@pytest.mark.parametrize("where", [looked(on_rims=True), looked(in_rock=True)], ids=["rims", "rock"])
+def test_uniform_stress_is_averaged_exactly(build, where: Looked) -> None:
+    sample = plate(build)
+    nodes = sample.cover.patch_nodes
+    u = np.stack([1e-3 * nodes[:, 0], 2e-4 * nodes[:, 1]], axis=1).ravel()
+    found = start_sites(sample.cover, [], [], where)
+    fields = site_fields(sample.cover, [sample.material], u, found, APART)
+    assert len(found) > 10
+    E, nu = 1.0, 0.25
+    strain = np.array([1e-3, 2e-4])
+    exact = E / ((1 + nu) * (1 - 2 * nu)) * ((1 - nu) * strain + nu * strain[::-1])
+    for field in fields:
+        np.testing.assert_allclose(field.mean, [*exact, 0.0], atol=1e-9)
+        seen = np.isfinite(field.rays[:, 0]) & (np.abs(field.angles) <= field.half_width)
+        np.testing.assert_allclose(field.rays[seen], np.tile([*exact, 0.0], (seen.sum(), 1)), atol=1e-9)

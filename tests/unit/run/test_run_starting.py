@@ -1,0 +1,194 @@
+"""Cracks that start in a run: at outlines, in the rock, at kinks; at which load, where, and with which law."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.fracture.criteria import TipLoading
+from crackgrow.fracture.sites import LARGEST_KINK, Site
+from crackgrow.fracture.tip_stress import TipField
+from crackgrow.run import grow
+from crackgrow.run.checkpoint import packed, restored
+from crackgrow.run.judging import verdict
+from crackgrow.run.result import Checkpoint, RunEnd, StepResult
+from crackgrow.run.scene import make_scene
+
+PLATE = """
+title: a plate without cracks
+units: {length: mm, stress: MPa}
+plane: strain
+bodies:
+  rock:
+    shape: {SHAPE}
+    material: {young: 10000, poisson: 0.2}
+    strength: {tension: 5, cohesion: 20, friction_angle: 30}
+supports:
+  - {at: [-20, -20], displacement: {x: 0, y: 0}}
+  - {at: [20, -20], displacement: {y: 0}}
+loads:
+  - {on: {body: rock, edge: top}, traction: [0, 1]}
+  - {on: {body: rock, edge: bottom}, traction: [0, -1]}
+loading: critical
+growth:
+  steps: 2
+  increment: 2
+  advance: most_critical
+  criterion: CRITERION
+  tip_stress: {radius: 1}
+  initiation: {at: AT, spacing: 5}
+numerics: {spacing: 2}
+output: {figures: false, frames: none}
+"""
+SQUARE = "{rectangle: {center: [0, 0], width: 40, height: 40}}"
+HOLED = "{rectangle: {center: [0, 0], width: 40, height: 40}, holes: [{disk: {center: [0, 0], radius: 1.5}}]}"
+SECOND = (
+    "growth.steps=3",
+    "growth.increment=2",
+    "numerics.spacing=3",
+    "cracks.flaw.contact.friction=0.3",
+    "growth.initiation.at=cracks",
+    "bodies.rock.strength.cohesion=0.6",
+    "growth.advance=all",
+    "output.figures=false",
+    "output.frames=none",
+)
+CASES = Path(__file__).parents[3] / "cases"
+
+
+def plate(folder: Path, shape: str, at: str, *settings: str, criterion: str = "strength") -> Case:
+    path = folder / "plate.yaml"
+    text = PLATE.replace("{SHAPE}", shape).replace("CRITERION", criterion).replace("AT", at)
+    path.write_text(text, encoding="utf-8")
+    return load_case(path, list(settings))
+
+
+def run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:
+    steps, results = grow(case, checkpoint), []
+    while True:
+        try:
+            results.append(next(steps))
+        except StopIteration as stop:
+            return results, stop.value
+
+
+@pytest.mark.parametrize(("criterion", "exact"), [("strength", 1e-9), ("directional_strength", 2e-5)])
+def test_rock_under_uniform_tension_cracks_across_it_at_its_strength(
+    criterion: str, exact: float, tmp_path: Path
+) -> None:
+    """Between rays 5 degrees apart the hoop stress is that of a parabola."""
+    case = plate(tmp_path, SQUARE, "anywhere", "growth.steps=1", criterion=criterion)
+    results, end = run(case)
+    assert results[0].load_factor == pytest.approx(5.0, rel=exact)
+    assert [event.kind for event in results[1].events] == ["initiation"]
+    (crack,) = end.cracks
+    first, last = crack.points[[0, -1]]
+    assert abs((last - first)[1]) < 1e-9 * np.hypot(*(last - first))
+    assert np.hypot(*(last - first)) == pytest.approx(2e-3, rel=1e-12)
+
+
+def test_a_hole_in_tension_cracks_where_its_rim_is_stretched_most(tmp_path: Path) -> None:
+    """Kirsch: the hoop stress ahead of the wall is S/2 (2 + a^2/r^2 + 3 a^4/r^4); its mean over R decides."""
+    settings = ("growth.steps=1", "numerics.spacing=1", "growth.initiation.spacing=0.5")
+    case = plate(tmp_path, HOLED, "outlines", *settings, criterion="directional_strength")
+    results, _ = run(case)
+    (event,) = results[1].events
+    assert event.kind == "initiation"
+    assert event.met == "hole0 of body 'rock' (tension)"
+    assert abs(event.point[0]) == pytest.approx(1.5e-3, rel=2e-2)
+    assert abs(event.point[1]) < 0.2e-3
+    a, R = 1.5, 1.0
+    b = a + R
+    mean = (2.0 * R + a * a * (1 / a - 1 / b) + a**4 * (1 / a**3 - 1 / b**3)) / (2.0 * R)
+    assert results[0].load_factor == pytest.approx(5.0 / mean, rel=2e-2)
+
+
+def test_a_flaw_with_wings_starts_a_second_crack_in_shear() -> None:
+    case = load_case(CASES / "compression30.yaml", [*SECOND])
+    results, end = run(case)
+    started = [event for result in results for event in result.events if event.kind == "initiation"]
+    assert len(started) > 0
+    assert started[0].met == "crack 'flaw' (shear)"
+    flaw = results[0].cracks[0].points
+    assert np.hypot(*(flaw[[0, -1]] - started[0].point).T).min() < 1e-12
+    first_turns = [tip.criterion for tip in results[0].tips if tip.advanced]
+    assert set(first_turns) == {"tension"}  # wings come first
+    assert {path.name for path in end.cracks} >= {"flaw", "new1"}
+
+
+def test_a_new_crack_is_broken_from_the_start_and_has_the_friction_of_its_parent() -> None:
+    case = load_case(CASES / "compression30.yaml", [*SECOND, "cracks.flaw.contact.cohesion=0.01"])
+    results, _ = run(case)
+    checkpoint = results[-1].checkpoint
+    assert checkpoint is not None
+    new = restored(case, checkpoint).cracks[1]
+    assert new.parent == 0
+    assert new.crack.contact is not None
+    assert (new.crack.contact.cohesion, new.crack.contact.friction) == (0.0, 0.3)
+
+
+def test_without_the_key_tips_alone_grow() -> None:
+    without = [setting for setting in SECOND if "initiation" not in setting]
+    results, end = run(load_case(CASES / "compression30.yaml", without))
+    assert len(end.cracks) == 1
+    assert all(event.kind != "initiation" for result in results for event in result.events)
+
+
+@pytest.mark.parametrize("step", [1, 2, 3])
+def test_a_run_goes_on_to_the_same_bits_with_cracks_that_have_started(step: int) -> None:
+    case = load_case(CASES / "compression30.yaml", [*SECOND, "growth.unload_between_steps=false"])
+    whole, end = run(case)
+    kept = whole[step].checkpoint
+    assert kept is not None
+    arrays = {name: array.copy() for name, array in kept.arrays.items()}
+    stored = Checkpoint(kept.step, json.loads(json.dumps(kept.values)), arrays)
+    rest, other = run(case, stored)
+    assert len(whole[-1].cracks) > 1
+    assert max(result.energy.error for result in whole) < 1e-6
+    for one, again in zip(whole[step:], rest, strict=True):
+        np.testing.assert_array_equal(one.contact.slip, again.contact.slip)
+        np.testing.assert_array_equal([tip.K_I for tip in one.tips], [tip.K_I for tip in again.tips])
+        assert [path.name for path in one.cracks] == [path.name for path in again.cracks]
+    for path, again in zip(end.cracks, other.cracks, strict=True):
+        np.testing.assert_array_equal(path.points, again.points)
+        np.testing.assert_array_equal(path.steps, again.steps)
+    assert packed(restored(case, stored)).values == stored.values
+
+
+def test_steps_are_not_told_to_be_in_vain_where_cracks_may_start(tmp_path: Path) -> None:
+    settings = ("growth.initiation.spacing=auto", "loading={history: [1.0]}")
+    told = [run(plate(tmp_path, SQUARE, at, *settings))[0][0].warnings for at in ("tips", "outlines")]
+    assert [any("no crack has a tip" in words for words in warnings) for warnings in told] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("in_shear", "K_I", "shear", "mode"),
+    [
+        (False, 0.0, 1.2, "tension"),
+        (True, 0.0, 0.8, "shear"),
+        (True, 5e6, 0.8, "tension"),  # of the two the more critical one, as long as shear is not met
+        (True, 5e6, 1.2, "shear"),
+    ],
+)
+def test_a_crack_that_has_started_in_shear_goes_on_so(in_shear: bool, K_I: float, shear: float, mode: str) -> None:
+    """On rays under the hydrostatic pressure p and a shear of the rays' own, over cohesion + p tan(phi)."""
+    scene = make_scene(load_case(CASES / "compression30.yaml", ["growth.criterion=max_hoop_stress"]))
+    strength, angles = scene.case.bodies[0].strength, np.deg2rad(np.linspace(-177.5, 177.5, 72))
+    assert strength is not None
+    pressure = 1e6
+    bound = strength.cohesion + pressure * np.tan(np.deg2rad(strength.friction_angle))
+    tau = shear * bound * np.cos(0.5 * angles)  # largest straight ahead
+    rays = np.stack([-pressure - tau * np.sin(2 * angles), -pressure + tau * np.sin(2 * angles)], axis=1)
+    rays = np.column_stack([rays, tau * np.cos(2 * angles)])
+    field = TipField(0.0, angles, rays, rays.mean(axis=0))
+    site = Site("tip", np.zeros(2), 0.0, LARGEST_KINK, 0, 0, in_shear)
+    found = verdict(scene, site, TipLoading(field, K_I, 0.0, 1e-3))
+    by_K = K_I / (strength.tension * np.sqrt(2.0 * np.pi * 1e-3))
+    assert found.mode == mode
+    if in_shear:
+        assert found.criticality == pytest.approx(max(shear, by_K), rel=1e-3)

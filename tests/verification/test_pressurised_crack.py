@@ -1,0 +1,71 @@
+"""A pressurised crack across the stress: the pressure at which it grows.
+
+A crack of half length a at 45 degrees in a wide plate, under the stresses S along y and s along x, with a pressure p.
+Open: K_I = (p - sigma_n) sqrt(pi a), K_II = tau sqrt(pi a), and it grows at K_eq = K_Ic (Erdogan, Sih 1963). Closed,
+where p < sigma_n: K_II = (tau - mu (sigma_n - p)) sqrt(pi a), and it grows at K_II = sqrt(3)/2 K_Ic.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.run import grow
+
+HALF, FRICTION, TOUGHNESS = 0.05, 0.6, 1.0  # m, -, MPa sqrt(m)
+PLATE = """
+title: Pressurised crack at 45 degrees to the stress
+source: closed form of the crack in an infinite plate
+units: {length: mm, stress: MPa}
+plane: strain
+bodies:
+  rock:
+    shape: {rectangle: {center: [0, 0], width: 2400, height: 2400}}
+    material: {young: 30000, poisson: 0.2}
+    strength: {tension: 5, cohesion: 20, friction_angle: 40, toughness: 1 MPa sqrt(m)}
+cracks: {flaw: {path: {center: [0, 0], length: 100, angle: 45}, contact: {friction: 0.6, cohesion: 0}}}
+supports: minimal
+loads:
+  - {on: {body: rock, edge: top}, traction: [0, -MAJOR], held: true}
+  - {on: {body: rock, edge: bottom}, traction: [0, MAJOR], held: true}
+  - {on: {body: rock, edge: left}, traction: [MINOR, 0], held: true}
+  - {on: {body: rock, edge: right}, traction: [-MINOR, 0], held: true}
+  - {crack: flaw, pressure: 1}
+loading: critical
+growth: {steps: 0, increment: 25, advance: all, criterion: max_hoop_stress}
+numerics: {spacing: auto}
+output: {figures: false, frames: none}
+"""
+
+
+def case(major: float, minor: float, folder: Path) -> Case:
+    path = folder / "plate.yaml"
+    text = PLATE.replace("MAJOR", str(major)).replace("MINOR", str(minor))
+    path.write_text(text, encoding="utf-8")
+    return load_case(path)
+
+
+def breakdown(major: float, minor: float) -> float:
+    """The pressure (MPa) at which the crack grows, by the closed form."""
+    normal, shear, root = 0.5 * (major + minor), 0.5 * (major - minor), np.sqrt(np.pi * HALF)
+
+    def equivalent(pressure: float) -> float:
+        K_I = (pressure - normal) * root
+        if K_I <= 0.0:
+            return float((shear + FRICTION * (pressure - normal)) * root * 2.0 / np.sqrt(3.0))
+        t = -2.0 * np.arctan(2.0 * shear * root / (K_I + np.hypot(K_I, np.sqrt(8.0) * shear * root)))
+        return float(np.cos(0.5 * t) * (K_I * np.cos(0.5 * t) ** 2 - 1.5 * shear * root * np.sin(t)))
+
+    return float(brentq(lambda pressure: equivalent(pressure) - TOUGHNESS, 0.0, 30.0))
+
+
+@pytest.mark.parametrize(("major", "minor"), [(5, 5), (6, 5), (7.5, 5), (8, 4), (10, 5), (15, 5)])
+def test_breakdown_pressure(major: float, minor: float, tmp_path: Path) -> None:
+    """Measured: 0.06 to 0.11 %."""
+    result = next(iter(grow(case(major, minor, tmp_path))))
+    assert result.load_factor == pytest.approx(breakdown(major, minor), rel=5e-3)
