@@ -53,6 +53,8 @@ if TYPE_CHECKING:
     from crackgrow.study.compare import compare_paths
     from crackgrow.study.comparison import Comparison
     from crackgrow.study.comparison_text import comparison_csv, comparison_text
+    from crackgrow.study.converge.plan import plan_convergence
+    from crackgrow.study.converge.runner import converge
     from crackgrow.study.second_solution import unique_text
     from crackgrow.study.stability.runner import stability
     from crackgrow.study.stability.table import stability_line
@@ -86,6 +88,7 @@ __all__ = [
     "comparison_csv",
     "comparison_text",
     "complete_run",
+    "converge",
     "draw_scene",
     "dump_case",
     "export",
@@ -94,6 +97,7 @@ __all__ = [
     "grow",
     "load_case",
     "overview",
+    "plan_convergence",
     "plan_sweep",
     "plan_text",
     "plan_trade",
@@ -135,6 +139,7 @@ _HOMES = {
     "comparison_csv": "crackgrow.study.comparison_text",
     "comparison_text": "crackgrow.study.comparison_text",
     "complete_run": "crackgrow.results.writer",
+    "converge": "crackgrow.study.converge.runner",
     "draw_scene": "crackgrow.plan.picture",
     "dump_case": "crackgrow.case",
     "export": "crackgrow.results.export",
@@ -143,6 +148,7 @@ _HOMES = {
     "grow": "crackgrow.run",
     "load_case": "crackgrow.case",
     "overview": "crackgrow.results.overview",
+    "plan_convergence": "crackgrow.study.converge.plan",
     "plan_sweep": "crackgrow.study.sweep.plan",
     "plan_text": "crackgrow.plan.text",
     "plan_trade": "crackgrow.study.trade.plan",

@@ -103,6 +103,7 @@ PARTS: Final[dict[tuple[str, str], Callable[[], str]]] = {
     ("outputs/README.md", "columns"): columns("run"),
     ("outputs/README.md", "compare"): columns("compare"),
     ("tests/benchmarks/README.md", "columns"): columns("trade"),
+    ("tests/benchmarks/README.md", "converge"): columns("converge"),
     ("tests/stability/README.md", "columns"): columns("stability"),
 }
 """What is made of declarations, by file and name."""

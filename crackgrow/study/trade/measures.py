@@ -141,7 +141,12 @@ def _has_grown(folder: Path) -> bool:
 
 def _at_step(folder: Path, name: str, grows: bool) -> Records:
     """The rows of a table at the step that is judged."""
-    with (folder / name).open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(folder, name)
     step = "0" if grows or not rows else rows[-1]["step"]
     return [row for row in rows if row["step"] == step]
+
+
+def rows_of(folder: Path, name: str) -> Records:
+    """All rows of a table of a result folder."""
+    with (folder / name).open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
