@@ -41,7 +41,8 @@ def doubled(scene: Scene) -> Scene:
 def accuracy_of(solution: StepSolution, larger: LoadState | None) -> Accuracy:
     """What K is off by, by the state under the same loads on the `larger` cells; by B alone where there is none."""
     scene, ends, fitted = solution.configuration.scene, tuple(solution.cover.tip_ends), fitted_bounds(solution)
-    others = _K_of(larger) if larger is not None and _all_larger(larger, solution) else {}
+    comparable = larger is not None and scene.case.numerics.goal == "K" and _all_larger(larger, solution)
+    others = _K_of(larger) if larger is not None and comparable else {}
     bounds = []
     for tip, end, bound in zip(solution.tips, ends, fitted, strict=True):
         difference = np.hypot(*np.subtract(others.get(end, np.nan), tip.K))

@@ -105,7 +105,7 @@ def own_name(plan: ConvergencePlan) -> str:
     numerics = plan.case.numerics
     if numerics.auto_rule is None:
         return f"the case's own spacing of {numerics.spacing:.4g} m"
-    return f"the case's own numerics.accuracy, {name_of(numerics.accuracy)},"
+    return f"the case's own numerics.accuracy, {name_of(numerics.accuracy, numerics.goal)},"
 
 
 def _table(found: Convergence) -> list[str]:
