@@ -46,7 +46,9 @@ def frame_mesh(file: Path, bodies: list[str]) -> meshio.Mesh:
     if not isinstance(grid, pyvista.UnstructuredGrid) or "body" not in grid.cell_data or not grid.n_cells:
         raise FolderError(f"{file} is damaged, or of another version: it has no cells of bodies; run the case again")
     blocks = _blocks(grid, len(bodies))
-    cell_data = {name: [values[block.numbers] for block in blocks] for name, values in _fields(grid.cell_data).items()}
+    cell_data = {
+        name: [values[block.numbers] for block in blocks] for name, values in _fields(grid.cell_data).items()
+    }
     sets = {
         f"{bodies[block.body]}_{block.kind}": [np.arange(len(other.corners) * (other is block)) for other in blocks]
         for block in blocks
