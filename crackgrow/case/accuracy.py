@@ -17,6 +17,9 @@ STANDARD: Final = "standard"
 MOST_LEVELS: Final = 11
 """How often the largest cells can be halved."""
 
+LEVELS_OF_PRESETS: Final = 9
+"""How often presets count on halving them; the rest is for targets, whose runs halve cells further."""
+
 REFINED_AT: Final[Mapping[str, tuple[Kind, ...]]] = {
     "tips": ("crack", "increment", "radius"),
     "kinks": ("stretch",),
@@ -154,7 +157,7 @@ def automatic_spacing(preset: Preset, lengths: Iterable[Length], refined: Contai
     """
     found = []
     for length in lengths:
-        halvings = MOST_LEVELS if length.kind in refined else 0
+        halvings = LEVELS_OF_PRESETS if length.kind in refined else 0
         found.append((2**halvings * length.metres / preset.parts(length.kind), _rule(preset, length, halvings)))
     return min(found)
 

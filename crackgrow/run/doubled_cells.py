@@ -16,8 +16,8 @@ says, weighed by recovered stress, was tried as well: 61 %, and no more than tha
 kinks make it wrong, since it takes the states of contact points as they are.
 
 On 57 more (the rounds of tests/benchmarks/targets.md at 3 and 1 %) it holds in 96 %, and a half of it is within a
-factor of two in 71 % (B by the best factor: 62 %, D: 59 %). The smaller of it and 3 D would be nearer in the median, 1.6
-times the true error for 2.9, but holds in 81 % only.
+factor of two in 71 % (B by the best factor: 62 %, D: 59 %). The smaller of it and 3 D would be nearer in the median,
+1.6 times the true error for 2.9, but holds in 81 % only.
 """
 
 from __future__ import annotations
