@@ -68,13 +68,20 @@ def test_nothing_loaded_is_told() -> None:
     assert "K" in words
 
 
-@pytest.mark.parametrize("gap", ["0", "0.01", "-0.01"])
-def test_a_crack_that_touches_another_ends_and_is_met_or_told(gap: str) -> None:
-    """Its end lies on the other, just before it, or just across it."""
-    paths = [
-        f"cracks.lower.path={{points: [[-6, -3], [{float(gap)}, 0]]}}",
-        "cracks.upper.path={points: [[-6, 0], [6, 0]]}",
-    ]
-    step = first("two_flaws_overlapping", "3 %", *paths, "growth.steps=0", "loading={history: [1]}")
+def touching(y: float, tips: str) -> StepResult:
+    """A crack that ends in the middle of another, or at a distance y (mm) from it."""
+    paths = (f"cracks.lower.path={{points: [[-6, -3], [0, {y}]]}}", "cracks.upper.path={points: [[-6, 0], [6, 0]]}")
+    more = (f"cracks.lower.tips={tips}", "growth.steps=0", "loading={history: [1]}")
+    return first("two_flaws_overlapping", "3 %", *paths, *more)
+
+
+@pytest.mark.parametrize(("y", "tips"), [(0.0, "start"), (-0.01, "both")])
+def test_a_crack_that_touches_another_is_met_or_told(y: float, tips: str) -> None:
+    step = touching(y, tips)
     assert met_or_told(step, 0.03)
     assert step.n_dofs < MOST_UNKNOWNS
+
+
+def test_a_tip_that_lies_on_another_crack_is_refused_by_name() -> None:
+    with pytest.raises(CaseError, match="'upper'"):
+        touching(0.0, "both")
