@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from crackgrow.results.folder import FolderError, RunFolder, open_run
     from crackgrow.run import grow
     from crackgrow.study.compare import compare_paths
+    from crackgrow.study.converge.plan import plan_convergence
+    from crackgrow.study.converge.runner import converge
     from crackgrow.study.sweep.plan import plan_sweep
     from crackgrow.study.sweep.runner import sweep
 
@@ -60,10 +62,12 @@ __all__ = [
     "SolveError",
     "__version__",
     "compare_paths",
+    "converge",
     "export",
     "grow",
     "load_case",
     "open_run",
+    "plan_convergence",
     "plan_sweep",
     "run_case",
     "solve",
@@ -81,6 +85,8 @@ _HOMES = {
     "results.folder": "FolderError RunFolder open_run",
     "run": "grow",
     "study.compare": "compare_paths",
+    "study.converge.plan": "plan_convergence",
+    "study.converge.runner": "converge",
     "study.sweep.plan": "plan_sweep",
     "study.sweep.runner": "sweep",
 }

@@ -49,7 +49,8 @@ PHYSICS = (
     "unit/cover/test_cover_enrichment.py::test_a_tip_among", "unit/direct/test_direct_multifrontal.py",
     "unit/results/test_lock.py", "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run",
     "unit/results/test_resume.py", "unit/results/test_style.py", "unit/solid/test_solid_clusters.py",
-    "unit/study/sweep/test_sweep_runs.py", "unit/study/test_invariance.py", "unit/study/trade/test_trade_runs.py",
+    "unit/study/converge/test_converge_runs.py", "unit/study/sweep/test_sweep_runs.py",
+    "unit/study/test_invariance.py", "unit/study/trade/test_trade_runs.py",
 )  # fmt: skip
 """How the names of tests begin that solve scenes for long: they are marked `physics`, and not part of `make test`."""
 

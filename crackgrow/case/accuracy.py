@@ -5,7 +5,6 @@ The numbers are chosen from the measurement of `crackgrow trade`: tests/benchmar
 
 from __future__ import annotations
 
-import math
 from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
@@ -15,8 +14,11 @@ from crackgrow.case.features import Kind, Length
 AUTO: Final = "auto"
 STANDARD: Final = "standard"
 
-MOST_LEVELS: Final = 9
+MOST_LEVELS: Final = 11
 """How often the largest cells can be halved."""
+
+LEVELS_OF_PRESETS: Final = 9
+"""How often presets count on halving them; the rest is for targets, whose runs halve cells further."""
 
 REFINED_AT: Final[Mapping[str, tuple[Kind, ...]]] = {
     "tips": ("crack", "increment", "radius"),
@@ -113,11 +115,11 @@ PRESETS: Final[Mapping[str, Preset]] = {
 }
 
 
-REACHED = 0.01
-"""Target that is met with halvings to spare where a crack is as long as a cell."""
+UNREFINED = 0.2
+"""Error of K, over the largest, of closed and of grown flaws on cells as large as the flaw, as coarse ones have it."""
 
-MOST_HALVED = 0.25
-"""Part of the draft's cells along cracks, increments and averaging radii that cells halved there need at least."""
+FIRST_HALVINGS = 7
+"""Of the largest cells at the tips of the shortest crack, for a target; each leaves half of the error."""
 
 NOTHING = 1e-9
 """Cells that are asked for along what a target halves cells at by itself."""
@@ -126,12 +128,12 @@ NOTHING = 1e-9
 def preset_of(accuracy: str | float) -> Preset:
     """The preset of a name, or of a target of the error of K: as the draft, but for what cells are halved at.
 
-    Cells can be halved nine times, so the smaller the target the smaller they are to begin with.
+    Cells can be halved so often, so the smaller the target the smaller they are to begin with.
     """
     if isinstance(accuracy, str):
         return PRESETS[accuracy]
     draft = PRESETS["draft"]
-    part = min(1.0, MOST_HALVED * max(1.0, math.sqrt(REACHED / accuracy)))
+    part = min(1.0, UNREFINED / (accuracy * 2**FIRST_HALVINGS * draft.per_crack))
     return replace(
         draft,
         per_crack=part * draft.per_crack,
@@ -143,9 +145,9 @@ def preset_of(accuracy: str | float) -> Preset:
     )
 
 
-def name_of(accuracy: str | float) -> str:
+def name_of(accuracy: str | float, goal: str = "K") -> str:
     """What messages say of it."""
-    return accuracy if isinstance(accuracy, str) else f"K within {100.0 * accuracy:.3g} %"
+    return accuracy if isinstance(accuracy, str) else f"{goal} within {100.0 * accuracy:.3g} %"
 
 
 def automatic_spacing(preset: Preset, lengths: Iterable[Length], refined: Container[Kind] = ()) -> tuple[float, str]:
@@ -155,7 +157,7 @@ def automatic_spacing(preset: Preset, lengths: Iterable[Length], refined: Contai
     """
     found = []
     for length in lengths:
-        halvings = MOST_LEVELS if length.kind in refined else 0
+        halvings = LEVELS_OF_PRESETS if length.kind in refined else 0
         found.append((2**halvings * length.metres / preset.parts(length.kind), _rule(preset, length, halvings)))
     return min(found)
 

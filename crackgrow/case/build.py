@@ -196,6 +196,7 @@ def _numerics(numerics: Resolved) -> Numerics:
         quadrature=numerics["quadrature"],
         contact=ContactNumerics(**contact),
         accuracy=numerics["accuracy"],
+        goal=numerics["goal"],
         refine=Refinement(**numerics["refine"]),
         tip_functions=numerics["tip_functions"],
         auto_rule=numerics.get("auto_rule"),

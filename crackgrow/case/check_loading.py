@@ -11,8 +11,9 @@ LOADS = ("traction", "gravity", "pressure", "stress", "force")  # the key that h
 
 
 def check_loading(scene: Scene) -> None:
-    """Report a history without factors, and a critical load where nothing tells it or nothing can be scaled."""
+    """Report a history without factors, a critical load where nothing tells it or can be scaled, and a lost target."""
     loading = scene.get("loading")
+    _check_goal(scene)
     if loading == "critical":
         _check_critical(scene)
     elif loading == "strength_reduction":
@@ -22,6 +23,28 @@ def check_loading(scene: Scene) -> None:
     elif loading is not None and not loading["history"]:
         message = "no factor given; wanted: at least one, such as [1.0], or loading: critical"
         scene.report.fault(("loading", "history"), message)
+
+
+def _check_goal(scene: Scene) -> None:
+    """A target needs what it is the error of."""
+    accuracy, goal = scene.get("numerics", "accuracy"), scene.get("numerics", "goal")
+    if not isinstance(accuracy, float) or not all(map(scene.report.sound, ("cracks", "interfaces", "supports"))):
+        return
+    tips = any(crack["tips"] != "none" for crack in named(scene.resolved, "cracks").values())
+    surfaces = named(scene.resolved, "cracks") or scene.resolved.get("interfaces") or list(contact_laws(scene))
+    lacks = {
+        "K": "" if tips else "no crack has a tip, so there is no K",
+        "slip": "" if surfaces else "there is no crack, interface or foundation, so nothing slips",
+        "reaction": "",
+        "load_factor": "" if scene.get("loading") == "critical" else "the load factor is given; it is found with "
+        "loading: critical",
+    }  # fmt: skip
+    if goal and lacks[goal]:
+        others = " | ".join(name for name, why in lacks.items() if not why)
+        message = (
+            f"{goal} is asked for within {100.0 * accuracy:.3g} % (numerics.accuracy), but {lacks[goal]}; wanted: "
+        )
+        scene.report.fault(("numerics", "goal"), f"{message}goal: {others}, or a preset as accuracy")
 
 
 def _check_reduction(scene: Scene) -> None:

@@ -69,6 +69,7 @@ def _settings(case: Case) -> dict[str, Any]:
         "loading": _loading(case),
         "numerics": {
             "accuracy": numerics.accuracy,
+            "goal": numerics.goal,
             "spacing": numerics.spacing,
             **({} if numerics.auto_rule is None else {"auto_rule": numerics.auto_rule}),
             "support": numerics.support,

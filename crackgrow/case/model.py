@@ -281,6 +281,9 @@ class Refinement:
     rings: float = 2.0  # cells of each size on every side of such a place
 
 
+Goal = Literal["K", "slip", "reaction", "load_factor"]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Numerics:
     """Settings of the discretization."""
@@ -289,14 +292,15 @@ class Numerics:
     support: float  # half width of a patch, in spacings
     quadrature: int  # Gauss points per direction on an uncut cell
     contact: ContactNumerics
-    accuracy: str | float = "standard"  # the preset of what the case leaves out, or a target of the error of K
+    accuracy: str | float = "standard"  # the preset of what the case leaves out, or a target of the error of the goal
     refine: Refinement = Refinement()
     tip_functions: Literal["auto", "patch", "gathered"] = "auto"
     auto_rule: str | None = None  # what gave an automatic spacing; None: it was given
+    goal: Goal = "K"  # what a target is the error of
 
     @property
     def target(self) -> float | None:
-        """Error of K, over the largest K, that cells are to be halved for; None where they are those of the case."""
+        """Error of the goal, over its largest value, that cells are halved for; None: those of the case."""
         return None if isinstance(self.accuracy, str) else self.accuracy
 
     @property

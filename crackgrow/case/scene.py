@@ -427,6 +427,10 @@ _ACCURACY: Final = WordOr(
     Share(Bounds(at_least=0.001, at_most=0.2)),
     tuple(f"spacing auto: a crack of {p.per_crack:g} spacings or more" for p in PRESETS.values()),
 )
+_GOAL: Final = Choice(
+    ("K", "slip", "reaction", "load_factor"),
+    ("stress intensity", "the jump of all faces", "forces of supports and surfaces", "the critical load factor"),
+)
 _DISCRETIZATION: Final = Choice(
     ("mortar", "gauss"), ("on average round nodes along the faces", "at Gauss points; wants a finite stiffness")
 )
@@ -471,7 +475,8 @@ def _numerics(preset: Preset, spacing: object) -> Mapping:
     )
     return Mapping(
         {
-            "accuracy": Field(_ACCURACY, "preset of what is left out here, or what K may be off by", STANDARD),
+            "accuracy": Field(_ACCURACY, "preset of what is left out here, or what the goal may be off by", STANDARD),
+            "goal": Field(_GOAL, "what an accuracy in percent is of; presets take no notice of it", "K"),
             "spacing": Field(WordOr((AUTO,), Quantity("length", POSITIVE)), "lattice spacing h", spacing),
             "auto_rule": Field(Text(), "what gave an automatic spacing", OPTIONAL, offered=False),
             "support": Field(_SUPPORT_WIDTH, "half width of a patch, in spacings", preset.support),

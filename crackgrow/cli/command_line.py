@@ -13,6 +13,7 @@ from crackgrow.cli.check import add_check
 from crackgrow.cli.compare import add_compare
 from crackgrow.cli.completion import add_completion
 from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, write_any_character
+from crackgrow.cli.converge import add_converge
 from crackgrow.cli.explain import add_explain
 from crackgrow.cli.export import add_export
 from crackgrow.cli.list_cases import add_list
@@ -80,6 +81,7 @@ def command_line() -> argparse.ArgumentParser:
     add_export(commands)
     add_compare(commands)
     add_sweep(commands)
+    add_converge(commands, case)
     add_trade(commands, case)
     add_schema(commands)
     add_completion(commands, parser)

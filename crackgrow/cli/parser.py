@@ -13,7 +13,7 @@ GROUPS: Final = {
     "start": ("list", "new", "check", "explain"),
     "run": ("run",),
     "look": ("report", "render", "view", "export"),
-    "study": ("compare", "sweep", "trade"),
+    "study": ("compare", "sweep", "converge", "trade"),
     "tools": ("schema", "completion"),
 }
 """Commands by what one wants."""

@@ -11,10 +11,11 @@ from typing import Final
 from crackgrow.case.keys import NAME, NUMBER, Key, case_keys
 from crackgrow.results.declarations import RUN, Column, File
 from crackgrow.study.comparison_text import CSV as COMPARE
+from crackgrow.study.converge.columns import FILES as CONVERGE
 from crackgrow.study.sweep.columns import FILES as SWEEP
 from crackgrow.study.trade.columns import FILES as TRADE
 
-FOLDERS: Final = {"run": RUN, "compare": (COMPARE,), "sweep": SWEEP, "trade": TRADE}
+FOLDERS: Final = {"run": RUN, "compare": (COMPARE,), "sweep": SWEEP, "converge": CONVERGE, "trade": TRADE}
 """Files by the command that writes them."""
 
 

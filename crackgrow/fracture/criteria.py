@@ -21,6 +21,7 @@ from crackgrow.case.model import Strength
 from crackgrow.case.toughness import BY_K
 from crackgrow.fracture.sites import LARGEST_KINK
 from crackgrow.fracture.tip_stress import TipField
+from crackgrow.fracture.williams import singular_stress
 from crackgrow.solid.recovery import principal
 
 AT_STRENGTH = 1e-9
@@ -63,6 +64,17 @@ class TipLoading:
         """The same tip without any load."""
         field = replace(self.field, rays=0.0 * self.field.rays, mean=0.0 * self.field.mean)
         return TipLoading(field, 0.0 * self.K_I, 0.0 * self.K_II, self.radius)
+
+    def with_K_off(self, d_I: float, d_II: float) -> TipLoading:
+        """The loading where K is larger by d_I and d_II (Pa sqrt(m)), and the stress by the singular field of these.
+
+        On a ray the average of 1 / sqrt(2 pi r) up to the radius R is 2 / sqrt(2 pi R); the rays' own average is that
+        over the disc.
+        """
+        field = self.field
+        added = singular_stress(field.angles, field.direction) @ (d_I, d_II) * 2.0 / np.sqrt(2.0 * np.pi * self.radius)
+        moved = TipField(field.direction, field.angles, field.rays + added, field.mean + added.mean(axis=0))
+        return TipLoading(moved, self.K_I + d_I, self.K_II + d_II, self.radius)
 
     @classmethod
     def between(cls, first: TipLoading, last: TipLoading, share: float) -> TipLoading:

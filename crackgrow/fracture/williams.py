@@ -34,6 +34,21 @@ def williams_gradient(material: PlaneElasticity, r: Floats, t: Floats) -> Floats
     return np.stack([c * by_r - s * by_t, s * by_r + c * by_t], axis=2).transpose(3, 0, 1, 2)
 
 
+def singular_stress(t: Floats, direction: float) -> Floats:
+    """Stress (n, 3, 2) [point, xx yy xy, mode] times sqrt(2 pi r) of K_I = 1 and K_II = 1 at angles t (n,).
+
+    In axes that those of the tip are turned from by `direction` (rad).
+    """
+    c, s, c3, s3 = np.cos(0.5 * t), np.sin(0.5 * t), np.cos(1.5 * t), np.sin(1.5 * t)
+    xx = np.stack([c * (1.0 - s * s3), -s * (2.0 + c * c3)])
+    yy = np.stack([c * (1.0 + s * s3), s * c * c3])
+    xy = np.stack([s * c * c3, c * (1.0 - s * s3)])
+    mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    cos, sin = np.cos(2.0 * direction), np.sin(2.0 * direction)
+    along, across = half * cos - xy * sin, half * sin + xy * cos
+    return np.stack([mean + along, mean - along, across], axis=1).transpose(2, 1, 0)
+
+
 def _shapes(material: PlaneElasticity, t: Floats) -> tuple[Floats, Floats]:
     """g(t) / (2 shear modulus sqrt(2 pi)) and its derivative, (2, 2, n) [mode, component, point] each."""
     kappa = 8.0 * material.c33 / material.young_prime - 1.0

@@ -72,6 +72,8 @@ TIPS: Final = File(
                "one"),
         Column("K_II_spread", "Pa sqrt(m)", "difference of K_II between three discs"),
         Column("cell_size", "m", "side of the cells round the tip"),
+        Column("kink_error_deg", "deg", "bound of what the direction of growth is off by, which follows from "
+               "that of K; with `implicit` of the increment that led to the tip"),
     ),
 )  # fmt: skip
 
@@ -195,6 +197,10 @@ STEPS: Final = File(
         Column("crack_length", "m", "length of all cracks"),
         Column("overlap_share", "", "overlap, or a gap of pressed faces, over what is small beside jump and "
                "displacement; the run warns above 1"),
+        Column("load_factor_error", "%", "bound of what a critical load factor is off by, which follows from that of "
+               "K; nan for other loads"),
+        Column("goal_error", "%", "bound of what `numerics.goal` is off by, over its largest value; nan where that is "
+               "K or the accuracy is a preset"),
     ),
 )  # fmt: skip
 
@@ -223,7 +229,8 @@ SUMMARY: Final = File(
                "it `fails_at`, and the `mechanism`; null where it does not fail"),
         Column("worst_checks", "", f"worst value and its step, of {_CHECKS}"),
         Column("error_estimate", "%", "`energy_norm_percent` of the first and the last step, `K_percent_at_most`, "
-               "`K_spread_percent`"),
+               "`K_spread_percent`, `kink_degrees_at_most` (of tips that grow), "
+               "`load_factor_percent_at_most`, `goal_percent_at_most`"),
         Column("events", "", "as in `events.csv`"),
         Column("warnings", "", "a sentence for each cause with its places and steps, the important ones first"),
         Column("cautions", "", "the same as records of cause, place, size and steps"),

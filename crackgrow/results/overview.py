@@ -238,10 +238,10 @@ def _radii(case: Case, growth: Growth, scale: float, unit: str) -> Iterator[str]
 
 def _rule(case: Case) -> str:
     """Say what gave an automatic spacing, or that a preset which asks for another one does not."""
-    rule, accuracy = case.numerics.auto_rule, case.numerics.accuracy
+    rule, accuracy, goal = case.numerics.auto_rule, case.numerics.accuracy, case.numerics.goal
     if rule is not None:
-        return f" (auto, {name_of(accuracy)}: {rule})"
-    return "" if accuracy == STANDARD else f" (given, not that of {name_of(accuracy)})"
+        return f" (auto, {name_of(accuracy, goal)}: {rule})"
+    return "" if accuracy == STANDARD else f" (given, not that of {name_of(accuracy, goal)})"
 
 
 def length_unit(case: Case) -> tuple[float, str]:

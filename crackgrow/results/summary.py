@@ -37,6 +37,9 @@ class Tally:
         self.norm_error = math.nan  # percent, of the first step
         self.K_error = math.nan  # percent
         self.K_spread = math.nan  # percent
+        self.kink_error = math.nan  # degrees, of tips that grow
+        self.load_factor_error = math.nan  # percent
+        self.goal_error = math.nan  # percent
 
     @property
     def warnings(self) -> list[str]:
@@ -52,6 +55,10 @@ class Tally:
             self.norm_error = float(result.norm_error)
         self.K_error = max((self.K_error, K_error(result)), key=_known)
         self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
+        kinks = [tip.kink_error_deg for tip in result.tips if tip.advanced]
+        self.kink_error = max((self.kink_error, *kinks), key=_known)
+        self.load_factor_error = max((self.load_factor_error, result.load_factor_error), key=_known)
+        self.goal_error = max((self.goal_error, result.goal_error), key=_known)
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
         for check in CHECKS:
@@ -75,6 +82,9 @@ class Tally:
             "norm_error": self.norm_error,
             "K_error": self.K_error,
             "K_spread": self.K_spread,
+            "kink_error": self.kink_error,
+            "load_factor_error": self.load_factor_error,
+            "goal_error": self.goal_error,
         }
 
     @classmethod
@@ -89,6 +99,9 @@ class Tally:
         tally.effective_toughness = record["effective_toughness"]
         tally.norm_error = record["norm_error"]
         tally.K_error, tally.K_spread = record["K_error"], record["K_spread"]
+        tally.kink_error = record.get("kink_error", math.nan)  # checkpoints of before have none
+        tally.load_factor_error = record.get("load_factor_error", math.nan)
+        tally.goal_error = record.get("goal_error", math.nan)
         return tally
 
     def add_seconds(self, phase: str, seconds: float) -> None:
@@ -128,6 +141,9 @@ def summarize(
             "energy_norm_percent": {"first": _finite(tally.norm_error), "last": _finite(end.norm_error)},
             "K_percent_at_most": _finite(tally.K_error),
             "K_spread_percent": _finite(tally.K_spread),
+            "kink_degrees_at_most": _finite(tally.kink_error),
+            "load_factor_percent_at_most": _finite(tally.load_factor_error),
+            "goal_percent_at_most": _finite(tally.goal_error),
         },
         "events": [event_record(event) for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
@@ -149,6 +165,12 @@ def error_line(tally: Tally, end: RunEnd) -> str:
         parts.append(f"{end.norm_error:.2g} % of the energy norm")
     if math.isfinite(tally.K_error):
         parts.append(f"K by at most {tally.K_error:.2g} % of the largest")
+    if math.isfinite(tally.kink_error):
+        parts.append(f"directions of growth by {tally.kink_error:.2g} degrees")
+    if math.isfinite(tally.load_factor_error):
+        parts.append(f"critical load factors by {tally.load_factor_error:.2g} %")
+    if math.isfinite(tally.goal_error):
+        parts.append(f"numerics.goal by at most {tally.goal_error:.2g} % of its largest value")
     return f"estimated error: {', '.join(parts)}" if parts else ""
 
 

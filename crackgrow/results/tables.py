@@ -112,6 +112,7 @@ def tip_rows(result: StepResult) -> list[tuple[Value, ...]]:
             float(tip.K_I_spread),
             float(tip.K_II_spread),
             float(tip.cell_size),
+            float(tip.kink_error_deg),
         )
         for tip in result.tips
     ]
@@ -199,4 +200,6 @@ def step_row(result: StepResult, seconds_frames: float) -> tuple[Value, ...]:
         float(result.load_displacement),
         float(result.crack_length),
         float(result.overlap_share),
+        float(result.load_factor_error),
+        float(result.goal_error),
     )

@@ -169,8 +169,8 @@ class Cause(Enum):
         "{place}: {size} of its vertices repeat the one before them, and are left out",
     )  # fmt: skip
     TARGET = (
-        0.0, "", "K is as good as its bounds say, but not as good as was asked for",
-        "K is asked for within {wanted:.3g} % of the largest (numerics.accuracy), and {came}: {why}",
+        0.0, "", "K, or the goal, is as good as its bounds say, but not as good as was asked for",
+        "{what} is asked for within {wanted:.3g} % of the largest (numerics.accuracy), and {came}: {why}",
     )  # fmt: skip
     NOTE = (0.0, "", "what a solver tells of how it came to its answer", "{words}")
 

@@ -118,8 +118,9 @@ def _off_target(solution: StepSolution) -> Iterator[Caution]:
     if known is None or target is None or not known.missed:
         return
     share = max(known.shares(), default=math.inf)
+    what = solution.configuration.scene.case.numerics.goal
     came = f"is within {100.0 * share:.2g} %" if share < 1.0 else "is not known to be within anything"
-    yield Cause.TARGET.at(size=share, wanted=100.0 * target, came=came, why=known.missed)
+    yield Cause.TARGET.at(size=share, what=what, wanted=100.0 * target, came=came, why=known.missed)
 
 
 def _on_points(scene: Scene, solution: StepSolution) -> Iterator[Caution]:

@@ -96,14 +96,15 @@ def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
 def _at_corners(scene: Scene) -> Asking:
     """Re-entrant corners and places of supports and loads, or all lengths that the stress varies over."""
     halvings, preset = scene.case.numerics.refine.corners, preset_of(scene.case.numerics.accuracy)
+    finer = 0.5**scene.halvings.corners
     if halvings != AUTO:
-        given = _given(scene, halvings)
+        given = finer * _given(scene, halvings)
         yield from ((shapely.Point(p), given) for p in chain(_corners(scene), _ends_of_regions(scene)))
         return
     for length in scene.lengths:
         if length.where is not None:
             where = shapely.transform(length.where, scene.lattice.to_lattice)
-            yield where, length.metres / preset.parts(length.kind) / scene.lattice.spacing
+            yield where, finer * length.metres / preset.parts(length.kind) / scene.lattice.spacing
 
 
 def _asked(scene: Scene, halvings: int | Literal["auto"]) -> int | Literal["auto"]:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
+
+from crackgrow.case.accuracy import UNREFINED
 
 if TYPE_CHECKING:
     from crackgrow.run.configuration import Configuration
 
-AT_KINKS = 1
+AT_KINKS = 3
 """Halvings more at kinks, meetings and ends of a crack than at its tips: they have no functions of their own."""
 
 
@@ -20,6 +22,7 @@ class Halvings:
 
     everywhere: int = 0
     cracks: tuple[int, ...] = ()  # crack by crack, besides, at its tips
+    corners: int = 0  # besides, at corners of bodies and along supports, loads and interfaces
 
     def at_tips(self, crack: int) -> int:
         """Of a crack, besides those everywhere."""
@@ -43,9 +46,6 @@ AS_GIVEN = Halvings()
 MOST_AT_FIRST = 7
 """Halvings that a run begins with."""
 
-UNREFINED = 0.2
-"""Error of K, over the largest, of closed and of grown flaws on cells as large as the flaw, as coarse ones have it."""
-
 
 def first_halvings(target: float, spacing: float, lengths: Iterable[float]) -> Halvings:
     """What to begin with for a target, with cracks of these lengths (m): each halving leaves half of the error."""
@@ -64,10 +64,13 @@ class Accuracy:
     grown: tuple[float, ...] = ()  # m, crack by crack: what had been added to it when this was measured
     fitted: float = 0.0  # B of `run.doubled_cells` over `largest`, where it is largest
     missed: str = ""  # why the target is out of reach, in words; empty where it is met
+    goal: float = math.nan  # what the goal is off by at most, over its largest value; nan where that is K
     doubled: Configuration | None = field(default=None, repr=False)  # that it was measured against, where it is kept
 
     def shares(self, crack: int | None = None) -> list[float]:
-        """Bounds over the largest K, of the tips of one crack or of all, where they are known."""
+        """Bounds over the largest K, of the tips of one crack or of all, where they are known; or that of the goal."""
+        if not math.isnan(self.goal):
+            return [self.goal]
         mine = [bound for bound, end in zip(self.bounds, self.ends, strict=True) if crack in (None, end[0])]
         known = [bound for bound in mine if not math.isnan(bound)]
         return [bound / self.largest if self.largest > 0.0 else float("inf") for bound in known]
@@ -76,18 +79,20 @@ class Accuracy:
 def record_of(accuracy: Accuracy) -> dict[str, Any]:
     """An accuracy as plain data, which knows no nan."""
     record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "fitted", "missed")}
+    record["goal"] = None if math.isnan(accuracy.goal) else accuracy.goal if math.isfinite(accuracy.goal) else "inf"
     record["bounds"] = [None if math.isnan(bound) else bound for bound in accuracy.bounds]
-    return {"everywhere": accuracy.halvings.everywhere, "cracks": accuracy.halvings.cracks, **record}
+    return {**asdict(accuracy.halvings), **record}
 
 
 def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
     """The accuracy that was written as plain data."""
     return Accuracy(
-        Halvings(record["everywhere"], tuple(record["cracks"])),
+        Halvings(record["everywhere"], tuple(record["cracks"]), record.get("corners", 0)),
         tuple((crack, at_end) for crack, at_end in record["ends"]),
         tuple(math.nan if bound is None else bound for bound in record["bounds"]),
         record["largest"],
         tuple(record["grown"]),
         record["fitted"],
         record["missed"],
+        math.nan if record.get("goal") is None else float(record["goal"]),
     )

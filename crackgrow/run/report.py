@@ -19,6 +19,7 @@ from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
+from crackgrow.run.growth_error import kink_errors, load_error
 from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
@@ -41,7 +42,11 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     contact, faces = along_surfaces(solution, scene)
     known = solution.accuracy
     errors = intensity_errors(scene, solution, faces) if known is None else [(bound, bound) for bound in known.bounds]
-    tips = tuple(_tip(solution, tip, tip in chosen, scene, error) for tip, error in enumerate(errors))
+    kinks = np.rad2deg(kink_errors(solution, errors)).tolist()
+    tips = tuple(
+        replace(_tip(solution, tip, tip in chosen, scene, error), kink_error_deg=kink)
+        for tip, (error, kink) in enumerate(zip(errors, kinks, strict=True))
+    )
     shares = overlap_shares(scene, solution, faces)
     error = estimated_error(solution) if state.step == 0 else None
     K = [tip.K for tip in solution.tips]
@@ -72,6 +77,8 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         effective_toughness=_toughness(scene),
         cautions=cautions(scene, solution, faces, shares, state.step),
         norm_error=error.relative if error else float("nan"),
+        goal_error=float("nan") if known is None else 100.0 * known.goal,
+        load_factor_error=100.0 * load_error(state.cracks, solution, errors),
         history=history([*solution.passed, solution.state]),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )

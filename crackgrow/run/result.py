@@ -64,6 +64,7 @@ class TipResult:
     K_I_spread: float  # Pa sqrt(m), between discs of integration: a part of the error, often a small one
     K_II_spread: float  # Pa sqrt(m)
     cell_size: float  # m, side of the cells round the tip
+    kink_error_deg: float = float("nan")  # degrees, bound of what the direction of growth is off by; nan without growth
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -226,6 +227,8 @@ class StepResult:
     cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
     norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
     history: History | None = None  # where the case names points
+    load_factor_error: float = float("nan")  # percent, bound of what a critical load factor is off by; nan for others
+    goal_error: float = float("nan")  # percent, bound of what `numerics.goal` is off by; nan where that is K
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 
     @property

@@ -22,6 +22,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration, lay_out
 from crackgrow.run.doubled_cells import accuracy_of, doubled, fitted_bounds, largest_K
+from crackgrow.run.goal import goal_bound
 from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.increments import LoadState, Origin
 from crackgrow.run.judging import StepSolution
@@ -121,10 +122,10 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     `last` is what was known of the step before.
     """
     scene = solution.configuration.scene
-    target = scene.case.numerics.target
+    target, of_K = scene.case.numerics.target, scene.case.numerics.goal == "K"
     assert target is not None
     grown, fitted = _grown(scene, cracks), _fitted_share(solution)
-    if not any(np.isfinite(tip.K).all() for tip in solution.tips):
+    if of_K and not any(np.isfinite(tip.K).all() for tip in solution.tips):
         why = "K is not known at any tip" if solution.tips else "" if any(grown) else "no crack has a tip"
         return replace(solution, accuracy=replace(accuracy_of(solution, None), grown=grown, missed=why))
     if last is not None and _holds(last, solution, grown, fitted):
@@ -133,12 +134,16 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     for round_ in range(MOST_ROUNDS + 1):
         larger = _larger(ways, solution, known)
         known = replace(accuracy_of(solution, larger), grown=grown, fitted=_fitted_share(solution))
+        if not of_K:
+            known = replace(known, goal=goal_bound(solution, larger))
         n_solves += 1
         if larger is not None:
             seconds.update({**larger.configuration.seconds, "contact": larger.seconds})
-        if max(known.shares(), default=0.0) <= target:
+        if max(known.shares(), default=0.0 if of_K else math.inf) <= target:
             break
-        wanted, missed = _halved(target, known, before)
+        wanted, missed = (
+            _halved(target, known, before) if of_K else _halved_for_goal(target, solution, cracks, known, before)
+        )
         if wanted is not None and solution.cover.sizes.min() <= 0.5**MOST_LEVELS:
             wanted, missed = None, f"cells are halved {MOST_LEVELS} times already, which is the most"
         if wanted is None or round_ == MOST_ROUNDS:
@@ -174,7 +179,7 @@ def halvings_after(solution: StepSolution) -> Halvings:
     """The cells that the step after a solution begins with."""
     scene, accuracy = solution.configuration.scene, solution.accuracy
     halvings, target = scene.halvings, scene.case.numerics.target
-    if target is None or accuracy is None:
+    if target is None or accuracy is None or scene.case.numerics.goal != "K":
         return halvings
     fewer = []
     for crack, n in enumerate(halvings.cracks):
@@ -185,9 +190,11 @@ def halvings_after(solution: StepSolution) -> Halvings:
 
 
 def _larger(ways: Ways, solution: StepSolution, last: Accuracy | None) -> LoadState | None:
-    """The state on cells twice as large, None where there is none."""
+    """The state on cells twice as large, None where there is none; at its own load factor where that is the goal."""
     like = None if last is None else last.doubled
     try:
+        if solution.configuration.scene.case.numerics.goal == "load_factor":
+            return ways.solve(doubled(solution.configuration.scene)).state
         return ways.larger(doubled(solution.configuration.scene), solution.state.factor, like)
     except (GeometryError, SolveError):
         return None
@@ -217,6 +224,25 @@ def _scaled(last: Accuracy, largest: float) -> Accuracy:
     """The same shares of another K."""
     scale = largest / last.largest if last.largest > 0.0 else 1.0
     return replace(last, bounds=tuple(scale * bound for bound in last.bounds), largest=largest)
+
+
+def _halved_for_goal(
+    target: float, solution: StepSolution, cracks: tuple[GrowingCrack, ...], now: Accuracy, before: Accuracy | None
+) -> tuple[Halvings | None, str]:
+    """The same for another goal than K: at all cracks and corners, or everywhere where that does not help."""
+    if math.isinf(now.goal):
+        return None, "it is nothing: no cells can be chosen by it"
+    if math.isnan(now.goal):
+        return None, "there is no solution on cells twice as large to hold it against"
+    halvings, scene = now.halvings, solution.configuration.scene
+    more = math.ceil(math.log2(min(now.goal / target, 2.0**MOST_AT_ONCE)))
+    if before is None or not now.goal > STUCK * before.goal:
+        at_cracks = tuple(min(n + more, MOST_LEVELS) for n in halvings.cracks)
+        wanted = replace(halvings, cracks=at_cracks, corners=min(halvings.corners + more, MOST_LEVELS))
+        cells = lay_out(replace(scene, halvings=wanted), cracks)[0].lattice.cells
+        if not cells.equal(solution.cover.lattice.cells):
+            return wanted, ""
+    return replace(halvings, everywhere=halvings.everywhere + 1), ""
 
 
 def _halved(target: float, now: Accuracy, before: Accuracy | None) -> tuple[Halvings | None, str]:

@@ -51,7 +51,7 @@ def comparison_text(comparison: Comparison) -> str:
     show = _Lengths(max(lengths, default=0.0))
     lines = [_source_line("A", comparison.a), _source_line("B", comparison.b), *_settings_lines(comparison)]
     if comparison.pairs:
-        lines += [f"lengths in {show.unit}", *_aligned([HEADINGS, *(_cells(pair, show) for pair in comparison.pairs)])]
+        lines += [f"lengths in {show.unit}", *aligned([HEADINGS, *(_cells(pair, show) for pair in comparison.pairs)])]
         lines += [line for pair in comparison.pairs for line in _remarks(pair, comparison, show)]
     lines += [f"crack {crack}: only in {name}" for crack, name in comparison.in_one_only]
     if comparison.pairs:
@@ -172,7 +172,7 @@ def _place_values(place: Place) -> tuple[Value, ...]:
     return x, y, place.s, "" if place.step is None else place.step
 
 
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     return [
         "  ".join(

@@ -104,6 +104,7 @@ PARTS: Final[dict[tuple[str, str], Callable[[], str]]] = {
     ("outputs/README.md", "columns"): columns(FOLDERS["run"]),
     ("outputs/README.md", "compare"): columns(FOLDERS["compare"]),
     ("tests/benchmarks/README.md", "columns"): columns(FOLDERS["trade"]),
+    ("tests/benchmarks/README.md", "converge"): columns(FOLDERS["converge"]),
     ("tests/stability/README.md", "columns"): columns([EXTREMES]),
 }
 """What is made of declarations, by file and name."""

@@ -1,11 +1,11 @@
 """K on cells that a run chooses for a target of its error: it is within the target, and the bound holds.
 
-Measured (`crackgrow/run/doubled_cells.py`): of 39 pairs of a scene and a target of 3, 1 or 0.3 % the true error is
-within the target in 37, and the run says of the others that it is not met.
+Of all pairs of tests/benchmarks/targets.md these are the quick ones.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.run import grow
 from crackgrow.run.caution import Cause
+from tests.benchmarks.target_scenes import SCENES as TABLE
 from tests.verification.test_intensity_error import MPA, plate, rows, shipped, winged
 
 Scene = tuple[dict[str, Any], list[tuple[float, float]]]
@@ -50,12 +51,20 @@ def straight(angle: float, axial: float, lateral: float, friction: float) -> Sce
     return plate(winged(1.0, angle, 1.0, 0.0)[1:3], 100.0, axial, lateral, friction), [K, K]
 
 
+def known(name: str) -> Scene:
+    """A scene of the table of targets whose tips are all alike."""
+    made = TABLE[name].make()
+    assert made.truth is not None
+    return made.case, list(made.truth.values())
+
+
 SCENES = {
     "grown": lambda: grown("grown30"),
     "young": lambda: grown("young30"),
     "closed with wings": lambda: wide(4),
     "friction 0.3": lambda: straight(45.0, 10.0, 2.0, 0.3),
     "open": lambda: straight(20.0, -10.0, -3.0, 0.0),
+    **{name: partial(known, name) for name in ("edge crack", "disk, along the load", "cross", "stacked")},
 }
 
 
@@ -70,7 +79,7 @@ def test_K_is_within_the_target(tmp_path: Path, name: str, target: float) -> Non
     file.write_text(yaml.safe_dump(scene))
     step = next(grow(load_case(file, ["output.frames=none", "output.figures=false", "output.report=false"])))
     largest = max(np.hypot(*K) for K in truth)
-    off = max(np.hypot(tip.K_I - K[0], tip.K_II - K[1]) for tip, K in zip(step.tips, truth, strict=True))
+    off = max(np.hypot(tip.K_I - K[0], abs(tip.K_II) - abs(K[1])) for tip, K in zip(step.tips, truth, strict=True))
     assert off <= target * largest
     assert not any(caution.cause is Cause.TARGET for caution in step.cautions)
     assert step.n_dofs < 25_000

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.case import Case, ContactSupport, load_case
-from crackgrow.case.accuracy import PRESETS, STANDARD, Preset
+from crackgrow.case.accuracy import STANDARD, Preset, preset_of
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.errors import CaseError, Fault
 
@@ -23,6 +23,11 @@ KEYS: Final[Mapping[str, str]] = {
     "solver": "numerics.contact.solver",
     "tip_radius": "growth.tip_stress.radius",
     "increment": "growth.increment",
+    "accuracy": "numerics.accuracy",
+    "tips": "numerics.refine.tips",
+    "kinks": "numerics.refine.kinks",
+    "corners": "numerics.refine.corners",
+    "tip_functions": "numerics.tip_functions",
 }
 """The key of the case that an axis sets."""
 
@@ -93,11 +98,11 @@ def length_text(value: float) -> str:
     return f"{value * 1e3:.3g} mm" if value < SHOWN_IN_MM else f"{value:.3g} m"
 
 
-def preset_overrides(name: str) -> tuple[str, ...]:
-    """All that a preset sets, given as keys, which a case's own would win over otherwise."""
-    preset: Preset = PRESETS[name]
+def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:
+    """All that a preset or a target sets, given as keys, which a case's own would win over otherwise."""
+    preset: Preset = preset_of(accuracy)
     return (
-        f"numerics.accuracy={name}",
+        f"numerics.accuracy={accuracy}",
         "numerics.spacing=auto",
         HALVED,
         f"numerics.support={preset.support}",

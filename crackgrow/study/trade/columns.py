@@ -18,6 +18,10 @@ _SETTINGS: Final = (
     Column("solver", "", "of the contact"),
     Column("tip_radius", "m", "averaging radius of the tip stress"),
     Column("increment", "m", "growth increment"),
+    Column("tips", "", "halvings of cells at tips, or `auto`"),
+    Column("kinks", "", "halvings of cells at kinks, meetings and ends of cracks, or `auto`"),
+    Column("corners", "", "halvings of cells at corners, or `auto`"),
+    Column("tip_functions", "", "`numerics.tip_functions` of the run"),
     Column("status", "", "as in `summary.json`, or `refused`, `unsolved`, `timeout`, `crashed`: a setting that fails "
            "is a row, and the rest goes on"),
     Column("reason", "", "why the run ended"),

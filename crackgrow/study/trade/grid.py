@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from crackgrow.case import Case
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError
-from crackgrow.study.trade.axes import KEYS, Axes, CaseFile, preset_overrides
+from crackgrow.study.trade.axes import KEYS, Axes, CaseFile, accuracy_overrides
 
 FINER = 2.0  # times: the reference's spacing below the finest that is judged
 UNWRITTEN = ("output.frames=none", "output.figures=false", "output.report=false")
@@ -27,7 +27,7 @@ class Setting:
 
 def settings_of(axes: Axes, presets: Sequence[str] = tuple(PRESETS)) -> list[Setting]:
     """The presets, then every combination of the axes' values, the first axis varying slowest."""
-    found = [Setting(f"accuracy={name}", preset_overrides(name), name) for name in presets]
+    found = [Setting(f"accuracy={name}", accuracy_overrides(name), name) for name in presets]
     for values in itertools.product(*axes.values()):
         pairs = list(zip(axes, values, strict=True))
         name = " ".join(f"{axis}={value}" for axis, value in pairs)
@@ -57,7 +57,7 @@ def finest(file: CaseFile, settings: Sequence[Setting], axes: Axes) -> tuple[str
     """
     cases = [case for setting in settings if (case := case_or_none(file, setting.overrides)) is not None]
     spacing = min(case.numerics.spacing for case in cases) / FINER
-    overrides = [*preset_overrides("fine"), f"numerics.spacing={spacing!r} m"]
+    overrides = [*accuracy_overrides("fine"), f"numerics.spacing={spacing!r} m"]
     if "increment" in axes:
         increments = [case.growth.increment for case in cases if case.growth is not None]
         overrides.append(f"growth.increment={min(increments)!r} m")

@@ -136,6 +136,10 @@ def _settings(case: Case) -> dict[str, Value]:
         "solver": contact.solver,
         "tip_radius": None if growth is None else growth.tip_radius,
         "increment": None if growth is None else growth.increment,
+        "tips": numerics.refine.tips,
+        "kinks": numerics.refine.kinks,
+        "corners": numerics.refine.corners,
+        "tip_functions": numerics.tip_functions,
     }
 
 

@@ -59,12 +59,30 @@ def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> 
     assert error_line(tally, end) == "estimated error: 2.2 % of the energy norm, K by at most 15 % of the largest"
 
 
+def test_directions_loads_and_the_goal_have_the_worst_of_all_steps_and_are_told() -> None:
+    """Directions count at tips that grow."""
+    tally = Tally()
+    for step, size in enumerate((2.0, 3.0, 1.0)):
+        grows, waits = {"advanced": True, "kink_error_deg": size}, {"advanced": False, "kink_error_deg": 90.0}
+        tally.add(replace(with_tips(step, grows, waits), load_factor_error=4.0 * size, goal_error=0.5 * size))
+    end = make_end(2)
+    summary = json.loads(summary_text(summarize(make_case(), Tally.of(tally.record()), end, 1.0, 1.0)))
+    found = summary["error_estimate"]
+    names = ("kink_degrees_at_most", "load_factor_percent_at_most", "goal_percent_at_most")
+    assert [found[name] for name in names] == [3.0, 12.0, 1.5]
+    line = error_line(tally, end)
+    assert "directions of growth by 3 degrees" in line
+    assert "critical load factors by 12 %" in line
+    assert "numerics.goal by at most 1.5 %" in line
+
+
 def test_what_is_unknown_is_null_and_not_told() -> None:
     tally = Tally()
     tally.add(with_tips(0))
     summary = json.loads(summary_text(summarize(make_case(), tally, make_end(0), 1.0, 1.0)))["error_estimate"]
     unknown = {"energy_norm_percent": {"first": None, "last": None}, "K_percent_at_most": None}
-    assert summary == unknown | {"K_spread_percent": None}
+    others = ("K_spread_percent", "kink_degrees_at_most", "load_factor_percent_at_most", "goal_percent_at_most")
+    assert summary == unknown | dict.fromkeys(others)
     assert error_line(tally, make_end(0)) == ""
     tally.add(with_tips(1, {}))
     assert error_line(tally, make_end(0)) == "estimated error: K by at most 10 % of the largest"

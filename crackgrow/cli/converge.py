@@ -1,0 +1,98 @@
+"""`crackgrow converge`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Generator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import crackgrow
+from crackgrow.case.accuracy import PRESETS
+from crackgrow.cli.case_file import load_case_file
+from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
+
+if TYPE_CHECKING:
+    from crackgrow.study.converge.findings import Convergence, Ran
+
+HELP = """\
+Run a case on three settings of its cells and tell what K at each tip and step, and the critical load factor, tend to,
+what each setting misses of it, and whether the case's own setting is good enough. Where cracks grow also how far apart
+the paths are, and whether finer cells or a shorter increment would move them more.
+"""
+EXAMPLES = """\
+Settings are presets or targets of the error of K, the coarsest first. Results are in runs/ of the folder, all rows in
+converge.csv. To choose among other settings of a case, or hold many of them against time, use `crackgrow trade`.
+
+exit codes: 0 the case's own setting is good enough; 2 the case is wrong; 3 a setting has no first step; 4 it is not.
+
+examples:
+  crackgrow converge cases/compression30.yaml --steps 4
+  crackgrow converge cases/edge_tension.yaml --at 3% 1% 0.3% --tolerance 0.5%
+  crackgrow converge cases/two_flaws.yaml --no-increments --json
+"""
+
+
+def converge(arguments: argparse.Namespace) -> int:
+    """`crackgrow converge`: whether a case's own setting is good enough."""
+    from crackgrow.study.converge.text import (  # only now: it loads numpy
+        convergence_record,
+        convergence_text,
+        run_line,
+    )
+
+    case = load_case_file(arguments)
+    folder = arguments.out or Path("outputs/converge") / case.name
+    plan = crackgrow.plan_convergence(
+        arguments.case,
+        folder,
+        overrides=arguments.overrides,
+        settings=arguments.at,
+        tolerance=arguments.tolerance,
+        increments=arguments.increments,
+        steps=arguments.steps,
+    )
+    runs: Generator[Ran, None, Convergence] = crackgrow.converge(plan, arguments.timeout)
+    while True:
+        try:
+            run = next(runs)
+        except StopIteration as stop:
+            found: Convergence = stop.value
+            break
+        if not arguments.json:
+            say(run_line(run))
+    if arguments.json:
+        hand_out(json.dumps(convergence_record(found), indent=2, allow_nan=False) + "\n")
+    else:
+        say(f"\n{convergence_text(found)}\nresults in {folder}")
+    return EXIT_DONE if found.good_enough else EXIT_DIFFERENT
+
+
+def add_converge(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
+    """Add the command and its arguments."""
+    command = commands.add_parser(
+        "converge",
+        parents=[case],
+        help="say whether a case's cells and increments are small enough",
+        description=HELP,
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument(
+        "--at", nargs=3, default=list(PRESETS), metavar="SETTING", help="presets or targets (draft standard fine)"
+    )
+    command.add_argument("--tolerance", default="1 %", metavar="SHARE", help="of K, over the largest of a step (1 %%)")
+    command.add_argument(
+        "--increments",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="run half the increment, too (default: where that takes no longer than the rest)",
+    )
+    command.add_argument("--steps", type=int, metavar="N", help="growth steps (default: those of the case)")
+    command.add_argument("--timeout", type=float, metavar="SECONDS", help="give up a run after so long")
+    command.add_argument("--json", action="store_true", help="print all of it as JSON, SI, in place of the table")
+    command.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the results (default outputs/converge/<case>)"
+    )
+    command.set_defaults(command=converge)

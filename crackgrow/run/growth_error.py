@@ -1,0 +1,85 @@
+"""What follows from the error of K: by how much the direction of growth and the critical load factor may be off.
+
+K that is off by d adds the singular field of d to the stress round the tip. The criterion is asked where K_I and K_II
+are as far off as their bounds let them, K_I +- d_I and K_II +- d_II: the direction is off by as much as its answer
+turns. The load factor is off by 1/n of what the criticality is, with n = d ln(criticality) / d ln(load factor).
+
+Where the direction is that without shear at the new tip (`growth.direction: implicit`), a kink that is off by dt leaves
+K_II = K_I dt / 2 there, so that K_II that is off by d_II has turned the last increment by 2 d_II / K_I: what the hoop
+stress says of the new tip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from crackgrow.case.model import CriticalLoad
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.criteria import TipLoading, hoop_stress_kink
+from crackgrow.run.critical_load import NEVER_CRITICAL
+from crackgrow.run.judging import StepSolution, verdict
+
+NAN = float("nan")
+CORNERS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
+
+Errors = Sequence[tuple[float, float]]
+"""Bounds (Pa sqrt(m)) of the errors of K_I and K_II, tip by tip."""
+
+
+def kink_errors(solution: StepSolution, errors: Errors) -> list[float]:
+    """What the direction of growth may be off by (rad), tip by tip; nan without growth, or where K is not known."""
+    growth = solution.configuration.scene.case.growth
+    found = []
+    for tip, state in enumerate(solution.tips):
+        if state.verdict is None or growth is None:
+            found.append(NAN)
+            continue
+        moved = list(_moved(solution, tip, errors[tip]))
+        if growth.direction == "implicit":
+            kink, others = hoop_stress_kink(*state.K), [hoop_stress_kink(each.K_I, each.K_II) for each in moved]
+        else:
+            kink, others = state.verdict.kink, [_judged(solution, tip, each)[1] for each in moved]
+        found.append(max((abs(other - kink) for other in others), default=NAN))
+    return found
+
+
+def load_error(cracks: Sequence[GrowingCrack], solution: StepSolution, errors: Errors) -> float:
+    """What the critical load factor may be off by, over itself; nan where no tip of known K sets the load."""
+    if not isinstance(solution.configuration.scene.case.loading, CriticalLoad) or NEVER_CRITICAL in solution.notes:
+        return NAN
+    found, least, most = 0.0, 0.0, 0.0
+    for tip, (state, (crack, at_end)) in enumerate(zip(solution.tips, solution.cover.tip_ends, strict=True)):
+        if state.verdict is None or not cracks[crack].can_grow(at_end):
+            continue
+        own = [_judged(solution, tip, each)[0] for each in _moved(solution, tip, errors[tip])]
+        if not own:
+            return NAN
+        found, least, most = (
+            max(pair) for pair in zip((found, least, most), _range(state.verdict.criticality, own), strict=True)
+        )
+    starts = max((start.verdict.criticality for start in solution.starts), default=0.0)
+    if found <= 0.0 or starts > found or not solution.steepness > 0.0:
+        return NAN
+    return max(most / found - 1.0, 1.0 - least / found) / solution.steepness
+
+
+def _range(criticality: float, others: Sequence[float]) -> tuple[float, float, float]:
+    """A criticality, and the least and the largest that it may be."""
+    return criticality, min(others), max(others)
+
+
+def _moved(solution: StepSolution, tip: int, error: tuple[float, float]) -> Iterator[TipLoading]:
+    """The loading of a tip where K is off as far as it may be; nothing where that is not known."""
+    loading = solution.tips[tip].loading
+    if loading is None or not np.isfinite((*error, loading.K_I, loading.K_II)).all():
+        return
+    yield from (loading.with_K_off(first * error[0], second * error[1]) for first, second in CORNERS)
+
+
+def _judged(solution: StepSolution, tip: int, loading: TipLoading) -> tuple[float, float]:
+    """Criticality and kink (rad) of a tip under another loading."""
+    configuration = solution.configuration
+    found = verdict(configuration.scene, configuration.sites[tip], loading)
+    return found.criticality, found.kink

@@ -1,0 +1,1 @@
+"""Whether a case's own setting is good enough: the case on three settings, what they tend to, and what each misses."""
