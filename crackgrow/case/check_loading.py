@@ -13,7 +13,6 @@ LOADS = ("traction", "gravity", "pressure", "stress", "force")  # the key that h
 def check_loading(scene: Scene) -> None:
     """Report a history without factors, a critical load where nothing tells it or can be scaled, and a lost target."""
     loading = scene.get("loading")
-    _check_goal(scene)
     if loading == "critical":
         _check_critical(scene)
     elif loading == "strength_reduction":
@@ -23,6 +22,7 @@ def check_loading(scene: Scene) -> None:
     elif loading is not None and not loading["history"]:
         message = "no factor given; wanted: at least one, such as [1.0], or loading: critical"
         scene.report.fault(("loading", "history"), message)
+    _check_goal(scene)
 
 
 def _check_goal(scene: Scene) -> None:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import crackgrow
-from crackgrow.case.accuracy import PRESETS
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
 
@@ -80,7 +79,11 @@ def add_converge(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument(
-        "--at", nargs=3, default=list(PRESETS), metavar="SETTING", help="presets or targets (draft standard fine)"
+        "--at",
+        nargs=3,
+        default=["draft", "standard", "fine"],
+        metavar="SETTING",
+        help="presets or targets (draft standard fine)",
     )
     command.add_argument("--tolerance", default="1 %", metavar="SHARE", help="of K, over the largest of a step (1 %%)")
     command.add_argument(

@@ -23,7 +23,8 @@ from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.plan.sizes import Sizes
 
-TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact", "held N")
+TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact", "held N",
+         "halved")  # fmt: skip
 MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R", "held N")
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
@@ -52,8 +53,7 @@ class Cost:
 def estimated_cost(case: Case, sizes: Sizes) -> Cost:
     """What a run of the case will take on this machine; measures the machine for a moment."""
     table = json.loads((files("crackgrow.plan") / "cost.json").read_text(encoding="utf-8"))
-    slower = probe() / table["probe"] * (sizes.n_pairs / (2 * sizes.n_patches * USUAL_PAIRS)) ** CROWDING
-    terms = terms_of(case, sizes)
+    slower, terms = probe() / table["probe"], terms_of(case, sizes)
     solves = IMPLICIT_SOLVES if case.growth is not None and case.growth.direction == "implicit" else 1.0
     static = case.growth is None and isinstance(case.loading, LoadHistory | Stages)
     history = case.last_step + 1 if static else 1
@@ -73,11 +73,12 @@ def _memory(parts: np.ndarray[tuple[int], np.dtype[np.float64]], sizes: Sizes) -
 
 
 def terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """The values (10,) of TERMS."""
+    """The values (11,) of TERMS, each the larger the more patches meet on an element."""
     n, s, contact = sizes.n_dofs / 1e4, _singular(sizes), sizes.n_contact / 100
     critical = isinstance(case.loading, CriticalLoad)
     touching = [contact, contact * n**0.5, sizes.n_tips / 10, contact * critical, _held_first(case) * n]
-    return np.array([1.0, n, n**1.5, s, s**2 / (n - s), *touching])
+    crowding = (sizes.n_pairs / (2 * sizes.n_patches * USUAL_PAIRS)) ** CROWDING
+    return crowding * np.array([1.0, n, n**1.5, s, s**2 / (n - s), *touching, sizes.n_halved / 1e4])
 
 
 def memory_terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -17,6 +17,8 @@ from crackgrow.run.scene import make_scene
 
 CARRIERS_AT_A_TIP: Final = (16, 3)  # of its functions: one for each patch, or gathered
 SPACINGS_OF_A_POINT: Final = 2.0  # along a crack, of contact points
+CUT_MORE: Final = 0.3  # of elements, where cells of several sizes meet
+MEET_MORE: Final = 0.6  # of pairs of patches on an element there
 MOST_SHARE: Final = 0.9  # of the machine's memory: others need some, too
 
 
@@ -62,16 +64,21 @@ def _memory(value: float) -> str:
 def outlook(case: Case) -> Outlook:
     """What a run of the case is about to take; good to a factor of two, and made in hundredths of a second."""
     support, spacing = case.numerics.support, case.numerics.spacing
-    nodes = estimated_nodes(case) + _n_halved(case)
+    uniform, more = estimated_nodes(case), _n_halved(case)
+    nodes = uniform + more
+    share = more / nodes  # of cells among others of another size: more of them are cut, more patches meet on each
     tips = sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
     tiles = 1 if support % 1.0 == 0.0 else 4 if support % 0.5 == 0.0 else 9  # of a cell, cut by the edges of patches
-    elements, singular = nodes * tiles, CARRIERS_AT_A_TIP[case.numerics.gathers_tip_functions] * tips
+    elements = round(nodes * tiles * (1.0 + CUT_MORE * share))
+    pairs = round(elements * (2.0 * support) ** 4 * (1.0 + MEET_MORE * share))
+    singular = CARRIERS_AT_A_TIP[case.numerics.gathers_tip_functions] * tips
     lines = [crack.points for crack in case.cracks if crack.contact is not None]
     lines += [line for interface in case.interfaces for line in interface.lines]
     length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
     points = round(length / (SPACINGS_OF_A_POINT * spacing))
     n_dofs = 2 * nodes + 8 * singular
-    sizes = Sizes(n_dofs, nodes, singular, tips, elements, round(elements * (2.0 * support) ** 4), points, 0, (), ())
+    cells = ((spacing, uniform), (0.5 * spacing, more))
+    sizes = Sizes(n_dofs, nodes, singular, tips, elements, pairs, points, 0, (), (), cells=cells)
     return Outlook(n_dofs, estimated_cost(case, sizes), machine_memory())
 
 

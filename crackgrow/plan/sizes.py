@@ -46,6 +46,11 @@ class Sizes:
     cells: tuple[tuple[float, int], ...] = ()  # sides (m) of cells that rock lies in, largest first, and their numbers
 
     @property
+    def n_halved(self) -> int:
+        """Cells that are smaller than the largest."""
+        return sum(n for _, n in self.cells[1:])
+
+    @property
     def n_tractions(self) -> int:
         """Contact unknowns where all points are pressed: normal ones, and tangential where any surface is rough."""
         return self.n_contact * (2 if any(surface.rough for surface in self.surfaces) else 1)

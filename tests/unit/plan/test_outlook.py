@@ -19,6 +19,7 @@ CASES = Path(__file__).resolve().parents[3] / "cases"
 @pytest.mark.parametrize(
     ("name", "settings"),
     [
+        ("compression30", ["numerics.spacing=1.5"]),
         ("compression30", []),
         ("block_foundation", []),
         ("flaw_and_hole", ["numerics.spacing=1"]),

@@ -70,7 +70,7 @@ def study(
     tolerance: float = 0.05,
 ) -> Convergence:
     orders, bends, sizes = orders or {}, bends or {}, {**SIZES, **(sizes or {})}
-    plan = plan_convergence(CASES / f"{case}.yaml", parent, tolerance=tolerance)
+    plan = plan_convergence(CASES / f"{case}.yaml", parent, overrides=("numerics.spacing=1.5",), tolerance=tolerance)
     names = [*THREE, "own", *([HALF] if bends else [])]
     runs = [
         Ran(

@@ -12,7 +12,7 @@ from crackgrow.study.converge.plan import HALF, OWN, ConvergencePlan, plan_conve
 
 CASES = Path(__file__).parents[4] / "cases"
 FLAW = CASES / "compression30.yaml"
-AUTOMATIC = ("numerics.spacing=auto",)
+GIVEN = ("numerics.spacing=1.5",)
 
 
 def plan(folder: Path, **asked: object) -> ConvergencePlan:
@@ -20,17 +20,17 @@ def plan(folder: Path, **asked: object) -> ConvergencePlan:
 
 
 def test_the_own_setting_is_one_of_the_three_where_it_is_the_same(tmp_path: Path) -> None:
-    own = plan(tmp_path, overrides=AUTOMATIC).own
+    own = plan(tmp_path).own
     assert own.name == "standard"
-    assert plan(tmp_path, overrides=(*AUTOMATIC, "numerics.accuracy=fine")).own.name == "fine"
-    assert plan(tmp_path).own.name == OWN  # its spacing is given
+    assert plan(tmp_path, overrides=("numerics.accuracy=fine",)).own.name == "fine"
+    assert plan(tmp_path, overrides=GIVEN).own.name == OWN  # its spacing is given
 
 
 def test_targets_are_settings_too(tmp_path: Path) -> None:
     found = plan(tmp_path, settings=("3%", "1 %", "0.003"))
     targets = [found.file.load(*setting.overrides).numerics.target for setting in found.settings]
     assert targets == [0.03, 0.01, 0.003]
-    same = plan(tmp_path, overrides=(*AUTOMATIC, "numerics.accuracy=1 %"), settings=("3%", "1%", "0.3%"))
+    same = plan(tmp_path, overrides=("numerics.accuracy=1 %",), settings=("3%", "1%", "0.3%"))
     assert same.own.name == "1%"
 
 
