@@ -77,7 +77,7 @@ def terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.flo
     n, s, contact = sizes.n_dofs / 1e4, _singular(sizes), sizes.n_contact / 100
     critical = isinstance(case.loading, CriticalLoad)
     touching = [contact, contact * n**0.5, sizes.n_tips / 10, contact * critical, _held_first(case) * n]
-    crowding = (sizes.n_pairs / (2 * sizes.n_patches * USUAL_PAIRS)) ** CROWDING
+    crowding = float((sizes.n_pairs / (2 * sizes.n_patches * USUAL_PAIRS)) ** CROWDING)
     return crowding * np.array([1.0, n, n**1.5, s, s**2 / (n - s), *touching, sizes.n_halved / 1e4])
 
 
