@@ -1,15 +1,18 @@
 """Outlines and cracks in files, in the length unit of the case.
 
-A GeoJSON or WKT file holds one polygon, perhaps with holes, or the lines of many cracks; a mesh holds regions, names of
-their edges, and curves.
+A GeoJSON or WKT file holds one polygon, perhaps with holes, or the lines of many cracks; a CSV file such lines, as
+paths.csv of a run has them; a mesh holds regions, names of their edges, and curves.
 """
 
 from __future__ import annotations
 
+import csv
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path as FilePath
 from typing import Any
 
+import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
@@ -26,12 +29,40 @@ MOST_LINES = 1000  # of a set of cracks
 
 Corners = list[list[float]]  # m, not closed
 
-_READERS = {".geojson": shapely.from_geojson, ".json": shapely.from_geojson, ".wkt": shapely.from_wkt}
-ENDINGS = (*_READERS, *mesh_file.ENDINGS)
+COLUMNS = ("crack", "x", "y")  # of a CSV file; others are passed over
 
 
 class OutlineError(ValueError):
     """A file that holds no outline; the message says why."""
+
+
+def _from_csv(text: str) -> shapely.Geometry:
+    """The lines of a table with a row for each vertex: rows in turn of one crack are a line."""
+    rows = csv.DictReader(text.splitlines())
+    missing = [name for name in COLUMNS if name not in (rows.fieldnames or ())]
+    if missing:
+        raise OutlineError(f"has no column {' or '.join(missing)}; its columns are {', '.join(rows.fieldnames or ())}")
+    lines = []
+    for name, vertices in groupby(rows, key=lambda row: row["crack"]):
+        try:
+            points = [(float(row["x"]), float(row["y"])) for row in vertices]
+        except (TypeError, ValueError):
+            raise OutlineError(f"has a vertex of {quoted(str(name))} whose x or y is no number") from None
+        if len(points) < 2:
+            raise OutlineError(f"has one vertex of {quoted(str(name))}, and a line has two or more")
+        lines.append(points)
+    if not np.isfinite(np.concatenate([np.zeros((1, 2)), *lines])).all():
+        raise OutlineError("has a vertex whose x or y is not finite")
+    return shapely.MultiLineString(lines)
+
+
+_READERS = {
+    ".geojson": shapely.from_geojson,
+    ".json": shapely.from_geojson,
+    ".wkt": shapely.from_wkt,
+    ".csv": _from_csv,
+}
+ENDINGS = (*_READERS, *mesh_file.ENDINGS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +74,8 @@ class OutlineFile:
     def describe(self) -> str:
         """Say in a few words what is allowed."""
         content = "lines" if self.of_cracks else "one polygon"
-        return f"the name of a .geojson or .wkt file with {content}, or a mesh ({', '.join(mesh_file.ENDINGS)})"
+        kinds = ".geojson, .wkt or .csv" if self.of_cracks else ".geojson or .wkt"
+        return f"the name of a {kinds} file with {content}, or a mesh ({', '.join(mesh_file.ENDINGS)})"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the corners of the outline and then of each hole, or the lines, in m; of a mesh the mesh itself."""

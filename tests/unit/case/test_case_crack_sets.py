@@ -101,3 +101,41 @@ def test_a_set_runs_and_its_run_is_gone_on_with(tmp_path: Path) -> None:
     assert cli.main([*run, "--set", "output.frames=none", "--resume"]) == 0
     warnings = json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]
     assert any("left out of sets of cracks, lines: 1: 0.2 m of 'joints-2'" in words for words in warnings)
+
+
+def test_a_table_of_vertices_is_a_set_as_the_paths_of_a_run_are(tmp_path: Path) -> None:
+    """Rows in turn of one crack are a line; columns besides do no harm."""
+    lines = [[[200, 200], [300, 250], [400, 250]], [[600, 500], [700, 500]]]
+    load(tmp_path, lines)
+    rows = [f"{name},{k},{x},{y},0" for name, line in zip("ab", lines, strict=True) for k, (x, y) in enumerate(line)]
+    (tmp_path / "traces.csv").write_text("\n".join(["crack,vertex,x,y,step", *rows]) + "\n")
+    scene = (tmp_path / "scene.yaml").read_text()
+    (tmp_path / "table.yaml").write_text(scene.replace("traces.geojson", "traces.csv"))
+    one, other = (load_case(tmp_path / f"{name}.yaml") for name in ("scene", "table"))
+    for first, second in zip(one.cracks, other.cracks, strict=True):
+        assert first.name == second.name
+        np.testing.assert_array_equal(first.points, second.points)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("x,y\n1,2\n", "has no column crack; its columns are x, y"),
+        ("", "has no column crack or x or y"),
+        ("crack,x,y\na,1,2\n", "one vertex of 'a'"),
+        ("crack,x,y\na,1,two\na,3,4\n", "whose x or y is no number"),
+        ("crack,x,y\na,1\na,3,4\n", "whose x or y is no number"),
+        ("crack,x,y\na,nan,0\na,3,4\n", "finite"),
+        ("crack,x,y\n", "nothing"),
+    ],
+)
+def test_fault_of_a_table(text: str, words: str, tmp_path: Path) -> None:
+    load(tmp_path, [[[200, 200], [300, 250]]])
+    (tmp_path / "traces.csv").write_text(text)
+    scene = (tmp_path / "scene.yaml").read_text().replace("traces.geojson", "traces.csv")
+    (tmp_path / "scene.yaml").write_text(scene)
+    with pytest.raises(CaseError) as caught:
+        load_case(tmp_path / "scene.yaml")
+    (fault,) = caught.value.faults
+    assert fault.key == "cracks.joints.path.file"
+    assert words in fault.message
