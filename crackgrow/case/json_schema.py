@@ -16,7 +16,7 @@ from crackgrow.case import scene
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.base import BESIDE, OfFile
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
-from crackgrow.case.outline_file import ENDINGS, OutlineFile
+from crackgrow.case.outline_file import OutlineFile
 from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
@@ -212,7 +212,7 @@ def _scalar(spec: Spec) -> Schema:
             formula = {"type": "string", "pattern": rf"^(?!\s*{_NUMBER}\s*$){_NO_FORMULA}({ALPHABET})+$"}
             return {"anyOf": [_bare(kind, ANY), _with_unit(kind, ANY), formula]}
         case OutlineFile():
-            letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in ENDINGS]
+            letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in spec.endings]
             return {"type": "string", "pattern": rf"\.({'|'.join(letters)})$"}
     raise TypeError(f"{type(spec).__name__} has no form in JSON Schema")
 

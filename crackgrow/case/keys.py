@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from crackgrow.case.along import LengthOrAngle
-from crackgrow.case.outline_file import ENDINGS, OutlineFile
+from crackgrow.case.outline_file import OutlineFile
 from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
 from crackgrow.case.scene import CASE
@@ -189,7 +189,7 @@ def _scalar(spec: Spec) -> _Value:
         case LengthOrAngle():
             return _Value("length, or angle on an arc", f"{_units('length')}; on an arc {_units('angle')}")
         case OutlineFile():
-            return _Value("file name", "", f"ends in {', '.join(ENDINGS)}")
+            return _Value("file name", "", f"ends in {', '.join(spec.endings)}")
     units = getattr(spec, "kind", "")  # of a spec that this module need not know
     return _Value(spec.describe(), _units(units) if units in UNITS else "")
 

@@ -56,13 +56,8 @@ def _from_csv(text: str) -> shapely.Geometry:
     return shapely.MultiLineString(lines)
 
 
-_READERS = {
-    ".geojson": shapely.from_geojson,
-    ".json": shapely.from_geojson,
-    ".wkt": shapely.from_wkt,
-    ".csv": _from_csv,
-}
-ENDINGS = (*_READERS, *mesh_file.ENDINGS)
+_READERS = {".geojson": shapely.from_geojson, ".json": shapely.from_geojson, ".wkt": shapely.from_wkt}
+_TABLES = {".csv": _from_csv}
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +65,11 @@ class OutlineFile:
     """The name of a file with an outline, or with the lines of cracks, relative to the folder of the case file."""
 
     of_cracks: bool = False
+
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """How the names of such files end."""
+        return (*_READERS, *(_TABLES if self.of_cracks else ()), *mesh_file.ENDINGS)
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
@@ -83,7 +83,7 @@ class OutlineFile:
             return refuse(node, self.describe(), path, context)
         file = context.folder_of(node) / node.text
         try:
-            if file.suffix.lower() not in ENDINGS:
+            if file.suffix.lower() not in self.endings:
                 raise OutlineError(f"ends in {quoted(file.suffix)}")
             if file.suffix.lower() in mesh_file.ENDINGS:
                 return read_mesh(file)
@@ -100,7 +100,7 @@ class OutlineFile:
 def _parts_of(file: FilePath) -> list[shapely.Geometry]:
     """Return the shapes of a file, one by one."""
     try:
-        geometry = _READERS[file.suffix.lower()](_text_of(file))
+        geometry = {**_READERS, **_TABLES}[file.suffix.lower()](_text_of(file))
     except (shapely.errors.ShapelyError, NotImplementedError) as error:  # NotImplementedError: curves
         raise OutlineError(f"cannot be read as {file.suffix.lower()[1:]}: {clean(str(error))}") from None
     return list(shapely.get_parts(shapely.get_parts(geometry))) if geometry is not None else []
