@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crackgrow.results.atomic import append_text, write_text
-from crackgrow.results.units import INTENSITIES, LENGTHS, unit_of
+from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, unit_of
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.run.result import Event, StepResult, TipResult
@@ -102,6 +102,7 @@ def told_line(result: StepResult, n_steps: int | None) -> str:
             *(_tip_words(tip) for tip in shown[:MOST_TIPS]),
             *([f"{len(shown) - MOST_TIPS} more"] if len(shown) > MOST_TIPS else []),
             *length_words(result),
+            *_time_words(result),
         ]
     )
 
@@ -122,6 +123,14 @@ def length_words(result: StepResult) -> list[str]:
         return []
     size, unit = unit_of([result.crack_length], LENGTHS)
     return [f"cracks {result.crack_length / size:.4g} {unit.replace('µ', 'u')} long"]
+
+
+def _time_words(result: StepResult) -> list[str]:
+    """When the cracks have come here; empty where growth takes no time."""
+    if not math.isfinite(result.time):
+        return []
+    size, unit = unit_of([result.time or 1.0], TIMES)
+    return [f"at {result.time / size:.4g} {unit.replace('µ', 'u')}"]
 
 
 def event_line(event: Event) -> str:

@@ -214,6 +214,9 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
     if growth.steps == 0:
         return f"growth: none, {growth.criterion} is judged, {radius}"
     steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
+    law = growth.subcritical
+    if law is not None:
+        steps += f" at most, v = {law.velocity:g} m/s (K/K_c)^{law.exponent:g}"
     at = growth.initiation.at
     starts = "" if at == "tips" else f", new cracks {'anywhere' if at == 'anywhere' else f'at {at}'}"
     return (

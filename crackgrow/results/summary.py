@@ -40,6 +40,7 @@ class Tally:
         self.kink_error = math.nan  # degrees, of tips that grow
         self.load_factor_error = math.nan  # percent
         self.goal_error = math.nan  # percent
+        self.time = math.nan  # s, of the last step
 
     @property
     def warnings(self) -> list[str]:
@@ -59,6 +60,7 @@ class Tally:
         self.kink_error = max((self.kink_error, *kinks), key=_known)
         self.load_factor_error = max((self.load_factor_error, result.load_factor_error), key=_known)
         self.goal_error = max((self.goal_error, result.goal_error), key=_known)
+        self.time = float(result.time)
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
         for check in CHECKS:
@@ -85,6 +87,7 @@ class Tally:
             "kink_error": self.kink_error,
             "load_factor_error": self.load_factor_error,
             "goal_error": self.goal_error,
+            "time": self.time,
         }
 
     @classmethod
@@ -102,6 +105,7 @@ class Tally:
         tally.kink_error = record.get("kink_error", math.nan)  # checkpoints of before have none
         tally.load_factor_error = record.get("load_factor_error", math.nan)
         tally.goal_error = record.get("goal_error", math.nan)
+        tally.time = record.get("time", math.nan)
         return tally
 
     def add_seconds(self, phase: str, seconds: float) -> None:
@@ -134,6 +138,7 @@ def summarize(
         "resumed_with_steps": list(resumed),
         "effective_toughness_K_I": _finite(tally.effective_toughness),
         **({} if end.safety is None else {"safety": _safety(end.safety)}),
+        **({} if math.isnan(tally.time) else {"time": _finite(tally.time)}),
         "worst_checks": {
             check: {"value": _finite(value), "step": step} for check, (value, step) in tally.worst.items()
         },

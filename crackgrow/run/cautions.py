@@ -103,6 +103,7 @@ def _all_cautions(
             radius = state.intensity.radius
             size = np.inf if np.isnan(radius) else 1.0 / radius
             yield Cause.SMALL_DISC.at(_tip_name(solution, *end), size, note=state.intensity.note)
+    yield from _unstable(scene, solution)
     yield from closeness_cautions(scene, solution.cover)
     yield from _kinks(solution)
     yield from _on_points(scene, solution)
@@ -110,6 +111,15 @@ def _all_cautions(
     for cause, size in (*sizes, (Cause.IMBALANCE, imbalance(solution))):
         if size > cause.limit:
             yield cause.at(size=size, percent=100.0 * size)
+
+
+def _unstable(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
+    """Tips that are beyond their toughness, where a law of subcritical growth gives them a velocity."""
+    if scene.case.growth is None or scene.case.growth.subcritical is None:
+        return
+    for state, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
+        if state.verdict is not None and state.verdict.criticality >= Cause.UNSTABLE.limit:
+            yield Cause.UNSTABLE.at(_tip_name(solution, *end), state.verdict.criticality)
 
 
 def _off_target(solution: StepSolution) -> Iterator[Caution]:

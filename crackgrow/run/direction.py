@@ -7,8 +7,8 @@ corrected by its own tip's K_II alone (diagonal secant); one whose tip has met s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -58,11 +58,12 @@ class BeforeAdvance:
     cracks: tuple[GrowingCrack, ...]
     step: int  # that they advance in
     start: Start | None = None  # of a new crack, if one starts
+    lengths: Mapping[tuple[int, bool], float] = field(default_factory=dict)  # m, of ends that go by another increment
 
-    def way(self, kink: float) -> Way:
-        """How a crack goes on at a kink (rad)."""
-        increment, link = self.growth.increment, self.growth.link_distance
-        return Way(kink, increment) if link is None else Way(kink, increment, link / increment)
+    def way(self, end: tuple[int, bool], kink: float) -> Way:
+        """How a crack goes on from an end at a kink (rad)."""
+        length, link = self.lengths.get(end, self.growth.increment), self.growth.link_distance
+        return Way(kink, length) if link is None else Way(kink, length, min(link / length, 1.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,7 +129,7 @@ def _advanced(before: BeforeAdvance, ends: Sequence[tuple[int, bool]], kinks: Fl
     grown = list(before.cracks)
     events: list[Event] = []
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
-        way = before.way(kink)
+        way = before.way((index, at_end), kink)
         if index == len(grown):
             events += _started(before, grown, way)
             continue

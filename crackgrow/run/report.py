@@ -10,10 +10,12 @@ from functools import partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import Subcritical
 from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
 from crackgrow.run.checkpoint import RunState
@@ -77,6 +79,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         effective_toughness=_toughness(scene),
         cautions=cautions(scene, solution, faces, shares, state.step),
         norm_error=error.relative if error else float("nan"),
+        time=float("nan") if _law(scene) is None else state.time,
         goal_error=float("nan") if known is None else 100.0 * known.goal,
         load_factor_error=100.0 * load_error(state.cracks, solution, errors),
         history=history([*solution.passed, solution.state]),
@@ -112,7 +115,7 @@ def _load_displacement(solution: StepSolution) -> float:
 def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error: tuple[float, float]) -> TipResult:
     cover, state = solution.cover, solution.tips[tip]
     index, at_end = cover.tip_ends[tip]
-    verdict = state.verdict
+    verdict, law = state.verdict, _law(scene)
     nan = float("nan")
     return TipResult(
         crack=cover.cracks[index].name,
@@ -135,7 +138,13 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error
         K_I_spread=state.intensity.K_I_spread,
         K_II_spread=state.intensity.K_II_spread,
         cell_size=cover.tips[tip].size * scene.lattice.spacing,
+        velocity=nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0]),
     )
+
+
+def _law(scene: Scene) -> Subcritical | None:
+    growth = scene.case.growth
+    return None if growth is None else growth.subcritical
 
 
 def _toughness(scene: Scene) -> float:
