@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from crackgrow.results.progress import Progress
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, summarize, summary_text
 from crackgrow.run.result import StepResult, TipResult
 from tests.unit.results.synthetic import make_case, make_end, make_result
@@ -86,3 +87,12 @@ def test_what_is_unknown_is_null_and_not_told() -> None:
     assert error_line(tally, make_end(0)) == ""
     tally.add(with_tips(1, {}))
     assert error_line(tally, make_end(0)) == "estimated error: K by at most 10 % of the largest"
+
+
+def test_the_lines_of_a_run_keep_the_unit_of_K_while_K_falls() -> None:
+    said: list[str] = []
+    progress = Progress(make_case(), lambda text, end: said.append(text), width=None)
+    for step, K in enumerate((114.0, 1.1e6, 0.9e6)):
+        progress.show(with_tips(step, {"K_I": K, "K_II": 0.0, "advanced": True}))
+    told = [text.partition("K_I ")[2].partition(",")[0] for text in said if text.startswith("step")]
+    assert told == ["114 K_II 0 Pa sqrt(m)", "1.10 K_II 0.00 MPa sqrt(m)", "0.900 K_II 0.000 MPa sqrt(m)"]
