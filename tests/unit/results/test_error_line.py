@@ -96,3 +96,15 @@ def test_the_lines_of_a_run_keep_the_unit_of_K_while_K_falls() -> None:
         progress.show(with_tips(step, {"K_I": K, "K_II": 0.0, "advanced": True}))
     told = [text.partition("K_I ")[2].partition(",")[0] for text in said if text.startswith("step")]
     assert told == ["114 K_II 0 Pa sqrt(m)", "1.10 K_II 0.00 MPa sqrt(m)", "0.900 K_II 0.000 MPa sqrt(m)"]
+
+
+def test_K_of_rock_at_rest_does_not_tell_how_good_K_is() -> None:
+    """Its K is what the discretization leaves of none."""
+    loaded = {"K_I": 3e4, "K_II": -4e4, "K_I_error": 4e3, "K_II_error": 1e3, "K_I_spread": 200.0, "K_II_spread": 800.0}
+    rest = {"K_I_error": 400.0, "K_I_spread": 300.0}
+    for changes in ((rest, loaded), (loaded, rest)):
+        tally = Tally()
+        for step, change in enumerate(changes):
+            tally.add(with_tips(step, change))
+        np.testing.assert_allclose(tally.K_error, 10.0)
+        np.testing.assert_allclose(Tally.of(tally.record()).K_spread, 2.0)
