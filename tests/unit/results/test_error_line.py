@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from crackgrow.case.model import Stage, Stages
 from crackgrow.results.progress import Progress
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, summarize, summary_text
 from crackgrow.run.result import StepResult, TipResult
@@ -108,3 +109,14 @@ def test_K_of_rock_at_rest_does_not_tell_how_good_K_is() -> None:
             tally.add(with_tips(step, change))
         np.testing.assert_allclose(tally.K_error, 10.0)
         np.testing.assert_allclose(Tally.of(tally.record()).K_spread, 2.0)
+
+
+def test_a_stage_is_told_by_its_name() -> None:
+    names = ("at rest", "excavated")
+    stages = Stages(Stage("", 0.0, (), ()), tuple(Stage(name, 1.0, (), ()) for name in names))
+    said: list[str] = []
+    progress = Progress(replace(make_case(), loading=stages), lambda text, end: said.append(text), width=None)
+    for factor in (1.0, 2.0, 1.5):
+        progress.show(replace(with_tips(0, {}), load_factor=factor))
+    told = [text.split(", ")[1] for text in said if text.startswith("step")]
+    assert told == ["stage 'at rest'", "stage 'excavated'", "load factor 1.5"]
