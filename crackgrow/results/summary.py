@@ -15,8 +15,10 @@ from typing import Any
 from crackgrow import __version__
 from crackgrow.case.model import Case
 from crackgrow.results.gathered import Gathered
+from crackgrow.results.log import largest_K
 from crackgrow.run.result import Event, RunEnd, Safety, StepResult, TipResult, event_of, event_record
 
+NEGLIGIBLE = 1e-3  # of the largest K of the run: a step with less does not tell how good K is
 ROUND_OFF = 1e-8  # of the loads' K, their force over the root of a length: a smaller K tells nothing
 MEMORY_FILE = Path("/proc/self/status")  # of Linux
 CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
@@ -35,6 +37,7 @@ class Tally:
         self.events: list[Event] = []
         self.effective_toughness = math.nan
         self.norm_error = math.nan  # percent, of the first step
+        self.largest_K = 0.0  # Pa sqrt(m)
         self.K_error = math.nan  # percent
         self.K_spread = math.nan  # percent
         self.kink_error = math.nan  # degrees, of tips that grow
@@ -54,8 +57,7 @@ class Tally:
         self.effective_toughness = float(result.effective_toughness)
         if len(self.steps) == 1:
             self.norm_error = float(result.norm_error)
-        self.K_error = max((self.K_error, K_error(result)), key=_known)
-        self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
+        self._add_K(result)
         kinks = [tip.kink_error_deg for tip in result.tips if tip.advanced]
         self.kink_error = max((self.kink_error, *kinks), key=_known)
         self.load_factor_error = max((self.load_factor_error, result.load_factor_error), key=_known)
@@ -70,6 +72,19 @@ class Tally:
         self.events.extend(result.events)
         return self.cautions.add(result.step, result.cautions)
 
+    def _add_K(self, result: StepResult) -> None:
+        """Count in what K of a step is off by, unless it is nothing beside that of other steps.
+
+        So it is in rock at rest, before something is excavated.
+        """
+        before, here = self.largest_K, largest_K(result)
+        self.largest_K = max(before, here)
+        if before < NEGLIGIBLE * here:
+            self.K_error = self.K_spread = math.nan
+        if here >= NEGLIGIBLE * before:
+            self.K_error = max((self.K_error, K_error(result)), key=_known)
+            self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
+
     def record(self) -> dict[str, object]:
         """All of it as a mapping that JSON can hold."""
         return {
@@ -82,6 +97,7 @@ class Tally:
             "events": [event_record(event) for event in self.events],
             "effective_toughness": self.effective_toughness,
             "norm_error": self.norm_error,
+            "largest_K": self.largest_K,
             "K_error": self.K_error,
             "K_spread": self.K_spread,
             "kink_error": self.kink_error,
@@ -102,6 +118,7 @@ class Tally:
         tally.effective_toughness = record["effective_toughness"]
         tally.norm_error = record["norm_error"]
         tally.K_error, tally.K_spread = record["K_error"], record["K_spread"]
+        tally.largest_K = record.get("largest_K", 0.0)  # checkpoints of before have none
         tally.kink_error = record.get("kink_error", math.nan)  # checkpoints of before have none
         tally.load_factor_error = record.get("load_factor_error", math.nan)
         tally.goal_error = record.get("goal_error", math.nan)

@@ -8,6 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from crackgrow.case.model import Stage, Stages
+from crackgrow.results.progress import Progress
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, summarize, summary_text
 from crackgrow.run.result import StepResult, TipResult
 from tests.unit.results.synthetic import make_case, make_end, make_result
@@ -86,3 +88,35 @@ def test_what_is_unknown_is_null_and_not_told() -> None:
     assert error_line(tally, make_end(0)) == ""
     tally.add(with_tips(1, {}))
     assert error_line(tally, make_end(0)) == "estimated error: K by at most 10 % of the largest"
+
+
+def test_the_lines_of_a_run_keep_the_unit_of_K_while_K_falls() -> None:
+    said: list[str] = []
+    progress = Progress(make_case(), lambda text, end: said.append(text), width=None)
+    for step, K in enumerate((114.0, 1.1e6, 0.9e6)):
+        progress.show(with_tips(step, {"K_I": K, "K_II": 0.0, "advanced": True}))
+    told = [text.partition("K_I ")[2].partition(",")[0] for text in said if text.startswith("step")]
+    assert told == ["114 K_II 0 Pa sqrt(m)", "1.10 K_II 0.00 MPa sqrt(m)", "0.900 K_II 0.000 MPa sqrt(m)"]
+
+
+def test_K_of_rock_at_rest_does_not_tell_how_good_K_is() -> None:
+    """Its K is what the discretization leaves of none."""
+    loaded = {"K_I": 3e4, "K_II": -4e4, "K_I_error": 4e3, "K_II_error": 1e3, "K_I_spread": 200.0, "K_II_spread": 800.0}
+    rest = {"K_I_error": 400.0, "K_I_spread": 300.0}
+    for changes in ((rest, loaded), (loaded, rest)):
+        tally = Tally()
+        for step, change in enumerate(changes):
+            tally.add(with_tips(step, change))
+        np.testing.assert_allclose(tally.K_error, 10.0)
+        np.testing.assert_allclose(Tally.of(tally.record()).K_spread, 2.0)
+
+
+def test_a_stage_is_told_by_its_name() -> None:
+    names = ("at rest", "excavated")
+    stages = Stages(Stage("", 0.0, (), ()), tuple(Stage(name, 1.0, (), ()) for name in names))
+    said: list[str] = []
+    progress = Progress(replace(make_case(), loading=stages), lambda text, end: said.append(text), width=None)
+    for factor in (1.0, 2.0, 1.5):
+        progress.show(replace(with_tips(0, {}), load_factor=factor))
+    told = [text.split(", ")[1] for text in said if text.startswith("step")]
+    assert told == ["stage 'at rest'", "stage 'excavated'", "load factor 1.5"]
