@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, summarize, summary_text
 from crackgrow.run.result import StepResult, TipResult
@@ -36,12 +38,13 @@ def test_the_bound_is_that_of_all_tips_by_the_largest_K() -> None:
     assert math.isnan(K_error(with_tips(0, {"K_I": math.nan})))
 
 
-def test_round_off_has_no_spread() -> None:
-    """The loads do work of 2 * 3 J/m over 1e-5 m; a tenth of a metre makes K of 1.9e6 Pa sqrt(m) of that."""
-    noise = {"K_I": 3e-3, "K_II": -4e-3, "K_I_spread": 1e-3, "K_radius": 0.1}
-    assert math.isnan(K_spread(with_tips(0, noise)))
-    np.testing.assert_allclose(K_spread(with_tips(0, noise, {"K_radius": 0.1})), 2.0)
-    np.testing.assert_allclose(K_spread(replace(with_tips(0, noise), load_displacement=0.0)), 2000.0)
+@pytest.mark.parametrize("told", [K_spread, K_error])
+def test_K_that_is_nothing_beside_what_the_stress_could_make_has_no_error(told: Callable[[StepResult], float]) -> None:
+    """10 Pa make 10 sqrt(0.1 pi) = 5.6 Pa sqrt(m) of a crack with a half length of a tenth of a metre."""
+    nothing, usual = {"K_I": 3e-3, "K_II": -4e-3, "K_radius": 0.1}, told(with_tips(0, {}))
+    assert math.isnan(told(replace(with_tips(0, nothing), stress=10.0)))
+    np.testing.assert_allclose(told(replace(with_tips(0, nothing, {"K_radius": 0.1}), stress=10.0)), usual)
+    np.testing.assert_allclose(told(replace(with_tips(0, nothing), stress=1.0)), 1000.0 * usual)
 
 
 def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> None:
