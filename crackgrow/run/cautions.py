@@ -209,9 +209,13 @@ def _pressed_strain(scene: Scene, solution: StepSolution, faces: tuple[CrackFace
     Times the side of the cells a length that neither the size of the specimen nor its rigid motion changes.
     """
     pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
+    return float(max(pressure, mean_stress(scene, solution)) / min(m.young_prime for m in scene.materials))
+
+
+def mean_stress(scene: Scene, solution: StepSolution) -> float:
+    """Stress (Pa) that would give the softest of the rock, all over, the strain energy that there is."""
     softest, area = min(m.young_prime for m in scene.materials), sum(region.area for region in scene.regions)
-    mean = np.sqrt(2.0 * max(solution.state.energy.strain, 0.0) * softest / area)
-    return float(max(pressure, mean) / softest)
+    return float(np.sqrt(2.0 * max(solution.state.energy.strain, 0.0) * softest / area))
 
 
 def _jumps(scene: Scene, solution: StepSolution) -> Iterator[Caution]:

@@ -17,7 +17,7 @@ from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
+from crackgrow.run.cautions import cautions, largest_overlap, mean_stress, overlap_shares
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
@@ -26,7 +26,7 @@ from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions
-from crackgrow.run.result import CrackPath, Frame, FrameOnDemand, StepResult, TipResult
+from crackgrow.run.result import CrackFaces, CrackPath, Frame, FrameOnDemand, StepResult, TipResult
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -82,6 +82,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         time=float("nan") if _law(scene) is None else state.time,
         goal_error=float("nan") if known is None else 100.0 * known.goal,
         load_factor_error=100.0 * load_error(state.cracks, solution, errors),
+        stress=_stress(scene, solution, faces),
         history=history([*solution.passed, solution.state]),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
@@ -98,6 +99,16 @@ def _frame(
     """The mesh of a solution, its error estimated if it is not known; `bodies` are their numbers in the case."""
     frame = make_frame(cover, materials, u, estimate_with(cover, materials, u, K) if error is None else error)
     return replace(frame, body=bodies[frame.body])
+
+
+def _stress(scene: Scene, solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
+    """The largest pressure (Pa) on the faces of cracks, or the mean stress where that is larger.
+
+    The energy does not hold the stress in the ground, which presses on cracks that stick at no displacement.
+    """
+    cracks = (face for law, face in zip(scene.laws, faces, strict=True) if law.kind == "crack")
+    pressure = max((float(np.abs(face.normal_traction).max(initial=0.0)) for face in cracks), default=0.0)
+    return max(pressure, mean_stress(scene, solution))
 
 
 def _load_displacement(solution: StepSolution) -> float:

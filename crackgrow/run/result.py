@@ -227,6 +227,7 @@ class StepResult:
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
     norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
+    stress: float = 0.0  # Pa: the size of that which the loads make, by which K can be nothing
     history: History | None = None  # where the case names points
     load_factor_error: float = float("nan")  # percent, bound of what a critical load factor is off by; nan for others
     goal_error: float = float("nan")  # percent, bound of what `numerics.goal` is off by; nan where that is K

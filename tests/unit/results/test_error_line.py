@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from crackgrow.case.model import Stage, Stages
 from crackgrow.results.progress import Progress
@@ -38,12 +40,13 @@ def test_the_bound_is_that_of_all_tips_by_the_largest_K() -> None:
     assert math.isnan(K_error(with_tips(0, {"K_I": math.nan})))
 
 
-def test_round_off_has_no_spread() -> None:
-    """The loads do work of 2 * 3 J/m over 1e-5 m; a tenth of a metre makes K of 1.9e6 Pa sqrt(m) of that."""
-    noise = {"K_I": 3e-3, "K_II": -4e-3, "K_I_spread": 1e-3, "K_radius": 0.1}
-    assert math.isnan(K_spread(with_tips(0, noise)))
-    np.testing.assert_allclose(K_spread(with_tips(0, noise, {"K_radius": 0.1})), 2.0)
-    np.testing.assert_allclose(K_spread(replace(with_tips(0, noise), load_displacement=0.0)), 2000.0)
+@pytest.mark.parametrize("told", [K_spread, K_error])
+def test_K_that_is_nothing_beside_what_the_stress_could_make_has_no_error(told: Callable[[StepResult], float]) -> None:
+    """10 Pa make 10 sqrt(0.1 pi) = 5.6 Pa sqrt(m) of a crack with a half length of a tenth of a metre."""
+    nothing, usual = {"K_I": 3e-3, "K_II": -4e-3, "K_radius": 0.1}, told(with_tips(0, {}))
+    assert math.isnan(told(replace(with_tips(0, nothing), stress=10.0)))
+    np.testing.assert_allclose(told(replace(with_tips(0, nothing, {"K_radius": 0.1}), stress=10.0)), usual)
+    np.testing.assert_allclose(told(replace(with_tips(0, nothing), stress=1.0)), 1000.0 * usual)
 
 
 def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> None:
@@ -97,18 +100,6 @@ def test_the_lines_of_a_run_keep_the_unit_of_K_while_K_falls() -> None:
         progress.show(with_tips(step, {"K_I": K, "K_II": 0.0, "advanced": True}))
     told = [text.partition("K_I ")[2].partition(",")[0] for text in said if text.startswith("step")]
     assert told == ["114 K_II 0 Pa sqrt(m)", "1.10 K_II 0.00 MPa sqrt(m)", "0.900 K_II 0.000 MPa sqrt(m)"]
-
-
-def test_K_of_rock_at_rest_does_not_tell_how_good_K_is() -> None:
-    """Its K is what the discretization leaves of none."""
-    loaded = {"K_I": 3e4, "K_II": -4e4, "K_I_error": 4e3, "K_II_error": 1e3, "K_I_spread": 200.0, "K_II_spread": 800.0}
-    rest = {"K_I_error": 400.0, "K_I_spread": 300.0}
-    for changes in ((rest, loaded), (loaded, rest)):
-        tally = Tally()
-        for step, change in enumerate(changes):
-            tally.add(with_tips(step, change))
-        np.testing.assert_allclose(tally.K_error, 10.0)
-        np.testing.assert_allclose(Tally.of(tally.record()).K_spread, 2.0)
 
 
 def test_a_stage_is_told_by_its_name() -> None:
