@@ -147,7 +147,8 @@ def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None
     (faces,) = result.faces
     assert result.overlap == -faces.opening.min()
     assert 0.0 < result.overlap < 5e-3 * np.abs(faces.slip).max()
-    assert first_step("tension0").overlap == 0.0  # open
+    pulled = first_step("tension0")
+    assert pulled.overlap < 1e-12 * pulled.faces[0].opening.max()  # open, but for round-off at its tips
 
 
 @pytest.mark.parametrize("stiffness", [0.01, 0.1, 0.4])
