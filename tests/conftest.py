@@ -92,7 +92,7 @@ class Sample:
 
     def system(self, supports: Sequence[Support], quadrature: int = 4) -> tuple[ConstrainedSystem, Floats]:
         held = constraints(self.cover, (self.body,), tuple(supports))
-        check_held(free_motions(self.cover, held.matrix).pieces, np.empty(0, dtype=np.int64))
+        check_held(free_motions(self.cover, held.matrix), np.empty(0, dtype=np.int64))
         return ConstrainedSystem(self.stiffness(quadrature), held.matrix, places_of_unknowns(self.cover)), held.given
 
     def solve(

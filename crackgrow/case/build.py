@@ -39,6 +39,7 @@ from crackgrow.case.model import (
     Stages,
     Strength,
     StrengthReduction,
+    Subcritical,
     Support,
 )
 from crackgrow.case.neighbours import shared_lines
@@ -179,6 +180,7 @@ def _growth(growth: Resolved) -> Growth:
         unload_between_steps=growth["unload_between_steps"],
         initiation=Initiation(growth["initiation"]["at"], _unless_auto(growth["initiation"]["spacing"])),
         link_distance=_unless_auto(growth["link_distance"]),
+        subcritical=Subcritical(**growth["subcritical"]) if "subcritical" in growth else None,
     )
 
 

@@ -15,7 +15,7 @@ def settle_direction(scene: Scene) -> None:
     if not isinstance(growth, dict):
         return
     if "direction" not in growth:
-        tough = _strengths(scene, with_toughness=True)
+        tough = strengths(scene, with_toughness=True)
         found = {"direction": "implicit" if tough and growth.get("criterion") in BY_K else "explicit"}
         ordered = {key: (growth | found)[key] for key in GROWTH.fields if key in growth or key in found}
         scene.resolved["growth"] = ordered
@@ -61,7 +61,7 @@ def _check_tension(scene: Scene, name: str) -> None:
         scene.report.fault(("bodies", name, "strength", "tension"), message)
 
 
-def _strengths(scene: Scene, with_toughness: bool) -> list[str]:
+def strengths(scene: Scene, with_toughness: bool) -> list[str]:
     """The bodies whose strength has a toughness, or has none: with cracks, or all where cracks may start in any."""
     anywhere = scene.get("growth", "initiation", "at") in ("outlines", "anywhere")
     hosts = set(() if anywhere else scene.hosts.values()) or set(named(scene.resolved, "bodies"))
@@ -76,7 +76,7 @@ def _strengths(scene: Scene, with_toughness: bool) -> list[str]:
 def _check_told_once(scene: Scene) -> None:
     """A radius is given where rock has no toughness, and nowhere else."""
     key = ("growth", "tip_stress")
-    without, tough = (_strengths(scene, with_toughness=known) for known in (False, True))
+    without, tough = (strengths(scene, with_toughness=known) for known in (False, True))
     if "tip_stress" not in scene.resolved["growth"]:
         if without or not tough:
             where = f"bodies.{without[0]}.strength" if without else "the strength of the rock"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import asdict, fields, is_dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -87,13 +87,15 @@ def _settings(case: Case) -> dict[str, Any]:
         },
     }
     if growth is not None:
-        apart = ("tip_radius", "initiation", "link_distance")
+        apart = ("tip_radius", "initiation", "link_distance", "subcritical")
         found["growth"] = {part.name: getattr(growth, part.name) for part in fields(growth) if part.name not in apart}
         found["growth"]["initiation"] = {
             "at": growth.initiation.at,
             "spacing": AUTO if growth.initiation.spacing is None else growth.initiation.spacing,
         }
         found["growth"]["link_distance"] = AUTO if growth.link_distance is None else growth.link_distance
+        if growth.subcritical is not None:
+            found["growth"] |= {"law": "subcritical", "subcritical": asdict(growth.subcritical)}
         if growth.tip_radius is not None:
             found["growth"]["tip_stress"] = {"radius": growth.tip_radius}
     return found

@@ -17,6 +17,7 @@ from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_points import check_points
 from crackgrow.case.check_regions import check_regions, settle_bodies
 from crackgrow.case.check_strength import check_strength, settle_direction
+from crackgrow.case.check_subcritical import check_subcritical
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
 from crackgrow.case.crack_sets import expand_crack_sets
@@ -42,6 +43,7 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     settle_direction,
     check_strength,
     check_initiation,
+    check_subcritical,
     check_numerics,
     check_cracks,
     check_contacts,

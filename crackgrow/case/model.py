@@ -243,6 +243,15 @@ class Initiation:
     spacing: float | None = None  # m, of points on outlines and in the rock; None: by increment and averaging radius
 
 
+@dataclass(frozen=True, slots=True)
+class Subcritical:
+    """How fast tips grow below the toughness: v = v_max (K / K_c)^n."""
+
+    velocity: float  # m/s, v_max
+    exponent: float  # n
+    threshold: float  # K / K_c up to which a tip stands still
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Growth:
     """How cracks grow."""
@@ -256,6 +265,7 @@ class Growth:
     unload_between_steps: bool
     initiation: Initiation = Initiation()
     link_distance: float | None = None  # m, from other cracks at which a segment has reached them; None: a tenth of it
+    subcritical: Subcritical | None = None  # None: a tip grows where the criterion is met
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -400,6 +400,19 @@ INITIATION: Final = Mapping(
     }
 )
 
+LAW: Final = Choice(
+    ("critical", "subcritical"),
+    ("a tip grows where the criterion is met", "every tip grows with a velocity that follows from K over K_c"),
+)
+
+SUBCRITICAL: Final = Mapping(
+    {
+        "velocity": Field(Quantity("velocity", POSITIVE), "v_max in v = v_max (K/K_c)^n: that at the toughness"),
+        "exponent": Field(Number(Bounds(at_least=0, at_most=200)), "n"),
+        "threshold": Field(Number(Bounds(at_least=0, below=1)), "K over K_c up to which a tip stands still", 0.0),
+    }
+)
+
 GROWTH: Final = Mapping(
     {
         "steps": Field(Integer(Bounds(at_least=0, at_most=10000)), "growth steps; 0: the criterion is only judged"),
@@ -419,6 +432,8 @@ GROWTH: Final = Mapping(
             "a segment that heads for another crack and comes this close links up with it; auto: a tenth of increment",
             AUTO,
         ),
+        "law": Field(LAW, "what lets a tip grow", "critical"),
+        "subcritical": Field(SUBCRITICAL, "how fast tips grow, with law: subcritical", OPTIONAL),
     }
 )
 

@@ -97,11 +97,17 @@ class Mapping:
         else:
             for key, entry in unknown:
                 free = [known for known in self.offered() if known not in node.entries]
-                hint = self._inner_key(key) or did_you_mean(key, free) or did_you_mean(key, self.offered())
+                hint = self._plural(key) or self._inner_key(key) or did_you_mean(key, free)
+                hint = hint or did_you_mean(key, self.offered())
                 message = f"unknown key; allowed: {', '.join(self.offered())}{hint}"
                 context.report.fault((*path, key), message, entry.place)
                 guesses.add(nearest(key, free) or "")
         return guesses
+
+    def _plural(self, key: str) -> str:
+        """Return "; did you mean 'supports'?" for a key that lacks the s of one of the mapping, or has one too many."""
+        meant = [known for known in self.offered() if known.rstrip("s") == key.rstrip("s")]
+        return f"; did you mean '{meant[0]}'?" if meant else ""
 
     def _inner_key(self, key: str) -> str:
         """Return "; did you mean 'numerics.spacing'?" for a key of a mapping inside, or nothing."""

@@ -29,6 +29,12 @@ UNITS: dict[str, dict[str, Fraction]] = {
     },
 }
 UNITS["force"] = {"N/m": Fraction(1), "kN/m": Fraction(10**3), "MN/m": Fraction(10**6), "N/mm": Fraction(10**3)}
+UNITS["velocity"] = {
+    **{f"{length}/s": one for length, one in UNITS["length"].items()},
+    "nm/s": Fraction(1, 10**9),
+    "mm/day": Fraction(1, 1000 * 86400),
+    "mm/year": Fraction(1, 1000 * 31557600),  # of 365.25 days
+}
 UNITS["stiffness"] = {
     f"{stress}/{length}": one / other
     for length, other in UNITS["length"].items()

@@ -28,6 +28,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**{"formatter_class": argparse.RawDescriptionHelpFormatter, **settings})
+        self._words: list[str] = []  # what it parses
 
     def parse_args(  # type: ignore[override]  # argparse has it overloaded for namespaces of other types
         self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
@@ -40,10 +41,24 @@ class Parser(argparse.ArgumentParser):
             parser.error(f"unknown: {shlex.join(rest)}{parser.hint(rest, words)}")
         return found
 
+    def parse_known_args(  # type: ignore[override]  # as above
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        """Parse the words, and keep them for what may be wrong."""
+        self._words = list(sys.argv[1:] if args is None else args)
+        return super().parse_known_args(self._words, namespace)
+
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where the examples are; exit code 2."""
+        unknown = [word for word in self._words if word.startswith("--") and not self._takes(word)]
+        if message.startswith("the following arguments are required") and unknown:
+            message += f"; unknown: {shlex.join(unknown)}{self.hint(unknown, self._words)}"
         self.print_usage(sys.stderr)
         self.exit(2, f"{self.prog}: {message}\n`{self.prog} --help` has all options, and examples\n")
+
+    def _takes(self, word: str) -> bool:
+        """Whether a word is an option, or the beginning of one."""
+        return any(option.startswith(word.partition("=")[0]) for option in self._option_string_actions)
 
     def hint(self, rest: Sequence[str], words: Sequence[str]) -> str:
         """What may have been meant by words that a command does not take."""

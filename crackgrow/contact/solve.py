@@ -46,6 +46,12 @@ ROUND_OFF = 1e-12
 SPOILT = 1e-2
 """If they differ by more, nothing can be made of the compliance."""
 
+FAINT = 1e-6
+"""Jumps below this fraction of the displacements that they are differences of are measured by it.
+
+So it is where a pressure on faces just balances the stress: all jumps are round-off there, and 1e-10 of it.
+"""
+
 GAIN = 0.5
 """Corrections that leave more than this part of the difference end: it is round-off of the displacements themselves."""
 
@@ -370,7 +376,8 @@ def _missing(contact: ContactSystem, free: Floats, state: PointStates, u: Floats
     """
     jumps = np.concatenate([state.gap + state.dilation, state.slip])
     more = contact.operator @ u - jumps
-    off, farthest = float(np.abs(more).max()), float(np.abs(np.concatenate([jumps, free])).max())
+    faint = FAINT * float((contact.operator_sizes @ np.abs(u)).max())
+    off, farthest = float(np.abs(more).max()), max(float(np.abs(np.concatenate([jumps, free])).max()), faint)
     if not off <= SPOILT * farthest:
         raise spoilt(f"wrong by {off / farthest:.1g} of the jumps")
     return more, off / farthest if farthest > 0.0 else 0.0

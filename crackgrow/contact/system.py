@@ -52,6 +52,11 @@ class ContactSystem:
         return csr_array(vstack([self.gap_of, self.slip_of], format="csr"))
 
     @cached_property
+    def operator_sizes(self) -> csr_array:
+        """|G|, entry by entry: of |u| it makes the terms that jumps are the sums of."""
+        return abs(self.operator)
+
+    @cached_property
     def rock(self) -> Floats:
         """G K0^-1 G' W (2 n, 2 n) m/Pa: gap and slip that unit tractions take away."""
         if self._few:
@@ -69,7 +74,7 @@ class ContactSystem:
         """The same rock behind another law; what is known of it stays known where the same points resist slip."""
         other = replace(self, law=law)
         if np.array_equal(law.resists, self.law.resists):
-            known = ("operator", "rock", "_per_traction", "moving")
+            known = ("operator", "operator_sizes", "rock", "_per_traction", "moving")
             other.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
         return other
 

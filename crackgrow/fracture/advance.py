@@ -53,6 +53,7 @@ class GrowingCrack:
     steps: Ints  # (n,)
     parent: int | None = None  # number of the crack that it has started on; None: of none
     in_shear: bool = False  # whether it has started so
+    gathered: tuple[float, float] = (0.0, 0.0)  # m, that its start and its end have gathered while they wait
 
     @classmethod
     def given(cls, crack: Crack) -> GrowingCrack:

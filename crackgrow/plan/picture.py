@@ -14,7 +14,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as LinePath
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Body, Case, Crack, InSituStress
+from crackgrow.case.model import Body, Case, Crack, InSituStress, Stages
 from crackgrow.cover.squares import QUANTA
 from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label
 from crackgrow.results.atomic import write_atomically
@@ -28,6 +28,7 @@ FORMATS: Final = (".png", ".svg")
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
 SIDE: Final = 6.5  # inches, the longer one of the scene
 MARGIN = 0.27  # of the scene's size
+NOTE = 0.035  # of the scene's size: a line of words below it
 STEEP: Final = 0.6  # of the normal along y, from which words stand on what they name, not beside it
 COLOURS: Final = ("#e6e1d8", "#d5dde6", "#dfe6d5", "#e6d5df")
 
@@ -40,11 +41,13 @@ def draw_scene(path: Path, case: Case) -> None:
     low, high = outlines.min(axis=0), outlines.max(axis=0)
     size = float((high - low).max())
     margin = MARGIN * size
-    box = high - low + 2 * margin
+    notes = _notes(case)
+    bottom = low - margin - [0.0, NOTE * size * len(notes)]
+    box = high + margin - bottom
     figure = Figure(figsize=tuple(SIDE * box / box.max() + [0.0, 0.35]), dpi=150)
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0 - 0.35 / figure.get_figheight()))
-    axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin), aspect="equal")
+    axes.set(xlim=(bottom[0], high[0] + margin), ylim=(bottom[1], high[1] + margin), aspect="equal")
     axes.set_axis_off()
     for number, body in enumerate(case.bodies):
         _draw_body(axes, body, COLOURS[number % len(COLOURS)], named=len(case.bodies) > 1)
@@ -56,8 +59,7 @@ def draw_scene(path: Path, case: Case) -> None:
             _name_crack(axes, crack, size, scale, unit, whole=len(case.cracks) <= MOST_WHOLE_NAMES)
     for sign in (*support_signs(case), *load_signs(case)):
         draw_sign(axes, sign)
-    notes = axes.text(0.02, 0.01, _stress_notes(case), fontsize=7.5, color=LOAD, va="bottom", zorder=8)
-    notes.set_transform(axes.transAxes)
+    axes.text(0.02, 0.01, "\n".join(notes), fontsize=7.5, color=LOAD, va="bottom", zorder=8, transform=axes.transAxes)
     corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.87 * margin]), np.array([-0.87 * margin, 0.0])
     dimension(axes, low, corner, below, f"{(high - low)[0] * scale:g} {unit}")
     dimension(axes, low, np.array([low[0], high[1]]), left, f"{(high - low)[1] * scale:g} {unit}")
@@ -129,11 +131,16 @@ def _name_crack(axes: Axes, crack: Crack, size: float, scale: float, unit: str, 
         label(axes, tip + (0.02 + 0.01 * abs(way[1])) * size * way, name, "0.35", ha=beside(way))
 
 
-def _stress_notes(case: Case) -> str:
-    """In-situ stresses, which fill a body, in words."""
-    return "\n".join(
+def _notes(case: Case) -> list[str]:
+    """What has no place of its own: in-situ stresses, which fill a body, and stages in which bodies are taken out."""
+    notes = [
         f"in-situ stress xx, yy, xy in {load.body}: {', '.join(component_text(value) for value in load.stress)}"
         f"{', held' if load.held else ''}"
         for load in case.loads
         if isinstance(load, InSituStress)
-    )
+    ]
+    if isinstance(case.loading, Stages):
+        for body in case.bodies:
+            gone = [stage.name for stage in case.loading.stages if body.name in dict(stage.excavated)]
+            notes += [f"{body.name} is taken out in stage '{gone[0]}'"] if gone else []
+    return notes

@@ -74,6 +74,7 @@ TIPS: Final = File(
         Column("cell_size", "m", "side of the cells round the tip"),
         Column("kink_error_deg", "deg", "bound of what the direction of growth is off by, which follows from "
                "that of K; with `implicit` of the increment that led to the tip"),
+        Column("velocity", "m/s", "of the tip, by v = v_max (K/K_c)^n; nan but with `growth.law: subcritical`"),
     ),
 )  # fmt: skip
 
@@ -201,6 +202,7 @@ STEPS: Final = File(
                "K; nan for other loads"),
         Column("goal_error", "%", "bound of what `numerics.goal` is off by, over its largest value; nan where that is "
                "K or the accuracy is a preset"),
+        Column("time", "s", "at which the cracks have come here; nan but with `growth.law: subcritical`"),
     ),
 )  # fmt: skip
 
@@ -227,6 +229,7 @@ SUMMARY: Final = File(
         Column("effective_toughness_K_I", "Pa sqrt(m)", "K_I at which the criterion lets mode I grow"),
         Column("safety", "", "with `loading: strength_reduction`: the `factor` of safety, the next one tried, at which "
                "it `fails_at`, and the `mechanism`; null where it does not fail"),
+        Column("time", "s", "with `growth.law: subcritical`: at which the cracks have come to the last step"),
         Column("worst_checks", "", f"worst value and its step, of {_CHECKS}"),
         Column("error_estimate", "%", "`energy_norm_percent` of the first and the last step, `K_percent_at_most`, "
                "`K_spread_percent`, `kink_degrees_at_most` (of tips that grow), "

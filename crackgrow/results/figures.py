@@ -16,7 +16,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as LinePath
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Case
+from crackgrow.case.model import Case, Stages
 from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
@@ -142,7 +142,7 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
         axes.margins(x=0.1)  # room for the words at the right end
         axes.locator_params(axis="x", nbins=5)
         axes.ticklabel_format(scilimits=(-3, 5), useOffset=False)
-        axes.set(xlabel=label, ylabel="load factor")
+        axes.set(xlabel=label, ylabel="stages that are over" if isinstance(case.loading, Stages) else "load factor")
         axes.grid(linewidth=0.3)
     figure.suptitle(wrapped(f"{case.title} (points: steps)", figure), fontsize=10)
     _save(path, figure)

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crackgrow.results.atomic import append_text, write_text
-from crackgrow.results.units import INTENSITIES, LENGTHS, unit_of
+from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, unit_of
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
+    from crackgrow.case.model import Case
     from crackgrow.run.result import Event, StepResult, TipResult
 
 
@@ -87,8 +88,21 @@ def step_line(result: StepResult, n_steps: int | None) -> str:
     )
 
 
-def told_line(result: StepResult, n_steps: int | None) -> str:
-    """One line on a solved step for who looks on: load factor, the tips that advanced or else the largest K, length."""
+def load_words(case: Case, factor: float) -> str:
+    """What loads a step: its load factor, or the stage that ends with it."""
+    from crackgrow.case.model import Stages  # only now: it loads numpy
+
+    if isinstance(case.loading, Stages) and factor in range(1, len(case.loading.stages) + 1):
+        return f"stage '{case.loading.stages[round(factor) - 1].name}'"
+    return f"load factor {factor:.4g}"
+
+
+def told_line(result: StepResult, case: Case, K_scale: float) -> str:
+    """One line on a solved step for who looks on: its load, the tips that advanced or else the largest K, length.
+
+    K has at least the unit in which `K_scale` (Pa sqrt(m)) is read easily.
+    """
+    n_steps = case.growth.steps if case.growth else None
     moved = [tip for tip in result.tips if tip.advanced]
     known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
     largest = max(known, key=lambda tip: float(f"{math.hypot(tip.K_I, tip.K_II):.6g}"), default=None)  # not round-off
@@ -97,18 +111,25 @@ def told_line(result: StepResult, n_steps: int | None) -> str:
     return ", ".join(
         [
             step_label(result.step, n_steps),
-            f"load factor {result.load_factor:.4g}",
+            load_words(case, result.load_factor),
             *(["no tip advanced"] if arrested else []),
-            *(_tip_words(tip) for tip in shown[:MOST_TIPS]),
+            *(_tip_words(tip, K_scale) for tip in shown[:MOST_TIPS]),
             *([f"{len(shown) - MOST_TIPS} more"] if len(shown) > MOST_TIPS else []),
             *length_words(result),
+            *_time_words(result),
         ]
     )
 
 
-def _tip_words(tip: TipResult) -> str:
+def largest_K(result: StepResult) -> float:
+    """The largest size of a K_I or K_II of a step, Pa sqrt(m); 0 where none is known."""
+    values = (abs(K) for tip in result.tips for K in (tip.K_I, tip.K_II))
+    return max((value for value in values if math.isfinite(value)), default=0.0)
+
+
+def _tip_words(tip: TipResult, K_scale: float) -> str:
     """A tip with its K in one unit, to three digits of the larger one."""
-    size, unit = unit_of((tip.K_I, tip.K_II), INTENSITIES)
+    size, unit = unit_of((tip.K_I, tip.K_II, K_scale), INTENSITIES)
     largest = max((abs(K) / size for K in (tip.K_I, tip.K_II) if math.isfinite(K)), default=0.0)
     decimals = max(0, 2 - math.floor(math.log10(largest))) if largest >= 1.0 else 3
     values = (f"{round(K / size, decimals) + 0.0:.{decimals}f}" for K in (tip.K_I, tip.K_II))
@@ -122,6 +143,14 @@ def length_words(result: StepResult) -> list[str]:
         return []
     size, unit = unit_of([result.crack_length], LENGTHS)
     return [f"cracks {result.crack_length / size:.4g} {unit.replace('µ', 'u')} long"]
+
+
+def _time_words(result: StepResult) -> list[str]:
+    """When the cracks have come here; empty where growth takes no time."""
+    if not math.isfinite(result.time):
+        return []
+    size, unit = unit_of([result.time or 1.0], TIMES)
+    return [f"at {result.time / size:.4g} {unit.replace('µ', 'u')}"]
 
 
 def event_line(event: Event) -> str:

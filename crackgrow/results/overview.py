@@ -126,16 +126,24 @@ def _loading(case: Case) -> str:
     if isinstance(case.loading, StrengthReduction):
         return "all of them, with friction and cohesion divided by a factor until the scene fails"
     if isinstance(case.loading, Stages):
-        return "in stages: " + ", ".join(_stage_text(stage) for stage in case.loading.stages)
+        befores = (case.loading.before, *case.loading.stages)
+        return "in stages: " + ", ".join(map(_stage_text, befores, case.loading.stages))
     factors = [f"{factor:g}" for factor in case.loading.factors]
     if len(factors) > SHOWN_FACTORS:
         return f"{len(factors)} load factors {', '.join(factors[:SHOWN_FACTORS])}, ..., {factors[-1]}"
     return f"load factors {', '.join(factors)}"
 
 
-def _stage_text(stage: Stage) -> str:
-    gone = ", ".join(f"{name} {100.0 * share:g} % released" for name, share in stage.excavated)
-    return f"{stage.name} (without {gone})" if gone else stage.name
+def _stage_text(before: Stage, stage: Stage) -> str:
+    """What a stage changes."""
+    released, factors = dict(before.excavated), dict(before.loads)
+    words = [f"without {name}" for name, _ in stage.excavated if name not in released]
+    news = [(name, share) for name, share in stage.excavated if share != released.get(name)]
+    words += [f"{100.0 * share:g} % of {name} released" for name, share in news]
+    words += [f"{name} times {factor:g}" for name, factor in stage.loads if factor != factors.get(name)]
+    if stage.factor != before.factor:
+        words.append(f"factor {stage.factor:g}")
+    return f"{stage.name} ({', '.join(words)})" if words else stage.name
 
 
 def _loads(case: Case) -> str:
@@ -214,6 +222,9 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
     if growth.steps == 0:
         return f"growth: none, {growth.criterion} is judged, {radius}"
     steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
+    law = growth.subcritical
+    if law is not None:
+        steps += f" at most, v = {law.velocity:g} m/s (K/K_c)^{law.exponent:g}"
     at = growth.initiation.at
     starts = "" if at == "tips" else f", new cracks {'anywhere' if at == 'anywhere' else f'at {at}'}"
     return (

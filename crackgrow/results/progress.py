@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from crackgrow.results.gathered import Gathered
-from crackgrow.results.log import counted, event_line, length_words, step_label, told_line
+from crackgrow.results.log import counted, event_line, largest_K, length_words, load_words, step_label, told_line
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.case.model import Case
@@ -30,12 +30,14 @@ class Progress:
 
         `expected` says what the run is about to take.
         """
+        self._case = case
         self._last_step = case.last_step
         self._n_steps = case.growth.steps if case.growth else None
         self._say, self._width = say, width
         self._n_advances = 0
         self._times = [time.perf_counter()]  # at the end of every step
         self._warnings = Gathered()
+        self._K_scale = 0.0  # Pa sqrt(m), largest K so far: lines of a run can be compared if K keeps its unit
         say(f"{case.name}: {case.title}", "\n")
         if expected:
             say(expected, "\n")
@@ -48,10 +50,11 @@ class Progress:
         self._n_advances += sum(tip.advanced for tip in result.tips)
         self._times.append(time.perf_counter())
         self._warnings.add(result.step, result.cautions)
+        self._K_scale = max(self._K_scale, largest_K(result))
         if self._width is None:
-            self._say(told_line(result, self._n_steps), "\n")
+            self._say(told_line(result, self._case, self._K_scale), "\n")
         advances = f", {counted(self._n_advances, 'tip advance')}" if self._n_steps is not None else ""
-        what = [f"load factor {result.load_factor:.4g}", *length_words(result)]
+        what = [load_words(self._case, result.load_factor), *length_words(result)]
         self._show_live(result.step, f", {', '.join(what)}{advances}")
         self.tell(result.events)
 

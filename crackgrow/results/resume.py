@@ -1,20 +1,21 @@
 """Where a run that was broken off goes on: the newest checkpoint in its folder, if the case is the same.
 
 What may differ are settings that have no part in the results so far: title, source, pictures, the number of growth
-steps, and the load factors to come.
+steps, and the load factors or stages to come.
 """
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 from crackgrow import __version__
 from crackgrow.case import dump_case
-from crackgrow.case.model import Case, LoadHistory
+from crackgrow.case.load import read_case
+from crackgrow.case.model import Case, LoadHistory, Stages
 from crackgrow.case.settings import read_settings
-from crackgrow.errors import CrackgrowError
+from crackgrow.errors import CaseError, CrackgrowError
 from crackgrow.results.checkpoint_file import (
     DamagedError,
     StoredCheckpoint,
@@ -87,7 +88,14 @@ def find_resumption(case: Case, folder: Path) -> Resumption | None:
 def _check_same(case: Case, folder: Path, stored: StoredCheckpoint, differences: Differences) -> None:
     """Raise ResumeError where the case is not that of the checkpoint, as far as its results go."""
     step = stored.checkpoint.step
-    changed = {key: values for key, values in differences.items() if not _is_free(key, values[0], case, step)}
+    stages = _same_stages(case, stored)
+    changed = {
+        key: values
+        for key, values in differences.items()
+        if key not in FREE
+        and not (stages and key.startswith("loading.stages."))
+        and not _same_factors(key, values[0], case, step)
+    }
     if changed:
         lines = [f"  {key}: {then} then, {now} now" for key, (then, now) in changed.items()][:MOST_DIFFERENCES]
         more = len(changed) - len(lines)
@@ -106,11 +114,27 @@ def _differences(case: Case, stored: StoredCheckpoint) -> Differences:
     return {key: (then.get(key, NOT_GIVEN), now.get(key, NOT_GIVEN)) for key in keys}
 
 
-def _is_free(key: str, then: str, case: Case, step: int) -> bool:
-    """Whether a setting that was `then` has no part in the results so far."""
-    if key == "loading.history" and case.growth is None and isinstance(case.loading, LoadHistory):
-        return then != NOT_GIVEN and case.loading.factors[: step + 1] == tuple(json.loads(then)[: step + 1])
-    return key in FREE
+def _same_factors(key: str, then: str, case: Case, step: int) -> bool:
+    """Whether a setting is the history that was `then`, of which nothing has changed so far."""
+    if key != "loading.history" or case.growth is not None or not isinstance(case.loading, LoadHistory):
+        return False
+    return then != NOT_GIVEN and case.loading.factors[: step + 1] == tuple(json.loads(then)[: step + 1])
+
+
+def _same_stages(case: Case, stored: StoredCheckpoint) -> bool:
+    """Whether nothing has changed of the stages so far: a load that a later one names is one of them from the start."""
+    if case.growth is not None or not isinstance(case.loading, Stages):
+        return False
+    try:
+        then = read_case(stored.settings, "the case of the run", stored.case_name).loading
+    except CaseError:  # of another version
+        return False
+    return isinstance(then, Stages) and _so_far(then, stored) == _so_far(case.loading, stored)
+
+
+def _so_far(loading: Stages, stored: StoredCheckpoint) -> list[tuple[object, ...]]:
+    """What holds before the first stage, and at the end of each up to a checkpoint's."""
+    return [astuple(stage) for stage in (loading.before, *loading.stages[: stored.checkpoint.step + 1])]
 
 
 def _missing(folder: Path, stored: StoredCheckpoint) -> list[str]:

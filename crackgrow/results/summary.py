@@ -17,7 +17,12 @@ from crackgrow.case.model import Case
 from crackgrow.results.gathered import Gathered
 from crackgrow.run.result import Event, RunEnd, Safety, StepResult, TipResult, event_of, event_record
 
-ROUND_OFF = 1e-8  # of the loads' K, their force over the root of a length: a smaller K tells nothing
+NOTHING = 1e-3
+"""Of what the stress could make of a crack with the radius of a K as its half length: a smaller K is none.
+
+Joints that stick under a stress of 12 MPa in the ground have 4e-6 of it, with bounds of 7e-4.
+"""
+
 MEMORY_FILE = Path("/proc/self/status")  # of Linux
 CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
 
@@ -40,6 +45,7 @@ class Tally:
         self.kink_error = math.nan  # degrees, of tips that grow
         self.load_factor_error = math.nan  # percent
         self.goal_error = math.nan  # percent
+        self.time = math.nan  # s, of the last step
 
     @property
     def warnings(self) -> list[str]:
@@ -59,6 +65,7 @@ class Tally:
         self.kink_error = max((self.kink_error, *kinks), key=_known)
         self.load_factor_error = max((self.load_factor_error, result.load_factor_error), key=_known)
         self.goal_error = max((self.goal_error, result.goal_error), key=_known)
+        self.time = float(result.time)
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
         for check in CHECKS:
@@ -85,6 +92,7 @@ class Tally:
             "kink_error": self.kink_error,
             "load_factor_error": self.load_factor_error,
             "goal_error": self.goal_error,
+            "time": self.time,
         }
 
     @classmethod
@@ -102,6 +110,7 @@ class Tally:
         tally.kink_error = record.get("kink_error", math.nan)  # checkpoints of before have none
         tally.load_factor_error = record.get("load_factor_error", math.nan)
         tally.goal_error = record.get("goal_error", math.nan)
+        tally.time = record.get("time", math.nan)
         return tally
 
     def add_seconds(self, phase: str, seconds: float) -> None:
@@ -134,6 +143,7 @@ def summarize(
         "resumed_with_steps": list(resumed),
         "effective_toughness_K_I": _finite(tally.effective_toughness),
         **({} if end.safety is None else {"safety": _safety(end.safety)}),
+        **({} if math.isnan(tally.time) else {"time": _finite(tally.time)}),
         "worst_checks": {
             check: {"value": _finite(value), "step": step} for check, (value, step) in tally.worst.items()
         },
@@ -178,14 +188,14 @@ def K_spread(result: StepResult) -> float:
     """Largest spread of K over the radii of its integral, in percent of the largest K of the step.
 
     Of tips with room for their discs, whatever kept the others from it; nan where there are none, and where all K are
-    round-off of the loads, as at a crack that sticks.
+    nothing beside what the stress could make, as at a crack that sticks.
     """
     roomy = [tip for tip in result.tips if not tip.K_note]
     return _part_of_largest(result, roomy, [max(tip.K_I_spread, tip.K_II_spread) for tip in roomy])
 
 
 def K_error(result: StepResult) -> float:
-    """Largest bound of the error of K, in percent of the largest K of the step; nan where that is round-off."""
+    """Largest bound of the error of K, in percent of the largest K of the step; nan where that is nothing."""
     return _part_of_largest(result, result.tips, [max(tip.K_I_error, tip.K_II_error) for tip in result.tips])
 
 
@@ -193,8 +203,8 @@ def _part_of_largest(result: StepResult, tips: Sequence[TipResult], values: Sequ
     """The largest of some `values` (Pa sqrt(m)) of tips, in percent of the largest K of those whose K is known."""
     known = [(tip, value) for tip, value in zip(tips, values, strict=True) if math.isfinite(tip.K_I + tip.K_II + value)]
     largest = max((max(abs(tip.K_I), abs(tip.K_II)) for tip, _ in known), default=0.0)
-    loads = 2.0 * result.energy.strain / abs(result.load_displacement) if result.load_displacement else 0.0  # N/m
-    if largest == 0.0 or any(largest < ROUND_OFF * loads / math.sqrt(tip.K_radius) for tip, _ in known):
+    could = NOTHING * result.stress * math.sqrt(math.pi)
+    if largest == 0.0 or any(largest < could * math.sqrt(tip.K_radius) for tip, _ in known):
         return math.nan
     return 100.0 * max(value for _, value in known) / largest
 

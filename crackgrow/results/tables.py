@@ -113,6 +113,7 @@ def tip_rows(result: StepResult) -> list[tuple[Value, ...]]:
             float(tip.K_II_spread),
             float(tip.cell_size),
             float(tip.kink_error_deg),
+            float(tip.velocity),
         )
         for tip in result.tips
     ]
@@ -202,4 +203,5 @@ def step_row(result: StepResult, seconds_frames: float) -> tuple[Value, ...]:
         float(result.overlap_share),
         float(result.load_factor_error),
         float(result.goal_error),
+        float(result.time),
     )

@@ -9,6 +9,7 @@ LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
 INTENSITIES = tuple((size, f"{name}√m") for size, name in STRESSES)
 ENERGIES = ((1e3, "kJ/m"), (1.0, "J/m"), (1e-3, "mJ/m"), (1e-6, "µJ/m"))
+TIMES = ((31557600.0, "years"), (86400.0, "days"), (3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "µs"))
 FORCES = ((1e6, "MN/m"), (1e3, "kN/m"), (1.0, "N/m"))
 
 NO_NUMBER = "\N{EN DASH}"

@@ -172,6 +172,11 @@ class Cause(Enum):
         0.0, "", "K, or the goal, is as good as its bounds say, but not as good as was asked for",
         "{what} is asked for within {wanted:.3g} % of the largest (numerics.accuracy), and {came}: {why}",
     )  # fmt: skip
+    UNSTABLE = (
+        1.0, "toughness", "a tip beyond its toughness is faster than v_max, so that times are too long",
+        "{place} is at {size:.3g} of its toughness: it is unstable, and faster than the v_max that growth.law: "
+        "subcritical gives it: the times from here on are too long",
+    )  # fmt: skip
     NOTE = (0.0, "", "what a solver tells of how it came to its answer", "{words}")
 
     def __init__(self, limit: float, of: str, effect: str, template: str) -> None:

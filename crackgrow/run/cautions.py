@@ -103,6 +103,7 @@ def _all_cautions(
             radius = state.intensity.radius
             size = np.inf if np.isnan(radius) else 1.0 / radius
             yield Cause.SMALL_DISC.at(_tip_name(solution, *end), size, note=state.intensity.note)
+    yield from _unstable(scene, solution)
     yield from closeness_cautions(scene, solution.cover)
     yield from _kinks(solution)
     yield from _on_points(scene, solution)
@@ -110,6 +111,15 @@ def _all_cautions(
     for cause, size in (*sizes, (Cause.IMBALANCE, imbalance(solution))):
         if size > cause.limit:
             yield cause.at(size=size, percent=100.0 * size)
+
+
+def _unstable(scene: Scene, solution: StepSolution) -> Iterator[Caution]:
+    """Tips that are beyond their toughness, where a law of subcritical growth gives them a velocity."""
+    if scene.case.growth is None or scene.case.growth.subcritical is None:
+        return
+    for state, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
+        if state.verdict is not None and state.verdict.criticality >= Cause.UNSTABLE.limit:
+            yield Cause.UNSTABLE.at(_tip_name(solution, *end), state.verdict.criticality)
 
 
 def _off_target(solution: StepSolution) -> Iterator[Caution]:
@@ -199,9 +209,13 @@ def _pressed_strain(scene: Scene, solution: StepSolution, faces: tuple[CrackFace
     Times the side of the cells a length that neither the size of the specimen nor its rigid motion changes.
     """
     pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
+    return float(max(pressure, mean_stress(scene, solution)) / min(m.young_prime for m in scene.materials))
+
+
+def mean_stress(scene: Scene, solution: StepSolution) -> float:
+    """Stress (Pa) that would give the softest of the rock, all over, the strain energy that there is."""
     softest, area = min(m.young_prime for m in scene.materials), sum(region.area for region in scene.regions)
-    mean = np.sqrt(2.0 * max(solution.state.energy.strain, 0.0) * softest / area)
-    return float(max(pressure, mean) / softest)
+    return float(np.sqrt(2.0 * max(solution.state.energy.strain, 0.0) * softest / area))
 
 
 def _jumps(scene: Scene, solution: StepSolution) -> Iterator[Caution]:

@@ -36,6 +36,7 @@ class RunState:
     factorizations: int = 1  # of the step, rejected directions of growth included
     notes: tuple[str, ...] = ()  # on how its solution was found
     accuracy: Accuracy | None = None  # what was measured of its error, on the cells that it was solved on
+    time: float = 0.0  # s, at which the cracks have come here, where growth takes time
 
 
 def beginning(case: Case) -> RunState:
@@ -54,6 +55,8 @@ def packed(state: RunState) -> Checkpoint:
         "guess": origin.guess,
         "tips": [[g.crack.tip_at_start, g.crack.tip_at_end] for g in state.cracks],
         "started": [[g.crack.name, g.crack.body, g.parent, g.in_shear] for g in state.cracks if g.steps.min() > 0],
+        "gathered": [list(g.gathered) for g in state.cracks],
+        "time": state.time,
         "start": None,
         "gone": [rock.body for rock in origin.gone],
         "accuracy": None if state.accuracy is None else record_of(state.accuracy),
@@ -81,6 +84,8 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
     for number, (growing, tips) in enumerate(zip(cracks, values["tips"], strict=True)):
         crack = replace(growing.crack, points=arrays[f"points{number}"], tip_at_start=tips[0], tip_at_end=tips[1])
         cracks[number] = replace(growing, crack=crack, steps=arrays[f"steps{number}"])
+    for number, lengths in enumerate(values.get("gathered", ())):
+        cracks[number] = replace(cracks[number], gathered=tuple(lengths))
     start = None if values["start"] is None else _start(values["start"], arrays)
     gone = tuple(Gone(body, arrays[f"gone{number}"]) for number, body in enumerate(values.get("gone", [])))
     return RunState(
@@ -92,6 +97,7 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         values["factorizations"],
         tuple(values["notes"]),
         accuracy_of_record(values["accuracy"]) if values.get("accuracy") else None,
+        values.get("time", 0.0),
     )
 
 

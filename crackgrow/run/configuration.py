@@ -275,7 +275,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         bodies = [g.crack.body for g in growing]
         scaled, constant = _loads(scene, cover, bodies)
         free = free_motions(cover, held.matrix)
-        check_held(free.pieces, _patches_at(cover, faces))
+        check_held(free, _patches_at(cover, faces))
     with timed(seconds, "factorize"):
         loose = free.held_once(matrix) if free.pieces else None
         stiff = matrix if loose is None else loose.held_in(matrix)

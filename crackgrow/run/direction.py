@@ -7,8 +7,8 @@ corrected by its own tip's K_II alone (diagonal secant); one whose tip has met s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -58,11 +58,12 @@ class BeforeAdvance:
     cracks: tuple[GrowingCrack, ...]
     step: int  # that they advance in
     start: Start | None = None  # of a new crack, if one starts
+    lengths: Mapping[tuple[int, bool], float] = field(default_factory=dict)  # m, of ends that go by another increment
 
-    def way(self, kink: float) -> Way:
-        """How a crack goes on at a kink (rad)."""
-        increment, link = self.growth.increment, self.growth.link_distance
-        return Way(kink, increment) if link is None else Way(kink, increment, link / increment)
+    def way(self, end: tuple[int, bool], kink: float) -> Way:
+        """How a crack goes on from an end at a kink (rad)."""
+        length, link = self.lengths.get(end, self.growth.increment), self.growth.link_distance
+        return Way(kink, length) if link is None else Way(kink, length, min(link / length, 1.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,9 +77,9 @@ class Advance:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Trial:
+    """What the kinks of an advance give; solutions are large, and only the best one is kept."""
+
     kinks: Floats  # (n,) rad
-    advance: Advance
-    solution: StepSolution
     shear: Floats  # (n,) K_II / K at the new tips, zero where a tip has met something
     error: Floats  # (n,) below which `shear` counts as zero
 
@@ -128,7 +129,7 @@ def _advanced(before: BeforeAdvance, ends: Sequence[tuple[int, bool]], kinks: Fl
     grown = list(before.cracks)
     events: list[Event] = []
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
-        way = before.way(kink)
+        way = before.way((index, at_end), kink)
         if index == len(grown):
             events += _started(before, grown, way)
             continue
@@ -202,10 +203,10 @@ def _without_shear(before: BeforeAdvance, wanted: _Turning, kinks: Floats, first
     """The advance whose new tips see least shear, with its solution and the cost of all solves."""
     trials: list[_Trial] = []
     seconds: dict[str, float] = {}
-    advance, gave_up = first, ""
+    least, found, gave_up = np.inf, first, ""
     while True:
         try:
-            advance = advance if not trials else _advanced(before, wanted.ends, kinks)
+            advance = _advanced(before, wanted.ends, kinks) if trials else first
             solved = solve(advance.cracks)
         except (GeometryError, SolveError) as error:
             if not trials:
@@ -215,18 +216,18 @@ def _without_shear(before: BeforeAdvance, wanted: _Turning, kinks: Floats, first
         for phase, spent in solved.seconds.items():
             seconds[phase] = seconds.get(phase, 0.0) + spent
         trials.append(_judged(kinks, advance, solved, wanted))
-        if trials[-1].excess <= 1.0 or len(trials) == MOST_SOLVES:
+        if found.solution is None or trials[-1].excess < least:
+            least, best, found = trials[-1].excess, trials[-1], replace(advance, solution=solved)
+        del solved
+        if least <= 1.0 or len(trials) == MOST_SOLVES:
             break
         kinks = _corrected(trials)
-    best = min(trials, key=lambda trial: trial.excess)
-    notes = (*best.solution.notes, *([gave_up] if gave_up else []))
-    if best.excess > 1.0:
-        notes = (
-            *notes,
-            f"the direction of growth left K_II at {np.abs(best.shear).max():.2g} of K at a new tip",
-        )
-    solution = replace(best.solution, seconds=seconds, factorizations=len(trials), notes=notes)
-    return replace(best.advance, solution=solution)
+    assert found.solution is not None
+    notes = (*found.solution.notes, *([gave_up] if gave_up else []))
+    if least > 1.0:
+        left = f"the direction of growth left K_II at {np.abs(best.shear).max():.2g} of K at a new tip"
+        notes = (*notes, left)
+    return replace(found, solution=replace(found.solution, seconds=seconds, factorizations=len(trials), notes=notes))
 
 
 def _judged(kinks: Floats, advance: Advance, solution: StepSolution, wanted: _Turning) -> _Trial:
@@ -242,7 +243,7 @@ def _judged(kinks: Floats, advance: Advance, solution: StepSolution, wanted: _Tu
         # the kink of the largest hoop stress is -2 K_II / K_I where that is small, and bounded everywhere
         shear[number] = -0.5 * hoop_stress_kink(*state.K)
         error[number] = np.clip(np.nan_to_num(state.intensity.K_II_spread) / size, SMALL_SHEAR, WORST_ERROR)
-    return _Trial(kinks, advance, solution, shear, error)
+    return _Trial(kinks, shear, error)
 
 
 def _can_grow(advance: Advance, end: tuple[int, bool]) -> bool:

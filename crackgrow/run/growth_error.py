@@ -6,7 +6,7 @@ turns. The load factor is off by 1/n of what the criticality is, with n = d ln(c
 
 Where the direction is that without shear at the new tip (`growth.direction: implicit`), a kink that is off by dt leaves
 K_II = K_I dt / 2 there, so that K_II that is off by d_II has turned the last increment by 2 d_II / K_I: what the hoop
-stress says of the new tip.
+stress says of the new tip. A tip that goes on in shear keeps the direction of the criterion.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def kink_errors(solution: StepSolution, errors: Errors) -> list[float]:
             found.append(NAN)
             continue
         moved = list(_moved(solution, tip, errors[tip]))
-        if growth.direction == "implicit":
+        if growth.direction == "implicit" and state.verdict.mode == "tension":
             kink, others = hoop_stress_kink(*state.K), [hoop_stress_kink(each.K_I, each.K_II) for each in moved]
         else:
             kink, others = state.verdict.kink, [_judged(solution, tip, each)[1] for each in moved]

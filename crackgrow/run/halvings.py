@@ -12,8 +12,12 @@ from crackgrow.case.accuracy import UNREFINED
 if TYPE_CHECKING:
     from crackgrow.run.configuration import Configuration
 
-AT_KINKS = 3
-"""Halvings more at kinks, meetings and ends of a crack than at its tips: they have no functions of their own."""
+AT_KINKS = 2
+"""Halvings more at kinks, meetings and ends of a crack than at its tips: they have no functions of their own.
+
+With 3 a closed kink of 30 degrees asked for 1 % reaches the least cells at 1.7 %, with 2 it has 0.86 %; open kinks and
+wings are within 3 and 1 % with both, at about the same cost.
+"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,17 +8,18 @@ from functools import partial
 
 import numpy as np
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
-from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import BeforeAdvance, advance_tips
 from crackgrow.run.error import estimated_error
 from crackgrow.run.increments import Origin
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.leaving import lapse, leaves, none_leaves, site_criticality
 from crackgrow.run.loading import load, load_again, load_history, load_to
 from crackgrow.run.report import paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
@@ -94,6 +95,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
     cracks, events, n_pieces = begun.cracks, begun.events, begun.n_pieces
     known = None if begun.origin is None else _again(scene, begun, begun.origin)
     before: StepSolution | None = None
+    leaving, time = none_leaves(cracks), begun.time
     for step in range(begun.step, n_steps + 1):
         try:
             solution = known or load(scene, cracks, before)
@@ -108,17 +110,19 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
         solution = _on_target(cracks, solution, before)
         scene = replace(scene, halvings=halvings_after(solution))
         n_pieces = n_pieces or len(all_pieces(solution.cover))
-        chosen = _choose(growth, cracks, solution, last=step == n_steps)
-        result = _reported(scene, RunState(step, cracks, events, n_pieces), solution, chosen)
+        taken, solution = lapse(leaving, cracks, solution)
+        time += taken
+        leaving = leaves(growth, cracks, solution) if step < n_steps else none_leaves(cracks)
+        result = _reported(scene, RunState(step, cracks, events, n_pieces, time=time), solution, leaving.sites)
         yield result, solution
-        if step == n_steps > 0 and _criticality(cracks, solution).max(initial=-np.inf) == -np.inf:
+        if step == n_steps > 0 and site_criticality(cracks, solution).max(initial=-np.inf) == -np.inf:
             return _without_tips(cracks, solution, step, n_pieces)
-        if len(chosen) == 0 and step < n_steps:
+        if len(leaving.sites) == 0 and step < n_steps:
             return _stopped(cracks, solution, step, n_pieces)
         if step < n_steps:
             solve = partial(load, scene, before=solution)
-            beginning_at = BeforeAdvance(scene_at_end(scene), growth, cracks, step + 1)
-            advance = advance_tips(beginning_at, solution, chosen, solve)
+            beginning_at = BeforeAdvance(scene_at_end(scene), growth, leaving.cracks, step + 1, None, leaving.lengths)
+            advance = advance_tips(beginning_at, solution, leaving.sites, solve)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
             scene = scene.with_cracks(cracks)
     done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
@@ -171,26 +175,6 @@ def _reduced(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepS
         step += 1
 
 
-def _choose(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolution, last: bool) -> Ints:
-    """Numbers of the sites that cracks leave after this solve, that of a new crack last; none after the last solve."""
-    if last:
-        return np.empty(0, dtype=np.int64)
-    criticality, n_tips = _criticality(cracks, solution), len(solution.tips)
-    n_advances = np.full(len(criticality), STARTS, dtype=np.int64)
-    n_advances[:n_tips] = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
-    places = np.array([site.point for site in solution.configuration.sites]).reshape(-1, 2)
-    return leaving(criticality, n_advances, places, growth.advance)
-
-
-def _criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:
-    """Criticality (n,) of every site, -inf for a tip that must not grow."""
-    tips = [
-        tip.verdict.criticality if tip.verdict is not None and cracks[index].can_grow(at_end) else -np.inf
-        for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
-    ]
-    return np.array([*tips, *(start.verdict.criticality for start in solution.starts)])
-
-
 def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Ints) -> StepResult:
     """The step's result; frames are made where files or figures can want them."""
     output = scene.case.output
@@ -207,9 +191,15 @@ def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Int
 
 def _stopped(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, n_pieces: int) -> RunEnd:
     """The end of a run whose cracks don't grow any more; `n_pieces` of rock there were at the start."""
-    largest = _criticality(cracks, solution).max(initial=-np.inf)
+    largest = site_criticality(cracks, solution).max(initial=-np.inf)
+    growth = solution.configuration.scene.case.growth
     if NEVER_CRITICAL in solution.notes:
         return RunEnd("arrested", f"step {step}: {NEVER_CRITICAL}", paths_of(cracks))
+    if largest > -np.inf and growth is not None and growth.subcritical is not None:
+        most = (
+            f"the most critical is at {largest:.3g} of its toughness, the threshold is {growth.subcritical.threshold:g}"
+        )
+        return RunEnd("arrested", f"step {step}: no tip has a velocity; {most}", paths_of(cracks))
     if largest > -np.inf:
         most = f"the most critical is at {largest:.3g} of its strength"
         return RunEnd("arrested", f"step {step}: no tip meets the criterion; {most}", paths_of(cracks))

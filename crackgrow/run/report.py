@@ -10,12 +10,14 @@ from functools import partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import Subcritical
 from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.run.cautions import cautions, largest_overlap, overlap_shares
+from crackgrow.run.cautions import cautions, largest_overlap, mean_stress, overlap_shares
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
@@ -24,7 +26,7 @@ from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions
-from crackgrow.run.result import CrackPath, Frame, FrameOnDemand, StepResult, TipResult
+from crackgrow.run.result import CrackFaces, CrackPath, Frame, FrameOnDemand, StepResult, TipResult
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -77,8 +79,10 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         effective_toughness=_toughness(scene),
         cautions=cautions(scene, solution, faces, shares, state.step),
         norm_error=error.relative if error else float("nan"),
+        time=float("nan") if _law(scene) is None else state.time,
         goal_error=float("nan") if known is None else 100.0 * known.goal,
         load_factor_error=100.0 * load_error(state.cracks, solution, errors),
+        stress=_stress(scene, solution, faces),
         history=history([*solution.passed, solution.state]),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
@@ -97,6 +101,16 @@ def _frame(
     return replace(frame, body=bodies[frame.body])
 
 
+def _stress(scene: Scene, solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
+    """The largest pressure (Pa) on the faces of cracks, or the mean stress where that is larger.
+
+    The energy does not hold the stress in the ground, which presses on cracks that stick at no displacement.
+    """
+    cracks = (face for law, face in zip(scene.laws, faces, strict=True) if law.kind == "crack")
+    pressure = max((float(np.abs(face.normal_traction).max(initial=0.0)) for face in cracks), default=0.0)
+    return max(pressure, mean_stress(scene, solution))
+
+
 def _load_displacement(solution: StepSolution) -> float:
     """Mean displacement (m) along the loads that are scaled, or the prescribed ones where there are no such loads.
 
@@ -112,7 +126,7 @@ def _load_displacement(solution: StepSolution) -> float:
 def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error: tuple[float, float]) -> TipResult:
     cover, state = solution.cover, solution.tips[tip]
     index, at_end = cover.tip_ends[tip]
-    verdict = state.verdict
+    verdict, law = state.verdict, _law(scene)
     nan = float("nan")
     return TipResult(
         crack=cover.cracks[index].name,
@@ -135,7 +149,13 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error
         K_I_spread=state.intensity.K_I_spread,
         K_II_spread=state.intensity.K_II_spread,
         cell_size=cover.tips[tip].size * scene.lattice.spacing,
+        velocity=nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0]),
     )
+
+
+def _law(scene: Scene) -> Subcritical | None:
+    growth = scene.case.growth
+    return None if growth is None else growth.subcritical
 
 
 def _toughness(scene: Scene) -> float:

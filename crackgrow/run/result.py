@@ -65,6 +65,7 @@ class TipResult:
     K_II_spread: float  # Pa sqrt(m)
     cell_size: float  # m, side of the cells round the tip
     kink_error_deg: float = float("nan")  # degrees, bound of what the direction of growth is off by; nan without growth
+    velocity: float = float("nan")  # m/s, by the law of subcritical growth; nan where growth takes no time
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -226,9 +227,11 @@ class StepResult:
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
     norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
+    stress: float = 0.0  # Pa: the size of that which the loads make, by which K can be nothing
     history: History | None = None  # where the case names points
     load_factor_error: float = float("nan")  # percent, bound of what a critical load factor is off by; nan for others
     goal_error: float = float("nan")  # percent, bound of what `numerics.goal` is off by; nan where that is K
+    time: float = float("nan")  # s, at which the cracks have come here; nan where growth takes no time
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 
     @property

@@ -80,6 +80,16 @@ class RigidMotions:
     dofs: Ints  # (l,) unknowns that supports hold
     stiffness: Floats  # (l,) Pa, of these supports
 
+    def together(self) -> Ints:
+        """Which of `pieces` move together: for each (k,) the number of its group.
+
+        The projection on all free motions couples two pieces only where some constraint ties them.
+        """
+        own = 3 * np.array([piece.number for piece in self.pieces], dtype=np.int64)[:, None] + np.arange(3)
+        mine = self.free[:, own.ravel()]
+        shared = np.abs(mine.T @ mine).reshape(len(own), 3, len(own), 3).max(axis=(1, 3), initial=0.0)
+        return connected(len(own), *np.nonzero(shared > HOLDS_NOTHING))
+
     def displacements(self, amplitudes: Floats) -> Floats:
         """Unknowns (n_dofs,) of motions by `amplitudes` (l,) m."""
         return np.asarray(self.of_pieces @ (self.free.T @ amplitudes))
@@ -161,11 +171,17 @@ def _free_directions(held: Floats) -> Floats:
     return np.asarray(directions[values <= HOLDS_NOTHING])
 
 
-def check_held(pieces: tuple[FreePiece, ...], touching: Ints) -> None:
-    """Raise FreePieceError, naming the motion, for free pieces none of whose patches is among `touching` (k,)."""
-    for piece in pieces:
-        if not np.isin(piece.functions, touching).any():
-            raise FreePieceError(f"{piece} is free to move: {piece.motion}", "it needs supports of its own")
+def check_held(motions: RigidMotions, touching: Ints) -> None:
+    """Raise FreePieceError, naming the motion, for a free piece that nothing touches.
+
+    `touching` (k,) are the patches at contact points. Pieces that only move together, as those that are bonded to each
+    other do, are held by what touches any of them.
+    """
+    touched = np.array([np.isin(piece.functions, touching).any() for piece in motions.pieces], dtype=bool)
+    group = motions.together()
+    held = np.isin(group, group[touched])
+    for piece in (piece for piece, is_held in zip(motions.pieces, held.tolist(), strict=True) if not is_held):
+        raise FreePieceError(f"{piece} is free to move: {piece.motion}", "it needs supports of its own")
 
 
 def all_pieces(cover: Cover) -> list[Ints]:

@@ -13,6 +13,7 @@ from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
+from tests.one_size import one_size
 from tests.solving import solve_step
 from tests.verification.slit_body import closed_plate
 
@@ -25,7 +26,7 @@ IN_CRACK_AXES = (-25.0, -75.0, 25.0 * np.sqrt(3.0))
 
 def case(*settings: str) -> Case:
     """The static scene in mm and MPa; later settings go before earlier ones."""
-    return load_case(ROOT / "cases" / "compression30.yaml", [*QUIET, *settings])
+    return load_case(ROOT / "cases" / "compression30.yaml", [*QUIET, *one_size("compression30"), *settings])
 
 
 def solve(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> StepSolution:

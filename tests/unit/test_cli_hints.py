@@ -25,6 +25,7 @@ def refused(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     (["chek"], "did you mean check?"),
     (["stability", CASE], "did you mean check CASE.yaml --invariance?"),
     (["run", CASE, "--ressume"], "did you mean --resume?"),
+    (["run", "--hlep"], "CASE.yaml; unknown: --hlep; did you mean --help?"),
     (["run", CASE, "--spacing", "3"], "did you mean --set numerics.spacing=3?"),
     (["run", CASE, "--steps=4"], "did you mean --set growth.steps=4?"),
     (["check", CASE, "--set", "growth.steps", "4"], "did you mean --set growth.steps=4?"),

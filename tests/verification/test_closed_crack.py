@@ -17,6 +17,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import displacement_at
+from tests.one_size import one_size
 from tests.solving import solve_step
 
 ROOT = Path(__file__).parents[2]
@@ -27,7 +28,7 @@ YOUNG_PRIME = 1e10 / (1 - 0.25**2)  # Pa
 
 @cache
 def solved(*settings: str) -> StepSolution:
-    case = load_case(ROOT / "cases" / "compression30.yaml", settings)
+    case = load_case(ROOT / "cases" / "compression30.yaml", [*one_size("compression30"), *settings])
     cracks = tuple(map(GrowingCrack.given, case.cracks))
     return solve_step(make_scene(case), cracks, 1.0)
 

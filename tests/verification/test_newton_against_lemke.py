@@ -25,9 +25,11 @@ from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 from tests.contact_problems import crack_problem, random_problem, rock_problem, with_law
+from tests.one_size import one_size
 from tests.solving import solve_step
 
 CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
+SIZE = one_size("compression30")
 
 
 def gauss_case(friction: float, solver: str, *more: str) -> Case:
@@ -37,12 +39,12 @@ def gauss_case(friction: float, solver: str, *more: str) -> Case:
         "contact.solver": solver,
     }
     overrides = [f"numerics.{key}={value}" for key, value in settings.items()]
-    return load_case(CASE, [*overrides, f"cracks.flaw.contact.friction={friction}", *more])
+    return load_case(CASE, [*SIZE, *overrides, f"cracks.flaw.contact.friction={friction}", *more])
 
 
 def grown(friction: float, n_steps: int) -> GrowingCrack:
     """The flaw after a number of growth steps."""
-    case = load_case(CASE, [f"growth.steps={max(n_steps, 1)}", "output.frames=none", "output.figures=false"])
+    case = load_case(CASE, [*SIZE, f"growth.steps={max(n_steps, 1)}", "output.frames=none", "output.figures=false"])
     if n_steps == 0:
         return GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64))
     *_, last = grow(case)

@@ -18,12 +18,15 @@ from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.results.figures import draw_load_curve
 from crackgrow.results.load_point import load_point
+from crackgrow.results.summary import K_error
 from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
 from crackgrow.solid.recovery import stress_at
 from tests.whole_run import whole_run
+
+CASES = Path(__file__).parents[2] / "cases"
 
 SIGMA_H, SIGMA_V = -10e6, -20e6
 
@@ -101,6 +104,14 @@ def test_rock_released_in_stages_is_rock_with_the_hole_from_the_start(tmp_path: 
     for loading in (ONE_STAGE, TWO_HALVES):
         *_, (_, last) = steps_of(tunnel(tmp_path, loading, **core))
         np.testing.assert_allclose(last.outcome.u, expected.outcome.u, rtol=0, atol=1e-9 * size)
+
+
+def test_K_has_an_error_where_the_rock_moves_and_none_at_rest() -> None:
+    """Joints stick under the stress in the ground: their K is nothing. In the third stage no load does any work."""
+    more = ["loading.stages=[{}, {excavate: core}, {loads: {water: 0.5}}]", "output.figures=false"]
+    rest, *moved = (K_error(step) for step, _ in steps_of(load_case(CASES / "tunnel_excavated.yaml", more)))
+    assert np.isnan(rest)
+    assert np.isfinite(moved).all()
 
 
 def test_a_lining_presses_on_the_wall_from_its_stage_on(tmp_path: Path) -> None:

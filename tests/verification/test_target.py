@@ -64,6 +64,7 @@ SCENES = {
     "closed with wings": lambda: wide(4),
     "friction 0.3": lambda: straight(45.0, 10.0, 2.0, 0.3),
     "open": lambda: straight(20.0, -10.0, -3.0, 0.0),
+    "closed kink": partial(known, "closed kink of 30"),
     **{name: partial(known, name) for name in ("edge crack", "disk, along the load", "cross", "stacked")},
 }
 

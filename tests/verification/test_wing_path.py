@@ -9,6 +9,7 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.run.result import RunEnd, StepResult
+from tests.one_size import one_size
 from tests.whole_run import whole_run
 
 ROOT = Path(__file__).parents[2]
@@ -19,7 +20,9 @@ SETTINGS = (
 
 
 def run(*settings: str) -> tuple[list[StepResult], RunEnd]:
-    return whole_run(load_case(ROOT / "cases" / "compression30.yaml", [*SETTINGS, *settings]))
+    return whole_run(
+        load_case(ROOT / "cases" / "compression30.yaml", [*one_size("compression30"), *SETTINGS, *settings])
+    )
 
 
 @pytest.mark.parametrize(

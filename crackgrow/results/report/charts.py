@@ -15,6 +15,7 @@ from crackgrow.results.units import (
     INTENSITIES,
     LENGTHS,
     STRESSES,
+    TIMES,
     Unit,
     rounded_all,
     unit_of,
@@ -56,7 +57,20 @@ def charts(run: RunFolder) -> list[Chart]:
         unit = unit_of(values, units)
         found.append(_by_step(run, title, f"{title.lower()} [{unit[1]}]", [(title.lower(), values)], unit))
     found.append(_energies(run))
+    found.extend(_in_time(run))
     return found
+
+
+def _in_time(run: RunFolder) -> Iterator[Chart]:
+    """How the cracks grow in time, where that takes time."""
+    if run.case.growth is None or run.case.growth.subcritical is None:
+        return
+    table = run.table("steps")
+    time, length = table.numbers("time"), table.numbers("crack_length")
+    in_time, in_length = unit_of(time, TIMES), unit_of(length, LENGTHS)
+    x, y = rounded_all(time, in_time[0]), rounded_all(length, in_length[0])
+    series = [_series("crack length", COLOURS[0], "", x, y, run.solved)]
+    yield _chart("Growth in time", f"time [{in_time[1]}]", f"crack length [{in_length[1]}]", series)
 
 
 def drawn_tips(run: RunFolder) -> list[tuple[str, str]]:

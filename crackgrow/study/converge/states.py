@@ -1,7 +1,7 @@
 """The states of a run that can be held against those of another: its steps, by how often each tip has grown until then.
 
 Where scenes are nearly symmetric the tips of two runs take turns in another order. States in which all have grown as
-often are the same ones.
+often, and the same cracks have started, are the same ones.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from crackgrow.results.folder import RunFolder
 
 Key = frozenset[tuple[str, str, int]]
-"""Crack, end and number of advances of all tips that have grown; of a scene without growth the number of the step."""
+"""Crack, end and number of advances of all tips that have grown; of a crack that has started its name and zero; of a
+scene without growth the number of the step."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,10 +41,12 @@ def states_of(run: RunFolder, grows: bool) -> dict[Key, State]:
     """The states of a run."""
     advances: Counter[tuple[str, str]] = Counter()
     found: dict[Key, State] = {}
-    tips = run.table("tips").rows()
+    tips, events = run.table("tips").rows(), run.table("events").rows() if grows else []
     for row in run.table("steps").rows():
         mine = [tip for tip in tips if tip["step"] == row["step"]]
         grown = frozenset((*tip, n) for tip, n in advances.items())
+        until = (event for event in events if int(event["step"]) <= int(row["step"]))
+        grown |= {(event["crack"], "", 0) for event in until if event["kind"] == "initiation"}
         key = grown if grows else frozenset({("", "", int(row["step"]))})
         found[key] = State(
             int(row["step"]),

@@ -35,6 +35,8 @@ def told(*overrides: str) -> str:
         ("cracks.flaw.contact={mu: 0.3, cohesion: 0}", "did you mean 'friction'?"),
         ("bodies.rock.strength={tension: 1, cohesion: 2, phi: 30}", "did you mean 'friction_angle'?"),
         ("spacing=3", "did you mean 'numerics.spacing'?"),
+        ("support=minimal", "did you mean 'supports'?"),  # not numerics.support
+        ("load=[]", "did you mean 'loads'?"),
         ("numerics.tip_functions=gather", "auto | patch | gathered; did you mean 'gathered'?"),
         ("supports[0].at=[0, 0]", "is written with its number, as in 'supports.0.at'"),
         ("numerics.spacing=0.01", "lattice nodes; at most 4e+06 are allowed; wanted: 0."),

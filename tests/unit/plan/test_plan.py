@@ -177,6 +177,11 @@ def test_the_picture_shows_what_acts(tmp_path: Path) -> None:
     assert few_marks == 0 < marks
 
 
+def test_the_picture_says_what_is_taken_out(tmp_path: Path) -> None:
+    draw_scene(tmp_path / "scene.svg", load_case(CASES / "tunnel_excavated.yaml"))
+    assert "core is taken out in stage 'face near by'" in (tmp_path / "scene.svg").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("name", ["brazilian_disk", "compression30", "cyclic_friction", "flaw_and_hole"])
 def test_loads_and_supports_at_points_are_drawn_beside_each_other(name: str) -> None:
     case = load_case(CASES / f"{name}.yaml")

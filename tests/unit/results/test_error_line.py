@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from crackgrow.case.model import Stage, Stages
+from crackgrow.results.progress import Progress
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, summarize, summary_text
 from crackgrow.run.result import StepResult, TipResult
 from tests.unit.results.synthetic import make_case, make_end, make_result
@@ -36,12 +40,13 @@ def test_the_bound_is_that_of_all_tips_by_the_largest_K() -> None:
     assert math.isnan(K_error(with_tips(0, {"K_I": math.nan})))
 
 
-def test_round_off_has_no_spread() -> None:
-    """The loads do work of 2 * 3 J/m over 1e-5 m; a tenth of a metre makes K of 1.9e6 Pa sqrt(m) of that."""
-    noise = {"K_I": 3e-3, "K_II": -4e-3, "K_I_spread": 1e-3, "K_radius": 0.1}
-    assert math.isnan(K_spread(with_tips(0, noise)))
-    np.testing.assert_allclose(K_spread(with_tips(0, noise, {"K_radius": 0.1})), 2.0)
-    np.testing.assert_allclose(K_spread(replace(with_tips(0, noise), load_displacement=0.0)), 2000.0)
+@pytest.mark.parametrize("told", [K_spread, K_error])
+def test_K_that_is_nothing_beside_what_the_stress_could_make_has_no_error(told: Callable[[StepResult], float]) -> None:
+    """10 Pa make 10 sqrt(0.1 pi) = 5.6 Pa sqrt(m) of a crack with a half length of a tenth of a metre."""
+    nothing, usual = {"K_I": 3e-3, "K_II": -4e-3, "K_radius": 0.1}, told(with_tips(0, {}))
+    assert math.isnan(told(replace(with_tips(0, nothing), stress=10.0)))
+    np.testing.assert_allclose(told(replace(with_tips(0, nothing, {"K_radius": 0.1}), stress=10.0)), usual)
+    np.testing.assert_allclose(told(replace(with_tips(0, nothing), stress=1.0)), 1000.0 * usual)
 
 
 def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> None:
@@ -86,3 +91,23 @@ def test_what_is_unknown_is_null_and_not_told() -> None:
     assert error_line(tally, make_end(0)) == ""
     tally.add(with_tips(1, {}))
     assert error_line(tally, make_end(0)) == "estimated error: K by at most 10 % of the largest"
+
+
+def test_the_lines_of_a_run_keep_the_unit_of_K_while_K_falls() -> None:
+    said: list[str] = []
+    progress = Progress(make_case(), lambda text, end: said.append(text), width=None)
+    for step, K in enumerate((114.0, 1.1e6, 0.9e6)):
+        progress.show(with_tips(step, {"K_I": K, "K_II": 0.0, "advanced": True}))
+    told = [text.partition("K_I ")[2].partition(",")[0] for text in said if text.startswith("step")]
+    assert told == ["114 K_II 0 Pa sqrt(m)", "1.10 K_II 0.00 MPa sqrt(m)", "0.900 K_II 0.000 MPa sqrt(m)"]
+
+
+def test_a_stage_is_told_by_its_name() -> None:
+    names = ("at rest", "excavated")
+    stages = Stages(Stage("", 0.0, (), ()), tuple(Stage(name, 1.0, (), ()) for name in names))
+    said: list[str] = []
+    progress = Progress(replace(make_case(), loading=stages), lambda text, end: said.append(text), width=None)
+    for factor in (1.0, 2.0, 1.5):
+        progress.show(replace(with_tips(0, {}), load_factor=factor))
+    told = [text.split(", ")[1] for text in said if text.startswith("step")]
+    assert told == ["stage 'at rest'", "stage 'excavated'", "load factor 1.5"]

@@ -71,6 +71,15 @@ def test_overview_names_held_loads_and_load_factors(tmp_path: Path) -> None:
     assert "loads: 4 tractions on edges (held), load factors 1" in text
 
 
+def test_overview_names_what_each_stage_changes() -> None:
+    told = overview(load_case(CASE.with_name("tunnel_excavated.yaml")))
+    stages = ", ".join((
+        "at rest (factor 1)", "face near by (without core, 60 % of core released)",
+        "face far away (100 % of core released)", "wet (water times 1)", "drained (water times 0)",
+    ))  # fmt: skip
+    assert f"in stages: {stages}" in told
+
+
 def test_overview_of_critical_loads_and_growth() -> None:
     text = overview(load_case(CASE, ["loading=critical", "growth.steps=0"]))
     assert (

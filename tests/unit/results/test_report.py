@@ -24,6 +24,7 @@ from crackgrow.results.folder import FolderError, open_run
 from crackgrow.results.report import pictures, write_report
 from crackgrow.results.writer import RunWriter
 from tests.report_runs import CASES, HOSTILE, make_run, paint
+from tests.slow_cracks import SLOWLY
 
 VOID = ("meta", "input", "img")
 ROUNDING = 1e-5  # six digits are shown
@@ -389,3 +390,16 @@ def test_a_long_run_makes_no_large_page(folder: Path, tmp_path: Path) -> None:
     steps = [picture["step"] for picture in data["pictures"]]
     assert steps[-1] == n_steps - 1
     assert steps[0] < 60  # thinned, not cut off
+
+
+def test_growth_that_takes_time_is_drawn_in_time(page: Page, tmp_path: Path) -> None:
+    slow = make_run(tmp_path, SLOWLY, case="edge_tension")
+    (chart,) = [chart for chart in read(slow).data["charts"] if chart["title"] == "Growth in time"]
+    (series,) = chart["series"]
+    steps, summary = rows(slow, "steps.csv"), json.loads((slow / "summary.json").read_text())
+    time = [float(row["time"]) for row in steps]
+    assert (time[0], time[-1]) == (0.0, summary["time"])
+    assert chart["xlabel"] == "time [s]"
+    np.testing.assert_allclose(series["x"], time, rtol=ROUNDING)
+    np.testing.assert_allclose(series["y"], [1e3 * float(row["crack_length"]) for row in steps], rtol=ROUNDING)
+    assert "Growth in time" not in [chart["title"] for chart in page.data["charts"]]

@@ -153,6 +153,35 @@ def test_load_factors_to_come_may_change_and_those_before_not(tmp_path: Path) ->
     assert contents(tmp_path / "short") == contents(tmp_path / "at once")
 
 
+STAGES = (
+    "numerics.spacing=10", "output.frames=none", "output.figures=false", "loading.history=null",
+    *(f"loads.{number}.name=shear" for number in range(2, 6)),
+)  # fmt: skip
+FACTORS = "{factor: 0.5}, {name: more, factor: 1}"
+NAMED = "{loads: {shear: 0.5}}, {name: more, loads: {shear: 1}}"
+
+
+def staged(stages: str) -> tuple[str, ...]:
+    return (*STAGES, f"loading={{stages: [{stages}]}}")
+
+
+@pytest.mark.parametrize(("so_far", "more"), [(FACTORS, "{factor: 0.2}"), (NAMED, "{loads: {shear: 0.2}}")])
+def test_stages_to_come_may_change(tmp_path: Path, so_far: str, more: str) -> None:
+    assert run(tmp_path / "short", *staged(so_far), name="cyclic_friction") == 0
+    longer = staged(f"{so_far}, {more}")
+    assert run(tmp_path / "short", *longer, name="cyclic_friction", resume=True) == 0
+    assert run(tmp_path / "at once", *longer, name="cyclic_friction") == 0
+    assert contents(tmp_path / "short") == contents(tmp_path / "at once")
+
+
+def test_stages_before_may_not_change(tmp_path: Path) -> None:
+    """Nor may a later one name a load of theirs that had no name in stages: it would be off in them."""
+    assert run(tmp_path, *staged(FACTORS), name="cyclic_friction") == 0
+    for changed in (FACTORS.replace("0.5", "0.6"), f"{FACTORS}, {{loads: {{shear: 0.5}}}}"):
+        with pytest.raises(ResumeError, match=r"loading\.stages"):
+            find_resumption(case(*staged(changed), name="cyclic_friction"), tmp_path)
+
+
 def test_load_factors_where_there_were_none_are_a_changed_case(tmp_path: Path) -> None:
     assert run(tmp_path, "growth.steps=0", "loading=critical") == 0
     with pytest.raises(ResumeError, match="the case is not that of the run") as caught:

@@ -22,7 +22,7 @@ def test_columns_are_those_of_the_contract() -> None:
     assert ",".join(tables.TIPS) == (
         "step,crack,tip,x,y,K_I,K_II,sigma_1,sigma_3,criterion,kink_deg,advanced,load_factor,K_I_error,K_II_error,"
         "K_radius,K_note,K_I_faces,K_II_faces,K_I_spread,K_II_spread,"
-        "cell_size,kink_error_deg"
+        "cell_size,kink_error_deg,velocity"
     )
     assert ",".join(tables.EVENTS) == "step,kind,crack,tip,x,y,met"
     assert ",".join(tables.PATHS) == "crack,vertex,x,y,step"
@@ -33,7 +33,7 @@ def test_columns_are_those_of_the_contract() -> None:
         "step,n_dofs,n_contact,contact_iterations,factorizations,residual,penetration,seconds_cover,seconds_assembly,"
         "seconds_factorize,seconds_contact,seconds_criterion,seconds_output,load_factor,contact_status,complementarity,"
         "overlap,work,strain_energy,dissipation,released_energy,energy_error,load_displacement,crack_length,"
-        "overlap_share,load_factor_error,goal_error"
+        "overlap_share,load_factor_error,goal_error,time"
     )
 
 

@@ -20,13 +20,16 @@ from crackgrow.run.cautions import _overlapping, cautions, overlap_shares
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
+from tests.one_size import one_size
 from tests.solving import solve_step
 
 CASES = Path(__file__).parents[3] / "cases"
 
 
 def first_step(scene: str, *settings: str) -> StepResult:
-    case = load_case(CASES / f"{scene}.yaml", [*settings, "output.frames=none", "output.figures=false"])
+    case = load_case(
+        CASES / f"{scene}.yaml", [*one_size(scene), *settings, "output.frames=none", "output.figures=false"]
+    )
     return next(grow(case))
 
 
@@ -131,7 +134,7 @@ def test_a_full_overlap_is_told_in_plain_digits() -> None:
     result = first_step("compression30")
     (face,) = result.faces
     face = replace(face, opening=np.full_like(face.opening, -1e-3), slip=np.zeros_like(face.slip))
-    scene = make_scene(load_case(CASES / "compression30.yaml"))
+    scene = make_scene(load_case(CASES / "compression30.yaml", one_size("compression30")))
     solution = solve_first(scene)
     shares = overlap_shares(scene, solution, (face,))
     (told,) = _overlapping(scene, solution, (face,), shares)
@@ -144,7 +147,8 @@ def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None
     (faces,) = result.faces
     assert result.overlap == -faces.opening.min()
     assert 0.0 < result.overlap < 5e-3 * np.abs(faces.slip).max()
-    assert first_step("tension0").overlap == 0.0  # open
+    pulled = first_step("tension0")
+    assert pulled.overlap < 1e-12 * pulled.faces[0].opening.max()  # open, but for round-off at its tips
 
 
 @pytest.mark.parametrize("stiffness", [0.01, 0.1, 0.4])
@@ -178,7 +182,12 @@ def test_elastic_contact_explains_its_overlap() -> None:
 def told_in_a_run(words: str, *settings: str) -> list[str]:
     """The sentences of a run of compression30 that have these words."""
     gathered = Gathered()
-    for result in grow(load_case(CASES / "compression30.yaml", [*settings, "growth.steps=2", "output.frames=none"])):
+    for result in grow(
+        load_case(
+            CASES / "compression30.yaml",
+            [*one_size("compression30"), *settings, "growth.steps=2", "output.frames=none"],
+        )
+    ):
         gathered.add(result.step, result.cautions)
     return [text for text in gathered.sentences() if words in text]
 
@@ -260,7 +269,9 @@ def test_faces_without_contact_that_lie_in_each_other_are_told_first_with_the_si
 @pytest.mark.parametrize(("direction", "told"), [("explicit", 2), ("implicit", 0)])
 def test_a_path_that_saws_is_told_with_the_remedy(direction: str, told: int) -> None:
     settings = ("growth.criterion=max_hoop_stress", "growth.advance=all", f"growth.direction={direction}")
-    case = load_case(CASES / "compression30.yaml", [*settings, "growth.steps=4", "output.frames=none"])
+    case = load_case(
+        CASES / "compression30.yaml", [*one_size("compression30"), *settings, "growth.steps=4", "output.frames=none"]
+    )
     *_, last = grow(case)
     sawing = told_of(Cause.SAWING, last)
     assert len(sawing) == told

@@ -31,7 +31,9 @@ def first_step(monkeypatch: pytest.MonkeyPatch) -> Step:
             return replace(cover, sizes=np.full(cover.elements.n, side), tips=tips)
 
         monkeypatch.setattr(configuration, "build_cover", build)
-        return next(grow(load_case(CASE, [*settings, "output.frames=none", "output.figures=false"])))
+        return next(
+            grow(load_case(CASE, ["numerics.spacing=1.5", *settings, "output.frames=none", "output.figures=false"]))
+        )
 
     return solve
 

@@ -14,6 +14,7 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.run import grow
 from crackgrow.run.result import Checkpoint, RunEnd, StepResult
+from tests.slow_cracks import SHORTER, slow_cracks
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
@@ -31,6 +32,7 @@ SCENES = {
     "critical load": ("flaw_and_hole", "growth.steps=3"),
     "all tips, meeting": ("two_flaws", "growth.steps=11"),  # an inner wing meets the other flaw in the tenth
     "cyclic friction": ("cyclic_friction", "numerics.spacing=10", "loading.history=[0.4, 1, 0.7, -0.3, -1, -0.8, 0.6]"),
+    "subcritical, a tip that waits": ("slow_cracks", SHORTER),
     "block on a foundation": ("block_rigid", "numerics.spacing=0.5", "loading.history=[0.3, 1.0, 0.1, 0.5]"),
     "stages": ("tunnel_excavated", "numerics.spacing=1.5", "output.points={}"),
     "interface": ("interface_friction04", "numerics.spacing=0.2", "loading.history=[0.3, 1.0, 0.1, 0.5]"),
@@ -39,6 +41,8 @@ SCENES = {
 
 def scene(name: str) -> Case:
     file, *settings = SCENES[name]
+    if file == "slow_cracks":
+        return slow_cracks(*settings)
     coarse = COARSE[1:] if any("spacing" in setting for setting in settings) else COARSE
     return load_case(CASES / f"{file}.yaml", [*coarse, *settings])
 

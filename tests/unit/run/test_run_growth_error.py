@@ -68,6 +68,18 @@ def test_the_direction_without_shear_is_judged_by_the_hoop_stress_whatever_the_c
     assert kink_errors(explicit, errors) == kink_errors(implicit, errors)
 
 
+def test_a_tip_that_goes_on_in_shear_is_judged_by_its_criterion_however_others_turn() -> None:
+    explicit, implicit = (solved(*PULLED, f"growth.direction={way}") for way in ("explicit", "implicit"))
+    errors = errors_of(explicit, 0.01, 0.02)
+    found = []
+    for solution in (explicit, implicit):
+        verdicts = [replace(tip.verdict, mode="shear", kink=0.5) for tip in solution.tips if tip.verdict is not None]
+        tips = [replace(tip, verdict=verdict) for tip, verdict in zip(solution.tips, verdicts, strict=True)]
+        found.append(kink_errors(replace(solution, tips=tips), errors))
+    assert found[0] == found[1]
+    np.testing.assert_allclose(found[0], 0.5, rtol=0, atol=0.1)
+
+
 def test_what_is_not_known_is_not_told() -> None:
     solution = solved(*PULLED, "loading=critical")
     unknown = [(np.nan, np.nan)] * 2

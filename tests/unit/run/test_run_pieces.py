@@ -223,3 +223,45 @@ def test_a_stack_whose_bonds_break_obeys_the_law(tmp_path: Path, friction: float
     assert step.energy.error < 1e-4
     for increment in increments:
         assert max(violations(increment).values()) < 1e-7
+
+
+CAPPED = """
+title: A cap on a block that rests on a base
+units: {length: mm, stress: MPa}
+plane: strain
+bodies:
+  base: {shape: {rectangle: {center: [0, -10], width: 60, height: 20}}, material: {young: 10000, poisson: 0.2}}
+  block: {shape: {rectangle: {center: [0, 10], width: 40, height: 20}}, material: {young: 10000, poisson: 0.2}}
+  cap: {shape: {rectangle: {center: [0, 25], width: 40, height: 10}}, material: {young: 10000, poisson: 0.2}}
+interfaces:
+  - {between: [base, block], contact: {friction: 0.5, cohesion: 0}}
+  - {between: [block, cap], contact: bonded}
+supports:
+  - {on: {body: base, edge: bottom}, displacement: {x: 0, y: 0}}
+loads:
+  - {on: {body: cap, edge: top}, traction: [SHEAR, -3]}
+numerics: {spacing: 5}
+output: {figures: false, frames: none}
+"""
+
+
+def capped(tmp_path: Path, shear: float) -> Case:
+    """A block that contact holds, with a cap that is bonded to it."""
+    file = tmp_path / "capped.yaml"
+    file.write_text(CAPPED.replace("SHEAR", str(shear)), encoding="utf-8")
+    return load_case(file)
+
+
+def test_a_body_bonded_to_one_that_contact_holds_is_held(tmp_path: Path) -> None:
+    """The joint carries the load on the cap, and all of it stays where it is."""
+    result = next(iter(grow(capped(tmp_path, 0.5))))
+    joint = next(face for face in result.faces if face.crack == "base/block")
+    normal, shear = (np.trapezoid(p, joint.s) for p in (joint.normal_traction, joint.tangential_traction))
+    assert result.residual < 1e-10
+    assert normal == pytest.approx(-3e6 * 0.04, rel=1e-9)
+    assert abs(shear) == pytest.approx(0.5e6 * 0.04, rel=1e-9)
+
+
+def test_a_body_bonded_to_one_that_friction_does_not_hold_slides(tmp_path: Path) -> None:
+    with pytest.raises(FreePieceError, match="free to move: contact does not hold it, it slides along"):
+        next(iter(grow(capped(tmp_path, 2.0))))

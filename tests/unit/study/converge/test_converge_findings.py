@@ -28,11 +28,14 @@ Order = Sequence[str]
 
 
 def folder(parent: Path, name: str, K: Callable[[float, int], float], order: Order, bend: float, size: float) -> Path:
-    """A crack along x with K_I by the side of the cells and the state, whose end grows along x and bends upwards."""
+    """A crack along x with K_I by the side of the cells and the state, whose end grows along x and bends upwards.
+
+    Of an `order` what is no tip is a crack that starts.
+    """
     made = parent / name
     made.mkdir()
     grown = {"start": 0, "end": 0}
-    steps, tips = [], []
+    steps, tips, events = [], [], []
     for step in range(len(order) + 1):
         steps.append(f"{step},100,{1.0 + size},{1e-3}\n")
         advancing = order[step] if step < len(order) else ""
@@ -40,10 +43,13 @@ def folder(parent: Path, name: str, K: Callable[[float, int], float], order: Ord
         for tip in grown:
             flag = "true" if tip == advancing else "false"
             tips.append(f"{step},flaw,{tip},{K(size, state)},0.0,7e4,7e4,{size},{flag}\n")
-        if advancing:
+        if advancing in grown:
             grown[advancing] += 1
+        elif advancing:
+            events.append(f"{step + 1},initiation,{advancing},start,0.0,0.0,crack 'flaw' (shear)\n")
     (made / "steps.csv").write_text(STEPS + "".join(steps))
     (made / "tips.csv").write_text(TIPS + "".join(tips))
+    (made / "events.csv").write_text("step,kind,crack,tip,x,y,met\n" + "".join(events))
     n, m = grown["start"], grown["end"]
     rows = [(-0.01 - 0.002 * k, 0.0, k) for k in range(n, 0, -1)] + [(-0.01, 0.0, 0), (0.01, 0.0, 0)]
     rows += [(0.01 + 0.002 * k, bend * k, k) for k in range(1, m + 1)]
@@ -106,6 +112,12 @@ def test_states_are_told_apart_by_how_often_tips_have_grown_not_by_their_step(tm
     assert sorted({quantity.step for quantity in found.quantities}) == [0, 2]
     assert found.left_out == 2
     assert "2 more states" in convergence_text(found)
+
+
+def test_a_state_in_which_a_crack_has_started_is_another_one(tmp_path: Path) -> None:
+    found = study(tmp_path, orders={"fine": ("end", "new1")})
+    assert sorted({quantity.step for quantity in found.quantities}) == [0, 1]
+    assert found.left_out == 2
 
 
 def test_a_verdict_names_the_coarsest_setting_that_is_good_enough(tmp_path: Path) -> None:

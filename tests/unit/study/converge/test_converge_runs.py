@@ -27,7 +27,7 @@ def test_an_edge_crack_converges_to_its_K(tmp_path: Path, capsys: pytest.Capture
         assert abs(K_I[rank] - EXACT) <= 2.0 * K_I[f"error_{rank}"] * EXACT + 2e-4 * EXACT
     assert record["good_enough"]
     assert (tmp_path / "out" / "converge.csv").is_file()
-    assert sorted(path.name for path in (tmp_path / "out" / "runs").iterdir()) == ["draft", "fine", "own", "standard"]
+    assert sorted(path.name for path in (tmp_path / "out" / "runs").iterdir()) == ["draft", "fine", "standard"]
 
 
 def test_wings_are_run_with_half_increments_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

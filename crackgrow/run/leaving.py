@@ -1,0 +1,108 @@
+"""What happens after a solve: which sites cracks leave, how far they go, and how long that takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import Growth, Subcritical
+from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
+from crackgrow.fracture.subcritical import lengths, mean_velocity, velocities
+from crackgrow.run.judging import StepSolution
+
+COARSE = 3.0
+"""Factor by which v may change along an increment: the time is off by 2 % then with n = 10, by 10 % with n = 2."""
+
+COARSE_TIME = (
+    f"the velocity of the fastest tip changes by more than a factor of {COARSE:g} along an increment, so that the time "
+    "of the step is off by several percent; give a shorter growth.increment"
+)
+
+End = tuple[int, bool]
+"""Number of a crack, and whether it is its end or its start."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leaving:
+    """What leaves where after a solve."""
+
+    sites: Ints  # numbers of the sites, that of a new crack last
+    cracks: tuple[GrowingCrack, ...]  # as they are, with what tips that wait have gathered
+    lengths: Mapping[End, float] = field(default_factory=dict)  # m, of tips that do not go by the increment
+    velocity: Mapping[End, float] = field(default_factory=dict)  # m/s, of the same tips at the beginning
+    time: float = 0.0  # s, that the step would take with these
+
+
+def none_leaves(cracks: tuple[GrowingCrack, ...]) -> Leaving:
+    """Nothing leaves."""
+    return Leaving(np.empty(0, dtype=np.int64), cracks)
+
+
+def leaves(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Leaving:
+    """What leaves where after a solve: by the criterion, or by velocities, the tip that goes farthest first."""
+    criticality, n_tips = site_criticality(cracks, solution), len(solution.tips)
+    ends = solution.cover.tip_ends
+    if growth.subcritical is not None:
+        return _in_time(growth.subcritical, growth.increment, cracks, (ends, criticality[:n_tips]))
+    n_advances = np.full(len(criticality), STARTS, dtype=np.int64)
+    n_advances[:n_tips] = [cracks[index].n_advances(at_end) for index, at_end in ends]
+    places = np.array([site.point for site in solution.configuration.sites]).reshape(-1, 2)
+    return Leaving(leaving(criticality, n_advances, places, growth.advance), cracks)
+
+
+def site_criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:
+    """Criticality (n,) of every site, -inf for a tip that must not grow."""
+    tips = [
+        tip.verdict.criticality if tip.verdict is not None and cracks[index].can_grow(at_end) else -np.inf
+        for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
+    ]
+    return np.array([*tips, *(start.verdict.criticality for start in solution.starts)])
+
+
+def lapse(left: Leaving, cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> tuple[float, StepSolution]:
+    """Time (s) of the advance that has led to a solution, and the solution, with a note where that is coarse.
+
+    It goes by the tip with the largest mean velocity. Of one that has met something, or stands still now, the velocity
+    at the beginning is all that is known.
+    """
+    law = _law(solution)
+    if law is None or not left.velocity:
+        return 0.0, solution
+    now = dict(zip(solution.cover.tip_ends, velocities(site_criticality(cracks, solution), law).tolist(), strict=True))
+    ends = [(before, now.get(end) or before) for end, before in left.velocity.items()]
+    mean, before, after = max((mean_velocity(before, after), before, after) for before, after in ends)
+    if max(after / before, before / after) > COARSE:
+        solution = replace(solution, notes=(*solution.notes, COARSE_TIME))
+    return left.time * before / mean, solution
+
+
+def _law(solution: StepSolution) -> Subcritical | None:
+    growth = solution.configuration.scene.case.growth
+    return None if growth is None else growth.subcritical
+
+
+def _in_time(
+    law: Subcritical,
+    increment: float,
+    cracks: tuple[GrowingCrack, ...],
+    tips: tuple[Sequence[End], Floats],
+) -> Leaving:
+    """What leaves by velocities; `tips` are their ends and criticality (n,)."""
+    ends, criticality = tips
+    velocity = velocities(criticality, law)
+    gathered = np.array([cracks[index].gathered[at_end] for index, at_end in ends])
+    length, left, first = lengths(velocity, gathered, increment)
+    if first is None:
+        return none_leaves(cracks)
+    waiting = dict(zip(ends, left.tolist(), strict=True))
+    kept = tuple(
+        replace(crack, gathered=(waiting.get((index, False), 0.0), waiting.get((index, True), 0.0)))
+        for index, crack in enumerate(cracks)
+    )
+    order = np.argsort(-length, kind="stable")
+    goes = order[length[order] > 0.0]
+    far, fast = ({ends[tip]: float(values[tip]) for tip in goes.tolist()} for values in (length, velocity))
+    return Leaving(goes, kept, far, fast, float((increment - gathered[first]) / velocity[first]))
