@@ -49,7 +49,9 @@ class ContactSystem:
     @cached_property
     def operator(self) -> csr_array:
         """G (2 n, n_dofs): gaps of all points, then slips."""
-        return csr_array(vstack([self.gap_of, self.slip_of], format="csr"))
+        operator = csr_array(vstack([self.gap_of, self.slip_of], format="csr"))
+        operator.sum_duplicates()  # now: `abs` does so in place, and sums would have other bits after it than before
+        return operator
 
     @cached_property
     def operator_sizes(self) -> csr_array:
