@@ -107,9 +107,7 @@ class Configuration:
     faces: ContactFaces
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
-    sites: tuple[
-        Site, ...
-    ]  # places where cracks may go on, the tips of the cover in their order, then where they start
+    sites: tuple[Site, ...]  # the tips of the cover in their order, then places where cracks may start
     seconds: dict[str, float]
 
     @property

@@ -187,18 +187,19 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         return _told(_booked(_part(configuration, start, (factor, 1.0)), start), began)
     at, end = start, (factor, 1.0)
     reached: list[LoadState] = []
-    in_turn, piece = 0, "jump"  # jumps
+    in_turn = 0  # jumps
+    event: PointStates | None = None  # the states at the one that has been reached
     while not reached or (at.factor, at.holding) != end:
         if len(reached) < MOST_PIECES:
             was = at.remembered
             tractions = np.concatenate([was.normal, was.tangential])
             way = ((at.factor, at.holding), end)
-            before = reached[-1].states if piece == "straight" else None
-            states, load, piece = next_piece(configuration, was.memory, tractions, way, in_turn, before)
+            states, load, piece = next_piece(configuration, was.memory, tractions, way, in_turn, event)
             state = _stated(configuration, at, states, load)
         else:
             state, piece = _part(configuration, at, end), "jump"
         in_turn = in_turn + 1 if piece == "jump" else 0
+        event = state.states if piece == "straight" else None
         reached.append(state if piece == "straight" else _booked(state, at))
         at = _on_from(reached[-1])
     *via, last = reached
