@@ -12,9 +12,9 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.run import grow
-from crackgrow.run.result import Checkpoint, RunEnd, StepResult
+from crackgrow.run.result import Checkpoint
 from tests.slow_cracks import SHORTER, slow_cracks
+from tests.whole_run import whole_run
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
@@ -47,15 +47,6 @@ def scene(name: str) -> Case:
     return load_case(CASES / f"{file}.yaml", [*coarse, *settings])
 
 
-def run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:
-    steps, results = grow(case, checkpoint), []
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
-
-
 def stored(checkpoint: Checkpoint | None) -> Checkpoint:
     """The checkpoint as it comes back from files."""
     assert checkpoint is not None
@@ -85,20 +76,20 @@ def assert_same(one: Any, other: Any, where: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_every_step_can_be_gone_on_from(name: str) -> None:
     case = scene(name)
-    results, end = run(case)
+    results, end = whole_run(case)
     assert len(results) > 2
     for number, result in list(enumerate(results))[-4:]:
-        again, same_end = run(case, stored(result.checkpoint))
+        again, same_end = whole_run(case, stored(result.checkpoint))
         assert_same(results[number:], again, f"{name}, from {number}")
         assert_same(end, same_end, f"{name}, end from {number}")
 
 
 def test_a_finished_run_goes_on_where_more_steps_are_asked_for() -> None:
     short, long = (load_case(CASES / "compression30.yaml", [*COARSE, f"growth.steps={n}"]) for n in (1, 3))
-    results, _ = run(short)
+    results, _ = whole_run(short)
     assert not any(tip.advanced for tip in results[-1].tips)
-    whole, end = run(long)
-    again, same_end = run(long, stored(results[-1].checkpoint))
+    whole, end = whole_run(long)
+    again, same_end = whole_run(long, stored(results[-1].checkpoint))
     assert_same(whole[1:], again, "from 1")
     assert_same(end, same_end, "end")
 
@@ -106,9 +97,9 @@ def test_a_finished_run_goes_on_where_more_steps_are_asked_for() -> None:
 def test_what_friction_remembers_matters() -> None:
     """Points that had not slipped yet would slip, and dissipate, in this step: the tests above can fail."""
     case = scene("cyclic friction")
-    results, _ = run(case)
+    results, _ = whole_run(case)
     checkpoint = stored(results[2].checkpoint)
     forgotten = {**checkpoint.arrays, "start_slip": np.zeros_like(checkpoint.arrays["start_slip"])}
-    other, _ = run(case, Checkpoint(2, checkpoint.values, forgotten))
+    other, _ = whole_run(case, Checkpoint(2, checkpoint.values, forgotten))
     assert results[2].energy.dissipated == results[1].energy.dissipated > 0.0
     assert other[0].energy.dissipated > 1.5 * results[2].energy.dissipated

@@ -13,11 +13,11 @@ from crackgrow.case.model import Case
 from crackgrow.fracture.criteria import TipLoading
 from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.fracture.tip_stress import TipField
-from crackgrow.run import grow
 from crackgrow.run.checkpoint import packed, restored
 from crackgrow.run.judging import verdict
-from crackgrow.run.result import Checkpoint, RunEnd, StepResult
+from crackgrow.run.result import Checkpoint
 from crackgrow.run.scene import make_scene
+from tests.whole_run import whole_run
 
 PLATE = """
 title: a plate without cracks
@@ -68,22 +68,13 @@ def plate(folder: Path, shape: str, at: str, *settings: str, criterion: str = "s
     return load_case(path, list(settings))
 
 
-def run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:
-    steps, results = grow(case, checkpoint), []
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
-
-
 @pytest.mark.parametrize(("criterion", "exact"), [("strength", 1e-9), ("directional_strength", 2e-5)])
 def test_rock_under_uniform_tension_cracks_across_it_at_its_strength(
     criterion: str, exact: float, tmp_path: Path
 ) -> None:
     """Between rays 5 degrees apart the hoop stress is that of a parabola."""
     case = plate(tmp_path, SQUARE, "anywhere", "growth.steps=1", criterion=criterion)
-    results, end = run(case)
+    results, end = whole_run(case)
     assert results[0].load_factor == pytest.approx(5.0, rel=exact)
     assert [event.kind for event in results[1].events] == ["initiation"]
     (crack,) = end.cracks
@@ -96,7 +87,7 @@ def test_a_hole_in_tension_cracks_where_its_rim_is_stretched_most(tmp_path: Path
     """Kirsch: the hoop stress ahead of the wall is S/2 (2 + a^2/r^2 + 3 a^4/r^4); its mean over R decides."""
     settings = ("growth.steps=1", "numerics.spacing=1", "growth.initiation.spacing=0.5")
     case = plate(tmp_path, HOLED, "outlines", *settings, criterion="directional_strength")
-    results, _ = run(case)
+    results, _ = whole_run(case)
     (event,) = results[1].events
     assert event.kind == "initiation"
     assert event.met == "hole0 of body 'rock' (tension)"
@@ -110,7 +101,7 @@ def test_a_hole_in_tension_cracks_where_its_rim_is_stretched_most(tmp_path: Path
 
 def test_a_flaw_with_wings_starts_a_second_crack_in_shear() -> None:
     case = load_case(CASES / "compression30.yaml", [*SECOND])
-    results, end = run(case)
+    results, end = whole_run(case)
     started = [event for result in results for event in result.events if event.kind == "initiation"]
     assert len(started) > 0
     assert started[0].met == "crack 'flaw' (shear)"
@@ -123,7 +114,7 @@ def test_a_flaw_with_wings_starts_a_second_crack_in_shear() -> None:
 
 def test_a_new_crack_is_broken_from_the_start_and_has_the_friction_of_its_parent() -> None:
     case = load_case(CASES / "compression30.yaml", [*SECOND, "cracks.flaw.contact.cohesion=0.01"])
-    results, _ = run(case)
+    results, _ = whole_run(case)
     checkpoint = results[-1].checkpoint
     assert checkpoint is not None
     new = restored(case, checkpoint).cracks[1]
@@ -134,7 +125,7 @@ def test_a_new_crack_is_broken_from_the_start_and_has_the_friction_of_its_parent
 
 def test_without_the_key_tips_alone_grow() -> None:
     without = [setting for setting in SECOND if "initiation" not in setting]
-    results, end = run(load_case(CASES / "compression30.yaml", without))
+    results, end = whole_run(load_case(CASES / "compression30.yaml", without))
     assert len(end.cracks) == 1
     assert all(event.kind != "initiation" for result in results for event in result.events)
 
@@ -142,12 +133,12 @@ def test_without_the_key_tips_alone_grow() -> None:
 @pytest.mark.parametrize("step", [1, 2, 3])
 def test_a_run_goes_on_to_the_same_bits_with_cracks_that_have_started(step: int) -> None:
     case = load_case(CASES / "compression30.yaml", [*SECOND, "growth.unload_between_steps=false"])
-    whole, end = run(case)
+    whole, end = whole_run(case)
     kept = whole[step].checkpoint
     assert kept is not None
     arrays = {name: array.copy() for name, array in kept.arrays.items()}
     stored = Checkpoint(kept.step, json.loads(json.dumps(kept.values)), arrays)
-    rest, other = run(case, stored)
+    rest, other = whole_run(case, stored)
     assert len(whole[-1].cracks) > 1
     assert max(result.energy.error for result in whole) < 1e-6
     for one, again in zip(whole[step:], rest, strict=True):
@@ -162,7 +153,7 @@ def test_a_run_goes_on_to_the_same_bits_with_cracks_that_have_started(step: int)
 
 def test_steps_are_not_told_to_be_in_vain_where_cracks_may_start(tmp_path: Path) -> None:
     settings = ("growth.initiation.spacing=auto", "loading={history: [1.0]}")
-    told = [run(plate(tmp_path, SQUARE, at, *settings))[0][0].warnings for at in ("tips", "outlines")]
+    told = [whole_run(plate(tmp_path, SQUARE, at, *settings))[0][0].warnings for at in ("tips", "outlines")]
     assert [any("no crack has a tip" in words for words in warnings) for warnings in told] == [True, False]
 
 
