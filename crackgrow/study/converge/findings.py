@@ -17,7 +17,7 @@ from crackgrow.study.compare import compare_paths
 from crackgrow.study.converge.extrapolation import distinct, limit_of
 from crackgrow.study.converge.plan import HALF, ConvergencePlan
 from crackgrow.study.converge.states import Key, State, states_of
-from crackgrow.study.trade.worker import Cost
+from crackgrow.study.timed_run import Cost
 
 NAN = float("nan")
 MODES = ("K_I", "K_II")

@@ -1,1 +1,1 @@
-"""Sweeps: one run for each combination of parameters, side by side on a Dask cluster, all of it in one table."""
+"""Sweeps: one run for each combination of parameters, side by side, all of it in one table."""

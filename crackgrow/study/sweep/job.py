@@ -1,9 +1,8 @@
-"""What a worker is given and does. Loading this module loads no numerics: first the worker's threads are settled."""
+"""A run of a sweep, in its worker."""
 
 from __future__ import annotations
 
 import contextlib
-import pickle
 import resource
 import sys
 import threading
@@ -12,10 +11,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from crackgrow.blas import one_thread, single_threaded, warm_up
-
-Values = dict[str, str | float | int | None]
-"""Cells of the table by column, SI; None where there is no value."""
+from crackgrow.blas import single_threaded, warm_up
+from crackgrow.case.model import Case
+from crackgrow.errors import reason_of
+from crackgrow.results.atomic import OccupiedError
+from crackgrow.results.lock import LockedError
+from crackgrow.results.resume import ResumeError, find_resumption
+from crackgrow.results.writer import RunWriter
+from crackgrow.run import grow
+from crackgrow.study.one_run import write_run
+from crackgrow.study.sweep.measured import Values, measured
 
 DATA_PART: Final = 0.8  # of a worker's memory that a run's data may take: the rest is for programs and libraries
 PEAK_RESET: Final = Path("/proc/self/clear_refs")  # of Linux
@@ -29,33 +34,51 @@ class Job:
 
     number: int
     folder: Path  # absolute; the worker must see the same disk
-    case: bytes  # pickled: reading it loads numerics
+    case: Case
     memory: int | None  # bytes that its process may take; None: not bounded
-
-
-def job_of(number: int, folder: Path, case: object, memory: int | None) -> Job:
-    """The job of a case."""
-    return Job(number, folder.resolve(), pickle.dumps(case), memory)
 
 
 def run_job(job: Job) -> Values:
     """Run the case and return what its folder tells: a run that fails is told like any other."""
-    one_thread()
-    from crackgrow.study.sweep.solving import solve  # only now: numpy reads the threads when it loads
-
     with _ALONE, single_threaded():
         warm_up()
         with bounded_memory(job.memory):
             forget_peak_memory()
-            return solve(pickle.loads(job.case), job.folder)
+            return solve(job.case, job.folder)
+
+
+def solve(case: Case, folder: Path) -> Values:
+    """Run a case into a folder, from the last checkpoint there if one is of this case; return what the folder tells.
+
+    Whatever a run raises is its reason to fail: it has no part in the runs beside it.
+    """
+    try:
+        return _solve(case, folder)
+    except (OccupiedError, LockedError) as error:  # nothing in the folder is this run's
+        return {"status": "failed", "reason": reason_of(error)}
+    except Exception as error:
+        return {**measured(folder), "status": "failed", "reason": reason_of(error)}
+
+
+def _solve(case: Case, folder: Path) -> Values:
+    writer = RunWriter(case, folder)
+    with writer.held():
+        try:
+            found = find_resumption(case, folder)
+        except ResumeError:  # the folder is that of another sweep
+            found = None
+        if found is None or found.finished is None:
+            if found is None:
+                writer.begin()
+            else:
+                writer.resume(found)
+            write_run(writer, grow(case, None if found is None else found.checkpoint))
+        return measured(folder)
 
 
 @contextlib.contextmanager
 def bounded_memory(memory: int | None) -> Iterator[None]:
-    """Let allocations fail (MemoryError) beyond a process' share of `memory` bytes, where the system can do that.
-
-    Without it the first to notice is who guards the worker, and kills it.
-    """
+    """Let allocations fail (MemoryError) beyond a process' share of `memory` bytes, where the system can do that."""
     if memory is None or sys.platform != "linux":
         yield
         return

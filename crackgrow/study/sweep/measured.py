@@ -6,7 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from crackgrow.results.folder import SUMMARY, RunFolder, TextTable
-from crackgrow.study.sweep.job import Values
+
+Values = dict[str, str | float | int | None]
+"""Cells of the table by column, SI; None where there is no value."""
 
 
 def measured(folder: Path) -> Values:

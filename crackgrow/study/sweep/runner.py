@@ -4,32 +4,25 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from dataclasses import dataclass
-from importlib.util import find_spec
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from crackgrow.case import dump_case
-from crackgrow.errors import CrackgrowError
+from crackgrow.errors import reason_of
 from crackgrow.results.atomic import OccupiedError
 from crackgrow.results.folder import FINISHED, FolderError, RunFolder
 from crackgrow.results.leftovers import earlier_files, remove_files
 from crackgrow.results.lock import FolderLock, LockedError
 from crackgrow.results.log import counted
-from crackgrow.study.sweep.job import Job, Values, job_of, run_job
-from crackgrow.study.sweep.measured import measured
+from crackgrow.study.processes import Processes, Workers, as_they_end
+from crackgrow.study.sweep.job import Job, run_job
+from crackgrow.study.sweep.measured import Values, measured
+from crackgrow.study.sweep.place import ClusterError, Place
 from crackgrow.study.sweep.plan import Run, SweepPlan
 
-if TYPE_CHECKING:
-    from crackgrow.study.sweep.cluster import Place
-
-NEEDED: Final = ("dask", "distributed", "pyarrow")
 REFUSED: Final = "refused"
-
-
-class MissingPackageError(CrackgrowError):
-    """A package that only sweeps need is not installed."""
-
-    exit_code = 3
+LIVES: Final = 3  # workers that a run may lose before it is its own fault
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,18 +60,13 @@ def sweep(
     the folder, ClusterError and OutputError; what has ended is in the table then. A run that fails is a row
     like any other.
     """
-    check_packages()
-    from crackgrow.study.sweep.cluster import Place, available_cores, bytes_of  # imports Dask
-
-    size = None if memory is None else bytes_of(memory)
-    place = Place(scheduler, workers or available_cores(), size)
+    place = Place.of(workers, scheduler, memory)
     with FolderLock(plan.folder, f"sweep {plan.name}").held():
         yield from _rows(plan, place, resume, function)
 
 
 def _rows(plan: SweepPlan, place: Place, resume: bool, function: Callable[[Job], Values]) -> Iterator[SweepRow]:
     """As `sweep`, in a folder that is locked."""
-    from crackgrow.study.sweep.cluster import connected, run_all  # as above
     from crackgrow.study.sweep.overview import draw
     from crackgrow.study.sweep.table import SweepTable  # imports pyarrow
 
@@ -93,19 +81,37 @@ def _rows(plan: SweepPlan, place: Place, resume: bool, function: Callable[[Job],
             table.found[run.number] = measured(run.folder)
             settled.append(SweepRow(run, table.row(run), False))
         else:
-            jobs.append(job_of(run.number, run.folder, run.case, place.memory))
-    with contextlib.ExitStack() as stack:
-        client = stack.enter_context(connected(place, len(jobs))) if jobs else None
+            jobs.append(Job(run.number, run.folder.resolve(), run.case, place.memory))
+    with _workers(place, len(jobs)) as workers:
         if not resume:  # only now: earlier results are kept where nothing can run
             _remove_earlier(plan)
         table.write()
         yield from settled
-        for job, values in run_all(client, jobs, function) if client is not None else ():
+        for job, future in as_they_end(workers, function, jobs):
             run = plan.runs[job.number]
-            table.found[run.number] = values
+            table.found[run.number] = _values(future)
             table.write()
             yield SweepRow(run, table.row(run), True)
     draw(plan.folder / "sweep.png", table)
+
+
+def _workers(place: Place, n_jobs: int) -> contextlib.AbstractContextManager[Workers]:
+    """The workers of the scheduler, or as many processes of this machine as there are jobs for."""
+    if place.scheduler is None or not n_jobs:
+        return Processes(max(1, min(place.workers, n_jobs)), lives=LIVES)
+    from crackgrow.study.sweep.cluster import connected  # imports Dask
+
+    return connected(place.scheduler)
+
+
+def _values(future: Future[Values]) -> Values:
+    """What a job returned, or why it didn't; raises ClusterError where that was lost with all others."""
+    try:
+        return future.result()
+    except ClusterError:
+        raise
+    except Exception as error:
+        return {"status": "failed", "reason": reason_of(error)}
 
 
 def _remove_earlier(plan: SweepPlan) -> None:
@@ -126,14 +132,6 @@ def done(run: Run) -> bool:
         return found.finished and found.case_text == dump_case(run.case) and bool(measured(run.folder))
     except (FolderError, ValueError, KeyError, TypeError):  # damaged, or of another version: it is run again
         return False
-
-
-def check_packages() -> None:
-    """Raise MissingPackageError where one is not installed."""
-    missing = [name for name in NEEDED if find_spec(name) is None]
-    if missing:
-        names = " and ".join(missing)
-        raise MissingPackageError(f"sweeps need {names}, not installed here: pip install 'crackgrow[sweep]'")
 
 
 def sweep_line(row: SweepRow) -> str:

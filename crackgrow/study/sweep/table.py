@@ -14,7 +14,7 @@ from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically, write_text
 from crackgrow.results.tables import csv_text
 from crackgrow.study.sweep.columns import COSTS, ENDING, FIRST
-from crackgrow.study.sweep.job import Values
+from crackgrow.study.sweep.measured import Values
 from crackgrow.study.sweep.plan import Run, SweepPlan
 
 WAITING: Final = "waiting"

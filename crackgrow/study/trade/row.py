@@ -13,10 +13,10 @@ from crackgrow.errors import CaseError, Fault
 from crackgrow.results import tables
 from crackgrow.results.declarations import PHASES
 from crackgrow.results.folder import FINISHED, FolderError, RunFolder, table_of
+from crackgrow.study.timed_run import Cost
 from crackgrow.study.trade.columns import COLUMNS, ENERGY
 from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.measures import NO_ERRORS, Errors
-from crackgrow.study.trade.worker import Cost
 
 REFERENCE = "reference"  # the name of its row
 

@@ -11,12 +11,12 @@ from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import FINISHED
 from crackgrow.results.lock import FolderLock
 from crackgrow.study.folder_names import folder_names
+from crackgrow.study.timed_run import run_in_processes
 from crackgrow.study.trade.energy import EnergyReference
 from crackgrow.study.trade.grid import FINER, Setting, case_or_none
 from crackgrow.study.trade.measures import check_results, errors_of
 from crackgrow.study.trade.picture import draw
 from crackgrow.study.trade.plan import Plan
-from crackgrow.study.trade.process import run_in_processes
 from crackgrow.study.trade.row import REFERENCE, Row, Run, csv_text, read_rows, row_of
 
 TABLE, PICTURE = "trade.csv", "trade.png"

@@ -14,7 +14,7 @@ from crackgrow.study.converge.columns import FILES
 from crackgrow.study.converge.findings import Convergence, Ran, findings
 from crackgrow.study.converge.plan import HALF, plan_convergence
 from crackgrow.study.converge.text import convergence_csv, convergence_record, convergence_text
-from crackgrow.study.trade.worker import Cost
+from crackgrow.study.timed_run import Cost
 
 CASES = Path(__file__).parents[4] / "cases"
 THREE = ("draft", "standard", "fine")

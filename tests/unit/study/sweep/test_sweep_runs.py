@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -19,15 +20,17 @@ import pytest
 from distributed import Client, LocalCluster
 
 from crackgrow import cli
+from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.errors import CaseError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
 from crackgrow.study.one_run import write_run
-from crackgrow.study.sweep import runner
-from crackgrow.study.sweep.cluster import SETTINGS, ClusterError
-from crackgrow.study.sweep.job import Job, Values
+from crackgrow.study.sweep import place
+from crackgrow.study.sweep.job import Job, bounded_memory, run_job
+from crackgrow.study.sweep.measured import Values
+from crackgrow.study.sweep.place import ClusterError, MissingPackageError
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
-from crackgrow.study.sweep.runner import MissingPackageError, SweepRow, sweep
+from crackgrow.study.sweep.runner import SweepRow, sweep
 
 ROOT = Path(__file__).parents[4]
 FLAW = ROOT / "cases" / "compression30.yaml"
@@ -75,7 +78,7 @@ def tables(folder: Path) -> dict[str, str]:
 def address() -> Iterator[str]:
     """A scheduler with two workers, as another program would offer it."""
     with (
-        dask.config.set({**SETTINGS, "distributed.scheduler.allowed-failures": 1}),
+        dask.config.set({"distributed.scheduler.allowed-failures": 1, "distributed.admin.tick.limit": "1h"}),
         LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
     ):
         yield cluster.scheduler_address
@@ -167,32 +170,30 @@ def test_workers_are_not_asked_for_beside_a_scheduler(tmp_path: Path, capsys: py
     assert "--scheduler: not allowed with argument --workers" in capsys.readouterr().err
 
 
+def look(job: Job) -> Values:
+    """What a worker has for its run."""
+    with bounded_memory(job.memory):
+        limit = resource.getrlimit(resource.RLIMIT_DATA)[0]
+    threads = ",".join(os.environ.get(name, "none") for name in (*THREAD_SETTINGS, "MALLOC_TRIM_THRESHOLD_"))
+    return {"status": "looked", "reason": threads, "n_dofs": limit, "steps": os.getpid()}
+
+
 def test_workers_have_one_thread_for_linear_algebra_and_bounded_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
-
-    def look(job: Job) -> Values:
-        import os
-        import resource
-
-        from distributed import get_worker
-
-        from crackgrow.blas import THREAD_SETTINGS
-        from crackgrow.study.sweep.job import bounded_memory
-
-        with bounded_memory(job.memory):
-            limit = resource.getrlimit(resource.RLIMIT_DATA)[0]
-        threads = ",".join(os.environ.get(name, "none") for name in (*THREAD_SETTINGS, "MALLOC_TRIM_THRESHOLD_"))
-        manager = get_worker().memory_manager
-        return {"status": "looked", "reason": threads, "n_dofs": limit, "steps": manager.memory_limit}
-
-    plan = plan_sweep(written(tmp_path, "[0]"), tmp_path)
-    (free,) = sweep(plan, workers=1, function=look)
-    assert free.values["steps"] is None
+    plan = plan_sweep(written(tmp_path, "[0, 0.1]"), tmp_path)
+    free = list(sweep(plan, workers=1, function=look))
+    assert len({row.values["steps"] for row in free}) == 1  # one process for both runs, that is not this one
+    assert free[0].values["steps"] != os.getpid()
+    assert free[0].values["n_dofs"] == resource.getrlimit(resource.RLIMIT_DATA)[0]
     rows = list(sweep(plan, workers=1, memory="1GB", function=look))
-    assert rows[0].values["steps"] == 1e9
     assert rows[0].values["reason"] == "1,1,1,none"  # memory is kept from array to array, as in a run alone
-    if sys.platform == "linux":
-        assert rows[0].values["n_dofs"] == 8e8
+    assert rows[0].values["n_dofs"] == 8e8
+
+
+def test_memory_that_the_system_does_not_bound_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sys, "platform", "darwin")
+    with pytest.raises(CaseError, match="--memory: only Linux bounds the memory of a process"):
+        next(sweep(plan_sweep(written(tmp_path), tmp_path), memory="1GB"))
 
 
 def test_run_of_a_killed_worker_is_gone_on_with(address: str, tmp_path: Path):
@@ -214,44 +215,53 @@ def test_run_of_a_killed_worker_is_gone_on_with(address: str, tmp_path: Path):
     assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
 
 
+def dies_once(job: Job) -> Values:
+    first = job.folder.parent / "died"
+    if not first.exists():
+        first.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return run_job(job)
+
+
 def test_run_whose_only_worker_dies_goes_on_with_the_next_one(tmp_path: Path):
-    """Dask has nowhere to put the run until the worker is replaced; nor is the result of a run that ended safe."""
-
-    def dies_once(job: Job) -> Values:
-        import os
-
-        from crackgrow.study.sweep.job import run_job
-
-        first = job.folder.parent / "died"
-        if not first.exists():
-            first.touch()
-            os.kill(os.getpid(), 9)
-        return run_job(job)
-
     plan = plan_sweep(written(tmp_path, "[0, 0.1]"), tmp_path)
     found = {row.run.number: row.values["status"] for row in sweep(plan, workers=1, function=dies_once)}
     assert found == {0: "completed", 1: "completed"}
 
 
-def test_run_that_kills_its_workers_is_told_and_the_others_are_run(address: str, tmp_path: Path):
-    def deadly(job: Job) -> Values:
-        import os
+def deadly(job: Job) -> Values:
+    if job.number == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    if job.number == 1:
+        raise ValueError("a bug")
+    return run_job(job)
 
-        from crackgrow.study.sweep.job import run_job
 
-        if job.number == 0:
-            os.kill(os.getpid(), 9)
-        if job.number == 1:
-            raise ValueError("a bug")
-        return run_job(job)
-
+@pytest.mark.parametrize("scheduled", [True, False])
+def test_run_that_kills_its_workers_is_told_and_the_others_are_run(scheduled: bool, address: str, tmp_path: Path):
     plan = plan_sweep(written(tmp_path, "[0, 0.1, -1, 0.2]"), tmp_path)
-    found = {row.run.number: row.values for row in sweep(plan, scheduler=address, function=deadly)}
+    workers = {"scheduler": address} if scheduled else {"workers": 2}
+    found = {row.run.number: row.values for row in sweep(plan, **workers, function=deadly)}  # type: ignore[arg-type]
     assert found[1]["reason"] == "internal error: ValueError: a bug"
     assert [found[number]["status"] for number in range(4)] == ["failed", "failed", "refused", "completed"]
-    assert str(found[0]["reason"]).startswith("worker lost: 2 workers died of this run")
+    lost = 2 if scheduled else 3
+    assert str(found[0]["reason"]).startswith(f"worker lost: {lost} workers died of this run")
     table = rows_of(tmp_path / "sweep.csv")
     assert [row["status"] for row in table] == ["failed", "failed", "refused", "completed"]
+
+
+def test_sweep_that_is_left_ends_its_workers_at_once(tmp_path: Path):
+    rows = sweep(plan_sweep(written(tmp_path, "[0, 0.1]"), tmp_path), workers=2, function=sleeps_but_once)
+    next(rows)
+    began = time.monotonic()
+    rows.close()  # type: ignore[attr-defined]
+    assert time.monotonic() - began < PATIENCE / 2
+
+
+def sleeps_but_once(job: Job) -> Values:
+    if job.number:
+        time.sleep(2 * PATIENCE)
+    return {"status": "looked"}
 
 
 def test_recipe_for_slurm_needs_no_more_of_its_cluster_than_an_address(
@@ -295,7 +305,7 @@ def test_wrong_addresses_sizes_and_missing_packages_are_told(tmp_path: Path, mon
         CaseError, match="--memory: '4' is 4 bytes; a worker takes 200 MB at least; wanted: such as 2GB"
     ):
         list(sweep(plan, memory="4"))
-    monkeypatch.setattr(runner, "find_spec", lambda name: None if name == "pyarrow" else object())
+    monkeypatch.setattr(place, "find_spec", lambda name: None if name == "pyarrow" else object())
     with pytest.raises(MissingPackageError, match=r"sweeps need pyarrow, .* pip install 'crackgrow\[sweep\]'"):
         list(sweep(plan))
 

@@ -15,13 +15,12 @@ from crackgrow import blas
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
 from crackgrow.study.one_run import write_run
-from crackgrow.study.sweep import solving
-from crackgrow.study.sweep.job import job_of, run_job
+from crackgrow.study.sweep import job
+from crackgrow.study.sweep.job import Job, run_job, solve
 from crackgrow.study.sweep.measured import measured
 from crackgrow.study.sweep.overview import draw, responses_of, shown_as
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
 from crackgrow.study.sweep.runner import done
-from crackgrow.study.sweep.solving import solve
 from crackgrow.study.sweep.table import SweepTable
 
 FLAW = Path(__file__).parents[4] / "cases" / "compression30.yaml"
@@ -122,7 +121,7 @@ def test_run_that_raises_is_a_row_with_its_reason_and_what_it_solved(tmp_path: P
 
     run = planned(tmp_path, "cracks.flaw.path.angle: [30]").runs[0]
     assert run.case is not None
-    monkeypatch.setattr(solving, "grow", breaks)
+    monkeypatch.setattr(job, "grow", breaks)
     values = solve(run.case, run.folder)
     assert (values["status"], values["steps"]) == ("failed", 0)
     assert str(values["reason"]).startswith("out of memory: no room; a larger numerics.spacing takes less")
@@ -182,8 +181,8 @@ def test_runs_of_a_process_have_one_thread_and_come_one_after_the_other(
         pools = [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
         return {"beside": beside, "threads": max(pools)}
 
-    monkeypatch.setattr(solving, "solve", solve)
-    jobs = [job_of(number, tmp_path, number, None) for number in range(3)]
+    monkeypatch.setattr(job, "solve", solve)
+    jobs = [Job(number, tmp_path, number, None) for number in range(3)]
     with ThreadPoolExecutor(3) as pool:
         found = list(pool.map(run_job, jobs))
     assert found == 3 * [{"beside": 0, "threads": 1}]

@@ -12,14 +12,13 @@ from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, SolveError
 from crackgrow.results.declarations import PHASES
-from crackgrow.study.trade import process
+from crackgrow.study import processes
+from crackgrow.study.timed_run import Cost, median_cost, run_in_processes
 from crackgrow.study.trade.columns import COLUMNS
 from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.plan import Plan, plan_trade
-from crackgrow.study.trade.process import median_cost, run_in_processes
 from crackgrow.study.trade.row import Row, Run, read_rows, row_of
 from crackgrow.study.trade.runner import trade
-from crackgrow.study.trade.worker import Cost
 
 CASES = Path(__file__).parents[4] / "cases"
 FLAW = CASES / "compression30.yaml"
@@ -170,7 +169,7 @@ def test_run_that_takes_too_long_or_crashes_is_told(tmp_path: Path, monkeypatch:
     file = small(tmp_path, ["spacing=5"]).file
     cost = run_in_processes(file, (), tmp_path / "slow", 3, 0.01)
     assert (cost.status, cost.reason) == ("timeout", "not done after 0.01 s")
-    monkeypatch.setattr(process, "WORKER", "crackgrow.no_such_module")
+    monkeypatch.setattr(processes, "CHILD", "crackgrow.no_such_module")
     cost = run_in_processes(file, (), tmp_path / "broken", 3, None)
     assert cost.status == "crashed"
     assert "No module named crackgrow.no_such_module" in cost.reason
