@@ -17,7 +17,7 @@ def completed(line: list[str], folder: Path) -> set[str]:
     """What bash offers for the last word of a command line."""
     (folder / "script").write_text(completion_script(command_line(), "bash"))
     words = " ".join(f"'{word}'" for word in line)
-    ask = f"source ./script; COMP_WORDS=({words}); COMP_CWORD={len(line) - 1}; _crackgrow; "
+    ask = f"source ./script; COMP_WORDS=({words}); COMP_CWORD={len(line) - 1}; _shtab_crackgrow; "
     ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
     done = subprocess.run(["bash", "-c", ask], cwd=folder, capture_output=True, text=True, check=True)
     return set(done.stdout.splitlines())
