@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,15 +20,16 @@ from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
-from crackgrow.results import data_frames
+from crackgrow.results.data_frames import RunTables, frame_of_results
 from crackgrow.results.gathered import Gathered
+from crackgrow.results.tables import event_rows, path_rows
 from crackgrow.results.vtk_frames import FIELDS, as_pyvista, specimen_grid
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.error import estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.result import Frame, RunEnd, StepResult
+from crackgrow.run.result import CrackPath, Event, Frame, RunEnd, StepResult
 from crackgrow.solid import recovery
 
 if TYPE_CHECKING:
@@ -99,36 +100,11 @@ def run_case(case: Case, out: str | Path | None = None) -> Run:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Tables:
-    """Tables of some steps: columns, units and values as in the CSV files of the same names."""
+class _Tables(RunTables):
+    """Tables of some steps."""
 
     case: Case
     results: tuple[StepResult, ...]  # step by step, frozen NumPy arrays: contact points, crack faces, energies ...
-
-    @property
-    def steps(self) -> pd.DataFrame:
-        """As steps.csv, a row a step; `seconds_output` is without the writing of frames."""
-        return data_frames.steps_frame(self.results)
-
-    @property
-    def tips(self) -> pd.DataFrame:
-        """As tips.csv, a row for each step and tip: place (m), K_I and K_II (Pa sqrt(m)), the criterion."""
-        return data_frames.tips_frame(self.results)
-
-    @property
-    def contact(self) -> pd.DataFrame:
-        """As contact.csv, a row for each step and contact point: tractions (Pa), opening and slip (m), state."""
-        return data_frames.contact_frame(self.results)
-
-    @property
-    def reactions(self) -> pd.DataFrame:
-        """As reactions.csv, a row for each step and support, foundation or interface: force (N/m)."""
-        return data_frames.reactions_frame(self.results)
-
-    @property
-    def history(self) -> pd.DataFrame:
-        """As history.csv, a row for each increment: what the points of `output.points` see, and the reactions."""
-        return data_frames.history_frame(self.results)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -137,6 +113,16 @@ class _Tables:
         for result in self.results:
             gathered.add(result.step, result.cautions)
         return tuple(gathered.sentences())
+
+    def _frame(self, name: str) -> pd.DataFrame:
+        cracks, events = self._at_the_end
+        more = {"paths": path_rows(cracks), "events": event_rows(events)}
+        return frame_of_results(name, self.results, more.get(name, ()))
+
+    @property
+    def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Event]]:
+        """The cracks, and what they have met after the last of the steps."""
+        return self.results[-1].cracks, ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,11 +135,6 @@ class Solution(_Tables):
     def result(self) -> StepResult:
         """The step as frozen NumPy arrays: contact points, crack faces, tips, reactions, energies, warnings."""
         return self.results[0]
-
-    @property
-    def paths(self) -> pd.DataFrame:
-        """The cracks as they lie in this step, with the columns of paths.csv: a row for each vertex."""
-        return data_frames.paths_frame(self.result.cracks)
 
     @property
     def frame(self) -> Frame:
@@ -241,15 +222,8 @@ class Run(_Tables):
         return self.end.reason
 
     @property
-    def paths(self) -> pd.DataFrame:
-        """As paths.csv: the cracks at the end, a row for each vertex with the step that made it."""
-        return data_frames.paths_frame(self.end.cracks)
-
-    @property
-    def events(self) -> pd.DataFrame:
-        """As events.csv: tips that have met a crack, a hole, the outline or an interface."""
-        events = [event for result in self.results for event in result.events]
-        return data_frames.events_frame([*events, *self.end.events])
+    def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Event]]:
+        return self.end.cracks, self.end.events
 
     def path(self, crack: str) -> Floats:
         """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""

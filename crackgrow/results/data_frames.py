@@ -2,70 +2,94 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from crackgrow.results import tables
-from crackgrow.results.folder import TextTable
-from crackgrow.run.result import CrackPath, Event, StepResult
+from crackgrow.results.declarations import RUN
+from crackgrow.results.tables import Row
+from crackgrow.run.result import StepResult
 
-COUNTS = frozenset({"step", "vertex", "increment", "n_dofs", "n_contact", "contact_iterations", "factorizations"})
-WORDS = frozenset({"crack", "tip", "criterion", "K_note", "state", "kind", "met", "where", "contact_status"})
-TRUTHS = frozenset({"advanced"})
-"""Columns of whole numbers, of words, of true and false; all others are of numbers."""
+if TYPE_CHECKING:
+    import pandas as pd
 
-
-def tips_frame(results: Iterable[StepResult]) -> pd.DataFrame:
-    """Rows of tips.csv: one for each step and tip."""
-    return _frame(tables.TIPS, [row for result in results for row in tables.tip_rows(result)])
+    from crackgrow.results.folder import TextTable
 
 
-def contact_frame(results: Iterable[StepResult]) -> pd.DataFrame:
-    """Rows of contact.csv: one for each step and contact point."""
-    return _frame(tables.CONTACT, [row for result in results for row in tables.contact_rows(result)])
+class RunTables:
+    """The tables of a run, in its folder or in memory, with columns, units and values as in the CSV files."""
+
+    @property
+    def steps(self) -> pd.DataFrame:
+        """steps.csv: a row for each step, with load factor, energies, checks, times.
+
+        In memory `seconds_output` is without the writing of frames.
+        """
+        return self._frame("steps")
+
+    @property
+    def tips(self) -> pd.DataFrame:
+        """tips.csv: a row for each step and tip, with place (m), K_I and K_II (Pa sqrt(m)), the criterion."""
+        return self._frame("tips")
+
+    @property
+    def contact(self) -> pd.DataFrame:
+        """contact.csv: a row for each step and contact point, with tractions (Pa), opening and slip (m), state."""
+        return self._frame("contact")
+
+    @property
+    def reactions(self) -> pd.DataFrame:
+        """reactions.csv: a row for each step and support, foundation or interface, with its force (N/m)."""
+        return self._frame("reactions")
+
+    @property
+    def history(self) -> pd.DataFrame:
+        """history.csv: a row for each increment, with what `output.points` see; where the case names points."""
+        return self._frame("history")
+
+    @property
+    def events(self) -> pd.DataFrame:
+        """events.csv: tips that have met a crack, a hole, the outline or an interface."""
+        return self._frame("events")
+
+    @property
+    def paths(self) -> pd.DataFrame:
+        """paths.csv: the cracks at the end, a row for each vertex (m) with the step that made it."""
+        return self._frame("paths")
+
+    def _frame(self, name: str) -> pd.DataFrame:
+        raise NotImplementedError
 
 
-def reactions_frame(results: Iterable[StepResult]) -> pd.DataFrame:
-    """Rows of reactions.csv: one for each step and support, foundation or interface."""
-    return _frame(tables.REACTIONS, [row for result in results for row in tables.reaction_rows(result)])
-
-
-def history_frame(results: Sequence[StepResult]) -> pd.DataFrame:
-    """Rows of history.csv: one for each increment; empty where the case names no points."""
-    columns = next((tables.history_columns(result.history) for result in results if result.history), ())
-    return _frame(columns, [row for result in results for row in tables.history_rows(result)])
-
-
-def steps_frame(results: Iterable[StepResult]) -> pd.DataFrame:
-    """Rows of steps.csv: one for each step; `seconds_output` is without the writing of frames."""
-    return _frame(tables.STEPS, [tables.step_row(result, seconds_frames=0.0) for result in results])
-
-
-def paths_frame(cracks: Iterable[CrackPath]) -> pd.DataFrame:
-    """Rows of paths.csv: one for each vertex of each crack."""
-    return _frame(tables.PATHS, tables.path_rows(cracks))
-
-
-def events_frame(events: Iterable[Event]) -> pd.DataFrame:
-    """Rows of events.csv: one for each tip that has met something."""
-    return _frame(tables.EVENTS, tables.event_rows(events))
+def frame_of_results(name: str, results: Sequence[StepResult], last: Sequence[Row] = ()) -> pd.DataFrame:
+    """A table of some steps, with the rows `last` behind theirs."""
+    columns = tables.HEADERS[name]
+    if name == "history":
+        columns = next((tables.history_columns(result.history) for result in results if result.history), ())
+    rows = [row for result in results for row in tables.GROWING[name](result)] if name in tables.GROWING else []
+    return _frame(columns, [*rows, *last])
 
 
 def frame_of(table: TextTable) -> pd.DataFrame:
     """A table of a run's folder, with the types that the same table has in memory."""
+    import pandas as pd  # here: who reads tables as text needs none of it
+
+    kinds = {column.name: column.kind for file in RUN if file.name == table.path.name for column in file.columns}
     columns: dict[str, object] = {}
     for name, words in table.columns.items():
-        if name in WORDS:
+        kind = kinds.get(name, float)
+        if kind is str:
             columns[name] = words
-        elif name in TRUTHS:
+        elif kind is bool:
             columns[name] = [word == "true" for word in words]
         else:
-            numbers = table.numbers(name)
-            columns[name] = numbers.astype(np.int64) if name in COUNTS else numbers
+            columns[name] = table.numbers(name).astype(np.int64 if kind is int else float)
     return pd.DataFrame(columns)
 
 
-def _frame(columns: Sequence[str], rows: Sequence[Sequence[tables.Value]]) -> pd.DataFrame:
+def _frame(columns: Sequence[str], rows: Sequence[Row]) -> pd.DataFrame:
+    import pandas as pd  # as above
+
     return pd.DataFrame([list(row) for row in rows], columns=pd.Index(columns))

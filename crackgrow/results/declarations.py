@@ -16,6 +16,7 @@ class Column:
     name: str
     unit: str  # empty for counts, words and ratios
     doc: str  # a line for the user
+    kind: type[float | int | str | bool] = float  # of its cells in the tables of runs and sweeps
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,19 +35,21 @@ class File:
 
 PHASES: Final = ("cover", "assembly", "factorize", "contact", "criterion", "output")
 
-_STEP: Final = Column("step", "", "number of the step, from 0: the given cracks")
+_STEP: Final = Column("step", "", "number of the step, from 0: the given cracks", int)
 _LOAD_FACTOR: Final = Column(
     "load_factor", "", "what all loads but the held ones are multiplied by; of stages their number, 1 for the first"
 )
-_SURFACE: Final = Column("crack", "", "name of the crack, `first/second` of an interface, `body.edge` of a foundation")
+_SURFACE: Final = Column(
+    "crack", "", "name of the crack, `first/second` of an interface, `body.edge` of a foundation", str
+)
 
 TIPS: Final = File(
     "tips.csv",
     "stress intensity factors and the criterion: a row for each step and tip",
     (
         _STEP,
-        Column("crack", "", "name of the crack"),
-        Column("tip", "", "`start` or `end` of the crack"),
+        Column("crack", "", "name of the crack", str),
+        Column("tip", "", "`start` or `end` of the crack", str),
         Column("x", "m", "the tip, before its advance"),
         Column("y", "m", "the tip, before its advance"),
         Column("K_I", "Pa sqrt(m)", "stress intensity factor of opening, by the interaction integral; nan where a disc "
@@ -56,16 +59,16 @@ TIPS: Final = File(
                "counter-clockwise"),
         Column("sigma_1", "Pa", "major (most tensile) principal stress, averaged round the tip; nan without growth"),
         Column("sigma_3", "Pa", "minor principal stress of the same average"),
-        Column("criterion", "", "branch of the criterion that is met: `tension`, `shear` or `none`"),
+        Column("criterion", "", "branch of the criterion that is met: `tension`, `shear` or `none`", str),
         Column("kink_deg", "deg", "angle from the tip's direction to the growth direction, counter-clockwise, as the "
                "criterion gives it; in the path, `implicit` corrects it, and a segment that meets something is turned "
                "to it"),
-        Column("advanced", "", "`true` where the tip grows in this step"),
+        Column("advanced", "", "`true` where the tip grows in this step", bool),
         _LOAD_FACTOR,
         Column("K_I_error", "Pa sqrt(m)", "bound of what K_I is off by"),
         Column("K_II_error", "Pa sqrt(m)", "bound of what K_II is off by"),
         Column("K_radius", "m", "radius of the disc of the interaction integral"),
-        Column("K_note", "", "why the disc is smaller than usual, or missing; empty where it is not"),
+        Column("K_note", "", "why the disc is smaller than usual, or missing; empty where it is not", str),
         Column("K_I_faces", "Pa sqrt(m)", "K_I from the displacement of the faces: a coarse check"),
         Column("K_II_faces", "Pa sqrt(m)", "K_II from the displacement of the faces: a coarse check"),
         Column("K_I_spread", "Pa sqrt(m)", "difference of K_I between three discs: a part of its error, often a small "
@@ -83,11 +86,11 @@ PATHS: Final = File(
     "the cracks at the end: a row for each vertex. An advance after which the rock came apart or could not be solved "
     "is here, but not in `steps.csv`",
     (
-        Column("crack", "", "name of the crack"),
-        Column("vertex", "", "number of the vertex, from 0 at the crack's start"),
+        Column("crack", "", "name of the crack", str),
+        Column("vertex", "", "number of the vertex, from 0 at the crack's start", int),
         Column("x", "m", "the vertex"),
         Column("y", "m", "the vertex"),
-        Column("step", "", "step whose advance made the vertex; 0 in the given crack"),
+        Column("step", "", "step whose advance made the vertex; 0 in the given crack", int),
     ),
 )
 
@@ -104,7 +107,7 @@ CONTACT: Final = File(
         Column("tangential_traction", "Pa", "traction along the faces"),
         Column("opening", "m", "jump of the displacement across the faces, at the point"),
         Column("slip", "m", "jump of the displacement along the faces, at the point"),
-        Column("state", "", "`open`, `stick` or `slip`"),
+        Column("state", "", "`open`, `stick` or `slip`", str),
         Column("mean_opening", "m", "average of the opening round the point; the contact law holds for it"),
         Column("mean_slip", "m", "average of the slip round the point; the contact law holds for it"),
     ),
@@ -115,18 +118,22 @@ EVENTS: Final = File(
     "tips that have met something and end there: a row for each tip, two where two tips meet; and cracks that have "
     "started. `summary.json` has them, too",
     (
-        Column("step", "", "step whose advance made the event"),
+        Column("step", "", "step whose advance made the event", int),
         Column(
-            "kind", "", "`coalescence` (a crack), `hole`, `break_through` (the outline), `interface` or `initiation`"
+            "kind",
+            "",
+            "`coalescence` (a crack), `hole`, `break_through` (the outline), `interface` or `initiation`",
+            str,
         ),
-        Column("crack", "", "name of the crack"),
-        Column("tip", "", "`start` or `end` of the crack"),
+        Column("crack", "", "name of the crack", str),
+        Column("tip", "", "`start` or `end` of the crack", str),
         Column("x", "m", "the place"),
         Column("y", "m", "the place"),
         Column(
             "met",
             "",
             "what was met, such as `crack 'b'` or `hole0 of body 'rock'`; of an initiation where, and the mode",
+            str,
         ),
     ),
 )
@@ -137,7 +144,7 @@ HISTORY: Final = File(
     "states at which contact points change included (100 of a load at most); where the case names points",
     (
         _STEP,
-        Column("increment", "", "number of the increment in its step, from 0"),
+        Column("increment", "", "number of the increment in its step, from 0", int),
         _LOAD_FACTOR,
         Column("NAME.u_x", "m", "displacement of a point"),
         Column("NAME.u_y", "m", "displacement of a point"),
@@ -157,7 +164,7 @@ REACTIONS: Final = File(
     "the force that each support, foundation and interface carries: a row for each step and one of them",
     (
         _STEP,
-        Column("where", "", "`supports.0`, `body.edge` of a foundation, `first/second` of an interface"),
+        Column("where", "", "`supports.0`, `body.edge` of a foundation, `first/second` of an interface", str),
         Column("force_x", "N/m", "force per metre of thickness on the rock; of an interface on its first body"),
         Column("force_y", "N/m", "the same along y"),
         _LOAD_FACTOR,
@@ -178,15 +185,15 @@ STEPS: Final = File(
     "a row for each step: the load-displacement and load-growth curve, energies, checks, times",
     (
         _STEP,
-        Column("n_dofs", "", "unknowns"),
-        Column("n_contact", "", "contact unknowns that the solver saw"),
-        Column("contact_iterations", "", "iterations of the contact solver"),
-        Column("factorizations", "", "factorizations of the stiffness"),
+        Column("n_dofs", "", "unknowns", int),
+        Column("n_contact", "", "contact unknowns that the solver saw", int),
+        Column("contact_iterations", "", "iterations of the contact solver", int),
+        Column("factorizations", "", "factorizations of the stiffness", int),
         Column("residual", "", "what equilibrium misses, relative"),
         Column("penetration", "m", "largest overlap at a contact point, beyond what an elastic contact explains"),
         *(Column(f"seconds_{phase}", "s", f"wall time: {_WORK[phase]}") for phase in PHASES),
         _LOAD_FACTOR,
-        Column("contact_status", "", "`none` or `solved`"),
+        Column("contact_status", "", "`none` or `solved`", str),
         Column("complementarity", "", "worst violation of the contact law, relative"),
         Column("overlap", "m", "largest overlap of closed faces anywhere, beyond what an elastic contact explains"),
         Column("work", "J/m", "work of loads and prescribed displacements"),

@@ -20,6 +20,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError
+from crackgrow.results.data_frames import RunTables, frame_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -109,7 +110,7 @@ class TextTable:
         return self.where(np.isin(self.steps(), list(steps)).tolist())
 
 
-class RunFolder:
+class RunFolder(RunTables):
     """A run as its files tell it; m, Pa. A file is read when it is asked for, and once.
 
     Everything raises FolderError where a file is missing or no longer whole, `case` also CaseError where case.yaml is
@@ -171,41 +172,6 @@ class RunFolder:
         self.text(CASE)  # where it is missing, FolderError says so
         case = load_case(self.folder / CASE)
         return replace(case, name=str(self.found_summary.get("case", case.name)))
-
-    @property
-    def steps(self) -> pd.DataFrame:
-        """steps.csv: a row for each step, with load factor, energies, checks, times."""
-        return self._frame("steps")
-
-    @property
-    def tips(self) -> pd.DataFrame:
-        """tips.csv: a row for each step and tip, with place (m), K_I and K_II (Pa sqrt(m)), the criterion."""
-        return self._frame("tips")
-
-    @property
-    def contact(self) -> pd.DataFrame:
-        """contact.csv: a row for each step and contact point, with tractions (Pa), opening and slip (m), state."""
-        return self._frame("contact")
-
-    @property
-    def reactions(self) -> pd.DataFrame:
-        """reactions.csv: a row for each step and support, foundation or interface, with its force (N/m)."""
-        return self._frame("reactions")
-
-    @property
-    def history(self) -> pd.DataFrame:
-        """history.csv: a row for each increment, with what `output.points` see; where the case names points."""
-        return self._frame("history")
-
-    @property
-    def events(self) -> pd.DataFrame:
-        """events.csv: tips that have met a crack, a hole, the outline or an interface."""
-        return self._frame("events")
-
-    @property
-    def paths(self) -> pd.DataFrame:
-        """paths.csv: the cracks at the end, a row for each vertex (m) with the step that made it."""
-        return self._frame("paths")
 
     def path(self, crack: str) -> Floats:
         """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
@@ -296,8 +262,6 @@ class RunFolder:
         return grid
 
     def _frame(self, name: str) -> pd.DataFrame:
-        from crackgrow.results.data_frames import frame_of  # here: pandas takes long to load
-
         return frame_of(self.table(name))
 
     def _mapping(self) -> dict[str, Any]:

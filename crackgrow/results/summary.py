@@ -9,6 +9,7 @@ import resource
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -27,25 +28,25 @@ MEMORY_FILE = Path("/proc/self/status")  # of Linux
 CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
 
 
+@dataclass(slots=True)
 class Tally:
     """What the summary needs of the steps, gathered one step at a time so that no step has to be kept."""
 
-    def __init__(self) -> None:
-        self.steps: list[int] = []
-        self.n_dofs: list[int] = []
-        self.seconds: dict[str, float] = {}
-        self.worst: dict[str, tuple[float, int]] = {}
-        self.remarks: list[str] = []  # on how the run was gone on with
-        self.cautions = Gathered()
-        self.events: list[Event] = []
-        self.effective_toughness = math.nan
-        self.norm_error = math.nan  # percent, of the first step
-        self.K_error = math.nan  # percent
-        self.K_spread = math.nan  # percent
-        self.kink_error = math.nan  # degrees, of tips that grow
-        self.load_factor_error = math.nan  # percent
-        self.goal_error = math.nan  # percent
-        self.time = math.nan  # s, of the last step
+    steps: list[int] = field(default_factory=list)
+    n_dofs: list[int] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
+    worst: dict[str, tuple[float, int]] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)  # on how the run was gone on with
+    cautions: Gathered = field(default_factory=Gathered)
+    events: list[Event] = field(default_factory=list)
+    effective_toughness: float = math.nan
+    norm_error: float = math.nan  # percent, of the first step
+    K_error: float = math.nan  # percent
+    K_spread: float = math.nan  # percent
+    kink_error: float = math.nan  # degrees, of tips that grow
+    load_factor_error: float = math.nan  # percent
+    goal_error: float = math.nan  # percent
+    time: float = math.nan  # s, of the last step
 
     @property
     def warnings(self) -> list[str]:
@@ -77,41 +78,15 @@ class Tally:
 
     def record(self) -> dict[str, object]:
         """All of it as a mapping that JSON can hold."""
-        return {
-            "steps": self.steps,
-            "n_dofs": self.n_dofs,
-            "seconds": self.seconds,
-            "worst": self.worst,
-            "remarks": self.remarks,
-            "cautions": self.cautions.records(),
-            "events": [event_record(event) for event in self.events],
-            "effective_toughness": self.effective_toughness,
-            "norm_error": self.norm_error,
-            "K_error": self.K_error,
-            "K_spread": self.K_spread,
-            "kink_error": self.kink_error,
-            "load_factor_error": self.load_factor_error,
-            "goal_error": self.goal_error,
-            "time": self.time,
-        }
+        found = {each.name: getattr(self, each.name) for each in fields(self)}
+        return found | {"cautions": self.cautions.records(), "events": [event_record(event) for event in self.events]}
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> Tally:
-        """The tally of a `record`."""
-        tally = cls()
-        tally.steps, tally.n_dofs = list(record["steps"]), list(record["n_dofs"])
-        tally.seconds, tally.remarks = dict(record["seconds"]), list(record["remarks"])
-        tally.cautions = Gathered.of(record["cautions"])
-        tally.worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
-        tally.events = [event_of(event) for event in record["events"]]
-        tally.effective_toughness = record["effective_toughness"]
-        tally.norm_error = record["norm_error"]
-        tally.K_error, tally.K_spread = record["K_error"], record["K_spread"]
-        tally.kink_error = record.get("kink_error", math.nan)  # checkpoints of before have none
-        tally.load_factor_error = record.get("load_factor_error", math.nan)
-        tally.goal_error = record.get("goal_error", math.nan)
-        tally.time = record.get("time", math.nan)
-        return tally
+        """The tally of a `record`; those of earlier versions have less in them."""
+        worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
+        events = [event_of(event) for event in record["events"]]
+        return cls(**{**record, "worst": worst, "events": events, "cautions": Gathered.of(record["cautions"])})
 
     def add_seconds(self, phase: str, seconds: float) -> None:
         """Add wall time to a phase."""

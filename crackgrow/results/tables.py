@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any, Final
 from zlib import crc32
 
 from crackgrow.results import declarations
 from crackgrow.results.atomic import append_text, write_text
-from crackgrow.results.declarations import PHASES
+from crackgrow.results.declarations import PHASES, File
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, History, StepResult
 
 Value = str | bool | int | float
+Row = tuple[Value, ...]
 
-TIPS = declarations.TIPS.header
-PATHS = declarations.PATHS.header
-CONTACT = declarations.CONTACT.header
-EVENTS = declarations.EVENTS.header
-REACTIONS = declarations.REACTIONS.header
-STEPS = declarations.STEPS.header
+HEADERS: Final = {file.name.removesuffix(".csv"): file.header for file in declarations.RUN if ".csv" in file.name}
+"""Columns of the tables by name."""
 
 
 Mark = tuple[int, int]
@@ -87,39 +85,24 @@ def _or_empty(value: Value | None) -> Value:
     return "" if value is None or value != value else value  # nan alone is not itself
 
 
-def tip_rows(result: StepResult) -> list[tuple[Value, ...]]:
+def _row(file: File, sources: Sequence[object], given: Mapping[str, Any]) -> Row:
+    """A value for each column: the one given, or else what the first source has that has anything of its name."""
+    return tuple(
+        column.kind(given[name] if name in given else next(getattr(of, name) for of in sources if hasattr(of, name)))
+        for column, name in zip(file.columns, file.header, strict=True)
+    )
+
+
+def _place(point: Iterable[Any]) -> dict[str, Any]:
+    return dict(zip("xy", point, strict=True))
+
+
+def tip_rows(result: StepResult) -> list[Row]:
     """Rows of tips.csv: m, Pa, Pa sqrt(m), degrees; the point is the tip before its advance."""
-    return [
-        (
-            int(result.step),
-            tip.crack,
-            tip.tip,
-            *(float(coordinate) for coordinate in tip.point),
-            float(tip.K_I),
-            float(tip.K_II),
-            float(tip.sigma_1),
-            float(tip.sigma_3),
-            tip.criterion,
-            float(tip.kink_deg),
-            bool(tip.advanced),
-            float(result.load_factor),
-            float(tip.K_I_error),
-            float(tip.K_II_error),
-            float(tip.K_radius),
-            tip.K_note,
-            float(tip.K_I_faces),
-            float(tip.K_II_faces),
-            float(tip.K_I_spread),
-            float(tip.K_II_spread),
-            float(tip.cell_size),
-            float(tip.kink_error_deg),
-            float(tip.velocity),
-        )
-        for tip in result.tips
-    ]
+    return [_row(declarations.TIPS, (tip, result), _place(tip.point)) for tip in result.tips]
 
 
-def path_rows(cracks: Iterable[CrackPath]) -> list[tuple[Value, ...]]:
+def path_rows(cracks: Iterable[CrackPath]) -> list[Row]:
     """Rows of paths.csv: vertices from start to end, m, with the step whose advance made them."""
     return [
         (crack.name, vertex, x, y, step)
@@ -128,27 +111,22 @@ def path_rows(cracks: Iterable[CrackPath]) -> list[tuple[Value, ...]]:
     ]
 
 
-def contact_rows(result: StepResult) -> list[tuple[Value, ...]]:
+def contact_rows(result: StepResult) -> list[Row]:
     """Rows of contact.csv: m and Pa, state as a word."""
     contact = result.contact
-    numbers = (contact.normal_traction, contact.tangential_traction, contact.opening, contact.slip)
-    columns = zip(
-        contact.crack,
-        contact.s.tolist(),
-        contact.points.tolist(),
-        *(values.tolist() for values in numbers),
-        contact.state.tolist(),
-        contact.mean_opening.tolist(),
-        contact.mean_slip.tolist(),
-        strict=True,
-    )
-    return [
-        (int(result.step), crack, s, x, y, normal, tangential, opening, slip, STATE_NAMES[state], *means)
-        for crack, s, (x, y), normal, tangential, opening, slip, state, *means in columns
-    ]
+    given: dict[str, Any] = {
+        **_place(contact.points.T),
+        "step": [result.step] * len(contact.crack),
+        "state": [STATE_NAMES[state] for state in contact.state.tolist()],
+    }
+    columns = []
+    for column in declarations.CONTACT.columns:
+        values = given[column.name] if column.name in given else getattr(contact, column.name)
+        columns.append([column.kind(value) for value in values])
+    return list(zip(*columns, strict=True))
 
 
-def reaction_rows(result: StepResult) -> list[tuple[Value, ...]]:
+def reaction_rows(result: StepResult) -> list[Row]:
     """Rows of reactions.csv: N per metre of thickness, on the rock; of an interface on its first body."""
     return [(int(result.step), item.where, *item.force, float(result.load_factor)) for item in result.reactions]
 
@@ -158,7 +136,7 @@ def history_columns(history: History) -> tuple[str, ...]:
     return ("step", "increment", "load_factor", *history.columns)
 
 
-def history_rows(result: StepResult) -> list[tuple[Value, ...]]:
+def history_rows(result: StepResult) -> list[Row]:
     """Rows of history.csv: the increments of a step in turn, the last one being the step's."""
     history = result.history
     if history is None:
@@ -167,41 +145,32 @@ def history_rows(result: StepResult) -> list[tuple[Value, ...]]:
     return [(int(result.step), number, factor, *values) for number, (factor, values) in enumerate(rows)]
 
 
-def event_rows(events: Iterable[Event]) -> list[tuple[Value, ...]]:
+def event_rows(events: Iterable[Event]) -> list[Row]:
     """Rows of events.csv: the step whose advance made the event, the place in m."""
-    return [
-        (int(event.step), event.kind, event.crack, event.tip, *(float(x) for x in event.point), event.met)
-        for event in events
-    ]
+    return [_row(declarations.EVENTS, (event,), _place(event.point)) for event in events]
 
 
-def step_row(result: StepResult, seconds_frames: float) -> tuple[Value, ...]:
+def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
     """The row of steps.csv; `seconds_frames` is what writing the step's frames took, added to the output phase."""
-    seconds = {phase: float(result.seconds.get(phase, 0.0)) for phase in PHASES}
-    seconds["output"] += seconds_frames
+    seconds = {f"seconds_{phase}": float(result.seconds.get(phase, 0.0)) for phase in PHASES}
+    seconds["seconds_output"] += seconds_frames
     energy = result.energy
-    return (
-        int(result.step),
-        int(result.n_dofs),
-        int(result.n_contact),
-        int(result.contact_iterations),
-        int(result.factorizations),
-        float(result.residual),
-        float(result.penetration),
-        *seconds.values(),
-        float(result.load_factor),
-        result.contact_status,
-        float(result.complementarity),
-        float(result.overlap),
-        float(energy.work),
-        float(energy.strain),
-        float(energy.dissipated),
-        float(energy.released),
-        float(energy.error),
-        float(result.load_displacement),
-        float(result.crack_length),
-        float(result.overlap_share),
-        float(result.load_factor_error),
-        float(result.goal_error),
-        float(result.time),
-    )
+    energies = {
+        "work": energy.work,
+        "strain_energy": energy.strain,
+        "dissipation": energy.dissipated,
+        "released_energy": energy.released,
+        "energy_error": energy.error,
+    }
+    return _row(declarations.STEPS, (result,), seconds | energies)
+
+
+GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {
+    "tips": tip_rows,
+    "contact": contact_rows,
+    "reactions": reaction_rows,
+    "history": history_rows,
+    "steps": lambda result: [step_row(result)],
+    "events": lambda result: event_rows(result.events),
+}
+"""What a step adds to the tables that grow with the steps."""

@@ -70,14 +70,9 @@ class RunWriter:
         self._log = RunLog(folder / LOG)
         self._checkpoints = CheckpointWriter(folder)
         self._tally = Tally()
-        self._tips = tables.Table(folder / "tips.csv", tables.TIPS)
-        self._contact = tables.Table(folder / "contact.csv", tables.CONTACT)
-        self._reactions = tables.Table(folder / "reactions.csv", tables.REACTIONS)
-        self._steps = tables.Table(folder / "steps.csv", tables.STEPS)
-        self._events = tables.Table(folder / "events.csv", tables.EVENTS)
+        growing = [name for name in tables.GROWING if name != "history"]  # whose columns the first step knows
+        self._tables = {name: tables.Table(folder / f"{name}.csv", tables.HEADERS[name]) for name in growing}
         self.error_line = ""  # what `finish` knows of the error of the run
-        self._growing = [self._tips, self._contact, self._reactions, self._steps, self._events]
-        self._history: tables.Table | None = None  # its columns come with the first step
         self._settings = dump_case(case)
         self._curve: list[LoadPoint] = []
         self._last: StepResult | None = None
@@ -111,7 +106,8 @@ class RunWriter:
         write_text(self.folder / CASE, self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
         self._warn_of_lock()
-        self._write_tables(*self._growing)
+        for table in self._tables.values():
+            table.write()
         self._write_paths(())
 
     def resume(self, found: Resumption) -> None:
@@ -126,7 +122,7 @@ class RunWriter:
         write_text(self.folder / CASE, self._settings)
         if HISTORY in results["tables"]:
             self._begin_history(())
-        for table in self._growing:
+        for table in self._tables.values():
             table.cut(results["tables"][table.path.name])
         specimen_series, crack_series = series_names(self.case.name)
         self._frames = self._cut_series(specimen_series, results["frames"])
@@ -155,15 +151,13 @@ class RunWriter:
         seconds = self._write_frames(result) if wanted else 0.0
         news = self._tally.add(result)
         self._tally.add_seconds("output", seconds)
-        self._tips.extend(tables.tip_rows(result))
-        self._contact.extend(tables.contact_rows(result))
-        self._reactions.extend(tables.reaction_rows(result))
-        self._steps.extend([tables.step_row(result, seconds)])
-        self._write_tables(self._tips, self._contact, self._reactions, self._steps)
-        self._write_history(result)
+        if result.history is not None and "history" not in self._tables:
+            self._begin_history(tables.history_columns(result.history))
+        for name, rows in tables.GROWING.items():
+            self._extend(name, [tables.step_row(result, seconds)] if name == "steps" else rows(result))
         self._write_paths(result.cracks)
         self._curve.append(load_point(result))
-        self._write_events(result.events)
+        self._log_events(result.events)
         self._log.write(step_line(result, self.case.growth.steps if self.case.growth else None))
         for text in news:
             self._log.write(f"step {result.step}, warning: {text}")
@@ -179,7 +173,8 @@ class RunWriter:
     def _finish(self, end: RunEnd) -> None:
         try:
             self._write_paths(end.cracks)
-            self._write_events(end.events)
+            self._extend("events", tables.event_rows(end.events))
+            self._log_events(end.events)
             self._write_last_frame()
             if self.case.output.figures and self._last is not None:
                 began = time.perf_counter()
@@ -235,7 +230,7 @@ class RunWriter:
         if result.checkpoint is None:
             return
         results = {
-            "tables": {table.path.name: table.mark for table in self._growing},
+            "tables": {table.path.name: table.mark for table in self._tables.values()},
             "frames": self._frames,
             "cracks": self._cracks,
             "tally": self._tally.record(),
@@ -258,30 +253,20 @@ class RunWriter:
             remove_file(self.folder / name)
         return kept
 
-    def _write_tables(self, *changed: tables.Table) -> None:
-        for table in changed:
-            table.write()
+    def _extend(self, name: str, rows: Sequence[tables.Row]) -> None:
+        if rows:
+            self._tables[name].extend(rows)
+            self._tables[name].write()
 
     def _write_paths(self, cracks: Sequence[CrackPath]) -> None:
-        table = tables.Table(self.folder / "paths.csv", tables.PATHS)
+        table = tables.Table(self.folder / "paths.csv", tables.HEADERS["paths"])
         table.extend(tables.path_rows(cracks))
         table.write()
 
-    def _begin_history(self, columns: Sequence[str]) -> tables.Table:
-        self._history = tables.Table(self.folder / HISTORY, columns)
-        self._growing.append(self._history)
-        return self._history
+    def _begin_history(self, columns: Sequence[str]) -> None:
+        self._tables["history"] = tables.Table(self.folder / HISTORY, columns)
 
-    def _write_history(self, result: StepResult) -> None:
-        if result.history is not None:
-            table = self._history or self._begin_history(tables.history_columns(result.history))
-            table.extend(tables.history_rows(result))
-            table.write()
-
-    def _write_events(self, events: Sequence[Event]) -> None:
-        if events:
-            self._events.extend(tables.event_rows(events))
-            self._events.write()
+    def _log_events(self, events: Sequence[Event]) -> None:
         for event in events:
             self._log.write(event_line(event))
 
@@ -291,8 +276,8 @@ class RunWriter:
             return
         seconds = self._write_frames(self._last)
         self._tally.add_seconds("output", seconds)
-        self._steps.replace_last(tables.step_row(self._last, seconds))
-        self._steps.write()
+        self._tables["steps"].replace_last(tables.step_row(self._last, seconds))
+        self._tables["steps"].write()
 
     def _write_frames(self, result: StepResult) -> float:
         """Write a step's frame and crack faces and the series that list them; return the seconds it took."""

@@ -10,21 +10,21 @@ from crackgrow.case.model import Case
 from crackgrow.results.declarations import Column, File
 
 _FIRST: Final = (
-    Column("run", "", "number of the run, from 0"),
-    Column("folder", "", "folder of the run"),
+    Column("run", "", "number of the run, from 0", int),
+    Column("folder", "", "folder of the run", str),
 )
 _PARAMETER: Final = Column(
     "PARAMETER", "as in the base case", "a column for each parameter, its values as the sweep file has them, under the "
     "last part of its key, or more of it where a column has that name (`growth.steps`)",
 )  # fmt: skip
 _ENDING: Final = (
-    Column("status", "", "as in `summary.json`; or `refused`: no case, `failed`: why, `waiting`: not run yet"),
-    Column("reason", "", "why the run ended, was refused or failed"),
+    Column("status", "", "as in `summary.json`; or `refused`: no case, `failed`: why, `waiting`: not run yet", str),
+    Column("reason", "", "why the run ended, was refused or failed", str),
 )
 _COSTS: Final = (
-    Column("steps", "", "number of the last step"),
+    Column("steps", "", "number of the last step", int),
     Column("load_factor", "", "at the last step"),
-    Column("n_dofs", "", "unknowns of the last step"),
+    Column("n_dofs", "", "unknowns of the last step", int),
     Column("seconds", "s", "wall time of the run"),
     Column("peak_memory_mb", "MB", "memory of the run's process; of this run alone on Linux"),
     Column("energy_error_percent", "%", "the run's own estimate of its error in the energy norm"),
@@ -39,6 +39,7 @@ _TIPS: Final = (
     Column("y", "m", "where the tip's path ends"),
 )
 
+KINDS: Final = {column.name: column.kind for column in (*_FIRST, *_ENDING, *_COSTS)}
 FIRST: Final = tuple(column.name for column in _FIRST)
 ENDING: Final = tuple(column.name for column in _ENDING)
 COSTS: Final = tuple(column.name for column in _COSTS)

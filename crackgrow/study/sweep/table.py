@@ -13,14 +13,12 @@ from pyarrow import parquet
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically, write_text
 from crackgrow.results.tables import csv_text
-from crackgrow.study.sweep.columns import COSTS, ENDING, FIRST
+from crackgrow.study.sweep.columns import COSTS, ENDING, FIRST, KINDS
 from crackgrow.study.sweep.measured import Values
 from crackgrow.study.sweep.plan import Run, SweepPlan
 
 WAITING: Final = "waiting"
 CSV_FILE, PARQUET_FILE = "sweep.csv", "sweep.parquet"
-WORDS: Final = ("folder", "status", "reason")
-COUNTS: Final = ("run", "steps", "n_dofs")
 
 
 @dataclass(slots=True)
@@ -61,9 +59,8 @@ class SweepTable:
 
     def _kind(self, column: str) -> pyarrow.DataType:
         word = column in self.plan.parameters and not self.numeric(column)
-        if column in WORDS or word:
-            return pyarrow.string()
-        return pyarrow.int64() if column in COUNTS else pyarrow.float64()
+        kind = str if word else KINDS.get(column, float)
+        return pyarrow.string() if kind is str else pyarrow.int64() if kind is int else pyarrow.float64()
 
 
 def _numbers(row: Values, schema: pyarrow.Schema) -> Mapping[str, object]:

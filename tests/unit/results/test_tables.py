@@ -19,17 +19,17 @@ def read(path: Path) -> list[dict[str, str]]:
 
 
 def test_columns_are_those_of_the_contract() -> None:
-    assert ",".join(tables.TIPS) == (
+    assert ",".join(tables.HEADERS["tips"]) == (
         "step,crack,tip,x,y,K_I,K_II,sigma_1,sigma_3,criterion,kink_deg,advanced,load_factor,K_I_error,K_II_error,"
         "K_radius,K_note,K_I_faces,K_II_faces,K_I_spread,K_II_spread,"
         "cell_size,kink_error_deg,velocity"
     )
-    assert ",".join(tables.EVENTS) == "step,kind,crack,tip,x,y,met"
-    assert ",".join(tables.PATHS) == "crack,vertex,x,y,step"
-    assert ",".join(tables.CONTACT) == (
+    assert ",".join(tables.HEADERS["events"]) == "step,kind,crack,tip,x,y,met"
+    assert ",".join(tables.HEADERS["paths"]) == "crack,vertex,x,y,step"
+    assert ",".join(tables.HEADERS["contact"]) == (
         "step,crack,s,x,y,normal_traction,tangential_traction,opening,slip,state,mean_opening,mean_slip"
     )
-    assert ",".join(tables.STEPS) == (
+    assert ",".join(tables.HEADERS["steps"]) == (
         "step,n_dofs,n_contact,contact_iterations,factorizations,residual,penetration,seconds_cover,seconds_assembly,"
         "seconds_factorize,seconds_contact,seconds_criterion,seconds_output,load_factor,contact_status,complementarity,"
         "overlap,work,strain_energy,dissipation,released_energy,energy_error,load_displacement,crack_length,"
@@ -38,12 +38,12 @@ def test_columns_are_those_of_the_contract() -> None:
 
 
 def test_tips_round_trip(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "tips.csv", tables.TIPS)
+    table = tables.Table(tmp_path / "tips.csv", tables.HEADERS["tips"])
     result = make_result(1)
     table.extend(tables.tip_rows(result))
     table.write()
     start, end = read(table.path)
-    assert list(start) == list(tables.TIPS)
+    assert list(start) == list(tables.HEADERS["tips"])
     assert start["K_I"] == "nan"
     assert float(start["K_II"]) == result.tips[0].K_II
     assert (start["criterion"], start["advanced"]) == ("none", "false")
@@ -58,7 +58,7 @@ def test_tips_round_trip(tmp_path: Path) -> None:
 
 
 def test_contact_round_trip(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "contact.csv", tables.CONTACT)
+    table = tables.Table(tmp_path / "contact.csv", tables.HEADERS["contact"])
     result = make_result(2)
     table.extend(tables.contact_rows(result))
     table.write()
@@ -71,7 +71,7 @@ def test_contact_round_trip(tmp_path: Path) -> None:
 
 
 def test_paths_round_trip(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "paths.csv", tables.PATHS)
+    table = tables.Table(tmp_path / "paths.csv", tables.HEADERS["paths"])
     (path,) = make_paths(2)
     table.extend(tables.path_rows([path]))
     table.write()
@@ -86,7 +86,7 @@ def test_paths_round_trip(tmp_path: Path) -> None:
 
 
 def test_step_row_adds_the_frames_to_the_output_phase(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "steps.csv", tables.STEPS)
+    table = tables.Table(tmp_path / "steps.csv", tables.HEADERS["steps"])
     table.extend([tables.step_row(make_result(0), 0.0), tables.step_row(make_result(1), 0.25)])
     table.replace_last(tables.step_row(make_result(1), 0.5))
     table.write()
@@ -103,7 +103,7 @@ def test_step_row_adds_the_frames_to_the_output_phase(tmp_path: Path) -> None:
 
 
 def test_events_round_trip(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "events.csv", tables.EVENTS)
+    table = tables.Table(tmp_path / "events.csv", tables.HEADERS["events"])
     events = [make_event(2), make_event(2, kind="hole", tip="start", met="hole0 of body 'rock'")]
     table.extend(tables.event_rows(events))
     table.write()
