@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
+from crackgrow.cli.parser import Commands, add_command, takes_case
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
@@ -100,11 +101,10 @@ def _check_as_json(case: Case, arguments: argparse.Namespace) -> int:
     return _verdict(rows)
 
 
-def add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
-    """Add the command and its arguments to those of `case`."""
-    command = commands.add_parser(
-        "check", parents=[case], help="validate a case, say what it models and costs", description=HELP, epilog=EXAMPLES
-    )
+def add_check(commands: Commands) -> None:
+    """Add the command and its arguments."""
+    what = "validate a case, say what it models and costs"
+    command = takes_case(add_command(commands, check, "check", what, (HELP, EXAMPLES)))
     command.add_argument("--picture", type=_picture, metavar="FILE.png|svg", help="draw the scene, too")
     command.add_argument("--json", action="store_true", help="print the plan as JSON")
     command.add_argument(
@@ -115,7 +115,6 @@ def add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser], cas
         action="store_true",
         help="solve it in other units, on other lattices, turned, mirrored, moved: is it the same?",
     )
-    command.set_defaults(command=check)
 
 
 def _picture(text: str) -> Path:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import traceback
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import crackgrow
 from crackgrow.blas import one_thread
@@ -66,26 +65,9 @@ def command_line() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
     commands = parser.add_subparsers(prog="crackgrow", required=True, metavar="COMMAND", help=argparse.SUPPRESS)
-    case = argparse.ArgumentParser(add_help=False)
-    case.add_argument("case", type=Path, metavar="CASE.yaml", help="the case file")
-    case.add_argument(
-        "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
-    )
-    add_list(commands)
-    add_new(commands)
-    add_check(commands, case)
-    add_explain(commands)
-    add_run(commands, case)
-    add_report(commands)
-    add_render(commands)
-    add_export(commands)
-    add_compare(commands)
-    add_sweep(commands)
-    add_converge(commands, case)
-    add_trade(commands, case)
-    add_schema(commands)
+    for add in (add_list, add_new, add_check, add_explain, add_run, add_report, add_render, add_export, add_compare,
+                add_sweep, add_converge, add_trade, add_schema):  # fmt: skip
+        add(commands)
     add_completion(commands, parser)
-    for command in commands.choices.values():
-        command.set_defaults(parser=command)
     parser.epilog = f"{grouped(commands)}\n\n`crackgrow COMMAND --help` has the options of a command, and examples."
     return parser

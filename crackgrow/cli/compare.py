@@ -8,6 +8,7 @@ from pathlib import Path
 
 import crackgrow
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
+from crackgrow.cli.parser import Commands, add_command
 from crackgrow.results.atomic import write_text
 
 HELP = """\
@@ -47,11 +48,10 @@ def compare(arguments: argparse.Namespace) -> int:
     return EXIT_DONE if comparison.agrees else EXIT_DIFFERENT
 
 
-def add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_compare(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser(
-        "compare", help="say how far apart the crack paths of two runs are", description=HELP, epilog=EXAMPLES
-    )
+    what = "say how far apart the crack paths of two runs are"
+    command = add_command(commands, compare, "compare", what, (HELP, EXAMPLES))
     for name in ("a", "b"):
         command.add_argument(name, metavar=name.upper(), help="a result folder or a CSV file")
     command.add_argument(
@@ -62,7 +62,6 @@ def add_compare(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     command.add_argument("--crack", metavar="NAME", help="compare this crack alone")
     command.add_argument("--tip", choices=("start", "end"), help="compare what has grown at this tip alone")
     command.add_argument("--columns", type=_two_names, metavar="X,Y", help="columns of x and y of a CSV with several")
-    command.set_defaults(command=compare)
 
 
 def _two_names(text: str) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.cli.console import EXIT_DONE, hand_out
-from crackgrow.cli.parser import commands_of
+from crackgrow.cli.parser import Commands, add_command, commands_of
 
 HELP = """\
 Print a script that completes commands, options, their values, and case files. It is made from this version's options.
@@ -53,17 +53,13 @@ def completion_script(parser: argparse.ArgumentParser, shell: str) -> str:
     return str(shtab.complete(parser, shell, preamble=PREAMBLE.get(shell, "")))
 
 
-def add_completion(
-    commands: argparse._SubParsersAction[argparse.ArgumentParser], parser: argparse.ArgumentParser
-) -> None:
+def add_completion(commands: Commands, parser: argparse.ArgumentParser) -> None:
     """Add the command; `parser` is the whole one, of which the scripts are made."""
 
     def completion(arguments: argparse.Namespace) -> int:
         hand_out(completion_script(parser, arguments.shell))
         return EXIT_DONE
 
-    command = commands.add_parser(
-        "completion", help="print a script that completes command lines in a shell", description=HELP, epilog=EXAMPLES
-    )
+    what = "print a script that completes command lines in a shell"
+    command = add_command(commands, completion, "completion", what, (HELP, EXAMPLES))
     command.add_argument("shell", choices=SHELLS, help="the shell")
-    command.set_defaults(command=completion)

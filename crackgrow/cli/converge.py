@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
+from crackgrow.cli.parser import Commands, add_command, takes_case
 
 if TYPE_CHECKING:
     from crackgrow.study.converge.findings import Convergence, Ran
@@ -69,16 +70,10 @@ def converge(arguments: argparse.Namespace) -> int:
     return EXIT_DONE if found.good_enough else EXIT_DIFFERENT
 
 
-def add_converge(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
+def add_converge(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser(
-        "converge",
-        parents=[case],
-        help="say whether a case's cells and increments are small enough",
-        description=HELP,
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    what = "say whether a case's cells and increments are small enough"
+    command = takes_case(add_command(commands, converge, "converge", what, (HELP, EXAMPLES)))
     command.add_argument(
         "--at",
         nargs=3,
@@ -99,4 +94,3 @@ def add_converge(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     command.add_argument(
         "--out", type=Path, metavar="DIR", help="folder of the results (default outputs/converge/<case>)"
     )
-    command.set_defaults(command=converge)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from crackgrow.cli.console import EXIT_DONE, hand_out
+from crackgrow.cli.parser import Commands, add_command
 from crackgrow.errors import CaseError, Fault
 
 HELP = """\
@@ -35,10 +36,8 @@ def explain_name(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_explain(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_explain(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser(
-        "explain", help="say what a key of a case, or a column of the results, means", description=HELP, epilog=EXAMPLES
-    )
+    what = "say what a key of a case, or a column of the results, means"
+    command = add_command(commands, explain_name, "explain", what, (HELP, EXAMPLES))
     command.add_argument("name", nargs="?", default="", metavar="KEY|COLUMN", help="a key, a file or a column")
-    command.set_defaults(command=explain_name)

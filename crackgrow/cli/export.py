@@ -7,6 +7,7 @@ from pathlib import Path
 
 import crackgrow
 from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.parser import Commands, add_command
 
 FORMATS = {
     "msh": "Gmsh 4.1, with bodies as physical groups and all fields",
@@ -33,20 +34,15 @@ def export(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_export(commands: Commands) -> None:
     """Add the command and its arguments."""
     formats = "\n".join(f"  {name:5} {words}" for name, words in FORMATS.items())
-    command = commands.add_parser(
-        "export",
-        help="write a frame of a run as a mesh file of another program",
-        description=HELP,
-        epilog=f"formats:\n{formats}\n\n{EXAMPLES}",
-    )
+    what = "write a frame of a run as a mesh file of another program"
+    command = add_command(commands, export, "export", what, (HELP, f"formats:\n{formats}\n\n{EXAMPLES}"))
     command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
     command.add_argument("--to", choices=tuple(FORMATS), required=True, help="the format")
     command.add_argument("--step", type=_step, metavar="N", help="the frame of this step (default: the last one)")
     command.add_argument("--out", type=Path, metavar="FILE", help="the file (default DIR/export/step_NNNN.FORMAT)")
-    command.set_defaults(command=export)
 
 
 def _step(text: str) -> int:

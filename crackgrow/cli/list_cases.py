@@ -9,6 +9,7 @@ from pathlib import Path
 import yaml
 
 from crackgrow.cli.console import EXIT_DONE, hand_out
+from crackgrow.cli.parser import Commands, add_command
 from crackgrow.cli.template import templates
 from crackgrow.errors import CaseError, Fault
 
@@ -59,10 +60,8 @@ def _aligned(rows: dict[str, str]) -> list[str]:
     return [f"  {name:<{width}}  {words}".rstrip() for name, words in rows.items()]
 
 
-def add_list(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_list(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser(
-        "list", help="list the cases that are here, and the templates", description=HELP, epilog=EXAMPLES
-    )
+    what = "list the cases that are here, and the templates"
+    command = add_command(commands, list_cases, "list", what, (HELP, EXAMPLES))
     command.add_argument("folder", nargs="?", type=Path, metavar="DIR", help="a folder of cases (default: cases)")
-    command.set_defaults(command=list_cases)

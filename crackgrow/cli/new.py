@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TextIO
 
 from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.parser import Commands, add_command
 from crackgrow.cli.template import MODELINE, SCHEMA_FILE, template_text, templates
 from crackgrow.errors import CaseError, Fault
 
@@ -64,18 +65,13 @@ def _file_of(name: str) -> Path:
     return (folder if path.parent == Path() and folder.is_dir() else path.parent) / f"{path.name}.yaml"
 
 
-def add_new(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_new(commands: Commands) -> None:
     """Add the command and its arguments."""
     known = templates()
     listed = "\n".join(f"  {name:<12} {line}" for name, line in known.items())
-    command = commands.add_parser(
-        "new",
-        help="write a commented case to start from",
-        description=HELP,
-        epilog=f"templates:\n{listed}\n\n{EXAMPLES}",
-    )
+    texts = HELP, f"templates:\n{listed}\n\n{EXAMPLES}"
+    command = add_command(commands, new, "new", "write a commented case to start from", texts)
     command.add_argument("name", metavar="NAME", help="the name of the case, or its file")
     command.add_argument(
         "--template", choices=tuple(known), default="compression", help="which one (default: compression)"
     )
-    command.set_defaults(command=new)

@@ -6,8 +6,11 @@ import argparse
 import difflib
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
-from typing import Any, Final, NoReturn
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any, Final, NoReturn, TypeAlias
+
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 GROUPS: Final = {
     "start": ("list", "new", "check", "explain"),
@@ -97,12 +100,30 @@ def keys_of(name: str) -> list[str]:
     return sorted(found, key=len)
 
 
-def commands_of(parser: argparse.ArgumentParser) -> argparse._SubParsersAction[argparse.ArgumentParser]:
+def add_command(
+    commands: Commands, function: Callable[[argparse.Namespace], int], name: str, what: str, texts: tuple[str, str]
+) -> argparse.ArgumentParser:
+    """Add a command: what it does in a line, and the texts before and behind its arguments in its help."""
+    command = commands.add_parser(name, help=what, description=texts[0], epilog=texts[1])
+    command.set_defaults(command=function, parser=command)
+    return command
+
+
+def takes_case(command: argparse.ArgumentParser) -> argparse.ArgumentParser:
+    """The command, with a case file and settings for arguments."""
+    command.add_argument("case", type=Path, metavar="CASE.yaml", help="the case file")
+    command.add_argument(
+        "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
+    )
+    return command
+
+
+def commands_of(parser: argparse.ArgumentParser) -> Commands:
     """The commands of a parser."""
     return next(action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
 
 
-def grouped(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> str:
+def grouped(commands: Commands) -> str:
     """The commands and what they do, by group."""
     helps = helps_of(commands)
     parts = []
@@ -112,7 +133,7 @@ def grouped(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> st
     return "\n".join(parts)
 
 
-def helps_of(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> dict[str, str]:
+def helps_of(commands: Commands) -> dict[str, str]:
     """What each command does, in a line."""
     choices: Iterable[argparse.Action] = commands._choices_actions
     return {choice.dest: choice.help or "" for choice in choices}

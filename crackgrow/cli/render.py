@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 
 from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.parser import Commands, add_command
 
 RENDER_HELP = """\
 Draw the frames of a result folder: a field on the displaced specimen with its cracks open, a PNG for each step and an
@@ -63,36 +64,23 @@ def view(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_render(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_render(commands: Commands) -> None:
     """Add both commands and their arguments."""
-    shared = argparse.ArgumentParser(add_help=False)
-    shared.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
-    shared.add_argument("--field", default="sigma_1", metavar="NAME", help="what colours mean (default sigma_1)")
-    shared.add_argument(
-        "--warp", type=_warp, metavar="auto|NUMBER", help="factor of the displacements (default auto: a visible one)"
-    )
-    command = commands.add_parser(
-        "render",
-        parents=[shared],
-        help="draw the frames of a run as pictures and an animation",
-        description=RENDER_HELP,
-        epilog=RENDER_EXAMPLES,
-    )
+    what = "draw the frames of a run as pictures and an animation"
+    command = add_command(commands, render, "render", what, (RENDER_HELP, RENDER_EXAMPLES))
+    window = add_command(commands, view, "view", "open a window on the frames of a run", (VIEW_HELP, VIEW_EXAMPLES))
+    for each in (command, window):
+        each.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
+        each.add_argument("--field", default="sigma_1", metavar="NAME", help="what colours mean (default sigma_1)")
+        each.add_argument("--warp", type=_warp, metavar="auto|NUMBER",
+                          help="factor of the displacements (default auto: a visible one)")  # fmt: skip
     command.add_argument("--steps", type=_span, nargs="+", metavar="N|N-M", help="these steps alone (default: all)")
     command.add_argument("--size", type=_size, metavar="WxH", help="pixels (default: 1000 along the longer side)")
     choice = command.add_mutually_exclusive_group()
     for kind, words in (("gif", "animate as GIF (default)"), ("mp4", "animate as MP4, by ffmpeg")):
         choice.add_argument(f"--{kind}", dest="animation", action="store_const", const=kind, help=words)
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the pictures (default DIR/render)")
-    command.set_defaults(command=render, animation="gif")
-    command = commands.add_parser(
-        "view",
-        parents=[shared],
-        help="open a window on the frames of a run",
-        description=VIEW_HELP,
-        epilog=VIEW_EXAMPLES,
-    )
-    command.set_defaults(command=view)
+    command.set_defaults(animation="gif")
 
 
 def _warp(text: str) -> float | None:

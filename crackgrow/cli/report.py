@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from crackgrow.cli.console import EXIT_DONE, say
+from crackgrow.cli.parser import Commands, add_command
 
 HELP = """\
 Write report.html of a result folder: the scene, crack paths, stress intensity, loads, tractions along the faces,
@@ -29,10 +30,8 @@ def report(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_report(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_report(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser(
-        "report", help="write report.html of a result folder again", description=HELP, epilog=EXAMPLES
-    )
+    what = "write report.html of a result folder again"
+    command = add_command(commands, report, "report", what, (HELP, EXAMPLES))
     command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
-    command.set_defaults(command=report)

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from crackgrow.cli.console import EXIT_DONE, hand_out
+from crackgrow.cli.parser import Commands, add_command
 from crackgrow.results.atomic import write_text
 
 HELP = """\
@@ -34,10 +35,8 @@ def schema(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_schema(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_schema(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser(
-        "schema", help="print the JSON Schema of case files, for editors", description=HELP, epilog=EXAMPLES
-    )
+    what = "print the JSON Schema of case files, for editors"
+    command = add_command(commands, schema, "schema", what, (HELP, EXAMPLES))
     command.add_argument("--out", type=Path, metavar="FILE", help="write it to a file")
-    command.set_defaults(command=schema)

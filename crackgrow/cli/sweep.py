@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, count, say, spelled
+from crackgrow.cli.parser import Commands, add_command
 from crackgrow.results.log import counted
 
 if TYPE_CHECKING:
@@ -71,11 +72,10 @@ def _resuming(arguments: argparse.Namespace, plan: SweepPlan) -> str:
     return spelled("sweep", str(arguments.sweep), "--out", str(plan.folder), *settings, "--resume")
 
 
-def add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_sweep(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser(
-        "sweep", help="run a case for each combination of parameters", description=HELP, epilog=EXAMPLES
-    )
+    what = "run a case for each combination of parameters"
+    command = add_command(commands, sweep, "sweep", what, (HELP, EXAMPLES))
     command.add_argument("sweep", type=Path, metavar="SWEEP.yaml", help="the sweep file")
     place = command.add_mutually_exclusive_group()
     place.add_argument("--workers", type=count, metavar="N", help="processes of this machine (default: one a core)")
@@ -83,4 +83,3 @@ def add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     command.add_argument("--memory", metavar="SIZE", help="of each worker, such as 2GB")
     command.add_argument("--resume", action="store_true", help="run what is missing, go on with what was broken off")
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<sweep>)")
-    command.set_defaults(command=sweep)

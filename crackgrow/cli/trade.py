@@ -7,6 +7,7 @@ from pathlib import Path
 
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_UNSOLVED, count, say
+from crackgrow.cli.parser import Commands, add_command, takes_case
 
 HELP = """\
 Run a scene over a grid of settings and hold each run against a finer one: trade.csv has errors, seconds and memory of
@@ -54,15 +55,10 @@ def trade(arguments: argparse.Namespace) -> int:
     return EXIT_UNSOLVED if solved and not any(solved) else EXIT_DONE
 
 
-def add_trade(commands: argparse._SubParsersAction[argparse.ArgumentParser], case: argparse.ArgumentParser) -> None:
+def add_trade(commands: Commands) -> None:
     """Add the command and its arguments."""
-    command = commands.add_parser(
-        "trade",
-        parents=[case],
-        help="measure what accuracy costs over a grid of settings",
-        description=HELP,
-        epilog=EXAMPLES,
-    )
+    what = "measure what accuracy costs over a grid of settings"
+    command = takes_case(add_command(commands, trade, "trade", what, (HELP, EXAMPLES)))
     command.add_argument("--axis", nargs="+", default=[], metavar="NAME=A,B,C", help="settings to vary, with values")
     command.add_argument(
         "--reference",
@@ -78,4 +74,3 @@ def add_trade(commands: argparse._SubParsersAction[argparse.ArgumentParser], cas
     command.add_argument("--timeout", type=float, metavar="SECONDS", help="give up a run after so long")
     command.add_argument("--resume", action="store_true", help="keep the rows that are there, run what is missing")
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/trade/<case>)")
-    command.set_defaults(command=trade)
