@@ -25,6 +25,7 @@ from crackgrow.results.gathered import Gathered
 from crackgrow.results.tables import event_rows, path_rows
 from crackgrow.results.vtk_frames import FIELDS, as_pyvista, specimen_grid
 from crackgrow.results.writer import RunWriter
+from crackgrow.run.ending import Ending
 from crackgrow.run.error import estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution
@@ -276,13 +277,12 @@ def _solution(case: Case, steps: Steps) -> Solution:
 def _collected(case: Case, steps: Steps, add: Callable[[StepResult], None]) -> Run:
     """The run with all its steps, each handed to `add` as it comes."""
     results: list[StepResult] = []
-    while True:
-        try:
-            result, solved = next(steps)
-        except StopIteration as stop:
-            return Run(case, tuple(results), stop.value, Solution(case, (result,), solved))
+    all_steps = Ending(steps)
+    for step in all_steps:
+        result, solved = step
         add(result)
         results.append(replace(result, mesh=None))  # the mesh would keep the fields of every step
+    return Run(case, tuple(results), all_steps.end, Solution(case, (result,), solved))
 
 
 def _places(points: ArrayLike) -> tuple[Floats, tuple[int, ...]]:

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Generator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
 from crackgrow.cli.parser import Commands, add_command, takes_case
-
-if TYPE_CHECKING:
-    from crackgrow.study.converge.findings import Convergence, Ran
 
 HELP = """\
 Run a case on three settings of its cells and tell what K at each tip and step, and the critical load factor, tend to,
@@ -37,11 +32,8 @@ examples:
 
 def converge(arguments: argparse.Namespace) -> int:
     """`crackgrow converge`: whether a case's own setting is good enough."""
-    from crackgrow.study.converge.text import (  # only now: it loads numpy
-        convergence_record,
-        convergence_text,
-        run_line,
-    )
+    from crackgrow.run.ending import Ending  # only now: they load numpy
+    from crackgrow.study.converge.text import convergence_record, convergence_text, run_line
 
     case = load_case_file(arguments)
     folder = arguments.out or Path("outputs/converge") / case.name
@@ -54,15 +46,11 @@ def converge(arguments: argparse.Namespace) -> int:
         increments=arguments.increments,
         steps=arguments.steps,
     )
-    runs: Generator[Ran, None, Convergence] = crackgrow.converge(plan, arguments.timeout)
-    while True:
-        try:
-            run = next(runs)
-        except StopIteration as stop:
-            found: Convergence = stop.value
-            break
+    runs = Ending(crackgrow.converge(plan, arguments.timeout))
+    for run in runs:
         if not arguments.json:
             say(run_line(run))
+    found = runs.end
     if arguments.json:
         hand_out(json.dumps(convergence_record(found), indent=2, allow_nan=False) + "\n")
     else:

@@ -10,7 +10,7 @@ import signal
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -133,21 +133,19 @@ def _progress(case: Case, arguments: argparse.Namespace, first: int, expected: s
     return Progress(case, say, width=width, first=first, expected=expected)
 
 
-def _write_steps(steps: Iterator[StepResult], writer: RunWriter, progress: Progress) -> RunEnd:
+def _write_steps(steps: Generator[StepResult, None, RunEnd], writer: RunWriter, progress: Progress) -> RunEnd:
     """Write each step as it comes, then the end, and return it."""
-    while True:
-        try:
-            result = next(steps)
-        except StopIteration as stop:
-            end: RunEnd = stop.value
-            break
+    from crackgrow.run.ending import Ending  # only now: the room loads numpy
+
+    all_steps = Ending(steps)
+    for result in all_steps:
         with _uninterrupted():
             writer.add(result)
         progress.show(result)
-    progress.tell(end.events)
+    progress.tell(all_steps.end.events)
     with _uninterrupted(ends=True):
-        writer.finish(end)
-    return end
+        writer.finish(all_steps.end)
+    return all_steps.end
 
 
 @contextlib.contextmanager

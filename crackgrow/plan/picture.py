@@ -18,7 +18,7 @@ from crackgrow.case.model import Body, Case, Crack, InSituStress, Stages
 from crackgrow.cover.squares import QUANTA
 from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.overview import component_text, length_unit
+from crackgrow.results.overview import component_text, extent, length_unit
 from crackgrow.results.signs import load_signs, support_signs
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.configuration import first_cells
@@ -37,8 +37,7 @@ COLOURS: Final = ("#e6e1d8", "#d5dde6", "#dfe6d5", "#e6d5df")
 def draw_scene(path: Path, case: Case) -> None:
     """Draw the case into a .png or .svg file; raises OutputError."""
     scale, unit = length_unit(case)
-    outlines = np.concatenate([body.outline for body in case.bodies])
-    low, high = outlines.min(axis=0), outlines.max(axis=0)
+    low, high = extent(case)
     size = float((high - low).max())
     margin = MARGIN * size
     notes = _notes(case)

@@ -21,6 +21,7 @@ from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
 from crackgrow.results.load_point import LoadPoint
+from crackgrow.results.overview import extent, length_unit
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
@@ -37,8 +38,8 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
 
     Raises OutputError.
     """
-    scale, unit = _length_unit(case)
-    low, high = _extent([body.outline for body in case.bodies])
+    scale, unit = length_unit(case)
+    low, high = extent(case)
     figure, axes = _equal_axes(low * scale, high * scale, unit)
     for body in case.bodies:
         closed = [LinePath(np.vstack([ring.points, ring.points[:1]]) * scale, closed=True) for ring in body.rings]
@@ -81,7 +82,7 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     Dots are the contact points: white open, blue stuck, red slipping; the lines are the same along the whole face.
     Raises OutputError.
     """
-    scale, unit = _length_unit(case)
+    scale, unit = length_unit(case)
     contact = result.contact
     touching = [face for face in result.faces if face.crack in contact.crack]
     faces = touching[:MOST_CONTACT_ROWS]
@@ -123,7 +124,7 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
     That is how much they have grown where they have, else the slip of the surface that slips most. Points are named by
     their steps: every so many, or in a history of loads those where it turns. Raises OutputError.
     """
-    scale, unit = _length_unit(case)
+    scale, unit = length_unit(case)
     factor, displacement, length = np.array([(p.factor, p.displacement, p.crack_length) for p in curve]).T
     growth = length - length[0]
     panels = [(displacement, f"displacement of the loads [{unit}]")]
@@ -181,16 +182,6 @@ def _step_colours(last: int) -> ScalarMappable:
     """One colour for each of the steps 1..last; none so pale that it is lost on the specimen."""
     colours = mpl.colormaps["plasma"](np.linspace(0.05, 0.85, last))
     return ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(list(colours)))
-
-
-def _length_unit(case: Case) -> tuple[float, str]:
-    low, high = _extent([body.outline for body in case.bodies])
-    return (1e3, "mm") if (high - low).max() < 1 else (1.0, "m")
-
-
-def _extent(points: Sequence[Floats]) -> tuple[Floats, Floats]:
-    stacked = np.concatenate(points)
-    return stacked.min(axis=0), stacked.max(axis=0)
 
 
 def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:

@@ -255,10 +255,21 @@ def _rule(case: Case) -> str:
     return "" if accuracy == STANDARD else f" (given, not that of {name_of(accuracy, goal)})"
 
 
+def extent(case: Case) -> tuple[Floats, Floats]:
+    """Lower left and upper right corner (2,) m of the box round all bodies."""
+    outlines = np.concatenate([body.outline for body in case.bodies])
+    return outlines.min(axis=0), outlines.max(axis=0)
+
+
+def size_of(case: Case) -> float:
+    """The longer side (m) of that box."""
+    low, high = extent(case)
+    return float((high - low).max())
+
+
 def length_unit(case: Case) -> tuple[float, str]:
     """How many of the unit that suits the scene are a metre, and its name."""
-    size = float(np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max())
-    return (1e3, "mm") if size < 1 else (1.0, "m")
+    return (1e3, "mm") if size_of(case) < 1 else (1.0, "m")
 
 
 def surface_text(surface: str | tuple[str, str]) -> str:

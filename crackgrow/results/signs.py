@@ -24,7 +24,7 @@ from crackgrow.case.model import (
     PointForce,
     PointSupport,
 )
-from crackgrow.results.overview import component_text, length_unit, lines_of, surface_text
+from crackgrow.results.overview import component_text, length_unit, lines_of, size_of, surface_text
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it
@@ -92,11 +92,6 @@ class Sign:
     title: str
     marks: tuple[Mark, ...]
     words: tuple[Words, ...] = ()
-
-
-def size_of(case: Case) -> float:
-    """The longer side (m) of the scene, by which signs are sized."""
-    return float(np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max())
 
 
 def support_signs(case: Case) -> Iterator[Sign]:

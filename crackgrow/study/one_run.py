@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from dataclasses import dataclass, field
 
 from crackgrow.results.writer import RunWriter
+from crackgrow.run.ending import Ending
 from crackgrow.run.result import RunEnd, StepResult
 
 
@@ -18,24 +19,21 @@ class Spent:
     wall: list[float] = field(default_factory=list)
 
 
-def write_run(writer: RunWriter, steps: Iterator[StepResult], spent: Spent | None = None) -> RunEnd:
+def write_run(writer: RunWriter, steps: Generator[StepResult, None, RunEnd], spent: Spent | None = None) -> RunEnd:
     """Write each step as it comes, then the end, and return it; `writer` has begun, `spent` takes the times.
 
     Whatever a step raises goes into the summary, keeps what was solved, and passes through.
     """
-    spent = spent or Spent()
+    spent, all_steps = spent or Spent(), Ending(steps)
     try:
-        while True:
-            cpu, wall = time.process_time(), time.perf_counter()
-            try:
-                result = next(steps)
-            except StopIteration as stop:
-                end: RunEnd = stop.value
-                writer.finish(end)
-                return end
+        cpu, wall = time.process_time(), time.perf_counter()
+        for result in all_steps:
             spent.cpu.append(time.process_time() - cpu)
             spent.wall.append(time.perf_counter() - wall)
             writer.add(result)
+            cpu, wall = time.process_time(), time.perf_counter()
+        writer.finish(all_steps.end)
     except Exception as error:
         writer.break_off(error)
         raise
+    return all_steps.end

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
+from crackgrow.results.overview import extent
 
 WIDEST, HIGHEST = 320.0, 440.0  # pixels, of the specimen
 MARGIN = 56.0  # pixels round it, for supports and loads
@@ -37,8 +38,7 @@ class View:
 
 def view_of(case: Case) -> View:
     """The view that shows all bodies of a case."""
-    corners = np.concatenate([body.outline for body in case.bodies])
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    low, high = extent(case)
     width, height = high - low
     return View(low, high, float(min(WIDEST / width, HIGHEST / height)))
 
