@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from crackgrow.errors import CrackgrowError
@@ -96,6 +96,15 @@ def append_text(path: Path, text: str) -> bool:
     finally:
         os.close(file)
     return True
+
+
+def remove_files(files: Iterable[Path]) -> None:
+    """Remove files as far as they are there; raises OutputError."""
+    for path in files:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise OutputError(f"cannot remove {path}: {error.strerror or error}") from error
 
 
 def _refused(path: Path, error: OSError) -> OutputError:

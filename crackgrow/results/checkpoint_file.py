@@ -28,7 +28,7 @@ from numpy.lib.npyio import NpzFile
 from numpy.typing import NDArray
 
 from crackgrow import __version__
-from crackgrow.results.atomic import OutputError, write_atomically
+from crackgrow.results.atomic import OutputError, remove_files, write_atomically
 from crackgrow.run.result import Checkpoint
 
 FORMAT = 5
@@ -149,13 +149,8 @@ def read_checkpoint(folder: Path, step: int) -> StoredCheckpoint:
 
 def remove_checkpoints(folder: Path, keep: set[int] | frozenset[int] = frozenset()) -> None:
     """Remove the checkpoints in the run's folder but those of the steps `keep`; raises OutputError."""
-    for path in checkpoint_files(folder):
-        match = NAME.fullmatch(path.name)
-        if match is None or int(match[1]) not in keep:
-            try:
-                path.unlink(missing_ok=True)
-            except OSError as error:
-                raise OutputError(f"cannot remove {path}: {error.strerror or error}") from error
+    kept = {f"step_{step:04d}.npz" for step in keep}
+    remove_files(path for path in checkpoint_files(folder) if path.name not in kept)
 
 
 def _folder(folder: Path) -> Path:

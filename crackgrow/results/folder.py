@@ -21,6 +21,7 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.data_frames import RunTables, frame_of
+from crackgrow.results.units import spans_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -105,6 +106,11 @@ class TextTable:
         """The rows for which `kept` says so."""
         return TextTable(self.path, {name: list(compress(words, kept)) for name, words in self.columns.items()})
 
+    def by(self, *names: str) -> dict[tuple[str, ...], TextTable]:
+        """The rows by what they have in some columns, in the order in which that comes."""
+        keys = list(zip(*map(self.words, names), strict=True))
+        return {key: self.where([other == key for other in keys]) for key in dict.fromkeys(keys)}
+
     def of_steps(self, steps: Collection[int]) -> TextTable:
         """The rows of these steps."""
         return self.where(np.isin(self.steps(), list(steps)).tolist())
@@ -175,11 +181,10 @@ class RunFolder(RunTables):
 
     def path(self, crack: str) -> Floats:
         """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
-        table = self.table("paths")
-        names = table.words("crack")
-        if crack not in names:
-            raise KeyError(f"no crack {crack!r}; the cracks are {', '.join(dict.fromkeys(names)) or 'none'}")
-        own = table.where([name == crack for name in names])
+        cracks = {name: own for (name,), own in self.table("paths").by("crack").items()}
+        if crack not in cracks:
+            raise KeyError(f"no crack {crack!r}; the cracks are {', '.join(cracks) or 'none'}")
+        own = cracks[crack]
         return np.column_stack([own.numbers("x"), own.numbers("y")])
 
     @cached_property
@@ -242,8 +247,8 @@ class RunFolder(RunTables):
         spans = [step if isinstance(step, range) else range(step, step + 1) for step in steps]
         missing = [gap for span in spans for gap in _gaps(span, self.frames)]
         if missing:
-            there = _words(range(step, step + 1) for step in self.frames)
-            raise FolderError(f"{self.folder} has no frame of step {_words(missing)}; it has those of {there}")
+            there = spans_text(range(step, step + 1) for step in self.frames)
+            raise FolderError(f"{self.folder} has no frame of step {spans_text(missing)}; it has those of {there}")
         return [step for step in self.frames if any(step in span for span in spans)]
 
     def mesh(self, step: int | None = None) -> pyvista.UnstructuredGrid:
@@ -315,19 +320,3 @@ def _gaps(span: range, found: Iterable[int]) -> list[range]:
     """What of a range of steps is not among those found, which are in order."""
     edges = [span.start - 1, *(step for step in found if step in span), span.stop]
     return [range(before + 1, after) for before, after in pairwise(edges) if before + 1 < after]
-
-
-def _merged(spans: Iterable[range]) -> list[range]:
-    """Ranges in order, as one where they touch or overlap."""
-    merged: list[range] = []
-    for span in sorted(spans, key=lambda span: span.start):
-        if merged and span.start <= merged[-1].stop:
-            merged[-1] = range(merged[-1].start, max(merged[-1].stop, span.stop))
-        else:
-            merged.append(span)
-    return merged
-
-
-def _words(spans: Iterable[range]) -> str:
-    """Ranges in words: 0 to 5, 7."""
-    return ", ".join(f"{span[0]} to {span[-1]}" if len(span) > 1 else str(span[0]) for span in _merged(spans))

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from crackgrow.results.units import merged, spans_text
+
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.run.caution import Caution
 
@@ -99,14 +101,8 @@ def _others(rows: Sequence[_Told]) -> str:
 
 def _steps(rows: Sequence[_Told]) -> str:
     """ "step 3: ", "steps 3 to 14, worst 7: ": when it was so at any of the places."""
-    spans: list[list[int]] = []
-    for first, last in sorted(span for row in rows for span in row.steps):
-        if spans and first <= spans[-1][1] + 1:
-            spans[-1][1] = max(spans[-1][1], last)
-        else:
-            spans.append([first, last])
-    if spans[0][0] == spans[-1][1]:
-        return f"step {spans[0][0]}: "
-    listed = ", ".join(str(first) if first == last else f"{first} to {last}" for first, last in spans)
+    spans = merged(range(first, last + 1) for row in rows for first, last in row.steps)
+    if len(spans) == len(spans[0]) == 1:
+        return f"step {spans[0].start}: "
     worst = f", worst {rows[0].worst}" if rows[0].size else ""
-    return f"steps {listed}{worst}: "
+    return f"steps {spans_text(spans)}{worst}: "

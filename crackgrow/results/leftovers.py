@@ -6,11 +6,11 @@ where there is none, or an empty one as after a loss of power, a checkpoint or a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from crackgrow.results.atomic import OccupiedError, OutputError, temporary_path
+from crackgrow.results.atomic import OccupiedError, OutputError, remove_files, temporary_path
 from crackgrow.results.checkpoint_file import checkpoint_files, is_checkpoint
 from crackgrow.results.folder import FIGURES, FILES, LOG, SERIES, SUMMARY, RunFolder, series_names
 from crackgrow.results.lock import check_place, existing_part, is_too_long
@@ -67,12 +67,6 @@ def earlier_files(folder: Path, case_name: str) -> list[Path]:
     return found
 
 
-def remove_files(files: Iterable[Path]) -> None:
-    """Remove files as far as they are there; raises OutputError."""
-    for path in files:
-        _remove(path.parent, [path.name])
-
-
 def _own_summary(folder: Path) -> dict[str, Any] | None:
     """The summary of a run in a folder; None if there is none, or one of something else."""
     summary = RunFolder(folder).found_summary
@@ -89,8 +83,7 @@ def _is_own_without_summary(folder: Path) -> bool:
 
 def remove_half_written(folder: Path, case_name: str) -> None:
     """Remove temporary files that a killed run has left; raises OutputError."""
-    names = (temporary_path(Path(name)) for name in (*FILES, *FIGURES, *series_names(case_name)))
-    _remove(folder, [str(name) for name in names])
+    remove_files(temporary_path(folder / name) for name in (*FILES, *FIGURES, *series_names(case_name)))
 
 
 def remove_frames(folder: Path, first: int) -> None:
@@ -98,27 +91,14 @@ def remove_frames(folder: Path, first: int) -> None:
 
     Raises OutputError.
     """
-    _remove(folder, [str(path.relative_to(folder)) for path in rendered_files(folder)])
-    for sub, path in _series_files(folder):
+    remove_files(rendered_files(folder))
+    for sub, path in list(_series_files(folder)):
         match = SERIES[sub].fullmatch(path.name)
         if match and (path.name.startswith(".") or int(match[1]) >= first):
-            _remove(folder, [f"{sub}/{path.name}"])
+            remove_files([path])
 
 
 def _series_files(folder: Path) -> Iterator[tuple[str, Path]]:
     """Files of frames, half written ones too, with the folders that they are in."""
     for sub, pattern in SERIES.items():
         yield from ((sub, path) for path in sorted((folder / sub).glob("*")) if pattern.fullmatch(path.name))
-
-
-def remove_file(path: Path) -> None:
-    """Remove a file if it is there; raises OutputError."""
-    _remove(path.parent, [path.name])
-
-
-def _remove(folder: Path, names: Iterable[str]) -> None:
-    try:
-        for name in names:
-            (folder / name).unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot remove earlier results in {folder}: {error.strerror or error}") from error

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from crackgrow.results.atomic import OutputError
+from crackgrow.results.atomic import remove_files
 
 FOLDER = "render"  # in that of the run
 FIRST_FIELD = "sigma_1"  # of which a report has pictures rather than of others
@@ -31,11 +31,7 @@ def rendered(folder: Path) -> dict[str, dict[int, Path]]:
 
 def remove_rendered(pictures: Path) -> None:
     """Remove the pictures and animations of one field from their folder; raises OutputError."""
-    for path in _own_files(pictures):
-        try:
-            path.unlink()
-        except OSError as error:
-            raise OutputError(f"cannot remove earlier pictures in {pictures}: {error.strerror or error}") from error
+    remove_files(_own_files(pictures))
 
 
 def rendered_files(folder: Path) -> Iterator[Path]:

@@ -77,11 +77,12 @@ def format_value(value: Value) -> str:
 
 def csv_text(columns: Sequence[str], rows: Iterable[Iterable[Value | None]]) -> str:
     """A whole table, as studies write theirs: empty where there is no value, and for nan."""
-    lines = [columns, *([_or_empty(value) for value in row] for row in rows)]
+    lines = [columns, *([or_empty(value) for value in row] for row in rows)]
     return "".join(",".join(format_value(value) for value in line) + "\n" for line in lines)
 
 
-def _or_empty(value: Value | None) -> Value:
+def or_empty(value: Value | None) -> Value:
+    """The value, or an empty text where there is none."""
     return "" if value is None or value != value else value  # nan alone is not itself
 
 

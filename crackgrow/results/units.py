@@ -35,6 +35,22 @@ def rounded_all(values: Iterable[float], unit: float = 1.0) -> list[float | None
     return [rounded(float(value), unit) for value in values]
 
 
+def merged(spans: Iterable[range]) -> list[range]:
+    """Ranges of steps in order, as one where they touch or overlap."""
+    found: list[range] = []
+    for span in sorted(spans, key=lambda span: span.start):
+        if found and span.start <= found[-1].stop:
+            found[-1] = range(found[-1].start, max(found[-1].stop, span.stop))
+        else:
+            found.append(span)
+    return found
+
+
+def spans_text(spans: Iterable[range]) -> str:
+    """Ranges in words: 0 to 5, 7."""
+    return ", ".join(f"{span[0]} to {span[-1]}" if len(span) > 1 else str(span[0]) for span in merged(spans))
+
+
 def shown(value: float, digits: int = 4) -> str:
     """A number as a reader sees it; a dash where there is none."""
     return f"{value:.{digits}g}" if math.isfinite(value) else NO_NUMBER

@@ -14,17 +14,10 @@ from crackgrow.case import dump_case
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
 from crackgrow.results import tables
-from crackgrow.results.atomic import write_text
+from crackgrow.results.atomic import remove_files, write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.folder import CASE, HISTORY, LOG, REPORT, SUMMARY, cracks_name, frame_name, series_names
-from crackgrow.results.leftovers import (
-    check_folder,
-    earlier_files,
-    remove_file,
-    remove_files,
-    remove_frames,
-    remove_half_written,
-)
+from crackgrow.results.leftovers import check_folder, earlier_files, remove_frames, remove_half_written
 from crackgrow.results.load_point import LoadPoint, load_point
 from crackgrow.results.lock import FolderLock
 from crackgrow.results.log import RunLog, event_line, step_line
@@ -118,7 +111,7 @@ class RunWriter:
         self._curve = [LoadPoint(**point) for point in results["curve"]]
         self._memory, self._resumed = results["memory"], [*results["resumed"], step]
         remove_half_written(self.folder, self.case.name)
-        remove_file(self.folder / REPORT)  # of a run that had ended
+        remove_files([self.folder / REPORT])  # of a run that had ended
         write_text(self.folder / CASE, self._settings)
         if HISTORY in results["tables"]:
             self._begin_history(())
@@ -250,7 +243,7 @@ class RunWriter:
 
             vtk_frames.write_series(self.folder / name, kept)
         else:
-            remove_file(self.folder / name)
+            remove_files([self.folder / name])
         return kept
 
     def _extend(self, name: str, rows: Sequence[tables.Row]) -> None:

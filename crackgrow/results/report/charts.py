@@ -73,23 +73,18 @@ def _in_time(run: RunFolder) -> Iterator[Chart]:
     yield _chart("Growth in time", f"time [{in_time[1]}]", f"crack length [{in_length[1]}]", series)
 
 
-def drawn_tips(run: RunFolder) -> list[tuple[str, str]]:
+def drawn_tips(run: RunFolder) -> list[tuple[str, ...]]:
     """The tips that plots show, those that have grown most first: name of the crack, and which end."""
-    advances: dict[tuple[str, str], int] = {}
-    tips = run.table("tips")
-    for crack, tip, advanced in zip(*(tips.words(name) for name in ("crack", "tip", "advanced")), strict=True):
-        advances[crack, tip] = advances.get((crack, tip), 0) + (advanced == "true")
-    return sorted(advances, key=lambda tip: -advances[tip])[:MOST_TIPS]
+    tips = run.table("tips").by("crack", "tip")
+    return sorted(tips, key=lambda tip: -tips[tip].words("advanced").count("true"))[:MOST_TIPS]
 
 
 def _tip_charts(run: RunFolder) -> list[Chart]:
     tips = drawn_tips(run)
     if not tips:
         return []
-    steps = run.table("tips").steps()
-    owner = list(zip(run.table("tips").words("crack"), run.table("tips").words("tip"), strict=True))
-    n_tips = len(set(owner))
-    rest = f" ({len(tips)} of {n_tips} tips)" if n_tips > len(tips) else ""
+    tables = run.table("tips").by("crack", "tip")
+    rest = f" ({len(tips)} of {len(tables)} tips)" if len(tables) > len(tips) else ""
     found = []
     for title, columns, units in (
         ("Stress intensity", ("K_I", "K_II"), INTENSITIES),
@@ -101,11 +96,10 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
         unit = unit_of(np.concatenate(values), units)
         series = []
         for number, tip in enumerate(tips):
-            mine = np.array([other == tip for other in owner])
-            for column, of_column, dash in zip(columns, values, ("", "5 3"), strict=True):
-                name = f"{column} {' '.join(tip)}"
-                y = rounded_all(of_column[mine], unit[0])
-                series.append(_series(name, COLOURS[number], dash, steps[mine].tolist(), y, steps[mine].tolist()))
+            steps = tables[tip].steps().tolist()
+            for column, dash in zip(columns, ("", "5 3"), strict=True):
+                y = rounded_all(tables[tip].numbers(column), unit[0])
+                series.append(_series(f"{column} {' '.join(tip)}", COLOURS[number], dash, steps, y, steps))
         found.append(_chart(f"{title}{rest}", "step", f"{', '.join(columns)} [{unit[1]}]", series))
     return found
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 
-from crackgrow.results.folder import SUMMARY, RunFolder, TextTable
+from crackgrow.results.folder import SUMMARY, RunFolder
 
 Values = dict[str, str | float | int | None]
 """Cells of the table by column, SI; None where there is no value."""
@@ -33,29 +32,14 @@ def measured(folder: Path) -> Values:
         "energy_error_percent": estimate["energy_norm_percent"]["last"],
         "K_spread_percent": estimate["K_spread_percent"],
     }
-    all_tips = run.table("tips")
-    tips, met = _by_tip(all_tips), all_tips.steps().tolist()
-    for name, table in tips.items():
-        for end, step in (("first", met[0]), ("last", met[-1])):
+    tips = run.table("tips")
+    by_tip, steps_met, paths = tips.by("crack", "tip"), tips.steps().tolist(), run.table("paths").by("crack")
+    for (crack, tip), table in by_tip.items():
+        for end, step in (("first", steps_met[0]), ("last", steps_met[-1])):
             of_end = table.of_steps([step])
-            found |= {f"{name}.{K}_{end}": float(of_end.numbers(K)[0]) for K in ("K_I", "K_II") if len(of_end)}
-    return found | _path_ends(run.table("paths"), tips)
-
-
-def _by_tip(tips: TextTable) -> dict[str, TextTable]:
-    """The rows of each tip, by CRACK.TIP, in the order in which tips come."""
-    names = [f"{crack}.{tip}" for crack, tip in zip(tips.words("crack"), tips.words("tip"), strict=True)]
-    return {name: tips.where([other == name for other in names]) for name in dict.fromkeys(names)}
-
-
-def _path_ends(paths: TextTable, tips: Iterable[str]) -> Values:
-    """Where the tips are at the end."""
-    found: Values = {}
-    cracks = paths.words("crack")
-    for name in tips:
-        crack, tip = name.rsplit(".", 1)
-        own = paths.where([other == crack for other in cracks])
-        if len(own):
-            end = 0 if tip == "start" else -1
-            found |= {f"{name}.{axis}": float(own.numbers(axis)[end]) for axis in ("x", "y")}
+            found |= {f"{crack}.{tip}.{K}_{end}": float(of_end.numbers(K)[0]) for K in ("K_I", "K_II") if len(of_end)}
+    for crack, tip in by_tip:
+        if (crack,) in paths:
+            vertex = 0 if tip == "start" else -1
+            found |= {f"{crack}.{tip}.{axis}": float(paths[(crack,)].numbers(axis)[vertex]) for axis in ("x", "y")}
     return found

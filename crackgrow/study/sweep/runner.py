@@ -10,9 +10,9 @@ from typing import Final
 
 from crackgrow.case import dump_case
 from crackgrow.errors import reason_of
-from crackgrow.results.atomic import OccupiedError
+from crackgrow.results.atomic import OccupiedError, remove_files
 from crackgrow.results.folder import FINISHED, FolderError, RunFolder
-from crackgrow.results.leftovers import earlier_files, remove_files
+from crackgrow.results.leftovers import earlier_files
 from crackgrow.results.lock import FolderLock, LockedError
 from crackgrow.results.log import counted
 from crackgrow.study.processes import Processes, Workers, as_they_end

@@ -85,11 +85,11 @@ def contact_errors(mine: TextTable, true: TextTable) -> tuple[float, float, floa
     The reference is interpolated at the run's own contact points, so that nothing is said of what lies between them.
     """
     off, size = np.zeros(3), np.zeros(3)
-    for name in dict.fromkeys(mine.words("crack")):
-        s, values = _along(mine, name)
-        s_true, values_true = _along(true, name)
-        if len(s_true) == 0:
+    known = true.by("crack")
+    for surface, points in mine.by("crack").items():
+        if surface not in known:
             continue
+        (s, values), (s_true, values_true) = _along(points), _along(known[surface])
         expected = _interpolated(s, s_true, values_true)
         weights = _lengths(s)
         off += weights @ (values - expected) ** 2
@@ -101,11 +101,10 @@ def contact_errors(mine: TextTable, true: TextTable) -> tuple[float, float, floa
     return float(pressure), float(shear), float(np.sqrt(off[2] / size[2])) if size[2] > 0.0 else NAN
 
 
-def _along(points: TextTable, name: str) -> tuple[Floats, Floats]:
+def _along(points: TextTable) -> tuple[Floats, Floats]:
     """Arc lengths (n,) m of a surface's contact points, ascending, and pressure, shear, slip (n, 3) there."""
     columns = ("s", "normal_traction", "tangential_traction", "slip")
-    own = points.where([crack == name for crack in points.words("crack")])
-    table = np.column_stack([own.numbers(column) for column in columns])
+    table = np.column_stack([points.numbers(column) for column in columns])
     table = table[np.argsort(table[:, 0], kind="stable")]
     return table[:, 0], table[:, 1:]
 

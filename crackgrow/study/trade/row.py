@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -21,7 +20,6 @@ from crackgrow.study.trade.measures import NO_ERRORS, Errors
 REFERENCE = "reference"  # the name of its row
 
 NAN = float("nan")
-Value = str | float | int | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +66,7 @@ class Run:
 def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = NAN) -> Row:
     """The row of a run with its errors."""
     setting, case, cost = run.setting, run.case, run.cost
-    values: dict[str, Value] = {
+    values: dict[str, tables.Value | None] = {
         "setting": setting.name,
         "preset": setting.preset,
         **({} if case is None else _settings(case)),
@@ -87,7 +85,7 @@ def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = NAN)
         values |= {"cpu_first_step": cost.cpu_steps[0], "wall_first_step": cost.wall_steps[0]}
         values |= {"cpu_step": _mean(cost.cpu_steps[1:]), "wall_step": _mean(cost.wall_steps[1:])}
     values |= {name: getattr(cost, name) for name in ("cpu_seconds", "wall_seconds", "peak_memory_mb")}
-    return Row({column: _text(values.get(column)) for column in COLUMNS})
+    return Row({column: str(tables.or_empty(values.get(column))) for column in COLUMNS})
 
 
 def csv_text(rows: Sequence[Row]) -> str:
@@ -115,14 +113,7 @@ def trade_line(row: Row) -> str:
     return f"{row.name:48} {row.cells['n_dofs']:>7} dofs {row.number('cpu_seconds'):8.2f} s  {shown}".rstrip()
 
 
-def _text(value: Value) -> str:
-    """A float to its last digit; empty where there is no value."""
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return ""
-    return repr(value) if isinstance(value, float) else str(value)
-
-
-def _settings(case: Case) -> dict[str, Value]:
+def _settings(case: Case) -> dict[str, tables.Value | None]:
     """What the run had, whatever set it."""
     numerics, growth = case.numerics, case.growth
     contact = numerics.contact
