@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
 from crackgrow.cli.parser import Commands, add_command, takes_case
-
-if TYPE_CHECKING:
-    from crackgrow.case.model import Case
-    from crackgrow.study.invariance.trial import Row
 
 HELP = """\
 Validate a case and print the plan of its run: bodies, cracks and tips, what is modelled and why, the unknowns of the
@@ -38,67 +33,40 @@ examples:
 def check(arguments: argparse.Namespace) -> int:
     """`crackgrow check`: validate a case, say what it models, and draw it if asked to."""
     case = load_case_file(arguments)
-    if arguments.json:
-        return _check_as_json(case, arguments)
-    from crackgrow.plan.text import plan_text  # only now: they load numpy
-    from crackgrow.study.invariance.trial import line_of
+    from crackgrow.plan.text import plan_record, plan_text  # only now: they load numpy and the solver
+    from crackgrow.study.invariance.axes import invariance
+    from crackgrow.study.invariance.trial import line_of, record_of
+    from crackgrow.study.second_solution import unique_text
 
-    say(plan_text(case))
-    if _draw(case, arguments):
-        say(f"picture in {arguments.picture}")
+    tell = (lambda text: None) if arguments.json else say
+    record = plan_record(case) if arguments.json else {}
+    if not arguments.json:
+        say(plan_text(case))
+    if arguments.picture is not None:
+        from crackgrow.plan.picture import draw_scene  # only now: it loads matplotlib
+
+        draw_scene(arguments.picture, case)
+        tell(f"picture in {arguments.picture}")
     if arguments.unique:
-        say("\nsolutions of the contact")
-        for line in _unique(case):
-            say(line)
-    if not arguments.invariance:
-        return EXIT_DONE
-    say("\nwhat must not change")
+        tell("\nsolutions of the contact")
+        record["unique"] = list(_told(unique_text(case), tell))
     rows = []
-    for row in _invariance(case):
-        rows.append(row)
-        say(line_of(row))
-    return _verdict(rows)
-
-
-def _draw(case: Case, arguments: argparse.Namespace) -> bool:
-    """Draw the scene if that is asked for; returns whether it is."""
-    if arguments.picture is None:
-        return False
-    from crackgrow.plan.picture import draw_scene  # only now: it loads matplotlib
-
-    draw_scene(arguments.picture, case)
-    return True
-
-
-def _unique(case: Case) -> Iterator[str]:
-    from crackgrow.study.second_solution import unique_text  # only now: it loads the solver
-
-    return unique_text(case)
-
-
-def _invariance(case: Case) -> Iterator[Row]:
-    from crackgrow.study.invariance.axes import invariance  # only now: it loads the solver
-
-    return invariance(case)
-
-
-def _verdict(rows: Sequence[Row]) -> int:
+    if arguments.invariance:
+        tell("\nwhat must not change")
+        for row in invariance(case):
+            rows.append(row)
+            tell(line_of(row))
+        record["invariance"] = [record_of(row) for row in rows]
+    if arguments.json:
+        hand_out(json.dumps(record, indent=2, allow_nan=False) + "\n")
     return EXIT_DIFFERENT if any(row.verdict == "NO" for row in rows) else EXIT_DONE
 
 
-def _check_as_json(case: Case, arguments: argparse.Namespace) -> int:
-    from crackgrow.plan.text import plan_record  # only now: they load numpy
-    from crackgrow.study.invariance.trial import record_of
-
-    record = plan_record(case)
-    _draw(case, arguments)
-    if arguments.unique:
-        record["unique"] = list(_unique(case))
-    rows = list(_invariance(case)) if arguments.invariance else []
-    if arguments.invariance:
-        record["invariance"] = [record_of(row) for row in rows]
-    hand_out(json.dumps(record, indent=2, allow_nan=False) + "\n")
-    return _verdict(rows)
+def _told(lines: Iterable[str], tell: Callable[[str], None]) -> Iterator[str]:
+    """The same lines, each told as soon as it is there."""
+    for line in lines:
+        tell(line)
+        yield line
 
 
 def add_check(commands: Commands) -> None:

@@ -63,10 +63,10 @@ def comparison_csv(comparison: Comparison) -> str:
     """A row for each part of each crack, SI; empty where there is no value; a row for each crack that one alone has."""
     beyond = comparison.beyond
     judged = comparison.tolerance is not None
-    rows: list[Sequence[Value]] = [
+    rows: list[Sequence[Value | None]] = [
         (*_pair_values(pair), ("beyond" if pair in beyond else "within") if judged else "") for pair in comparison.pairs
     ]
-    blank = [""] * (len(CSV_COLUMNS) - 3)
+    blank = [None] * (len(CSV_COLUMNS) - 3)
     rows += [(crack, f"only in {name}", *blank, "beyond" if judged else "") for crack, name in comparison.in_one_only]
     return csv_text(CSV_COLUMNS, rows)
 
@@ -75,10 +75,9 @@ def comparison_record(comparison: Comparison) -> dict[str, object]:
     """All of it in what JSON can hold, SI: the rows of the CSV with null where there is no value."""
     beyond = comparison.beyond
     rows = [
-        {**dict(zip(CSV_COLUMNS, (value if value != "" else None for value in _pair_values(pair)), strict=False)),
-         "beyond": pair in beyond}
+        {**dict(zip(CSV_COLUMNS, _pair_values(pair), strict=False)), "beyond": pair in beyond}
         for pair in comparison.pairs
-    ]  # fmt: skip
+    ]
     a, b = comparison.a.settings or {}, comparison.b.settings or {}
     return {
         "a": {"source": str(comparison.a.source), "status": comparison.a.status},
@@ -148,28 +147,26 @@ def _place_cells(deviation: Deviation, place: Place, show: _Lengths) -> tuple[st
     return show.point(place.point), show.bare(place.s), "-" if place.step is None else str(place.step)
 
 
-def _pair_values(pair: Pair) -> tuple[Value, ...]:
-    """The values of CSV_COLUMNS up to the verdict."""
+def _pair_values(pair: Pair) -> tuple[Value | None, ...]:
+    """The values of CSV_COLUMNS up to the verdict; None where there is none."""
     whole, common = pair.whole, pair.common
-    shared = (
-        (common.length_a, common.length_b, common.deviation.hausdorff, common.deviation.frechet) if common else None
-    )
     return (
-        pair.crack,
+        pair.crack or None,
         pair.part,
         pair.length_a,
         pair.length_b,
-        *((whole.hausdorff, whole.frechet) if whole else ("", "")),
-        "" if pair.end_distance is None else pair.end_distance,
+        *((whole.hausdorff, whole.frechet) if whole else (None, None)),
+        pair.end_distance,
         *_place_values(pair.deviation.in_a),
         *_place_values(pair.deviation.in_b),
-        *(shared or ("", "", "", "")),
+        *((common.length_a, common.length_b) if common else (None, None)),
+        *((common.deviation.hausdorff, common.deviation.frechet) if common else (None, None)),
     )
 
 
-def _place_values(place: Place) -> tuple[Value, ...]:
+def _place_values(place: Place) -> tuple[Value | None, ...]:
     x, y = (float(value) for value in place.point)
-    return x, y, place.s, "" if place.step is None else place.step
+    return x, y, place.s, place.step
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:

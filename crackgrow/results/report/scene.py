@@ -8,9 +8,8 @@ import numpy as np
 
 from crackgrow.case.model import Body, Case
 from crackgrow.results.folder import RunFolder
+from crackgrow.results.report.drawing import View, line_data, svg_of, view_of
 from crackgrow.results.report.markup import Markup, tag
-from crackgrow.results.report.symbols import svg_of
-from crackgrow.results.report.view import View, line_data, view_of
 from crackgrow.results.signs import load_signs, support_signs
 
 STEP_COLOURS = ((59, 15, 158), (156, 23, 158), (214, 80, 98), (240, 143, 54))  # from the first step to the last

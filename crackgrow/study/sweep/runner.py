@@ -67,7 +67,7 @@ def sweep(
 
 def _rows(plan: SweepPlan, place: Place, resume: bool, function: Callable[[Job], Values]) -> Iterator[SweepRow]:
     """As `sweep`, in a folder that is locked."""
-    from crackgrow.study.sweep.overview import draw
+    from crackgrow.study.sweep.picture import draw
     from crackgrow.study.sweep.table import SweepTable  # imports pyarrow
 
     table = SweepTable(plan, {})

@@ -18,7 +18,7 @@ from crackgrow.study.one_run import write_run
 from crackgrow.study.sweep import job
 from crackgrow.study.sweep.job import Job, run_job, solve
 from crackgrow.study.sweep.measured import measured
-from crackgrow.study.sweep.overview import draw, responses_of, shown_as
+from crackgrow.study.sweep.picture import draw, responses_of, shown_as
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
 from crackgrow.study.sweep.runner import done
 from crackgrow.study.sweep.table import SweepTable
