@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,6 +23,7 @@ from crackgrow.arrays import Floats
 from crackgrow.results.drawn_frame import DrawnFrame, field_unit
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.results.units import LENGTHS, unit_of
+from crackgrow.run.result import Frame
 
 LONG_SIDE = 1000  # pixels, where no size is given
 INCHES = 6.5  # of the longer side of a picture whose size fits the specimen: text is in proportion to that
@@ -42,20 +43,8 @@ COMPRESSION = 3  # of PNG: 6, which is usual, takes twice as long for smooth col
 THIN = 2e-3  # of the size: cells thinner than that are drawn first, under their neighbours, since they come out wider
 
 
-class Displaced(Protocol):
-    """A mesh of triangles (t, 3) and quads (q, 4) whose points (n, 2) m are displaced."""
-
-    @property
-    def triangles(self) -> NDArray[np.int64]: ...
-
-    @property
-    def quads(self) -> NDArray[np.int64]: ...
-
-    @property
-    def points(self) -> Floats: ...
-
-    @property
-    def displacement(self) -> Floats: ...
+Displaced = Frame | DrawnFrame
+"""A mesh of triangles (t, 3) and quads (q, 4) whose points (n, 2) m are displaced."""
 
 
 class FieldPictures:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
+import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import STANDARD, name_of
@@ -75,19 +76,12 @@ def estimated_nodes(case: Case) -> int:
     reach = case.numerics.support * h
     total = 0.0
     for body in case.bodies:
-        outline, *holes = (_area_and_perimeter(ring.points) for ring in body.rings)
-        total += outline[0] + outline[1] * reach + 4 * reach**2
-        for area, perimeter in holes:
-            if area > perimeter * reach / 2:  # a square hole wider than a patch
-                total -= area - perimeter * reach + 4 * reach**2
+        outline, *holes = (shapely.Polygon(ring.points - ring.points[0]) for ring in body.rings)
+        total += outline.area + outline.length * reach + 4 * reach**2
+        for hole in holes:
+            if hole.area > hole.length * reach / 2:  # a square hole wider than a patch
+                total -= hole.area - hole.length * reach + 4 * reach**2
     return round(total / h**2)
-
-
-def _area_and_perimeter(points: Floats) -> tuple[float, float]:
-    following = np.roll(points, -1, axis=0)
-    (x, y), (x_next, y_next) = (points - points[0]).T, (following - points[0]).T
-    area = abs(float(np.sum(x * y_next - x_next * y))) / 2
-    return area, float(np.linalg.norm(following - points, axis=1).sum())
 
 
 def _body_line(body: Body, scale: float, unit: str) -> str:

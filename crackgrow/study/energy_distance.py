@@ -9,11 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
+from crackgrow.case import Case
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
 from crackgrow.estimate.energy_norm import energy_density
 from crackgrow.quadrature.everywhere import all_points
+from crackgrow.run.checkpoint import beginning
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.loading import load
+from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
 
 AT_ONCE = 20000
@@ -59,3 +63,31 @@ def _stress(solution: StepSolution, metres: Floats, body: NDArray[np.int64]) -> 
         x, y = metres[np.argmin(element)]
         raise GeometryError(f"the two solutions have different bodies: ({x:g}, {y:g}) m is in one of them alone")
     return stress_at(cover, solution.materials, solution.outcome.u, points, element)
+
+
+class EnergyReference:
+    """The solution that others are held against; it is solved when it is first asked for.
+
+    The cracks are those given, under the last load: the step that `trade.measures` judges.
+    """
+
+    def __init__(self, case: Case) -> None:
+        self._case = case
+        self._solution: StepSolution | None = None
+
+    @property
+    def spacing(self) -> float:
+        """The lattice spacing of the reference, m."""
+        return self._case.numerics.spacing
+
+    def error(self, case: Case) -> float:
+        """Energy norm of the difference to the reference, over that of the reference.
+
+        Raises GeometryError or SolveError where the case can't be solved or lies elsewhere.
+        """
+        self._solution = self._solution or _solved(self._case)
+        return energy_distance(_solved(case), self._solution).relative / 100.0
+
+
+def _solved(case: Case) -> StepSolution:
+    return load(make_scene(case), beginning(case).cracks)

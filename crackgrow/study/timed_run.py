@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 import time
 from collections.abc import Sequence
@@ -16,8 +17,6 @@ from crackgrow.run import grow
 from crackgrow.study.one_run import Spent, write_run
 from crackgrow.study.processes import JobError, LostError, Processes, TimeLimitError
 from crackgrow.study.trade.axes import CaseFile
-
-NAN = float("nan")
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,4 +90,4 @@ def timed_run(file: CaseFile, overrides: Sequence[str], folder: Path) -> Cost:
 
 
 def _failed(status: str, reason: str) -> Cost:
-    return Cost(status, reason, NAN, NAN, (), (), NAN)
+    return Cost(status, reason, math.nan, math.nan, (), (), math.nan)

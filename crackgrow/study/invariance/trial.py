@@ -12,8 +12,6 @@ from crackgrow.errors import CrackgrowError
 from crackgrow.study.invariance.condition import condition_estimate
 from crackgrow.study.invariance.solved import Solved
 
-NAN = float("nan")
-
 Status = Literal["solved", "warned", "refused", "crashed"]
 Verdict = Literal["yes", "said", "NO"]
 
@@ -61,7 +59,7 @@ class Row:
 def evaluate(trial: Trial) -> Row:
     """Compute a row; whatever is raised on the way ends this row alone."""
     started = time.perf_counter()
-    deviation, condition, iterations, residual = NAN, NAN, -1, NAN
+    deviation, condition, iterations, residual = math.nan, math.nan, -1, math.nan
     status: Status
     try:
         solved = trial.solve()

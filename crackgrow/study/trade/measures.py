@@ -6,6 +6,7 @@ last load factor. A measure that a scene does not have is nan.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,7 +20,6 @@ from crackgrow.results.folder import RunFolder, TextTable
 from crackgrow.study.compare import compare_paths
 from crackgrow.study.path_files import read_paths
 
-NAN = float("nan")
 FILES = ("case.yaml", "tips.csv", "paths.csv", "contact.csv", "steps.csv")
 NEGLIGIBLE = 1e-3  # of the largest K, slip or traction: a part of the reference below it has no relative error
 
@@ -39,7 +39,7 @@ class Errors:
     length_error: float  # m, largest difference of what has grown at a tip
 
 
-NO_ERRORS = Errors(*[NAN] * 9)
+NO_ERRORS = Errors(*[math.nan] * 9)
 
 
 def check_results(folder: Path) -> None:
@@ -57,7 +57,7 @@ def errors_of(run: Path, reference: Path, *, grows: bool) -> Errors:
     tips, contacts, steps = ([_judged(one, name, grows) for one in both] for name in ("tips", "contact", "steps"))
     K_error, K_II_error = K_errors(*tips)
     energies = [float(table.numbers("strain_energy")[0]) for table in steps]
-    energy = abs(energies[0] - energies[1]) / abs(energies[1]) if energies[1] else NAN
+    energy = abs(energies[0] - energies[1]) / abs(energies[1]) if energies[1] else math.nan
     return Errors(K_error, K_II_error, *contact_errors(*contacts), energy, *_path_errors(run, reference))
 
 
@@ -66,11 +66,11 @@ def K_errors(mine: TextTable, true: TextTable) -> tuple[float, float]:
     known = _K_by_tip(true)
     K = np.array([(K, known[tip]) for tip, K in _K_by_tip(mine).items() if tip in known])
     if not len(K):
-        return NAN, NAN
+        return math.nan, math.nan
     off, size = K[:, 0] - K[:, 1], np.hypot(*K[:, 1].T).max()
     size_II = np.abs(K[:, 1, 1]).max()
-    K_error = float(np.hypot(*off.T).max() / size) if size > 0 else NAN
-    return K_error, float(np.abs(off[:, 1]).max() / size_II) if size_II > NEGLIGIBLE * size else NAN
+    K_error = float(np.hypot(*off.T).max() / size) if size > 0 else math.nan
+    return K_error, float(np.abs(off[:, 1]).max() / size_II) if size_II > NEGLIGIBLE * size else math.nan
 
 
 def _K_by_tip(tips: TextTable) -> dict[tuple[str, str], tuple[float, float]]:
@@ -96,9 +96,9 @@ def contact_errors(mine: TextTable, true: TextTable) -> tuple[float, float, floa
         size += weights @ expected**2
     tractions = size[0] + size[1]
     if tractions == 0.0:
-        return NAN, NAN, NAN
+        return math.nan, math.nan, math.nan
     pressure, shear = np.sqrt(off[:2] / tractions)
-    return float(pressure), float(shear), float(np.sqrt(off[2] / size[2])) if size[2] > 0.0 else NAN
+    return float(pressure), float(shear), float(np.sqrt(off[2] / size[2])) if size[2] > 0.0 else math.nan
 
 
 def _along(points: TextTable) -> tuple[Floats, Floats]:
@@ -127,11 +127,11 @@ def _lengths(s: Floats) -> Floats:
 def _path_errors(run: Path, reference: Path) -> tuple[float, float, float]:
     """Hausdorff and Frechet distance (m) of what both have grown, and the largest difference of lengths."""
     if not any(_has_grown(folder) for folder in (run, reference)):
-        return NAN, NAN, NAN
+        return math.nan, math.nan, math.nan
     pairs = [pair for pair in compare_paths(run, reference).pairs if pair.part in ("start", "end")]
     common = [pair.common.deviation for pair in pairs if pair.common is not None]
-    hausdorff = max((deviation.hausdorff for deviation in common), default=NAN)
-    frechet = max((deviation.frechet for deviation in common), default=NAN)
+    hausdorff = max((deviation.hausdorff for deviation in common), default=math.nan)
+    frechet = max((deviation.frechet for deviation in common), default=math.nan)
     return hausdorff, frechet, max(abs(pair.length_a - pair.length_b) for pair in pairs)
 
 

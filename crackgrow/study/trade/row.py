@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -18,8 +19,6 @@ from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.measures import NO_ERRORS, Errors
 
 REFERENCE = "reference"  # the name of its row
-
-NAN = float("nan")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +44,7 @@ class Row:
 
     def number(self, column: str) -> float:
         """The value in a column, nan where there is none."""
-        return float(self.cells[column] or NAN)
+        return float(self.cells[column] or math.nan)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +62,7 @@ class Run:
         return replace(self, cost=replace(self.cost, reason=f"{self.cost.reason}; {note}"))
 
 
-def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = NAN) -> Row:
+def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = math.nan) -> Row:
     """The row of a run with its errors."""
     setting, case, cost = run.setting, run.case, run.cost
     values: dict[str, tables.Value | None] = {
@@ -140,4 +139,4 @@ def _static(case: Case | None) -> bool:
 
 
 def _mean(seconds: Sequence[float]) -> float:
-    return statistics.fmean(seconds) if seconds else NAN
+    return statistics.fmean(seconds) if seconds else math.nan

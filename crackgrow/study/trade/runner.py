@@ -10,9 +10,9 @@ from crackgrow.errors import CrackgrowError, SolveError
 from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import FINISHED
 from crackgrow.results.lock import FolderLock
+from crackgrow.study.energy_distance import EnergyReference
 from crackgrow.study.folder_names import folder_names
 from crackgrow.study.timed_run import run_in_processes
-from crackgrow.study.trade.energy import EnergyReference
 from crackgrow.study.trade.grid import FINER, Setting, case_or_none
 from crackgrow.study.trade.measures import check_results, errors_of
 from crackgrow.study.trade.picture import draw
