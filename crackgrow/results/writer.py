@@ -69,8 +69,7 @@ class RunWriter:
         self._settings = dump_case(case)
         self._curve: list[LoadPoint] = []
         self._last: StepResult | None = None
-        self._frames: list[tuple[int, str]] = []
-        self._cracks: list[tuple[int, str]] = []
+        self._series: dict[str, list[tuple[int, str]]] = {"frames": [], "cracks": []}
         self._memory = 0.0  # MB, of the processes before
         self._spare = bytes(SPARE)  # given back when the run breaks off: memory may have run out
         self._resumed: list[int] = []
@@ -117,9 +116,9 @@ class RunWriter:
             self._begin_history(())
         for table in self._tables.values():
             table.cut(results["tables"][table.path.name])
-        specimen_series, crack_series = series_names(self.case.name)
-        self._frames = self._cut_series(specimen_series, results["frames"])
-        self._cracks = self._cut_series(crack_series, results["cracks"])
+        for kind in self._series:
+            self._series[kind] = [(of_step, name) for of_step, name in results[kind]]
+            self._list_series(kind)
         remove_frames(self.folder, step)
         self._log.go_on(f"crackgrow {__version__}, goes on with step {step}", results["seconds"])
         for text in found.remarks:
@@ -224,8 +223,7 @@ class RunWriter:
             return
         results = {
             "tables": {table.path.name: table.mark for table in self._tables.values()},
-            "frames": self._frames,
-            "cracks": self._cracks,
+            **self._series,
             "tally": self._tally.record(),
             "curve": [asdict(point) for point in self._curve],
             "seconds": self._log.seconds,
@@ -234,17 +232,6 @@ class RunWriter:
         }
         case = self.case.name, self._settings
         self._checkpoints.write(StoredCheckpoint(result.checkpoint, __version__, program_commit(), *case, results))
-
-    def _cut_series(self, name: str, files: Sequence[tuple[int, str]]) -> list[tuple[int, str]]:
-        """The files of a series up to where the run goes on; what lists them lists no others."""
-        kept = [(step, file) for step, file in files]
-        if kept:
-            from crackgrow.results import vtk_frames  # as in `_write_frames`
-
-            vtk_frames.write_series(self.folder / name, kept)
-        else:
-            remove_files([self.folder / name])
-        return kept
 
     def _extend(self, name: str, rows: Sequence[tables.Row]) -> None:
         if rows:
@@ -277,18 +264,27 @@ class RunWriter:
         from crackgrow.results import vtk_frames  # here: a run without frames needs no VTK
 
         began = time.perf_counter()
-        specimen_series, crack_series = series_names(self.case.name)
         if result.frame is not None:
             name = frame_name(result.step)
             vtk_frames.write_frame(self.folder / name, result.frame, self.case.output.fields)
-            self._frames.append((result.step, name))
-            vtk_frames.write_series(self.folder / specimen_series, self._frames)
+            self._series["frames"].append((result.step, name))
+            self._list_series("frames")
         if result.faces:
             name = cracks_name(result.step)
             vtk_frames.write_cracks(self.folder / name, result)
-            self._cracks.append((result.step, name))
-            vtk_frames.write_series(self.folder / crack_series, self._cracks)
+            self._series["cracks"].append((result.step, name))
+            self._list_series("cracks")
         return time.perf_counter() - began
+
+    def _list_series(self, kind: str) -> None:
+        """Write what lists the files of a series, or remove it where there are none."""
+        path = self.folder / dict(zip(self._series, series_names(self.case.name), strict=True))[kind]
+        if not self._series[kind]:
+            remove_files([path])
+            return
+        from crackgrow.results import vtk_frames  # as above
+
+        vtk_frames.write_series(path, self._series[kind])
 
     def _draw(self, last: StepResult, cracks: Sequence[CrackPath]) -> None:
         from crackgrow.results import figures  # here: loading matplotlib takes half a second
