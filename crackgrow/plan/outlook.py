@@ -11,7 +11,7 @@ from crackgrow.case.model import Case
 from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
 from crackgrow.plan.sizes import Sizes
 from crackgrow.results.overview import estimated_nodes
-from crackgrow.results.progress import duration
+from crackgrow.results.units import duration
 from crackgrow.run.configuration import first_cells
 from crackgrow.run.scene import make_scene
 

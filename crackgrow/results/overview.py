@@ -36,6 +36,7 @@ from crackgrow.case.model import (
 )
 from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.results.log import counted
+from crackgrow.results.units import stress_text
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
 SHOWN_FACTORS: Final = 12  # of longer load histories the first ones are named, and the last
@@ -283,10 +284,3 @@ def component_text(value: Component) -> str:
     if isinstance(value, CoordinateFormula):
         return f"{value.text[:40]} [Pa]"
     return "by a formula" if callable(value) else stress_text(value)
-
-
-def stress_text(value: float) -> str:
-    """A stress (Pa) in the unit that suits its size."""
-    if abs(value) >= 1e9:
-        return f"{value / 1e9:g} GPa"
-    return f"{value:g} Pa" if 0.0 < abs(value) < 1e4 else f"{value / 1e6:g} MPa"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import counted, event_line, largest_K, length_words, load_words, step_label, told_line
+from crackgrow.results.units import duration
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.case.model import Case
@@ -93,12 +94,3 @@ class Progress:
         if len(recent) < 2 or n_left == 0:
             return ""
         return f", {duration(n_left * (recent[-1] - recent[0]) / (len(recent) - 1))} left"
-
-
-def duration(seconds: float) -> str:
-    """A time as people say it: "12 s", "3 min 20 s", "2 h 5 min"."""
-    whole = round(seconds)
-    minutes, hours = whole // 60, whole // 3600
-    if hours:
-        return f"{hours} h {minutes % 60} min"
-    return f"{minutes} min {whole % 60} s" if minutes else f"{whole} s"

@@ -13,6 +13,7 @@ TIMES = ((31557600.0, "years"), (86400.0, "days"), (3600.0, "h"), (1.0, "s"), (1
 FORCES = ((1e6, "MN/m"), (1e3, "kN/m"), (1.0, "N/m"))
 
 NO_NUMBER = "\N{EN DASH}"
+SHOWN_IN_MM = 0.1  # m: smaller lengths are written in mm
 SIGNIFICANT = 6  # digits of what is drawn and shown; the tables of the run have all
 
 Unit = tuple[float, str]
@@ -54,3 +55,24 @@ def spans_text(spans: Iterable[range]) -> str:
 def shown(value: float, digits: int = 4) -> str:
     """A number as a reader sees it; a dash where there is none."""
     return f"{value:.{digits}g}" if math.isfinite(value) else NO_NUMBER
+
+
+def length_text(value: float) -> str:
+    """A length (m) as a case takes it, to three digits."""
+    return f"{value * 1e3:.3g} mm" if value < SHOWN_IN_MM else f"{value:.3g} m"
+
+
+def stress_text(value: float) -> str:
+    """A stress (Pa) in the unit that suits its size."""
+    if abs(value) >= 1e9:
+        return f"{value / 1e9:g} GPa"
+    return f"{value:g} Pa" if 0.0 < abs(value) < 1e4 else f"{value / 1e6:g} MPa"
+
+
+def duration(seconds: float) -> str:
+    """A time as people say it: "12 s", "3 min 20 s", "2 h 5 min"."""
+    whole = round(seconds)
+    minutes, hours = whole // 60, whole // 3600
+    if hours:
+        return f"{hours} h {minutes % 60} min"
+    return f"{minutes} min {whole % 60} s" if minutes else f"{whole} s"

@@ -70,32 +70,18 @@ class Placement:
         return x, y
 
 
-@dataclass(frozen=True, slots=True)
-class _Moved:
-    """A formula of the displacement at places after a placement."""
-
-    component: Component
-    factor: float
-    placement: Placement
-
-    def __call__(self, points: Floats) -> Floats:
-        if callable(self.component):
-            return np.asarray(self.factor * self.component(self.placement.before(points)))
-        return np.full(len(points), self.factor * self.component)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sum:
     """A sum of components, some of them formulas, at places after a placement."""
 
-    components: tuple[Component, ...]
-    factors: Floats
+    components: Sequence[Component]
+    factors: Sequence[float]
     placement: Placement
 
     def __call__(self, points: Floats) -> Floats:
         before = self.placement.before(points)
-        values = [component_at(component, before) for component in self.components]
-        return np.asarray(np.tensordot(self.factors, np.stack(values), 1))
+        values = (component_at(component, before) for component in self.components)
+        return np.asarray(sum(factor * value for factor, value in zip(self.factors, values, strict=True)))
 
 
 def scaled(size: float = 1.0, stress: float = 1.0, young: float = 1.0) -> Placement:
@@ -235,7 +221,7 @@ def _components(displacement: Pair, placement: Placement, size: float) -> Pair:
         if component is None:
             found.append(None)
         else:
-            found.append(_Moved(component, factor, placement) if callable(component) else factor * component)
+            found.append(_Sum([component], [factor], placement) if callable(component) else factor * component)
     return found[0], found[1]
 
 
@@ -259,7 +245,7 @@ def _load(load: Load, placement: Placement, corners: dict[str, list[int]]) -> Lo
     if isinstance(load, FluidPressure):
         pressure = load.pressure
         if callable(pressure):
-            return replace(load, pressure=_Moved(pressure, placement.stress, placement))
+            return replace(load, pressure=_Sum([pressure], [placement.stress], placement))
         return replace(load, pressure=placement.stress * pressure)
     if isinstance(load, PointForce):
         force = placement.vector(load.force, placement.stress * placement.size)
@@ -273,6 +259,6 @@ def _stress(stress: Stress, placement: Placement) -> Stress:
     (a, b), (c, d) = placement.turn
     rows = np.array([(a * a, b * b, 2.0 * a * b), (c * c, d * d, 2.0 * c * d), (a * c, b * d, a * d + b * c)])
     if any(map(callable, stress)):
-        xx, yy, xy = (_Sum(stress, placement.stress * row, placement) for row in rows)
+        xx, yy, xy = (_Sum(stress, (placement.stress * row).tolist(), placement) for row in rows)
         return xx, yy, xy
     return tuple((placement.stress * rows @ np.asarray(stress)).tolist())

@@ -20,71 +20,43 @@ from crackgrow.study.invariance.placed import Placement, placed, scaled
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solved:
-    """What a scene gives, and how it has been placed: results are told as they were before."""
+    """What a scene gives; numbers are told as they were before it was placed."""
 
     case: Case
     solution: StepSolution
     result: StepResult
-    placement: Placement
+    K: Floats  # (tips, 2) Pa sqrt(m), K_I and K_II
+    tip_stress: Floats  # (tips, 2) Pa, averaged principal stresses; nan without growth
+    criticality: Floats  # (tips,); nan without growth
+    tractions: Floats  # (2, n) Pa, normal and tangential, of the contact points
+    jumps: Floats  # (2, n) m, opening and slip there
+    energies: Floats  # (3,) J/m, work, strain energy and dissipation
+    forces: Floats  # (k,) N/m, sizes of those that supports, foundations and interfaces carry
+    load_displacement: float  # m, mean along the loads
+    displacement_size: float  # m, of the displacement field
+    load_size: float  # N/m, sum of the sizes of the loads
 
-    @property
-    def K(self) -> Floats:
-        """K_I and K_II (tips, 2) Pa sqrt(m)."""
-        factor = self.placement.stress * np.sqrt(self.placement.size)
-        sign = -1.0 if self.placement.mirrors else 1.0
-        return np.asarray(np.array([(tip.K_I, sign * tip.K_II) for tip in self.result.tips]).reshape(-1, 2) / factor)
 
-    @property
-    def tractions(self) -> Floats:
-        """Normal and tangential traction (2, n) Pa of the contact points."""
-        contact = self.result.contact
-        sign = -1.0 if self.placement.mirrors else 1.0
-        return np.stack([contact.normal_traction, sign * contact.tangential_traction]) / self.placement.stress
-
-    @property
-    def jumps(self) -> Floats:
-        """Opening and slip (2, n) m of the contact points."""
-        contact = self.result.contact
-        sign = -1.0 if self.placement.mirrors else 1.0
-        return np.stack([contact.opening, sign * contact.slip]) / self.placement.displacement
-
-    @property
-    def tip_stress(self) -> Floats:
-        """Averaged principal stresses (tips, 2) Pa; nan without growth."""
-        stresses = [(tip.sigma_1, tip.sigma_3) for tip in self.result.tips]
-        return np.array(stresses).reshape(-1, 2) / self.placement.stress
-
-    @property
-    def criticality(self) -> Floats:
-        """Of every tip (tips,); nan without growth."""
-        return np.array([tip.criticality for tip in self.result.tips])
-
-    @property
-    def energies(self) -> Floats:
-        """Work, strain energy and dissipation (3,) J/m."""
-        energy, by = self.result.energy, self.placement
-        return np.array([energy.work, energy.strain, energy.dissipated]) / (by.displacement * by.stress * by.size)
-
-    @property
-    def load_displacement(self) -> float:
-        """Mean displacement (m) along the loads."""
-        return self.result.load_displacement / self.placement.displacement
-
-    @property
-    def displacement_size(self) -> float:
-        """Size (m) of the displacement field."""
-        return self.solution.displacement_size / self.placement.displacement
-
-    @property
-    def forces(self) -> Floats:
-        """Magnitude (k,) N/m of the force that each support, foundation and interface carries."""
-        forces = np.array([reaction.force for reaction in self.result.reactions]).reshape(-1, 2)
-        return np.asarray(np.hypot(*forces.T) / (self.placement.stress * self.placement.size))
-
-    @property
-    def load_size(self) -> float:
-        """Sum (N/m) of the magnitudes of the loads."""
-        return float(np.abs(self.solution.loads).sum() / (self.placement.stress * self.placement.size))
+def _told(case: Case, solution: StepSolution, result: StepResult, by: Placement) -> Solved:
+    """What a placed scene gives."""
+    tips, contact, energy = result.tips, result.contact, result.energy
+    flip = np.array([[1.0], [-1.0 if by.mirrors else 1.0]])  # of what goes along faces
+    forces = np.array([reaction.force for reaction in result.reactions]).reshape(-1, 2)
+    return Solved(
+        case,
+        solution,
+        result,
+        K=flip.T * np.array([(tip.K_I, tip.K_II) for tip in tips]).reshape(-1, 2) / (by.stress * np.sqrt(by.size)),
+        tip_stress=np.array([(tip.sigma_1, tip.sigma_3) for tip in tips]).reshape(-1, 2) / by.stress,
+        criticality=np.array([tip.criticality for tip in tips]),
+        tractions=flip * np.stack([contact.normal_traction, contact.tangential_traction]) / by.stress,
+        jumps=flip * np.stack([contact.opening, contact.slip]) / by.displacement,
+        energies=np.array([energy.work, energy.strain, energy.dissipated]) / (by.displacement * by.stress * by.size),
+        forces=np.hypot(*forces.T) / (by.stress * by.size),
+        load_displacement=result.load_displacement / by.displacement,
+        displacement_size=solution.displacement_size / by.displacement,
+        load_size=float(np.abs(solution.loads).sum() / (by.stress * by.size)),
+    )
 
 
 def solved_placed(case: Case, placement: Placement) -> Solved:
@@ -102,4 +74,4 @@ def solved(case: Case, placement: Placement | None = None, offset: tuple[float, 
     scene = make_scene(quiet, offset)
     solution = load(scene, growing)
     result = step_result(RunState(0, growing), solution, np.empty(0, dtype=np.int64), False)
-    return Solved(quiet, solution, result, placement or scaled())
+    return _told(quiet, solution, result, placement or scaled())

@@ -11,6 +11,7 @@ from crackgrow.case import Case, ContactSupport, load_case
 from crackgrow.case.accuracy import STANDARD, Preset, preset_of
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.errors import CaseError, Fault
+from crackgrow.results.units import length_text
 
 Axes = Mapping[str, tuple[str, ...]]
 
@@ -34,7 +35,6 @@ KEYS: Final[Mapping[str, str]] = {
 SPACINGS: Final = (2.0, 1.5, 1.0, 0.7, 0.5)  # of the automatic spacing of cells of one size at standard accuracy
 ONE_SIZE: Final = "numerics.refine={tips: 0, kinks: 0, corners: 0}"
 HALVED: Final = "numerics.refine={tips: auto, kinks: auto, corners: auto}"
-SHOWN_IN_MM: Final = 0.1  # m: smaller lengths are written in mm
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,11 +91,6 @@ def default_axes(file: CaseFile, case: Case) -> Axes:
     if any(touching) or any(isinstance(support, ContactSupport) for support in case.supports):
         return {**axes, "quadrature": ("3", "4"), "contact_spacing": ("1.25", "2")}
     return {**axes, "support": ("1.5", "2", "2.5"), "quadrature": ("2", "3", "4")}
-
-
-def length_text(value: float) -> str:
-    """A length (m) as a case takes it, to three digits."""
-    return f"{value * 1e3:.3g} mm" if value < SHOWN_IN_MM else f"{value:.3g} m"
 
 
 def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:

@@ -7,7 +7,6 @@ last load factor. A measure that a scene does not have is nan.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,27 +18,10 @@ from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.results.folder import RunFolder, TextTable
 from crackgrow.study.compare import compare_paths
 from crackgrow.study.path_files import read_paths
+from crackgrow.study.trade.columns import ERRORS
 
 FILES = ("case.yaml", "tips.csv", "paths.csv", "contact.csv", "steps.csv")
 NEGLIGIBLE = 1e-3  # of the largest K, slip or traction: a part of the reference below it has no relative error
-
-
-@dataclass(frozen=True, slots=True)
-class Errors:
-    """How far a run is from the reference."""
-
-    K_error: float  # largest |K - K_ref| of a tip, K = (K_I, K_II), over the largest |K_ref|
-    K_II_error: float  # the same of K_II alone
-    pressure_error: float  # L2 norm along the faces, at the run's contact points, over that of all tractions
-    shear_error: float
-    slip_error: float  # the same, over the L2 norm of the slip
-    energy_error: float  # relative difference of the strain energy
-    path_hausdorff: float  # m, the farthest of what both have grown at a tip
-    path_frechet: float  # m
-    length_error: float  # m, largest difference of what has grown at a tip
-
-
-NO_ERRORS = Errors(*[math.nan] * 9)
 
 
 def check_results(folder: Path) -> None:
@@ -51,14 +33,15 @@ def check_results(folder: Path) -> None:
         raise CaseError([Fault("--reference", None, str(folder), message)])
 
 
-def errors_of(run: Path, reference: Path, *, grows: bool) -> Errors:
-    """The errors of a result folder against another; `grows`: whether the case has growth."""
+def errors_of(run: Path, reference: Path, *, grows: bool) -> dict[str, float]:
+    """The errors of a result folder against another, by column; `grows`: whether the case has growth."""
     both = RunFolder(run), RunFolder(reference)
     tips, contacts, steps = ([_judged(one, name, grows) for one in both] for name in ("tips", "contact", "steps"))
     K_error, K_II_error = K_errors(*tips)
     energies = [float(table.numbers("strain_energy")[0]) for table in steps]
     energy = abs(energies[0] - energies[1]) / abs(energies[1]) if energies[1] else math.nan
-    return Errors(K_error, K_II_error, *contact_errors(*contacts), energy, *_path_errors(run, reference))
+    values = K_error, K_II_error, *contact_errors(*contacts), energy, *_path_errors(run, reference)
+    return dict(zip(ERRORS, values, strict=True))
 
 
 def K_errors(mine: TextTable, true: TextTable) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from crackgrow.case import Case
@@ -16,7 +16,6 @@ from crackgrow.results.folder import FINISHED, FolderError, RunFolder, table_of
 from crackgrow.study.timed_run import Cost
 from crackgrow.study.trade.columns import COLUMNS, ENERGY
 from crackgrow.study.trade.grid import Setting
-from crackgrow.study.trade.measures import NO_ERRORS, Errors
 
 REFERENCE = "reference"  # the name of its row
 
@@ -62,8 +61,8 @@ class Run:
         return replace(self, cost=replace(self.cost, reason=f"{self.cost.reason}; {note}"))
 
 
-def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = math.nan) -> Row:
-    """The row of a run with its errors."""
+def row_of(run: Run, errors: Mapping[str, float] | None = None) -> Row:
+    """The row of a run with its errors, by column."""
     setting, case, cost = run.setting, run.case, run.cost
     values: dict[str, tables.Value | None] = {
         "setting": setting.name,
@@ -78,7 +77,7 @@ def row_of(run: Run, errors: Errors = NO_ERRORS, true_energy_error: float = math
         by_phase = summary["wall_seconds"]["by_phase"]
         values |= {"steps": summary["steps_done"], "n_dofs": summary["n_dofs"]["first"]}
         values |= {f"wall_{phase}": float(by_phase.get(phase, 0.0)) for phase in PHASES}
-        values |= {**asdict(errors), "true_energy_error": true_energy_error}
+        values |= errors or {}
         estimate = summary["error_estimate"]["energy_norm_percent"]["last" if _static(case) else "first"]
         values["error_estimate"] = None if estimate is None else estimate / 100.0
         values |= {"cpu_first_step": cost.cpu_steps[0], "wall_first_step": cost.wall_steps[0]}

@@ -92,6 +92,6 @@ def _judged(plan: Plan, run: Run, energy: EnergyReference) -> Row:
         return row_of(run.with_note(NOT_JUDGED))
     errors = errors_of(run.folder, plan.reference_folder, grows=plan.grows)
     try:
-        return row_of(run, errors, energy.error(run.case))
+        return row_of(run, {**errors, "true_energy_error": energy.error(run.case)})
     except CrackgrowError as error:  # bodies that differ, such as those of a reference from elsewhere
         return row_of(run.with_note(f"no distance in energy: {error}"), errors)
