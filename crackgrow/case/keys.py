@@ -25,6 +25,7 @@ from crackgrow.case.schema import (
     Named,
     OneOf,
     OneOrList,
+    Same,
 )
 from crackgrow.case.units import UNITS, Units
 
@@ -132,6 +133,8 @@ def _default(field: Field) -> str:
         return "may be left out"
     if field.default is BY_PARTS:
         return "that of its keys"
+    if isinstance(field.default, Same):
+        return f"that of {field.default.key}"
     return json.dumps(field.default, ensure_ascii=False).replace('"', "") or "empty"
 
 

@@ -24,12 +24,19 @@ BY_PARTS: Final = object()  # left out means: as if it were given without any ke
 
 
 @dataclass(frozen=True, slots=True)
+class Same:
+    """A default: the value of a key before it."""
+
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
 class Field:
     """One key of a mapping."""
 
     spec: Spec
     doc: str  # one line for the user
-    default: object = REQUIRED  # a plain SI value, or REQUIRED, OPTIONAL, BY_PARTS
+    default: object = REQUIRED  # a plain SI value, `Same`, REQUIRED, OPTIONAL, BY_PARTS
     offered: bool = True  # whether messages name the key; else the program writes it
     also: tuple[str, ...] = ()  # other spellings that are taken for the key
 
@@ -82,6 +89,8 @@ class Mapping:
                     context.report.doubt(inner)
                 else:
                     context.report.fault(inner, f"missing: {wanted.doc} ({wanted.spec.describe()})")
+            elif isinstance(wanted.default, Same):
+                values[key] = values.get(wanted.default.key, INVALID)
             elif wanted.default is not OPTIONAL:
                 values[key] = _default(wanted)
         if self.at_least_one and not any(key in self.fields for key in node.entries):
