@@ -107,14 +107,15 @@ class Scene:
                 radius = radius_of(criterion, strength["tension"], strength["toughness"])
                 yield name, ("bodies", name, "strength", "toughness"), radius
 
+    def listed(self, key: str) -> list[tuple[int, Resolved]]:
+        """Return the items of a list that could be read, as a whole or in part, with their numbers."""
+        listing = self.resolved.get(key)
+        items = enumerate(listing if isinstance(listing, list) else [])
+        return [(index, item) for index, item in items if isinstance(item, dict)]
+
     def items(self, key: str, kind: str) -> list[tuple[int, Resolved]]:
         """Return the items of a list that have a key and no fault, with their numbers."""
-        listing = self.resolved.get(key)
-        return [
-            (index, item)
-            for index, item in enumerate(listing if isinstance(listing, list) else [])
-            if isinstance(item, dict) and kind in item and self.report.sound(key, index)
-        ]
+        return [(index, item) for index, item in self.listed(key) if kind in item and self.report.sound(key, index)]
 
     def length(self, value: float) -> str:
         """Write a length in the units of the case."""
@@ -195,7 +196,7 @@ def settle_spacing(scene: Scene) -> None:
             scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
         return
     numerics = scene.resolved["numerics"]
-    spacing, rule, refine = given, "", numerics["refine"]
+    spacing, rule, refine = given, "", numerics["refine"] if isinstance(numerics["refine"], dict) else {}
     if given == AUTO or "auto_rule" in numerics:
         asked = {key: refine.get(key, AUTO) for key in REFINED_AT if isinstance(accuracy, str) or key == "corners"}
         refined = [kind for key, levels in asked.items() if levels == AUTO for kind in REFINED_AT[key]]

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from crackgrow.case import Case, ContactSupport, load_case
+from crackgrow.case import Case, load_case
 from crackgrow.case.accuracy import STANDARD, Preset, preset_of
+from crackgrow.case.model import ContactSupport
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.errors import CaseError, Fault
 
