@@ -32,11 +32,11 @@ def check_stages(scene: Scene) -> None:
 
 def _check_loads(scene: Scene, key: Path, stage: Resolved) -> None:
     """Report names that no load has, and loads of one name of which some are held."""
+    if not isinstance(scene.resolved["loads"], list):
+        return  # that they are none is told
     loads = [load for index, load in scene.listed("loads") if scene.report.sound("loads", index, "name")]
     known = list(dict.fromkeys(load["name"] for load in loads if "name" in load))
     for name in stage.get("loads", {}):
-        if not isinstance(scene.resolved["loads"], list):
-            continue  # that they are none is told
         if name not in known:
             hint = f"{', '.join(known) or 'none has a name'}{did_you_mean(name, known)}"
             scene.report.fault((*key, name), f"no load is called {quoted(name)}; names of loads: {hint}")

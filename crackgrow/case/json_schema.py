@@ -23,7 +23,6 @@ from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,
     REQUIRED,
-    Chosen,
     Components,
     Converted,
     Field,
@@ -142,8 +141,6 @@ def _written(spec: Spec) -> Schema:
                 **({"required": required} if required else {}),
                 **({"minProperties": 1} if at_least_one else {}),
             }
-        case Chosen():
-            return _written(spec.otherwise)
         case OneOf(forms):
             return {"anyOf": [_written(form) for form in forms]}
         case Converted(inner) | Definitions(inner):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 from crackgrow.case.along import LengthOrAngle
@@ -16,7 +16,6 @@ from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,
     REQUIRED,
-    Chosen,
     Components,
     Converted,
     Field,
@@ -63,9 +62,6 @@ def case_keys(spec: Spec = CASE) -> list[Key]:
 
 
 def _keys(spec: Spec, before: str, known: dict[int, tuple[str, str]]) -> Iterator[Key]:
-    if isinstance(spec, Chosen):
-        yield from _chosen(spec, before, known)
-        return
     for name, field in _fields(spec):
         full = before + name
         inner = _core(field.spec)
@@ -76,15 +72,6 @@ def _keys(spec: Spec, before: str, known: dict[int, tuple[str, str]]) -> Iterato
         yield Key(full, field.doc, value.kind, value.units, _default(field), value.allowed, like)
         if inner is not None:
             yield from _keys(inner, full + step, known)
-
-
-def _chosen(spec: Chosen, before: str, known: dict[int, tuple[str, str]]) -> Iterator[Key]:
-    """Keys whose defaults a word chooses: where they differ, they are told word by word."""
-    forms = {word: {key.name: key.default for key in _keys(form, before, {})} for word, form in spec.forms.items()}
-    for key in _keys(spec.otherwise, before, known):
-        others = {word: defaults[key.name] for word, defaults in forms.items() if defaults[key.name] != key.default}
-        told = f" ({', '.join(f'{word}: {default}' for word, default in others.items())})" if others else ""
-        yield replace(key, default=key.default + told)
 
 
 def _fields(spec: Spec) -> list[tuple[str, Field]]:
@@ -103,7 +90,7 @@ def _fields(spec: Spec) -> list[tuple[str, Field]]:
 def _core(spec: Spec) -> Spec | None:
     """The mapping inside of a spec, or None."""
     match spec:
-        case Mapping() | OneOf() | Chosen():
+        case Mapping() | OneOf():
             return spec
         case Components(mapping):
             return mapping
@@ -140,7 +127,7 @@ def _default(field: Field) -> str:
 
 def _value(spec: Spec) -> _Value:
     match spec:
-        case Mapping() | Chosen():
+        case Mapping():
             return _Value("mapping")
         case OneOf(forms):
             return _Value("mapping", allowed=f"with {' or '.join(form.form() for form in forms)}")

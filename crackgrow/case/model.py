@@ -431,7 +431,7 @@ class ContactNumerics:
         ),
     ] = "newton"
     spacing: Annotated[float, Number(Bounds(at_least=0.5, at_most=4)), Doc("least distance of contact nodes, in h")] = (
-        PRESETS[STANDARD].contact_spacing
+        1.25
     )
 
 
@@ -499,10 +499,10 @@ class Numerics:
     )
     support: Annotated[
         float, Number(Bounds(at_least=1.25, at_most=4), 0.25), Doc("half width of a patch, in spacings")
-    ] = PRESETS[STANDARD].support
+    ] = 2.0
     quadrature: Annotated[
         int, Integer(Bounds(at_least=2, at_most=10)), Doc("Gauss points per direction on an uncut cell")
-    ] = PRESETS[STANDARD].quadrature
+    ] = 4
     refine: Annotated[Refinement, Doc("how often cells are halved, and where")] = Refinement()
     tip_functions: Annotated[
         Literal["auto", "patch", "gathered"],

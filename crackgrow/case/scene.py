@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from crackgrow.case.accuracy import PRESETS, STANDARD, Preset
 from crackgrow.case.base import OfFile
 from crackgrow.case.declared import keys_of, mapping_of
 from crackgrow.case.forms import PAIR
 from crackgrow.case.model import (
     Body,
     Case,
-    ContactNumerics,
     ContactSupport,
     CoulombContact,
     Crack,
@@ -24,7 +22,6 @@ from crackgrow.case.model import (
     InSituStress,
     Interface,
     Material,
-    Numerics,
     Output,
     PointForce,
     PointPair,
@@ -38,7 +35,6 @@ from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Choice, Context, Intege
 from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,
-    Chosen,
     Converted,
     Field,
     ListOf,
@@ -143,20 +139,6 @@ def _history_or_stages(value: object, path: Path, context: Context) -> object:
 LOADING: Final = WordOr(("critical", "strength_reduction"), Converted(_HISTORY, _history_or_stages))
 
 
-def _numerics(preset: Preset) -> Mapping:
-    """The settings of the discretization with the defaults of a preset."""
-    keys, contact = keys_of(Numerics), keys_of(ContactNumerics)
-    contact["spacing"] = replace(contact["spacing"], default=preset.contact_spacing)
-    keys["contact"] = replace(keys["contact"], spec=Mapping(contact))
-    for key in ("support", "quadrature"):
-        keys[key] = replace(keys[key], default=getattr(preset, key))
-    return Mapping(keys)
-
-
-NUMERICS: Final = Chosen(
-    "accuracy", {name: _numerics(preset) for name, preset in PRESETS.items()}, _numerics(PRESETS[STANDARD])
-)
-
 _ON_A_CRACK: Final = Field(Text(), "name of a crack: its opening and slip")
 _ON_AN_INTERFACE: Final = Field(PAIR, "names of two bodies: opening and slip of what is between them")
 
@@ -199,7 +181,7 @@ CASE: Final = Mapping(
         "loads": Field(ListOf(LOAD), "loads", []),
         "loading": Field(LOADING, "how the loads are applied in time", {"history": [1.0]}),
         "growth": _CASE_KEYS["growth"],
-        "numerics": replace(_CASE_KEYS["numerics"], spec=NUMERICS),
+        "numerics": _CASE_KEYS["numerics"],
         "output": replace(_CASE_KEYS["output"], spec=OUTPUT),
         "base": Field(OfFile("a case file"), "the case that this one is, but for `set`, title and source", OPTIONAL),
         "set": Field(OfFile("a mapping"), "keys of the base that differ, such as growth.steps: 3", OPTIONAL),

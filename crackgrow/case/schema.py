@@ -9,7 +9,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from typing import Final
 
-from crackgrow.case.reader import Listing, Node, Scalar, Table
+from crackgrow.case.reader import Listing, Node, Table
 from crackgrow.case.report import Path, did_you_mean, dotted, nearest, quoted
 from crackgrow.case.scalars import INVALID, Context, Spec, refuse
 
@@ -121,8 +121,7 @@ class Mapping:
     def _inner_key(self, key: str) -> str:
         """Return "; did you mean 'numerics.spacing'?" for a key of a mapping inside, or nothing."""
         for outer, field in self.fields.items():
-            spec = field.spec.otherwise if isinstance(field.spec, Chosen) else field.spec
-            if isinstance(spec, Mapping) and key in spec.offered():
+            if isinstance(field.spec, Mapping) and key in field.spec.offered():
                 return f"; did you mean '{outer}.{key}'?"
         return ""
 
@@ -137,10 +136,9 @@ def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
 
 def _default(wanted: Field) -> object:
     if wanted.default is BY_PARTS:
-        spec = wanted.spec.otherwise if isinstance(wanted.spec, Chosen) else wanted.spec
-        if not isinstance(spec, Mapping):
+        if not isinstance(wanted.spec, Mapping):
             raise TypeError("BY_PARTS is for mappings")
-        return spec.defaults()
+        return wanted.spec.defaults()
     return deepcopy(wanted.default)
 
 
@@ -202,27 +200,6 @@ def _instead(path: Path, key: str, node: Table) -> str:
     if node.entries[key].place.line is not None or not any(lines):
         return ""
     return f"; --set '{dotted(path)}={{{key}: ...}}' takes the place of all of them"
-
-
-@dataclass(frozen=True, slots=True)
-class Chosen:
-    """A mapping whose defaults a word in it chooses."""
-
-    key: str  # of the word
-    forms: AnyMapping[str, Mapping]  # by word; they differ in their defaults alone
-    otherwise: Mapping  # where the word is not given
-
-    def describe(self) -> str:
-        """Say in a few words what is allowed."""
-        return self.otherwise.describe()
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return what the chosen form reads; a word that is none is that form's fault to report."""
-        form = self.otherwise
-        if isinstance(node, Table) and self.key in node.entries:
-            word = node.entries[self.key].node
-            form = self.forms.get(word.text if isinstance(word, Scalar) else "", next(iter(self.forms.values())))
-        return form.read(node, path, context)
 
 
 @dataclass(frozen=True, slots=True)

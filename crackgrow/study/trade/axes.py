@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.case import Case, load_case
-from crackgrow.case.accuracy import STANDARD, Preset, preset_of
-from crackgrow.case.model import ContactSupport
+from crackgrow.case.accuracy import STANDARD
+from crackgrow.case.declared import keys_of
+from crackgrow.case.model import ContactNumerics, ContactSupport, Numerics
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.errors import CaseError, Fault
 
@@ -100,15 +101,15 @@ def length_text(value: float) -> str:
 
 
 def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:
-    """All that a preset or a target sets, given as keys, which a case's own would win over otherwise."""
-    preset: Preset = preset_of(accuracy)
+    """All that a preset or a target sets or counts on, given as keys, which a case's own would win over otherwise."""
+    numerics, contact = keys_of(Numerics), keys_of(ContactNumerics)
     return (
         f"numerics.accuracy={accuracy}",
         "numerics.spacing=auto",
         HALVED,
-        f"numerics.support={preset.support}",
-        f"numerics.quadrature={preset.quadrature}",
-        f"numerics.contact.spacing={preset.contact_spacing}",
+        f"numerics.support={numerics['support'].default}",
+        f"numerics.quadrature={numerics['quadrature'].default}",
+        f"numerics.contact.spacing={contact['spacing'].default}",
     )
 
 

@@ -14,11 +14,11 @@ from crackgrow.case.declared import mapping_of
 from crackgrow.case.forms import PATH, REGION, SHAPE
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.json_schema import case_schema, schema_of
-from crackgrow.case.model import CoulombContact
+from crackgrow.case.model import CoulombContact, Numerics
 from crackgrow.case.reader import parse
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Bounds, Context, Number, Quantity, Spec
-from crackgrow.case.scene import CASE, CRACK, LOAD, LOADING, NUMERICS, SUPPORT
+from crackgrow.case.scene import CASE, CRACK, LOAD, LOADING, SUPPORT
 from crackgrow.case.schema import Named
 from crackgrow.case.units import Units
 from tests.unit.case.scenes import EVERYTHING, text_of
@@ -73,8 +73,9 @@ def test_everything_is_accepted():
         (Number(Bounds(above=-1, at_most=0.5)), ["0.25", "0.5", "0", "-1e-59"],
          ["-1", "0.6", "'0.25'", "0.25 mm", ".nan", "1e-61", "-1e-61"]),
         (LOADING, ["critical", "{history: [1, -0.5]}", "{}"], ["crit", "{history: 1}", "{histry: [1]}", "[1]"]),
-        (NUMERICS, ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}",
-                    "{}", "{support: 2}"],
+        (mapping_of(Numerics),
+         ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}", "{}",
+          "{support: 2}"],
          ["{accuracy: finest}", "{spacing: automatic}", "{spacing: 1, quadrature: 2.5}",
           "{spacing: 1, contact: {stiffness: soft}}", "{spacing: 1, support: 5}"]),
         (mapping_of(CoulombContact), ["{friction: 0.3, cohesion: 0}"],
