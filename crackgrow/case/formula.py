@@ -129,7 +129,6 @@ class OrFormula:
     kind: str = "length"
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f'a {self.kind} or a formula in x and y such as "0.09*x - 0.1"'
 
     def read(self, node: Node, path: Path, context: Context) -> object:

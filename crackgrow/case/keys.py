@@ -89,28 +89,16 @@ def _fields(spec: Spec) -> list[tuple[str, Field]]:
 
 def _core(spec: Spec) -> Spec | None:
     """The mapping inside of a spec, or None."""
-    match spec:
-        case Mapping() | OneOf():
-            return spec
-        case Components(mapping):
-            return mapping
-        case Definitions(inner) | Reference(_, _, inner) | Converted(inner) | ListOf(inner) | OneOrList(inner):
-            return _core(inner)
-        case WordOr(_, inner) | Named(_, inner):
-            return _core(inner)
-    return None
+    if isinstance(spec, Components):
+        return spec.mapping
+    inner = getattr(spec, "spec", None)
+    return spec if isinstance(spec, Mapping | OneOf) else inner and _core(inner)
 
 
 def _step(spec: Spec) -> str:
     """What stands between a key and those of the mapping inside of it."""
-    match spec:
-        case Named(_, inner):
-            return f".{NAME}{_step(inner)}"
-        case ListOf(inner):
-            return f".{NUMBER}{_step(inner)}"
-        case Definitions(inner) | Reference(_, _, inner) | Converted(inner) | OneOrList(inner) | WordOr(_, inner):
-            return _step(inner)
-    return "."
+    here = f".{NAME}" if isinstance(spec, Named) else f".{NUMBER}" if isinstance(spec, ListOf) else ""
+    return here + (_step(spec.spec) if hasattr(spec, "spec") else ".")
 
 
 def _default(field: Field) -> str:

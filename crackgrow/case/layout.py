@@ -25,7 +25,9 @@ from crackgrow.case.units import Units
 SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
 
 EXACT: Final = 12  # digits of a place that the user is to write
-ENDS_WITH_TIP: Final = {"both": ("start", "end"), "start": ("start",), "end": ("end",)}
+ENDS_WITH_TIP: Final[dict[str | None, tuple[str, ...]]] = {
+    "both": ("start", "end"), "start": ("start",), "end": ("end",), "none": (), None: (),
+}  # fmt: skip
 
 SHORTEST = 1e-3  # least crack length and increment, in lattice spacings; least segment, also in crack lengths
 
@@ -79,9 +81,7 @@ class Scene:
     def tips_of(self, crack: str) -> tuple[str, ...]:
         """The ends of a crack, `start` and `end`, with a tip that can grow: not those that were moved."""
         moved = [move.end for move in self.moves if move.end is not None and move.distance > self.tolerance]
-        return tuple(
-            end for end in ENDS_WITH_TIP.get(self.get("cracks", crack, "tips"), ()) if (crack, end) not in moved
-        )
+        return tuple(end for end in ENDS_WITH_TIP[self.get("cracks", crack, "tips")] if (crack, end) not in moved)
 
     def get(self, *path: str) -> Any:
         """Return the value at a key path if it is given and sound, else None."""

@@ -53,7 +53,6 @@ class Mapping:
     at_least_one: bool = False
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"a mapping of {', '.join(self.offered())}"
 
     def offered(self) -> list[str]:
@@ -149,7 +148,6 @@ class OneOf:
     forms: tuple[Mapping, ...]
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return " or ".join(form.describe() for form in self.forms)
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -210,7 +208,6 @@ class Converted:
     convert: Callable[[object, Path, Context], object]
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return self.spec.describe()
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -228,7 +225,6 @@ class ListOf:
     at_most: int = MOST_ITEMS
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"a list{'' if self.length is None else f' of {self.length}'}: each item {self.spec.describe()}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -256,7 +252,6 @@ class OneOrList:
     spec: Spec
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"{self.spec.describe()}, or a list of them"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -277,7 +272,6 @@ class Components:
         return ListOf(next(iter(self.mapping.fields.values())).spec, len(self.mapping.fields))
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"{self.listing.describe()}, or {self.mapping.describe()}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -301,7 +295,6 @@ class Named:
     at_most: int = MOST_ITEMS
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"a mapping of names, each a {self.thing}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
