@@ -1,7 +1,7 @@
 """Case files: YAML text -> a checked, frozen Case in SI units, or every fault with its line.
 
-A file goes through reader (nodes that know their line), base, overrides, scene (the format: a tree of specs, which come
-from the fields of the model by way of declared, and from forms), layout (the geometry, made of shapes and neighbours;
+A file goes through reader (nodes that know their line), base, overrides, format (a tree of specs, which come from the
+fields of the model by way of declared, and from spellings), layout (the geometry, made of shapes and neighbours;
 regions), checks and build. `dump_case` writes a case that reads back to the same bits; mappings are the same for
 Python.
 """

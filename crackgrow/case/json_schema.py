@@ -14,11 +14,11 @@ from typing import Any, Final
 
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.base import BESIDE, OfFile
+from crackgrow.case.format import CASE
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import OutlineFile
 from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
-from crackgrow.case.scene import CASE
 from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,

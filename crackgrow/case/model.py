@@ -13,7 +13,6 @@ from typing import Annotated, Any, Final, Literal
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD
 from crackgrow.case.declared import ByName, Doc
-from crackgrow.case.forms import DISPLACEMENT, PAIR, PATH, POINT, REGION, SHAPE, SIZE, TRACTION
 from crackgrow.case.formula import Component, Formula, OrFormula
 from crackgrow.case.read_only import read_only
 from crackgrow.case.regions import EdgeRegion
@@ -30,6 +29,7 @@ from crackgrow.case.scalars import (
     WordOr,
 )
 from crackgrow.case.schema import BY_PARTS, OPTIONAL, Field, ListOf, Mapping, Same
+from crackgrow.case.spellings import DISPLACEMENT, PAIR, PATH, POINT, REGION, SHAPE, SIZE, TRACTION
 
 __all__ = ["Component", "EdgeRegion", "Formula"]  # with the classes of this module
 

@@ -1,4 +1,4 @@
-"""Specs of mappings and lists: the case format is one tree of these, `scene.CASE`."""
+"""Specs of mappings and lists: the case format is one tree of these, `format.CASE`."""
 
 from __future__ import annotations
 

@@ -11,15 +11,15 @@ import pytest
 from jsonschema import Draft7Validator
 
 from crackgrow.case.declared import mapping_of
-from crackgrow.case.forms import PATH, REGION, SHAPE
+from crackgrow.case.format import CASE, CRACK, LOAD, LOADING, SUPPORT
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.json_schema import case_schema, schema_of
 from crackgrow.case.model import CoulombContact, Numerics
 from crackgrow.case.reader import parse
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Bounds, Context, Number, Quantity, Spec
-from crackgrow.case.scene import CASE, CRACK, LOAD, LOADING, SUPPORT
 from crackgrow.case.schema import Named
+from crackgrow.case.spellings import PATH, REGION, SHAPE
 from crackgrow.case.units import Units
 from tests.unit.case.scenes import EVERYTHING, text_of
 from tests.yaml12 import read_yaml12

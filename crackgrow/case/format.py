@@ -7,7 +7,6 @@ from typing import Final
 
 from crackgrow.case.base import OfFile
 from crackgrow.case.declared import keys_of, mapping_of
-from crackgrow.case.forms import PAIR
 from crackgrow.case.model import (
     Body,
     Case,
@@ -43,6 +42,7 @@ from crackgrow.case.schema import (
     OneOf,
     OneOrList,
 )
+from crackgrow.case.spellings import PAIR
 from crackgrow.case.units import UNITS
 
 UNITS_SPEC: Final = Mapping(
