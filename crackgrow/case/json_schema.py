@@ -168,8 +168,9 @@ def _written(spec: Spec) -> Schema:
 def _property(field: Field) -> Schema:
     """What a key accepts, with what an editor shows of it; beside a reference draft 7 heeds no other key."""
     plain = field.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(field.default, Same)
+    measured = isinstance(getattr(field.spec, "spec", field.spec), Quantity | Number | Integer)
     return {
-        "description": field.doc,
+        "description": f"{field.doc}: {field.spec.describe()}" if measured else field.doc,
         **({"default": field.default} if plain else {}),
         "allOf": [_written(field.spec)],
     }
