@@ -16,7 +16,7 @@ import numpy as np
 
 from crackgrow.case.formula import OrFormula, component_of
 from crackgrow.case.references import Reference
-from crackgrow.case.scalars import Choice, Integer, Number, Spec, Switch, Text, WordOr
+from crackgrow.case.scalars import Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
 from crackgrow.case.schema import BY_PARTS, OPTIONAL, REQUIRED, Components, Field, ListOf, Mapping
 from crackgrow.case.shapes import Resolved, frozen
 
@@ -35,6 +35,7 @@ class Doc:
     default: object = AS_FIELD  # if it is another one: a plain SI value, OPTIONAL, or `Same`
     offered: bool = True
     also: tuple[str, ...] = ()
+    drawn: bool = False  # whether the field follows from the geometry, and does not tell the key
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +55,7 @@ class Declared:
     key: str
     kinds: tuple[Any, ...]  # types of its values
     field: Field
+    drawn: bool
 
     @property
     def spec(self) -> Spec:
@@ -78,7 +80,7 @@ def declared(cls: Any) -> tuple[Declared, ...]:
             continue
         kinds = _kinds_of(hints[part.name].__origin__)
         field = Field(_spec_of(kinds, doc, said), doc.text, doc.default, doc.offered, doc.also)
-        item = Declared(part.name, doc.key or part.name, kinds, field)
+        item = Declared(part.name, doc.key or part.name, kinds, field, doc.drawn)
         if doc.default is AS_FIELD:
             item = replace(item, field=replace(field, default=_default_of(item, part.default)))
         found.append(item)
@@ -107,10 +109,15 @@ def made(cls: Callable[..., T], values: Resolved, **others: object) -> T:
 def written(instance: Any) -> Resolved:
     """The values of the keys of an instance; those that may be left out are, where there is nothing to tell."""
     cls: Any = type(instance)
-    items = [(item, getattr(instance, item.name)) for item in declared(cls)]
-    return {
-        item.key: _written(item, value) for item, value in items if value is not None or item.word_for_none is not None
-    }
+    items = [(item, getattr(instance, item.name)) for item in declared(cls) if not item.drawn]
+    return {item.key: _written(item, value) for item, value in items if _is_told(item, value)}
+
+
+def _is_told(item: Declared, value: Any) -> bool:
+    """Whether a key stands for a value: left out are None without a word, and a number that the key does not take."""
+    if value is None:
+        return item.word_for_none is not None
+    return not isinstance(item.spec, Quantity) or item.spec.bounds.hold(value)
 
 
 def _kinds_of(hint: Any) -> tuple[Any, ...]:
@@ -175,10 +182,18 @@ def _written(item: Declared, value: Any) -> object:
     spec: Any = item.spec
     if value is None:
         return item.word_for_none
-    if is_dataclass(value):
+    if is_dataclass(value) and not callable(value):
         return written(value)
     if isinstance(spec, Mapping):
         return dict(zip(spec.fields, value if isinstance(value, tuple) else (value,), strict=True))
     if isinstance(spec, Choice) and isinstance(value, bool):
         return spec.words[value]
-    return list(value) if isinstance(value, tuple) else value
+    if isinstance(spec, Components) and not spec.as_list:
+        parts = zip(spec.mapping.fields, value, strict=True)
+        return {key: _text_or_number(part) for key, part in parts if part is not None}
+    return [_text_or_number(part) for part in value] if isinstance(value, tuple) else _text_or_number(value)
+
+
+def _text_or_number(value: Any) -> object:
+    """A value as it is, a formula as its text."""
+    return str(getattr(value, "text", value)) if callable(value) else value

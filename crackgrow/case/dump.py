@@ -28,11 +28,10 @@ class _Dumper(yaml.SafeDumper):
 def dump_case(case: Case) -> str:
     """Return the case as YAML: SI units, every default filled in, floats with all their digits.
 
-    Settings are written as the fields of the case have them. Raises CaseError where bodies, cracks, supports or loads
-    are others than those that were read: they cannot be written.
+    All that is not drawn is written as the fields of the case have it. Raises CaseError where the geometry is another
+    one than was read, or bodies, cracks, supports or loads are more or in another order: they cannot be written.
     """
-    given = {key: value for key, value in case.resolved.items() if key not in keys_of(Case)}
-    text = yaml_text({**given, **_settings(case)})
+    text = yaml_text(_as_it_is(case))
     try:
         again = read_case(text, "the case as it is", case.name)
     except CaseError as error:
@@ -58,12 +57,17 @@ def yaml_text(resolved: object) -> str:
     )
 
 
-def _settings(case: Case) -> dict[str, Any]:
-    """What a case says beside its bodies, cracks, supports and loads, as a mapping in the case format."""
-    found = {**written(case), "loading": _loading(case)}
+def _as_it_is(case: Case) -> dict[str, Any]:
+    """The case as a mapping in its format: what is drawn as it was given, all else as the fields have it."""
+    given: Any = case.resolved
+    found = {key: value for key, value in given.items() if key not in keys_of(Case)} | written(case)
+    found["loading"] = _loading(case)
     if case.output.points:
-        given: Any = case.resolved["output"]
-        found["output"]["points"] = given["points"]
+        found["output"]["points"] = given["output"]["points"]
+    for kind, things in (("bodies", case.bodies), ("cracks", case.cracks)):
+        found[kind] = {its.name: {**given[kind][its.name], **written(its)} for its in things if its.name in given[kind]}
+    for kind, items in (("interfaces", case.interfaces), ("supports", case.supports), ("loads", case.loads)):
+        found[kind] = [{**its, **written(item)} for its, item in zip(given[kind], items, strict=False)]
     return found
 
 

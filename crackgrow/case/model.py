@@ -74,7 +74,9 @@ class Body:
     """One piece of rock. Its sides are numbered ring by ring."""
 
     name: str
-    rings: Annotated[tuple[Ring, ...], SHAPE, Doc("outline of the body", key="shape")]  # the outline, then the holes
+    rings: Annotated[
+        tuple[Ring, ...], SHAPE, Doc("outline of the body", key="shape", drawn=True)
+    ]  # the outline, then the holes
     material: Annotated[Material, ByName("material", "materials"), Doc("elastic constants")]
     strength: Annotated[Strength | None, Doc("strength of the rock, where cracks may grow", default=OPTIONAL)]
 
@@ -130,7 +132,7 @@ class Crack:
     """A pre-existing crack: an open polyline."""
 
     name: str
-    points: Annotated[Floats, PATH, Doc("where the crack runs", key="path")]  # (n, 2) m, from start to end
+    points: Annotated[Floats, PATH, Doc("where the crack runs", key="path", drawn=True)]  # (n, 2) m, from start to end
     tip_at_start: bool  # whether the start can grow; an end in rock, on no other crack, is a singular tip all the same
     tip_at_end: bool
     contact: Annotated[
@@ -155,9 +157,9 @@ class Interface:
     ]
 
 
-OfPoint = Annotated[str, Doc("the body, if the point lies on more than one", key="body", default=OPTIONAL)]
+OfPoint = Annotated[str, Doc("the body, if the point lies on more than one", default=OPTIONAL, drawn=True)]
 OnlyBody = Annotated[str, Doc("name of a body; may be left out where there is one", default=OPTIONAL)]
-At = Annotated[Floats, POINT, Doc("a point, [x, y]", key="at")]
+At = Annotated[Floats, POINT, Doc("a point, [x, y]", key="at", drawn=True)]
 Displacement = Annotated[tuple[Component | None, Component | None], DISPLACEMENT, Doc("prescribed displacement")]
 
 
@@ -171,7 +173,9 @@ class PointSupport:
 
 
 OnEdge = Annotated[
-    EdgeRegion, REGION, Doc("an edge or a part of one", key="on", also=("true",))  # what YAML 1.1 makes of `on`
+    EdgeRegion,
+    REGION,
+    Doc("an edge or a part of one", key="on", also=("true",), drawn=True),  # what YAML 1.1 makes of `on`
 ]
 
 
@@ -533,7 +537,9 @@ class RockPoint:
     """A point of a body: displacement and stress."""
 
     name: str
-    point: Annotated[Floats, POINT, Doc("a point of the rock, [x, y]: its displacement and stress", key="at")]  # (2,) m
+    point: Annotated[
+        Floats, POINT, Doc("a point of the rock, [x, y]: its displacement and stress", key="at", drawn=True)
+    ]  # (2,) m
     body: OfPoint
 
 
@@ -544,7 +550,7 @@ class FacePoint:
     name: str
     surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
     point: Annotated[
-        Floats, POINT, Doc("where on it, [x, y]; at the mouth of a crack the crack-mouth opening", key="at")
+        Floats, POINT, Doc("where on it, [x, y]; at the mouth of a crack the crack-mouth opening", key="at", drawn=True)
     ]  # (2,) m
 
 
@@ -555,7 +561,7 @@ class PointPair:
     name: str
     bodies: tuple[str, str]
     points: Annotated[
-        Floats, ListOf(POINT, 2), Doc("two points of the rock: how much closer they come", key="between")
+        Floats, ListOf(POINT, 2), Doc("two points of the rock: how much closer they come", key="between", drawn=True)
     ]  # (2, 2) m
 
 
