@@ -44,10 +44,19 @@ def _of_body(scene: Scene, key: Path, item: dict[str, Any]) -> dict[str, Any]:
 
 
 def knows_body(scene: Scene, key: Path, name: str) -> bool:
-    """Whether there is a body of this name; reports it at the key if not."""
+    """Whether there is a body of this name; reports it at the key if not, but for a case without bodies."""
     names = list(named(scene.resolved, "bodies"))
-    if names and name not in names:
-        message = f"no body {quoted(name)}; the case has: {', '.join(names)}{did_you_mean(name, names)}"
+    return _knows(scene, key, f"body {quoted(name)}", name, names) if names else False
+
+
+def knows_crack(scene: Scene, key: Path, name: str) -> bool:
+    """Whether there is a crack of this name; reports it at the key if not."""
+    return _knows(scene, key, f"crack {quoted(name)}", name, list(named(scene.resolved, "cracks")))
+
+
+def _knows(scene: Scene, key: Path, what: str, name: str, names: list[str]) -> bool:
+    if name not in names:
+        message = f"no {what}; the case has: {', '.join(names) or 'none'}{did_you_mean(name, names)}"
         scene.report.fault(key, message)
     return name in names
 

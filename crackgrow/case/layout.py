@@ -74,9 +74,9 @@ class Scene:
         """Whether every body of the case has a sound shape."""
         return len(self.bodies) == len(named(self.resolved, "bodies")) > 0
 
-    def touch(self, first: str, second: str) -> bool:
-        """Whether two bodies share a boundary."""
-        return (first, second) in self.shared or (second, first) in self.shared
+    def lines_between(self, first: str, second: str) -> tuple[Floats, ...]:
+        """The boundary that two bodies share: lines (n, 2) m, none where they share no boundary."""
+        return self.shared.get((first, second)) or self.shared.get((second, first)) or ()
 
     def tips_of(self, crack: str) -> tuple[str, ...]:
         """The ends of a crack, `start` and `end`, with a tip that can grow: not those that were moved."""
