@@ -603,7 +603,11 @@ class Cut:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """A whole scene. `resolved` is the same as a mapping in the case format, SI, every default filled in; read-only."""
+    """A whole scene. `resolved` is what was read, a mapping in the case format, SI, with all defaults; read-only.
+
+    A case that is changed by `dataclasses.replace` is written as its fields are. What is drawn, the outlines, paths and
+    places, is written as it was read; where that is changed the case cannot be written.
+    """
 
     name: str
     title: Annotated[str, Doc("what the scene is")]
