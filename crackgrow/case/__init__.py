@@ -1,83 +1,13 @@
 """Case files: YAML text -> a checked, frozen Case in SI units, or every fault with its line.
 
-A file goes through reader (nodes that know their line), base, overrides, scene (the format: a tree of specs, made of
-schema, references, scalars, along, formula, outline_file and mesh_file), layout (the geometry, made of shapes and
-neighbours; regions), checks and build. `dump_case` writes a case that reads back to the same bits; mappings are the
-same for Python.
+A file goes through reader (nodes that know their line), base, overrides, format (a tree of specs, which come from the
+fields of the model by way of declared, and from spellings), layout (the geometry, made of shapes and neighbours;
+regions), checks and build. `dump_case` writes a case that reads back to the same bits; mappings are the same for
+Python.
 """
 
-from crackgrow.arrays import Floats
 from crackgrow.case.dump import dump_case
 from crackgrow.case.load import load_case
-from crackgrow.case.model import (
-    Body,
-    Case,
-    Component,
-    ContactNumerics,
-    ContactSupport,
-    CoulombContact,
-    Crack,
-    CriticalLoad,
-    EdgeRegion,
-    EdgeSupport,
-    EdgeTraction,
-    FluidPressure,
-    Formula,
-    Gravity,
-    Growth,
-    Initiation,
-    InSituStress,
-    Interface,
-    Load,
-    LoadHistory,
-    Loading,
-    Material,
-    Numerics,
-    Output,
-    PointForce,
-    PointSupport,
-    Ring,
-    Stage,
-    Stages,
-    Strength,
-    StrengthReduction,
-    Support,
-)
+from crackgrow.case.model import Case
 
-__all__ = [
-    "Body",
-    "Case",
-    "Component",
-    "ContactNumerics",
-    "ContactSupport",
-    "CoulombContact",
-    "Crack",
-    "CriticalLoad",
-    "EdgeRegion",
-    "EdgeSupport",
-    "EdgeTraction",
-    "Floats",
-    "FluidPressure",
-    "Formula",
-    "Gravity",
-    "Growth",
-    "InSituStress",
-    "Initiation",
-    "Interface",
-    "Load",
-    "LoadHistory",
-    "Loading",
-    "Material",
-    "Numerics",
-    "Output",
-    "PointForce",
-    "PointSupport",
-    "Ring",
-    "Stage",
-    "Stages",
-    "Strength",
-    "StrengthReduction",
-    "Support",
-    "dump_case",
-    "load_case",
-]
+__all__ = ["Case", "dump_case", "load_case"]

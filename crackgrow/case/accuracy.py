@@ -30,7 +30,7 @@ REFINED_AT: Final[Mapping[str, tuple[Kind, ...]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Preset:
-    """What `numerics.accuracy` sets: how many cells the lengths of a scene are wide at least, and other settings.
+    """What `numerics.accuracy` sets: how many cells the lengths of a scene are wide at least.
 
     Measured, next to the feature and over the largest stress or displacement there: a round hole of 4, 6, 8, 16
     spacings is off by 18, 4, 0.7, 0.03 %; stress at the corner of a square hole of 6, 8, 12 spacings by 6, 5, 4 %,
@@ -51,9 +51,6 @@ class Preset:
     per_bridge: float  # across the rock between holes, corners and outlines
     per_support: float  # along supported parts of edges and interfaces
     per_load: float  # along loaded parts of edges
-    support: float
-    quadrature: int
-    contact_spacing: float
 
     def parts(self, kind: Kind) -> float:
         """How many spacings a length of a kind is wide at least."""
@@ -74,9 +71,6 @@ PRESETS: Final[Mapping[str, Preset]] = {
         per_bridge=2.0,
         per_support=2.0,
         per_load=1.0,
-        support=2.0,
-        quadrature=4,
-        contact_spacing=1.25,
     ),
     STANDARD: Preset(
         per_crack=6.0,
@@ -91,9 +85,6 @@ PRESETS: Final[Mapping[str, Preset]] = {
         per_bridge=3.0,
         per_support=4.0,
         per_load=2.0,
-        support=2.0,
-        quadrature=4,
-        contact_spacing=1.25,
     ),
     "fine": Preset(
         per_crack=12.0,
@@ -108,9 +99,6 @@ PRESETS: Final[Mapping[str, Preset]] = {
         per_bridge=6.0,
         per_support=8.0,
         per_load=4.0,
-        support=2.0,
-        quadrature=4,
-        contact_spacing=1.25,
     ),
 }
 

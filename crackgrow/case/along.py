@@ -23,7 +23,6 @@ class LengthOrAngle:
     """A length or an angle, a bare number in the length unit of the case or in degrees."""
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return "a length, or an angle on an arc"
 
     def read(self, node: Node, path: Path, context: Context) -> object:

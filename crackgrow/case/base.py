@@ -22,7 +22,6 @@ class OfFile:
     kind: str
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return self.kind
 
     def read(self, node: Node, path: Path, context: Context) -> object:

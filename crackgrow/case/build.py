@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from crackgrow.case.formula import component_of
+from crackgrow.case.declared import made
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import (
     Body,
     Case,
-    Component,
-    ContactNumerics,
     ContactSupport,
-    CoulombContact,
     Crack,
     CriticalLoad,
     EdgeSupport,
@@ -18,28 +15,21 @@ from crackgrow.case.model import (
     FacePoint,
     FluidPressure,
     Gravity,
-    Growth,
     HistoryPoint,
-    Initiation,
     InSituStress,
     Interface,
     Load,
     LoadHistory,
     Loading,
-    Material,
-    Numerics,
     Output,
     PointForce,
     PointPair,
     PointSupport,
-    Refinement,
     Ring,
     RockPoint,
     Stage,
     Stages,
-    Strength,
     StrengthReduction,
-    Subcritical,
     Support,
 )
 from crackgrow.case.neighbours import shared_lines
@@ -51,19 +41,16 @@ REDUCTION = "strength_reduction"
 def build_case(name: str, scene: Scene) -> Case:
     """Return the case of a scene that has no faults."""
     resolved = scene.resolved
-    return Case(
+    return made(
+        Case,
+        resolved,
         name=name,
-        title=resolved["title"],
-        source=resolved["source"],
-        plane=resolved["plane"],
         bodies=tuple(_body(scene.bodies[key], body) for key, body in resolved["bodies"].items()),
         cracks=tuple(_crack(scene, key, crack) for key, crack in resolved["cracks"].items()),
         interfaces=tuple(_interface(scene, interface) for interface in resolved["interfaces"]),
         supports=tuple(_support(scene, index, support) for index, support in enumerate(resolved["supports"])),
         loads=tuple(_load(scene, index, load) for index, load in enumerate(resolved["loads"])),
         loading=_loading(resolved),
-        growth=_growth(resolved["growth"]) if "growth" in resolved else None,
-        numerics=_numerics(resolved["numerics"]),
         output=_output(scene, resolved["output"]),
         resolved=resolved,
         moved=tuple(move for move in scene.moves if move.distance > scene.tolerance),
@@ -72,75 +59,54 @@ def build_case(name: str, scene: Scene) -> Case:
 
 
 def _body(shape: BodyShape, body: Resolved) -> Body:
-    rings = tuple(Ring(ring.points, ring.edge_names) for ring in shape.rings)
-    strength = Strength(**body["strength"]) if "strength" in body else None
-    return Body(shape.name, rings, Material(**body["material"]), strength)
+    return made(Body, body, name=shape.name, rings=tuple(Ring(ring.points, ring.edge_names) for ring in shape.rings))
 
 
 def _crack(scene: Scene, name: str, crack: Resolved) -> Crack:
-    tips, contact = scene.tips_of(name), crack["contact"]
-    return Crack(
+    tips, points = scene.tips_of(name), scene.cracks[name]
+    return made(
+        Crack,
+        crack,
         name=name,
-        points=scene.cracks[name],
+        points=points,
         tip_at_start="start" in tips,
         tip_at_end="end" in tips,
-        contact=None if contact == "none" else _contact(contact),
         body=scene.hosts[name],
-        left_out=len(crack["path"].get("points", scene.cracks[name])) - len(scene.cracks[name]),
+        left_out=len(crack["path"].get("points", points)) - len(points),
     )
 
 
 def _interface(scene: Scene, interface: Resolved) -> Interface:
     first, second = interface["between"]
-    contact = interface["contact"]
-    return Interface(
-        bodies=(first, second),
-        lines=shared_lines(scene.bodies[first], scene.bodies[second], scene.tolerance),
-        contact="bonded" if contact == "bonded" else _contact(contact),
-    )
+    lines = shared_lines(scene.bodies[first], scene.bodies[second], scene.tolerance)
+    return made(Interface, interface, lines=lines)
 
 
 def _support(scene: Scene, index: int, support: Resolved) -> Support:
-    if "contact" in support:
-        return ContactSupport(scene.regions["supports", index, "on"], _contact(support["contact"]))
-    x, y = (_component(support["displacement"].get(component)) for component in ("x", "y"))
     if "at" in support:
-        return PointSupport(support["body"], frozen(support["at"]), (x, y))
-    return EdgeSupport(scene.regions["supports", index, "on"], (x, y))
-
-
-def _contact(contact: Resolved) -> CoulombContact:
-    joint = contact.get("stiffness")
-    return CoulombContact(
-        friction=contact["friction"],
-        cohesion=contact["cohesion"],
-        residual_friction=contact["residual_friction"],
-        cohesion_kept=contact["cohesion_after_slip"] == "kept",
-        dilation_angle=contact["dilation_angle"],
-        stiffness=(joint["normal"], joint["shear"]) if joint else None,
-        weakening_length=contact.get("weakening_length", 0.0),
+        return made(PointSupport, support)
+    region = scene.regions["supports", index, "on"]
+    return (
+        made(ContactSupport, support, region=region)
+        if "contact" in support
+        else made(EdgeSupport, support, region=region)
     )
 
 
-def _component(value: float | str | None) -> Component | None:
-    return None if value is None else component_of(value)
-
-
 def _load(scene: Scene, index: int, load: Resolved) -> Load:
-    held, name = load["held"], load.get("name")
-    if "gravity" in load:
-        return Gravity(load["body"], tuple(load["gravity"]), held, name)
     if "pressure" in load:
-        surface = load["crack"] if "crack" in load else tuple(load["interface"])
-        return FluidPressure(surface, component_of(load["pressure"]), held, name)
+        return made(FluidPressure, load, surface=_surface(load))
     if "force" in load:
         key = ("loads", index, "at")
-        return PointForce(scene.holders[key], scene.places[key], tuple(load["force"]), held, name)
-    if "stress" in load:
-        xx, yy, xy = (component_of(component) for component in load["stress"])
-        return InSituStress(load["body"], (xx, yy, xy), held, name)
-    x, y = (component_of(component) for component in load["traction"])
-    return EdgeTraction(scene.regions["loads", index, "on"], (x, y), held, name)
+        return made(PointForce, load, body=scene.holders[key], point=scene.places[key])
+    if "traction" in load:
+        return made(EdgeTraction, load, region=scene.regions["loads", index, "on"])
+    return made(Gravity, load) if "gravity" in load else made(InSituStress, load)
+
+
+def _surface(item: Resolved) -> str | tuple[str, ...]:
+    """The crack that is named, or the bodies of the interface."""
+    return str(item["crack"]) if "crack" in item else tuple(item["interface"])
 
 
 def _loading(resolved: Resolved) -> Loading:
@@ -169,46 +135,9 @@ def _stages(given: list[Resolved], loads: list[Resolved]) -> Stages:
     return Stages(before, tuple(stages))
 
 
-def _growth(growth: Resolved) -> Growth:
-    return Growth(
-        steps=growth["steps"],
-        increment=growth["increment"],
-        advance=growth["advance"],
-        criterion=growth["criterion"],
-        direction=growth["direction"],
-        tip_radius=growth["tip_stress"]["radius"] if "tip_stress" in growth else None,
-        unload_between_steps=growth["unload_between_steps"],
-        initiation=Initiation(growth["initiation"]["at"], _unless_auto(growth["initiation"]["spacing"])),
-        link_distance=_unless_auto(growth["link_distance"]),
-        subcritical=Subcritical(**growth["subcritical"]) if "subcritical" in growth else None,
-    )
-
-
-def _unless_auto(value: float | str) -> float | None:
-    return None if isinstance(value, str) else value
-
-
-def _numerics(numerics: Resolved) -> Numerics:
-    contact = dict(numerics["contact"])
-    if contact["stiffness"] == "rigid":
-        contact["stiffness"] = None
-    return Numerics(
-        spacing=numerics["spacing"],
-        support=numerics["support"],
-        quadrature=numerics["quadrature"],
-        contact=ContactNumerics(**contact),
-        accuracy=numerics["accuracy"],
-        goal=numerics["goal"],
-        refine=Refinement(**numerics["refine"]),
-        tip_functions=numerics["tip_functions"],
-        auto_rule=numerics.get("auto_rule"),
-    )
-
-
 def _output(scene: Scene, output: Resolved) -> Output:
     points = tuple(_history_point(scene, name, point) for name, point in output.get("points", {}).items())
-    fields = tuple(dict.fromkeys(output["fields"]))
-    return Output(output["frames"], fields, output["figures"], output["report"], points)
+    return made(Output, {**output, "fields": list(dict.fromkeys(output["fields"]))}, points=points)
 
 
 def _history_point(scene: Scene, name: str, point: Resolved) -> HistoryPoint:
@@ -218,9 +147,6 @@ def _history_point(scene: Scene, name: str, point: Resolved) -> HistoryPoint:
         first, second = (scene.holders[end] for end in ends)
         return PointPair(name, (first, second), frozen([scene.places[end] for end in ends]))
     place = scene.places[*key, "at"]
-    if "crack" in point:
-        return FacePoint(name, point["crack"], place)
-    if "interface" in point:
-        first, second = point["interface"]
-        return FacePoint(name, (first, second), place)
-    return RockPoint(name, scene.holders[*key, "at"], place)
+    if "crack" in point or "interface" in point:
+        return made(FacePoint, point, name=name, surface=_surface(point), point=place)
+    return made(RockPoint, point, name=name, body=scene.holders[*key, "at"], point=place)

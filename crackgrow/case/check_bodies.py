@@ -7,11 +7,11 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.check_points import place_in_rock
-from crackgrow.case.check_regions import knows_body
+from crackgrow.case.check_regions import knows_body, knows_crack
 from crackgrow.case.check_supports import check_formula, sampled
-from crackgrow.case.layout import Scene, named
+from crackgrow.case.layout import Scene
 from crackgrow.case.regions import ends_of
-from crackgrow.case.report import Path, did_you_mean, quoted
+from crackgrow.case.report import Path, quoted
 from crackgrow.case.shapes import BodyShape, Resolved
 
 SAMPLES_ACROSS = 17  # places across a body at which the formula of a stress must have a value
@@ -50,7 +50,7 @@ def _check_pair(scene: Scene, key: Path, pair: list[str], seen: dict[frozenset[s
     elif frozenset(pair) in seen:
         number = seen[frozenset(pair)]
         scene.report.fault(key, f"'{first}' and '{second}' have an interface already, interfaces.{number}")
-    elif not scene.touch(first, second) and all(scene.report.sound("bodies", name, "shape") for name in pair):
+    elif not scene.lines_between(first, second) and all(scene.report.sound("bodies", name, "shape") for name in pair):
         gap = scene.bodies[first].polygon.distance(scene.bodies[second].polygon)
         apart = f"they are {scene.length(gap)} apart" if gap > scene.tolerance else "they touch at points only"
         scene.report.fault(key, f"'{first}' and '{second}' share no boundary: {apart}")
@@ -82,12 +82,9 @@ def check_loads(scene: Scene) -> None:
 
 def _pressed_crack(scene: Scene, index: int, load: Resolved) -> list[Floats]:
     """The line (n, 2) m of the crack that a pressure acts in; reports one that there is not."""
-    cracks, name = list(named(scene.resolved, "cracks")), load["crack"]
-    if name not in cracks:
-        hint = f"{', '.join(cracks) or 'none'}{did_you_mean(name, cracks)}"
-        message = f"no crack {quoted(name)}; the case has: {hint}"
-        scene.report.fault(("loads", index, "crack"), message)
-    return [scene.cracks[name]] if name in scene.cracks and len(scene.cracks[name]) > 1 else []
+    name = load["crack"]
+    known = knows_crack(scene, ("loads", index, "crack"), name)
+    return [scene.cracks[name]] if known and len(scene.cracks.get(name, ())) > 1 else []
 
 
 def _pressed_interface(scene: Scene, index: int, load: Resolved) -> tuple[Floats, ...]:
@@ -102,7 +99,7 @@ def _pressed_interface(scene: Scene, index: int, load: Resolved) -> tuple[Floats
     elif meant[0]["contact"] == "bonded":
         message = "is bonded: no fluid gets between faces that never part; give it a law of contact"
         scene.report.fault(key, f"the interface of '{pair[0]}' and '{pair[1]}' {message}")
-    return scene.shared.get((pair[0], pair[1])) or scene.shared.get((pair[1], pair[0])) or ()
+    return scene.lines_between(pair[0], pair[1])
 
 
 def _places_in(body: BodyShape) -> Floats:

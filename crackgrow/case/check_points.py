@@ -9,9 +9,9 @@ import shapely
 from shapely import LineString, Point
 
 from crackgrow.arrays import Floats
-from crackgrow.case.check_regions import knows_body
-from crackgrow.case.layout import Scene, named
-from crackgrow.case.report import Path, did_you_mean, quoted
+from crackgrow.case.check_regions import knows_body, knows_crack
+from crackgrow.case.layout import Scene
+from crackgrow.case.report import Path, quoted
 from crackgrow.case.shapes import Resolved, frozen
 
 
@@ -72,12 +72,8 @@ def place_in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved) 
 
 
 def _on_crack(scene: Scene, key: Path, point: Resolved) -> None:
-    name, known = point["crack"], named(scene.resolved, "cracks")
-    if name not in known:
-        hint = did_you_mean(name, known)
-        message = f"the case has no crack {quoted(name)}; it has: {', '.join(known) or 'none'}{hint}"
-        scene.report.fault((*key, "crack"), message)
-    elif name in scene.cracks and len(scene.cracks[name]) > 1:
+    name = point["crack"]
+    if knows_crack(scene, (*key, "crack"), name) and len(scene.cracks.get(name, ())) > 1:
         _on_lines(scene, key, point, LineString(scene.cracks[name]), f"crack '{name}'")
 
 
@@ -89,7 +85,7 @@ def _on_interface(scene: Scene, key: Path, point: Resolved) -> None:
         message = f"there is no interface between bodies {' and '.join(map(quoted, bodies))}; those given are: {known}"
         scene.report.fault((*key, "interface"), message)
         return
-    lines = scene.shared.get((bodies[0], bodies[1])) or scene.shared.get((bodies[1], bodies[0]))
+    lines = scene.lines_between(bodies[0], bodies[1])
     if lines:
         shape = shapely.multilinestrings([LineString(line) for line in lines])
         _on_lines(scene, key, point, shape, f"the interface between bodies {' and '.join(map(quoted, bodies))}")

@@ -14,22 +14,19 @@ from crackgrow.case.shapes import edge_hint
 def check_regions(scene: Scene) -> None:
     """Report unknown bodies and edges and parts that are none; bring `from` and `to` to m, or degrees on arcs."""
     for key in ("supports", "loads"):
-        items = scene.resolved.get(key)
-        for index, item in enumerate(items if isinstance(items, list) else []):
-            if "on" in (item if isinstance(item, dict) else {}) and scene.report.sound(key, index, "on"):
+        for index, item in scene.listed(key):
+            if "on" in item and scene.report.sound(key, index, "on"):
                 _check_region(scene, (key, index, "on"), item["on"])
 
 
 def settle_bodies(scene: Scene) -> None:
     """Name the only body where supports and loads name none; report where there are several."""
     for kind in ("supports", "loads"):
-        listing = scene.resolved.get(kind)
-        items = listing if isinstance(listing, list) else []
-        for index, item in enumerate(items):
-            if isinstance(item, dict) and "on" in item and scene.report.sound(kind, index, "on"):
+        for index, item in scene.listed(kind):
+            if "on" in item and scene.report.sound(kind, index, "on"):
                 item["on"] = _of_body(scene, (kind, index, "on"), item["on"])
-            elif isinstance(item, dict) and ("gravity" in item or "stress" in item) and scene.report.sound(kind, index):
-                items[index] = _of_body(scene, (kind, index), item)
+            elif ("gravity" in item or "stress" in item) and scene.report.sound(kind, index):
+                scene.resolved[kind][index] = _of_body(scene, (kind, index), item)
 
 
 def _of_body(scene: Scene, key: Path, item: dict[str, Any]) -> dict[str, Any]:
@@ -47,10 +44,19 @@ def _of_body(scene: Scene, key: Path, item: dict[str, Any]) -> dict[str, Any]:
 
 
 def knows_body(scene: Scene, key: Path, name: str) -> bool:
-    """Whether there is a body of this name; reports it at the key if not."""
+    """Whether there is a body of this name; reports it at the key if not, but for a case without bodies."""
     names = list(named(scene.resolved, "bodies"))
-    if names and name not in names:
-        message = f"no body {quoted(name)}; the case has: {', '.join(names)}{did_you_mean(name, names)}"
+    return _knows(scene, key, f"body {quoted(name)}", name, names) if names else False
+
+
+def knows_crack(scene: Scene, key: Path, name: str) -> bool:
+    """Whether there is a crack of this name; reports it at the key if not."""
+    return _knows(scene, key, f"crack {quoted(name)}", name, list(named(scene.resolved, "cracks")))
+
+
+def _knows(scene: Scene, key: Path, what: str, name: str, names: list[str]) -> bool:
+    if name not in names:
+        message = f"no {what}; the case has: {', '.join(names) or 'none'}{did_you_mean(name, names)}"
         scene.report.fault(key, message)
     return name in names
 

@@ -32,7 +32,9 @@ def check_stages(scene: Scene) -> None:
 
 def _check_loads(scene: Scene, key: Path, stage: Resolved) -> None:
     """Report names that no load has, and loads of one name of which some are held."""
-    loads = [load for load in scene.resolved["loads"] if isinstance(load, dict)]
+    if not isinstance(scene.resolved["loads"], list):
+        return  # that they are none is told
+    loads = [load for index, load in scene.listed("loads") if scene.report.sound("loads", index, "name")]
     known = list(dict.fromkeys(load["name"] for load in loads if "name" in load))
     for name in stage.get("loads", {}):
         if name not in known:

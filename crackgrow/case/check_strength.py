@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from crackgrow.case.declared import keys_of
 from crackgrow.case.layout import Scene, named
-from crackgrow.case.scene import GROWTH
+from crackgrow.case.model import Growth
 from crackgrow.case.toughness import BY_K
 
 
@@ -17,8 +18,8 @@ def settle_direction(scene: Scene) -> None:
     if "direction" not in growth:
         tough = strengths(scene, with_toughness=True)
         found = {"direction": "implicit" if tough and growth.get("criterion") in BY_K else "explicit"}
-        ordered = {key: (growth | found)[key] for key in GROWTH.fields if key in growth or key in found}
-        scene.resolved["growth"] = ordered
+        every = growth | found
+        scene.resolved["growth"] = {key: every[key] for key in keys_of(Growth) if key in every}
     criterion = scene.get("growth", "criterion")
     if scene.get("growth", "direction") == "implicit" and criterion not in (None, *BY_K):
         message = f"implicit is for criterion max_hoop_stress, {criterion} given; use explicit"

@@ -7,17 +7,11 @@ from typing import Any, Final
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.layout import Scene, named
+from crackgrow.case.layout import ENDS_WITH_TIP, Scene, named
 from crackgrow.case.model import Cut
 from crackgrow.case.schema import MOST_ITEMS
 
 LONGEST: Final = 50  # name of a set: with two numbers it is still that of a crack
-TIPS_OF: Final[dict[str, tuple[str, ...]]] = {
-    "both": ("start", "end"),
-    "start": ("start",),
-    "end": ("end",),
-    "none": (),
-}
 
 
 def expand_crack_sets(scene: Scene) -> None:
@@ -57,7 +51,7 @@ def _cracks_of(scene: Scene, name: str, crack: dict[str, Any]) -> list[tuple[str
             points = shapely.get_coordinates(part)
             boundary = scene.bodies[body].polygon.boundary
             free = _free_ends(points, boundary, scene.reach)
-            tips = [end for end in TIPS_OF[crack["tips"]] if end in free]
+            tips = [end for end in ENDS_WITH_TIP[crack["tips"]] if end in free]
             word = "both" if len(tips) == 2 else tips[0] if tips else "none"
             found.append((new, {**crack, "path": {"points": points.tolist()}, "tips": word}))
         _tell(scene, f"{name}-{number}", shape, [part for part, _ in parts])

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 import yaml
 
-from crackgrow.case.accuracy import AUTO
+from crackgrow.case.build import REDUCTION
+from crackgrow.case.declared import keys_of, written
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import CaseError, Fault
@@ -27,10 +28,10 @@ class _Dumper(yaml.SafeDumper):
 def dump_case(case: Case) -> str:
     """Return the case as YAML: SI units, every default filled in, floats with all their digits.
 
-    Settings are written as the fields of the case have them. Raises CaseError where bodies, cracks, supports or loads
-    are others than those that were read: they cannot be written.
+    All that is not drawn is written as the fields of the case have it. Raises CaseError where the geometry is another
+    one than was read, or bodies, cracks, supports or loads are more or in another order: they cannot be written.
     """
-    text = yaml_text({**case.resolved, **_settings(case)})
+    text = yaml_text(_as_it_is(case))
     try:
         again = read_case(text, "the case as it is", case.name)
     except CaseError as error:
@@ -56,48 +57,17 @@ def yaml_text(resolved: object) -> str:
     )
 
 
-def _settings(case: Case) -> dict[str, Any]:
-    """What a case says beside its bodies, cracks, supports and loads, as a mapping in the case format."""
-    numerics, growth, output = case.numerics, case.growth, case.output
-    given: Any = case.resolved["output"]
-    contact = {part.name: getattr(numerics.contact, part.name) for part in fields(numerics.contact)}
-    contact["stiffness"] = "rigid" if numerics.contact.stiffness is None else numerics.contact.stiffness
-    found: dict[str, Any] = {
-        "title": case.title,
-        "source": case.source,
-        "plane": case.plane,
-        "loading": _loading(case),
-        "numerics": {
-            "accuracy": numerics.accuracy,
-            "goal": numerics.goal,
-            "spacing": numerics.spacing,
-            **({} if numerics.auto_rule is None else {"auto_rule": numerics.auto_rule}),
-            "support": numerics.support,
-            "quadrature": numerics.quadrature,
-            "refine": {part.name: getattr(numerics.refine, part.name) for part in fields(numerics.refine)},
-            "tip_functions": numerics.tip_functions,
-            "contact": contact,
-        },
-        "output": {
-            "frames": output.frames,
-            "fields": list(output.fields),
-            "figures": output.figures,
-            "report": output.report,
-            **({"points": given["points"]} if output.points else {}),
-        },
-    }
-    if growth is not None:
-        apart = ("tip_radius", "initiation", "link_distance", "subcritical")
-        found["growth"] = {part.name: getattr(growth, part.name) for part in fields(growth) if part.name not in apart}
-        found["growth"]["initiation"] = {
-            "at": growth.initiation.at,
-            "spacing": AUTO if growth.initiation.spacing is None else growth.initiation.spacing,
-        }
-        found["growth"]["link_distance"] = AUTO if growth.link_distance is None else growth.link_distance
-        if growth.subcritical is not None:
-            found["growth"] |= {"law": "subcritical", "subcritical": asdict(growth.subcritical)}
-        if growth.tip_radius is not None:
-            found["growth"]["tip_stress"] = {"radius": growth.tip_radius}
+def _as_it_is(case: Case) -> dict[str, Any]:
+    """The case as a mapping in its format: what is drawn as it was given, all else as the fields have it."""
+    given: Any = case.resolved
+    found = {key: value for key, value in given.items() if key not in keys_of(Case)} | written(case)
+    found["loading"] = _loading(case)
+    if case.output.points:
+        found["output"]["points"] = given["output"]["points"]
+    for kind, things in (("bodies", case.bodies), ("cracks", case.cracks)):
+        found[kind] = {its.name: {**given[kind][its.name], **written(its)} for its in things if its.name in given[kind]}
+    for kind, items in (("interfaces", case.interfaces), ("supports", case.supports), ("loads", case.loads)):
+        found[kind] = [{**its, **written(item)} for its, item in zip(given[kind], items, strict=False)]
     return found
 
 
@@ -106,7 +76,7 @@ def _loading(case: Case) -> object:
         return {"history": list(case.loading.factors)}
     if isinstance(case.loading, Stages):
         return case.resolved["loading"]
-    return "critical" if isinstance(case.loading, CriticalLoad) else "strength_reduction"
+    return "critical" if isinstance(case.loading, CriticalLoad) else REDUCTION
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from shapely.ops import substring
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import EdgeRegion
+from crackgrow.case.regions import EdgeRegion
 from crackgrow.vectors import cross
 
 Kind = Literal["crack", "stretch", "increment", "radius", "width", "feature", "bridge", "support", "load"]

@@ -9,12 +9,11 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Component
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, did_you_mean, quoted
 from crackgrow.case.scalars import INVALID, Context, Quantity, given
@@ -52,6 +51,17 @@ ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS, *_EXTREMES))}
 """Pattern of the letters, signs and words that a formula is made of."""
 
 _ALLOWED = f"numbers, x, y, pi, + - * / **, parentheses, {', '.join((*_FUNCTIONS, *_EXTREMES))}"
+
+
+class Formula(Protocol):
+    """A component of a displacement or a load as a function of the place."""
+
+    def __call__(self, points: Floats) -> Floats:
+        """Values (n,) in SI at points (n, 2) m."""
+        ...
+
+
+Component = float | Formula
 
 
 class FormulaError(ValueError):
@@ -119,7 +129,6 @@ class OrFormula:
     kind: str = "length"
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f'a {self.kind} or a formula in x and y such as "0.09*x - 0.1"'
 
     def read(self, node: Node, path: Path, context: Context) -> object:

@@ -8,23 +8,21 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Collection
-from dataclasses import asdict
+from collections import Counter
+from copy import copy
 from typing import Any, Final
 
-from crackgrow.case import scene
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.base import BESIDE, OfFile
+from crackgrow.case.format import CASE
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import OutlineFile
 from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
-from crackgrow.case.scene import CASE
 from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,
     REQUIRED,
-    Chosen,
     Components,
     Converted,
     Field,
@@ -33,23 +31,20 @@ from crackgrow.case.schema import (
     Named,
     OneOf,
     OneOrList,
+    Same,
 )
 from crackgrow.case.units import LARGEST, SMALLEST, UNITS
 
 Schema = dict[str, Any]
 
 DRAFT: Final = "http://json-schema.org/draft-07/schema#"
+SHORT: Final = 64  # letters of a schema that is written out wherever it is met
 
 _HERE: Final = "#/definitions/"
-_SCENE: Final[dict[str, Spec]] = {
-    name.lower().strip("_"): spec for name, spec in vars(scene).items() if name.isupper() and hasattr(spec, "describe")
-}
-"""All specs that have a name in `scene`, by that name."""
-
-_NUMBER: Final = r"[-+]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?"
+_NUMBER: Final = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"
 _NOT_ZERO: Final = "[^a-zA-Z]*[1-9]"  # ahead of a number: it has a digit, before its exponent, that is not 0
 _NO_LETTERS: Final = r"\x00-,./:-@\[-^`{-\x7f\u0300-\u036f\u2000-\u206f"  # _ and - are some; letters are of any script
-_NAME: Final = rf"^[^{_NO_LETTERS}-][^{_NO_LETTERS}]{{0,63}}$"
+_NAME: Final = {"title": "name", "pattern": rf"^[^{_NO_LETTERS}-][^{_NO_LETTERS}]{{0,63}}$"}
 _NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,\s*[^)\s])"  # 1.2.3, sin(x, y)
 
 
@@ -77,211 +72,179 @@ def _json(value: object) -> str:
 
 def schema_of(spec: Spec) -> Schema:
     """What a spec accepts, as far as JSON Schema can say it; what is met more than once is a definition."""
-    every = _Schemas(None)
-    text = _json([every.written(spec), every.definitions])
-    shared = _Schemas({name for name in every.definitions if text.count(f'"{_HERE}{name}"') > 1})
-    body = shared.written(spec)
+    whole = _written(spec)
+    times: Counter[str] = Counter()
+    _count(whole, times)
+    shared = _Shared({text for text, number in times.items() if number > 1 and len(text) > SHORT})
+    body = shared.with_references(whole, "case")
     return body | ({"definitions": shared.definitions} if shared.definitions else {})
 
 
-def _name_of(spec: Spec) -> str:
-    """What the definition of a spec is called, empty where it never is one: a quantity, or as in `scene`."""
-    match spec:
-        case Quantity(kind, bounds):
-            return "_".join([kind, *(f"{key}_{limit:g}" for key, limit in asdict(bounds).items() if limit is not None)])
-        case OrFormula(kind):
-            return f"{kind}_or_formula"
-        case Text(may_be_empty):
-            return "" if may_be_empty else "text"
-        case Switch() | Integer() | Number() | Share() | OfFile():
-            return ""
-    return next((name for name, other in _SCENE.items() if other == spec), "")
+def _inside(schema: Schema) -> list[tuple[Any, Any, str]]:
+    """Where the schemas in a schema stand: what holds each, its key or number in that, and the key that it is of."""
+    found: list[tuple[Any, Any, str]] = [(schema["properties"], name, name) for name in schema.get("properties", ())]
+    found += [(schema[key], number, "") for key in ("anyOf", "allOf") for number in range(len(schema.get(key, ())))]
+    return found + [(schema, key, "") for key in ("items", "additionalProperties", "propertyNames") if schema.get(key)]
 
 
-class _Schemas:
-    """Writes specs as schemas, those with a name as definitions that others refer to."""
+def _count(schema: Schema, times: Counter[str]) -> None:
+    """Count how often each schema is met, where those in equal ones are looked at once."""
+    for holder, place, _ in _inside(schema):
+        text = _json(holder[place])
+        times[text] += 1
+        if times[text] == 1:
+            _count(holder[place], times)
 
-    def __init__(self, shared: Collection[str] | None) -> None:
-        self._shared = shared  # names of the definitions; None: all that have a name
-        self._keys: dict[str, list[Field]] = {}
+
+class _Shared:
+    """Puts references in the place of schemas that are met more than once."""
+
+    def __init__(self, texts: set[str]) -> None:
+        self._names: dict[str, str] = {}
+        self._texts = texts
         self.definitions: dict[str, Schema] = {}
 
-    def of(self, spec: Spec) -> Schema:
-        """The schema, or a reference to it."""
-        name = _name_of(spec)
-        return self._referred(name, lambda: self.written(spec)) if name else self.written(spec)
+    def of(self, schema: Schema, key: str) -> Schema:
+        """A schema, or a reference to its definition, which is called after its title or the key that it is met at."""
+        text = _json(schema)
+        if text not in self._texts:
+            return self.with_references(schema, key)
+        if text not in self._names:
+            name = re.sub(r"\W+", "_", schema.get("title", key).partition(" (")[0])
+            number = sum(re.fullmatch(rf"{name}(_\d+)?", other) is not None for other in self._names.values())
+            self._names[text] = f"{name}_{number + 1}" if number else name
+            self.definitions[self._names[text]] = {}  # its place, before those inside of it
+            self.definitions[self._names[text]] = self.with_references(schema, key)
+        return {"$ref": _HERE + self._names[text]}
 
-    def _referred(self, name: str, write: Callable[[], Schema]) -> Schema:
-        """A reference to a definition, or what it is where it is no shared one."""
-        if self._shared is not None and name not in self._shared:
-            return write()
-        if name not in self.definitions:
-            self.definitions[name] = write()
-        return {"$ref": f"{_HERE}{name}"}
+    def with_references(self, schema: Schema, key: str) -> Schema:
+        """A schema with references inside; what one alone adds to its description it holds itself."""
+        found = {name: copy(value) for name, value in schema.items()}
+        for holder, place, its_key in _inside(found):
+            holder[place] = self.of(holder[place], its_key or key)
+        alone = found.get("allOf", [{"$ref": ""}])[0]
+        if "$ref" in alone:
+            return found
+        del found["allOf"]
+        return {**found, **alone, **found}
 
-    def written(self, spec: Spec) -> Schema:
-        """The schema itself."""
-        match spec:
-            case Mapping():
-                return self._mapping(spec)
-            case Chosen():
-                return self.of(spec.otherwise)
-            case OneOf(forms):
-                return {"anyOf": [self.of(form) for form in forms]}
-            case Converted(inner):
-                return self.of(inner)
-            case OfFile(kind):
-                return {"type": "object" if kind == "a mapping" else "string"}
-            case Definitions(named):
-                return self.of(named)
-            case Reference(_, _, inner):
-                return {"anyOf": [self.of(inner), {"type": ["string", "number"], "allOf": [self._name()]}]}
-            case Components(mapping):
-                return {"anyOf": [self.of(spec.listing), self.of(mapping)]}
-            case Named(_, inner, at_most):
-                names = {"propertyNames": self._name(), "maxProperties": at_most}
-                return {"type": "object", **names, "additionalProperties": self.of(inner)}
-            case ListOf(inner, length, at_most):
-                sized = {"maxItems": at_most} if length is None else {"minItems": length, "maxItems": length}
-                return {"type": "array", "items": self.of(inner), **sized}
-            case OneOrList(inner):
-                return {"anyOf": [self.of(inner), self.of(ListOf(inner))]}
-            case WordOr(words, inner, docs):
-                other = self.of(inner)
-                return {"anyOf": [self.of(Choice(words, docs)), *other.get("anyOf", [other])]}
-            case _:
-                return _scalar(spec)
 
-    def _name(self) -> Schema:
-        """What a name of the user's choice looks like."""
-        return self._referred("name", lambda: {"pattern": _NAME})
+def _written(spec: Spec) -> Schema:
+    """The schema of a spec without references."""
+    match spec:
+        case Mapping(fields, at_least_one):
+            required = [key for key, field in fields.items() if field.default is REQUIRED]
+            return {
+                "type": "object",
+                "properties": {key: _property(field) for key, field in fields.items()},
+                "additionalProperties": False,
+                **({"required": required} if required else {}),
+                **({"minProperties": 1} if at_least_one else {}),
+            }
+        case OneOf(forms):
+            return {"anyOf": [_written(form) for form in forms]}
+        case Converted(inner) | Definitions(inner):
+            return _written(inner)
+        case OfFile(kind):
+            return {"type": "object" if kind == "a mapping" else "string"}
+        case Reference(_, where, inner):
+            name = {"title": f"reference (to {where})", "type": ["string", "number"], "allOf": [_NAME]}
+            return {"anyOf": [_written(inner), name]}
+        case Components(mapping):
+            return {"anyOf": [_written(spec.listing), _written(mapping)]}
+        case Named(_, inner, at_most):
+            names = {"propertyNames": _NAME, "maxProperties": at_most}
+            return {"type": "object", **names, "additionalProperties": _written(inner)}
+        case ListOf(inner, length, at_most):
+            sized = {"maxItems": at_most} if length is None else {"minItems": length, "maxItems": length}
+            return {"type": "array", "items": _written(inner), **sized}
+        case OneOrList(inner):
+            return {"anyOf": [_written(inner), _written(ListOf(inner))]}
+        case WordOr(words, inner, docs):
+            return {"anyOf": [_written(Choice(words, docs)), _written(inner)]}
+    return _scalar(spec)
 
-    def _mapping(self, spec: Mapping) -> Schema:
-        required = [key for key, field in spec.fields.items() if field.default is REQUIRED]
-        return {
-            "type": "object",
-            "properties": {key: self._property(key, field) for key, field in spec.fields.items()},
-            "additionalProperties": False,
-            **({"required": required} if required else {}),
-            **({"minProperties": 1} if spec.at_least_one else {}),
-        }
 
-    def _property(self, key: str, field: Field) -> Schema:
-        """The same of a key, or a reference to it; keys that mean other things elsewhere have numbers."""
-        known = self._keys.setdefault(key, [])
-        if field not in known:
-            known.append(field)
-        number = known.index(field)
-        return self._referred(f"key_{key}{f'_{number + 1}' if number else ''}", lambda: self._shown(field))
-
-    def _shown(self, field: Field) -> Schema:
-        """What a key accepts, with what an editor shows of it; beside a reference draft 7 heeds no other key."""
-        words = f"{field.doc}: {_described(field.spec)}{_units(field.spec)}"
-        plain = field.default not in (REQUIRED, OPTIONAL, BY_PARTS)
-        if field.default in (OPTIONAL, BY_PARTS):
-            words += "; optional"
-        elif plain:
-            words += f"; default: {json.dumps(field.default, ensure_ascii=False)}"
-        schema = self.of(field.spec)
-        schema = {"allOf": [schema]} if "$ref" in schema else schema
-        return {"description": words, **schema, **({"default": field.default} if plain else {})}
+def _property(field: Field) -> Schema:
+    """What a key accepts, with what an editor shows of it; beside a reference draft 7 heeds no other key."""
+    plain = field.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(field.default, Same)
+    measured = isinstance(getattr(field.spec, "spec", field.spec), Quantity | Number | Integer)
+    return {
+        "description": f"{field.doc}: {field.spec.describe()}" if measured else field.doc,
+        **({"default": field.default} if plain else {}),
+        "allOf": [_written(field.spec)],
+    }
 
 
 def _scalar(spec: Spec) -> Schema:
     match spec:
         case Text(may_be_empty):  # an editor takes 2017 and true for no texts, the reader does
-            pattern = {} if may_be_empty else {"pattern": r"\S"}
-            return {"type": ["string", "number", "boolean"], **pattern}
+            return {"type": ["string", "number", "boolean"], **({} if may_be_empty else {"pattern": r"\S"})}
         case Choice(words, docs):
             return {"enum": list(words), **({"enumDescriptions": list(docs)} if docs else {})}
         case Switch():
             return {"type": "boolean"}
         case Number(bounds):
-            return {"type": "number", **_limits(bounds), **_no_less(SMALLEST)}
+            return {"allOf": [_bare(1.0)], **_limits(bounds)}
         case Integer(bounds):
             return {"type": "integer", **_limits(bounds)}
         case Quantity(kind, bounds):
-            return {"anyOf": [_bare(kind, bounds), _with_unit(kind, bounds)]}
+            title = {"title": spec.describe().partition(" ")[2]}
+            limited = {**title, "allOf": [_quantity(kind)], **_limits(bounds), **_sign(bounds)}
+            return limited if bounds != ANY else _quantity(kind)
         case Share(bounds):
             percent = {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*%\s*$"}
             return {"anyOf": [{"type": "number", **_limits(bounds)}, percent]}
         case LengthOrAngle():
-            texts = [_with_unit(kind, ANY) for kind in ("length", "angle")]
-            return {"anyOf": [_bare("length", ANY), *texts]}
+            return {"anyOf": [_quantity("length"), _quantity("angle")]}
         case OrFormula(kind):
-            formula = {"type": "string", "pattern": rf"^(?!\s*{_NUMBER}\s*$){_NO_FORMULA}({ALPHABET})+$"}
-            return {"anyOf": [_bare(kind, ANY), _with_unit(kind, ANY), formula]}
+            pattern = rf"^(?!\s*{_NUMBER}\s*$){_NO_FORMULA}({ALPHABET})+$"
+            formula = {"title": "formula (in x and y, such as 0.09*x - 0.1)", "type": "string", "pattern": pattern}
+            return {"anyOf": [_quantity(kind), formula]}
         case OutlineFile():
             letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in spec.endings]
-            return {"type": "string", "pattern": rf"\.({'|'.join(letters)})$"}
+            return {"title": spec.describe(), "type": "string", "pattern": rf"\.({'|'.join(letters)})$"}
     raise TypeError(f"{type(spec).__name__} has no form in JSON Schema")
 
 
-def _described(spec: Spec) -> str:
-    """What a spec allows, in words; which keys a mapping has an editor tells as they are typed."""
-    match spec:
-        case Mapping() | Chosen():
-            return "a mapping"
-        case Converted(inner):
-            return _described(inner)
-        case Reference(_, where, inner):
-            return f"{_described(inner)}, or a name from `{where}`"
-        case WordOr(words, other):
-            return f"{' | '.join(words)} | {_described(other)}"
-        case Components():
-            return f"{spec.listing.describe()}, or a mapping"
-    return spec.describe()
-
-
-def _units(spec: Spec) -> str:
-    """The units that a quantity, or each item of a list of them, may have, and what a bare number means."""
-    match spec:
-        case Quantity(kind):
-            chosen = {
-                "length": "in units.length",
-                "stress": "in units.stress",
-                "toughness": "in units.stress sqrt(m), where units.length is m",
-                "stiffness": "in units.stress / units.length",
-            }
-            bare = chosen.get(kind, f"in {next(iter(UNITS[kind]))}")
-            return f" ({' | '.join(UNITS[kind])}; a bare number is {bare})"
-        case OrFormula(kind):
-            return _units(Quantity(kind))
-        case ListOf(inner) | WordOr(_, inner) | Reference(_, _, inner):
-            return _units(inner)
-        case Components():
-            return _units(spec.listing)
-    return ""
-
-
 def _limits(bounds: Bounds) -> Schema:
-    """Bounds of a number, and the size beyond which there is nothing physical."""
-    low = {"exclusiveMinimum": bounds.above} if bounds.above is not None else {"minimum": bounds.at_least}
-    high = {"exclusiveMaximum": bounds.below} if bounds.below is not None else {"maximum": bounds.at_most}
-    limits = {key: value for key, value in (low | high).items() if value is not None}
-    return limits | {key: size for key, size in (("minimum", -LARGEST), ("maximum", LARGEST)) if _open(limits, key)}
+    """Bounds of a number; a text heeds none of them."""
+    keys = {
+        "exclusiveMinimum": bounds.above,
+        "minimum": bounds.at_least,
+        "exclusiveMaximum": bounds.below,
+        "maximum": bounds.at_most,
+    }
+    return {key: value for key, value in keys.items() if value is not None}
 
 
-def _open(limits: Schema, key: str) -> bool:
-    return key not in limits and f"exclusive{key.capitalize()}" not in limits
-
-
-def _no_less(smallest: float) -> Schema:
-    """Nothing nearer to 0 than physical numbers are, but 0; nor .nan, which no bound refuses."""
-    return {"not": {"exclusiveMinimum": -smallest, "exclusiveMaximum": smallest, "not": {"const": 0}}}
-
-
-def _bare(kind: str, bounds: Bounds) -> Schema:
-    """A bare number; its unit is another key's business, so that the smallest one is that of the largest unit."""
-    return {"type": "number", **_limits(bounds), **_no_less(SMALLEST / float(max(UNITS[kind].values())))}
-
-
-def _with_unit(kind: str, bounds: Bounds) -> Schema:
-    """A text of a number and a unit; of its bounds a pattern can tell the sign."""
-    sign = ""
+def _sign(bounds: Bounds) -> Schema:
+    """What a pattern can tell of the bounds of a number with a unit."""
     if bounds.above == 0:
-        sign = rf"(?!\s*-)(?={_NOT_ZERO})"
-    elif bounds.at_least == 0:
-        sign = rf"(?!\s*-{_NOT_ZERO})"
+        return {"pattern": rf"^(?!\s*-)(?={_NOT_ZERO})"}
+    return {"pattern": rf"^(?!\s*-{_NOT_ZERO})"} if bounds.at_least == 0 else {}
+
+
+def _bare(largest: float) -> Schema:
+    """A number that is physical in the largest of its units: not .nan, which no bound refuses, and 0 or far from it."""
+    near = {"exclusiveMinimum": -SMALLEST / largest, "exclusiveMaximum": SMALLEST / largest, "not": {"const": 0}}
+    return {"title": "number", "type": "number", "minimum": -LARGEST, "maximum": LARGEST, "not": near}
+
+
+def _quantity(kind: str) -> Schema:
+    """A bare number, whose unit is another key's business, or a text of a number and a unit."""
+    chosen = {
+        "length": "in units.length",
+        "stress": "in units.stress",
+        "toughness": "in units.stress sqrt(m), where units.length is m",
+        "stiffness": "in units.stress / units.length",
+    }
+    bare = chosen.get(kind, f"in {next(iter(UNITS[kind]))}")
     units = "|".join(re.escape(unit) for unit in UNITS[kind])
-    return {"type": "string", "pattern": rf"^{sign}\s*{_NUMBER}\s*({units})\s*$"}
+    return {
+        "title": f"{kind} ({' | '.join(UNITS[kind])}; a bare number is {bare})",
+        "anyOf": [
+            _bare(float(max(UNITS[kind].values()))),
+            {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*({units})\s*$"},
+        ],
+    }

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 from crackgrow.case.along import LengthOrAngle
+from crackgrow.case.format import CASE
 from crackgrow.case.outline_file import OutlineFile
 from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
-from crackgrow.case.scene import CASE
 from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,
     REQUIRED,
-    Chosen,
     Components,
     Converted,
     Field,
@@ -25,6 +24,7 @@ from crackgrow.case.schema import (
     Named,
     OneOf,
     OneOrList,
+    Same,
 )
 from crackgrow.case.units import UNITS, Units
 
@@ -62,9 +62,6 @@ def case_keys(spec: Spec = CASE) -> list[Key]:
 
 
 def _keys(spec: Spec, before: str, known: dict[int, tuple[str, str]]) -> Iterator[Key]:
-    if isinstance(spec, Chosen):
-        yield from _chosen(spec, before, known)
-        return
     for name, field in _fields(spec):
         full = before + name
         inner = _core(field.spec)
@@ -75,15 +72,6 @@ def _keys(spec: Spec, before: str, known: dict[int, tuple[str, str]]) -> Iterato
         yield Key(full, field.doc, value.kind, value.units, _default(field), value.allowed, like)
         if inner is not None:
             yield from _keys(inner, full + step, known)
-
-
-def _chosen(spec: Chosen, before: str, known: dict[int, tuple[str, str]]) -> Iterator[Key]:
-    """Keys whose defaults a word chooses: where they differ, they are told word by word."""
-    forms = {word: {key.name: key.default for key in _keys(form, before, {})} for word, form in spec.forms.items()}
-    for key in _keys(spec.otherwise, before, known):
-        others = {word: defaults[key.name] for word, defaults in forms.items() if defaults[key.name] != key.default}
-        told = f" ({', '.join(f'{word}: {default}' for word, default in others.items())})" if others else ""
-        yield replace(key, default=key.default + told)
 
 
 def _fields(spec: Spec) -> list[tuple[str, Field]]:
@@ -101,28 +89,16 @@ def _fields(spec: Spec) -> list[tuple[str, Field]]:
 
 def _core(spec: Spec) -> Spec | None:
     """The mapping inside of a spec, or None."""
-    match spec:
-        case Mapping() | OneOf() | Chosen():
-            return spec
-        case Components(mapping):
-            return mapping
-        case Definitions(inner) | Reference(_, _, inner) | Converted(inner) | ListOf(inner) | OneOrList(inner):
-            return _core(inner)
-        case WordOr(_, inner) | Named(_, inner):
-            return _core(inner)
-    return None
+    if isinstance(spec, Components):
+        return spec.mapping
+    inner = getattr(spec, "spec", None)
+    return spec if isinstance(spec, Mapping | OneOf) else inner and _core(inner)
 
 
 def _step(spec: Spec) -> str:
     """What stands between a key and those of the mapping inside of it."""
-    match spec:
-        case Named(_, inner):
-            return f".{NAME}{_step(inner)}"
-        case ListOf(inner):
-            return f".{NUMBER}{_step(inner)}"
-        case Definitions(inner) | Reference(_, _, inner) | Converted(inner) | OneOrList(inner) | WordOr(_, inner):
-            return _step(inner)
-    return "."
+    here = f".{NAME}" if isinstance(spec, Named) else f".{NUMBER}" if isinstance(spec, ListOf) else ""
+    return here + (_step(spec.spec) if hasattr(spec, "spec") else ".")
 
 
 def _default(field: Field) -> str:
@@ -132,12 +108,14 @@ def _default(field: Field) -> str:
         return "may be left out"
     if field.default is BY_PARTS:
         return "that of its keys"
+    if isinstance(field.default, Same):
+        return f"that of {field.default.key}"
     return json.dumps(field.default, ensure_ascii=False).replace('"', "") or "empty"
 
 
 def _value(spec: Spec) -> _Value:
     match spec:
-        case Mapping() | Chosen():
+        case Mapping():
             return _Value("mapping")
         case OneOf(forms):
             return _Value("mapping", allowed=f"with {' or '.join(form.form() for form in forms)}")

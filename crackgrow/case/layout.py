@@ -25,7 +25,9 @@ from crackgrow.case.units import Units
 SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
 
 EXACT: Final = 12  # digits of a place that the user is to write
-ENDS_WITH_TIP: Final = {"both": ("start", "end"), "start": ("start",), "end": ("end",)}
+ENDS_WITH_TIP: Final[dict[str | None, tuple[str, ...]]] = {
+    "both": ("start", "end"), "start": ("start",), "end": ("end",), "none": (), None: (),
+}  # fmt: skip
 
 SHORTEST = 1e-3  # least crack length and increment, in lattice spacings; least segment, also in crack lengths
 
@@ -72,16 +74,14 @@ class Scene:
         """Whether every body of the case has a sound shape."""
         return len(self.bodies) == len(named(self.resolved, "bodies")) > 0
 
-    def touch(self, first: str, second: str) -> bool:
-        """Whether two bodies share a boundary."""
-        return (first, second) in self.shared or (second, first) in self.shared
+    def lines_between(self, first: str, second: str) -> tuple[Floats, ...]:
+        """The boundary that two bodies share: lines (n, 2) m, none where they share no boundary."""
+        return self.shared.get((first, second)) or self.shared.get((second, first)) or ()
 
     def tips_of(self, crack: str) -> tuple[str, ...]:
         """The ends of a crack, `start` and `end`, with a tip that can grow: not those that were moved."""
         moved = [move.end for move in self.moves if move.end is not None and move.distance > self.tolerance]
-        return tuple(
-            end for end in ENDS_WITH_TIP.get(self.get("cracks", crack, "tips"), ()) if (crack, end) not in moved
-        )
+        return tuple(end for end in ENDS_WITH_TIP[self.get("cracks", crack, "tips")] if (crack, end) not in moved)
 
     def get(self, *path: str) -> Any:
         """Return the value at a key path if it is given and sound, else None."""
@@ -107,14 +107,15 @@ class Scene:
                 radius = radius_of(criterion, strength["tension"], strength["toughness"])
                 yield name, ("bodies", name, "strength", "toughness"), radius
 
+    def listed(self, key: str) -> list[tuple[int, Resolved]]:
+        """Return the items of a list that could be read, as a whole or in part, with their numbers."""
+        listing = self.resolved.get(key)
+        items = enumerate(listing if isinstance(listing, list) else [])
+        return [(index, item) for index, item in items if isinstance(item, dict)]
+
     def items(self, key: str, kind: str) -> list[tuple[int, Resolved]]:
         """Return the items of a list that have a key and no fault, with their numbers."""
-        listing = self.resolved.get(key)
-        return [
-            (index, item)
-            for index, item in enumerate(listing if isinstance(listing, list) else [])
-            if isinstance(item, dict) and kind in item and self.report.sound(key, index)
-        ]
+        return [(index, item) for index, item in self.listed(key) if kind in item and self.report.sound(key, index)]
 
     def length(self, value: float) -> str:
         """Write a length in the units of the case."""
@@ -195,7 +196,7 @@ def settle_spacing(scene: Scene) -> None:
             scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
         return
     numerics = scene.resolved["numerics"]
-    spacing, rule, refine = given, "", numerics["refine"]
+    spacing, rule, refine = given, "", numerics["refine"] if isinstance(numerics["refine"], dict) else {}
     if given == AUTO or "auto_rule" in numerics:
         asked = {key: refine.get(key, AUTO) for key in REFINED_AT if isinstance(accuracy, str) or key == "corners"}
         refined = [kind for key, levels in asked.items() if levels == AUTO for kind in REFINED_AT[key]]

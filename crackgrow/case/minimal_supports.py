@@ -9,10 +9,10 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
+from crackgrow.case.format import MINIMAL
 from crackgrow.case.formula import component_at, component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.regions import ends_of
-from crackgrow.case.scene import MINIMAL
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.errors import CaseError
 

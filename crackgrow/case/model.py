@@ -1,46 +1,64 @@
-"""What a case says, checked and in SI units: frozen data without behaviour."""
+"""What a case says, checked and in SI units: frozen data without behaviour.
+
+A field that is a key of the case format has its line in `Doc`, and what it takes in the spec before it, unless its
+type says that: see `declared`. The others follow from the geometry.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Annotated, Any, Final, Literal
 
 from crackgrow.arrays import Floats
+from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD
+from crackgrow.case.declared import ByName, Doc
+from crackgrow.case.formula import Component, Formula, OrFormula
 from crackgrow.case.read_only import read_only
+from crackgrow.case.regions import EdgeRegion
+from crackgrow.case.scalars import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Bounds,
+    Choice,
+    Integer,
+    Number,
+    Quantity,
+    Share,
+    Text,
+    WordOr,
+)
+from crackgrow.case.schema import BY_PARTS, OPTIONAL, Field, ListOf, Mapping, Same
+from crackgrow.case.spellings import DISPLACEMENT, PAIR, PATH, POINT, REGION, SHAPE, SIZE, TRACTION
 
+__all__ = ["Component", "EdgeRegion", "Formula"]  # with the classes of this module
 
-class Formula(Protocol):
-    """A component of a displacement or a load as a function of the place."""
-
-    def __call__(self, points: Floats) -> Floats:
-        """Values (n,) in SI at points (n, 2) m."""
-        ...
-
-
-Component = float | Formula
+MODULUS: Final = Quantity("stress", POSITIVE)
+COHESION: Final = Quantity("stress", NOT_NEGATIVE)
+ACUTE: Final = Quantity("angle", Bounds(at_least=0, below=90))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Material:
     """Isotropic linear elasticity."""
 
-    young: float  # Pa
-    poisson: float
-    density: float | None = None  # kg/m^3
+    young: Annotated[float, MODULUS, Doc("Young's modulus")]  # Pa
+    poisson: Annotated[float, Number(Bounds(above=-1, at_most=0.5)), Doc("Poisson's ratio")]
+    density: Annotated[float | None, Quantity("density", POSITIVE), Doc("mass density")] = None  # kg/m^3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Strength:
     """Tension cut-off and Mohr-Coulomb shear strength."""
 
-    tension: float  # Pa
-    cohesion: float  # Pa
-    friction_angle: float  # degrees
-    toughness: float | None = None  # Pa sqrt(m), K_Ic; the averaging radius follows from it
+    tension: Annotated[float, MODULUS, Doc("tensile strength")]  # Pa
+    cohesion: Annotated[float, COHESION, Doc("cohesion of the intact rock")]  # Pa
+    friction_angle: Annotated[float, ACUTE, Doc("angle of internal friction")]  # degrees
+    toughness: Annotated[
+        float | None,
+        Quantity("toughness", POSITIVE),
+        Doc("K_Ic, from which the averaging radius of the criterion follows"),
+    ] = None  # Pa sqrt(m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,9 +74,11 @@ class Body:
     """One piece of rock. Its sides are numbered ring by ring."""
 
     name: str
-    rings: tuple[Ring, ...]  # the outline, then the holes
-    material: Material
-    strength: Strength | None
+    rings: Annotated[
+        tuple[Ring, ...], SHAPE, Doc("outline of the body", key="shape", drawn=True)
+    ]  # the outline, then the holes
+    material: Annotated[Material, ByName("material", "materials"), Doc("elastic constants")]
+    strength: Annotated[Strength | None, Doc("strength of the rock, where cracks may grow", default=OPTIONAL)]
 
     @property
     def outline(self) -> Floats:
@@ -74,13 +94,37 @@ class CoulombContact:
     is kept. Slip over asperities opens the faces by tan(dilation angle) |slip|.
     """
 
-    friction: float
-    cohesion: float  # Pa
-    residual_friction: float  # of broken points
-    cohesion_kept: bool  # whether broken points cohere where they are closed
-    dilation_angle: float = 0.0  # degrees
-    stiffness: tuple[float, float] | None = None  # Pa/m: normal, shear; None: that of the numerics
-    weakening_length: float = 0.0  # m of slip over which friction and cohesion fall; 0: with the first slip
+    friction: Annotated[float, Number(NOT_NEGATIVE), Doc("Coulomb's friction coefficient")]
+    cohesion: Annotated[float, COHESION, Doc("cohesion of the closed faces")]  # Pa
+    residual_friction: Annotated[
+        float,
+        Number(NOT_NEGATIVE),
+        Doc("friction of points that have slipped or opened", default=Same("friction")),
+    ]
+    cohesion_kept: Annotated[
+        bool,
+        Choice(("lost", "kept"), ("none is left", "stays where the point is closed")),
+        Doc("cohesion of points that slipped or opened", key="cohesion_after_slip"),
+    ] = False
+    dilation_angle: Annotated[float, ACUTE, Doc("faces part by tan of it x slip")] = 0.0  # degrees
+    weakening_length: Annotated[
+        float,
+        SIZE,
+        Doc(
+            "slip over which friction and cohesion fall linearly to their residual values; left out: at once",
+            default=OPTIONAL,
+        ),
+    ] = 0.0  # m
+    stiffness: Annotated[
+        tuple[float, float] | None,
+        Mapping(
+            {
+                "normal": Field(Quantity("stiffness", POSITIVE), "pressure per closure"),
+                "shear": Field(Quantity("stiffness", POSITIVE), "shear stress per elastic slip"),
+            }
+        ),
+        Doc("stiffness of the joint, in place of numerics.contact.stiffness"),
+    ] = None  # Pa/m: normal, shear; None: that of the numerics
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,10 +132,14 @@ class Crack:
     """A pre-existing crack: an open polyline."""
 
     name: str
-    points: Floats  # (n, 2) m, from start to end
+    points: Annotated[Floats, PATH, Doc("where the crack runs", key="path", drawn=True)]  # (n, 2) m, from start to end
     tip_at_start: bool  # whether the start can grow; an end in rock, on no other crack, is a singular tip all the same
     tip_at_end: bool
-    contact: CoulombContact | None  # None: the faces never touch each other
+    contact: Annotated[
+        CoulombContact | None,
+        ByName("law", "laws", ("none",)),
+        Doc("law of the closed faces; none: they never touch each other"),
+    ]
     body: str  # the body that it lies in
     left_out: int = 0  # vertices that were given besides: each repeats the one before it
 
@@ -100,64 +148,77 @@ class Crack:
 class Interface:
     """Where two bodies share a boundary."""
 
-    bodies: tuple[str, str]
+    bodies: Annotated[tuple[str, str], PAIR, Doc("names of two bodies that share a boundary", key="between")]
     lines: tuple[Floats, ...]  # each (n, 2) m, open polylines; the first body lies on the left
-    contact: CoulombContact | Literal["bonded"]
+    contact: Annotated[
+        CoulombContact | Literal["bonded"],
+        ByName("law", "laws", ("bonded",)),
+        Doc("law of the common faces; bonded: they never part or slip"),
+    ]
+
+
+OfPoint = Annotated[str, Doc("the body, if the point lies on more than one", default=OPTIONAL, drawn=True)]
+OnlyBody = Annotated[str, Doc("name of a body; may be left out where there is one", default=OPTIONAL)]
+At = Annotated[Floats, POINT, Doc("a point, [x, y]", key="at", drawn=True)]
+Displacement = Annotated[tuple[Component | None, Component | None], DISPLACEMENT, Doc("prescribed displacement")]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointSupport:
     """Displacement prescribed at a point of a body; a component that is None is free."""
 
-    body: str
-    point: Floats  # (2,) m
-    displacement: tuple[Component | None, Component | None]  # m
+    body: OfPoint
+    point: At  # (2,) m
+    displacement: Displacement  # m
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class EdgeRegion:
-    """A named edge of a body, or a part of it: sides of its rings, each from one fraction of its length to another."""
-
-    body: str
-    edge: str
-    sides: NDArray[np.int64]  # (k,) numbers of the body's sides, in order along the ring
-    limits: Floats  # (k, 2) where the part begins and ends on each of them: 0 at its first corner, 1 at its second
+OnEdge = Annotated[
+    EdgeRegion,
+    REGION,
+    Doc("an edge or a part of one", key="on", also=("true",), drawn=True),  # what YAML 1.1 makes of `on`
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeSupport:
     """Displacement prescribed along an edge; a component that is None is free."""
 
-    region: EdgeRegion
-    displacement: tuple[Component | None, Component | None]  # m
+    region: OnEdge
+    displacement: Displacement  # m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSupport:
     """A rigid foundation under an edge, which the body can lift off from."""
 
-    region: EdgeRegion
-    contact: CoulombContact
+    region: OnEdge
+    contact: Annotated[CoulombContact, ByName("law", "laws"), Doc("law of the contact with a rigid foundation")]
+
+
+Held = Annotated[bool, Doc("acts in full at every load factor")]
+LoadName = Annotated[str | None, Doc("name, by which stages give it factors of its own; loads may share one")]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeTraction:
     """Traction on an edge."""
 
-    region: EdgeRegion
-    traction: tuple[Component, Component]  # Pa
-    held: bool = False  # acts in full at every load factor
-    name: str | None = None  # by which stages give it factors of its own; several loads may share one
+    region: OnEdge
+    traction: Annotated[tuple[Component, Component], TRACTION, Doc("force per area, [x, y]")]  # Pa
+    held: Held = False
+    name: LoadName = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gravity:
     """Weight of a body."""
 
-    body: str
-    acceleration: tuple[float, float]  # m/s^2
-    held: bool = False
-    name: str | None = None
+    body: OnlyBody
+    acceleration: Annotated[
+        tuple[float, float], ListOf(Quantity("acceleration"), 2), Doc("acceleration, [x, y]", key="gravity")
+    ]  # m/s^2
+    held: Held = False
+    name: LoadName = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,30 +226,38 @@ class FluidPressure:
     """Pressure of a fluid on both faces of a crack or of an interface."""
 
     surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
-    pressure: Component  # Pa, positive pushes the faces apart
-    held: bool = False
-    name: str | None = None
+    pressure: Annotated[
+        Component, OrFormula("stress"), Doc("pressure of a fluid on both faces")
+    ]  # Pa, positive pushes the faces apart
+    held: Held = False
+    name: LoadName = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InSituStress:
     """Stress that a body holds before anything displaces."""
 
-    body: str
-    stress: tuple[Component, Component, Component]  # Pa: xx, yy, xy
-    held: bool = False
-    name: str | None = None
+    body: OnlyBody
+    stress: Annotated[
+        tuple[Component, Component, Component],
+        ListOf(OrFormula("stress"), 3),
+        Doc("in-situ stress, [xx, yy, xy]"),
+    ]  # Pa
+    held: Held = False
+    name: LoadName = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointForce:
     """A force at a point of a body."""
 
-    body: str
-    point: Floats  # (2,) m
-    force: tuple[float, float]  # N per metre of thickness
-    held: bool = False
-    name: str | None = None
+    point: At  # (2,) m
+    force: Annotated[
+        tuple[float, float], ListOf(Quantity("force"), 2), Doc("force per thickness, [x, y]")
+    ]  # N per metre of thickness
+    body: OfPoint
+    held: Held = False
+    name: LoadName = None
 
 
 Support = PointSupport | EdgeSupport | ContactSupport
@@ -239,74 +308,218 @@ Loading = LoadHistory | CriticalLoad | StrengthReduction | Stages
 class Initiation:
     """Where cracks start."""
 
-    at: Literal["tips", "cracks", "outlines", "anywhere"] = "tips"  # each also where those before it
-    spacing: float | None = None  # m, of points on outlines and in the rock; None: by increment and averaging radius
+    at: Annotated[
+        Literal["tips", "cracks", "outlines", "anywhere"],
+        Doc(
+            "where cracks may start, by the criterion of growth",
+            (
+                "nowhere new: cracks go on at their tips",
+                "also between cracks: at kinks, beside wings, behind a crack that another one ends on",
+                "also at outlines and holes",
+                "also within the rock",
+            ),
+        ),
+    ] = "tips"
+    spacing: Annotated[
+        float | None,
+        WordOr((AUTO,), SIZE),
+        Doc("distance of the places on outlines and in the rock; auto: the larger of increment and averaging radius"),
+    ] = None  # m
 
 
 @dataclass(frozen=True, slots=True)
 class Subcritical:
     """How fast tips grow below the toughness: v = v_max (K / K_c)^n."""
 
-    velocity: float  # m/s, v_max
-    exponent: float  # n
-    threshold: float  # K / K_c up to which a tip stands still
+    velocity: Annotated[
+        float, Quantity("velocity", POSITIVE), Doc("v_max in v = v_max (K/K_c)^n: that at the toughness")
+    ]  # m/s
+    exponent: Annotated[float, Number(Bounds(at_least=0, at_most=200)), Doc("n")]
+    threshold: Annotated[
+        float, Number(Bounds(at_least=0, below=1)), Doc("K over K_c up to which a tip stands still")
+    ] = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Growth:
     """How cracks grow."""
 
-    steps: int
-    increment: float  # m
-    advance: Literal["most_critical", "in_turn", "all"]
-    criterion: Literal["strength", "directional_strength", "max_hoop_stress"]
-    direction: Literal["explicit", "implicit"]  # implicit: the kink is corrected until K_II vanishes at the new tip
-    tip_radius: float | None  # m, Shepard averaging radius where rock has no toughness
-    unload_between_steps: bool
-    initiation: Initiation = Initiation()
-    link_distance: float | None = None  # m, from other cracks at which a segment has reached them; None: a tenth of it
-    subcritical: Subcritical | None = None  # None: a tip grows where the criterion is met
+    steps: Annotated[
+        int, Integer(Bounds(at_least=0, at_most=10000)), Doc("growth steps; 0: the criterion is only judged")
+    ]
+    increment: Annotated[float, SIZE, Doc("length added to a tip in one step")]  # m
+    advance: Annotated[
+        Literal["most_critical", "in_turn", "all"],
+        Doc(
+            "tips that advance in a step",
+            (
+                "one tip a step",
+                "one tip a step, of those that have grown least",
+                "every tip that meets the criterion",
+            ),
+        ),
+    ]
+    criterion: Annotated[
+        Literal["strength", "directional_strength", "max_hoop_stress"],
+        Doc(
+            "when and where a tip grows",
+            (
+                "averaged stress of the tip: across its major principal stress, else on a Mohr-Coulomb plane",
+                "hoop tension and shear on every ray from the tip; follows the path of K_II = 0 better",
+                "direction of the largest hoop stress, from K_I and K_II",
+            ),
+        ),
+    ]
+    direction: Annotated[
+        Literal["explicit", "implicit"],
+        Doc(
+            "left out: implicit for max_hoop_stress in rock with a toughness, else explicit",
+            ("that at the old tip", "corrected until K_II vanishes at the new tip; max_hoop_stress"),
+            default=OPTIONAL,
+        ),
+    ]
+    tip_radius: Annotated[
+        float | None,
+        Mapping({"radius": Field(SIZE, "Shepard averaging radius, a material length")}),
+        Doc("how the stress at a tip is taken where rock has no toughness", key="tip_stress", default=OPTIONAL),
+    ]  # m
+    unload_between_steps: Annotated[
+        bool, Doc("start every step from the unloaded state; false: friction remembers")
+    ] = True
+    initiation: Annotated[Initiation, Doc("where new cracks start")] = Initiation()
+    link_distance: Annotated[
+        float | None,
+        WordOr((AUTO,), SIZE),
+        Doc("a segment that heads for another crack and comes this close links up with it; auto: a tenth of increment"),
+    ] = None  # m
+    law: Annotated[
+        Literal["critical", "subcritical"],
+        Doc(
+            "what lets a tip grow",
+            (
+                "a tip grows where the criterion is met",
+                "every tip grows with a velocity that follows from K over K_c",
+            ),
+        ),
+    ] = "critical"
+    subcritical: Annotated[Subcritical | None, Doc("how fast tips grow, with law: subcritical")] = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactNumerics:
     """How the contact problem is discretized and solved."""
 
-    stiffness: float | None  # kappa in k = kappa E / h; None: rigid
-    discretization: Literal["mortar", "gauss"]
-    solver: Literal["newton", "lemke"]
-    spacing: float  # distance of the mortar nodes, in lattice spacings
+    stiffness: Annotated[
+        float | None,
+        WordOr(
+            ("rigid",),
+            Number(
+                POSITIVE,
+                note=", kappa of k = kappa E / h without a unit; that of a joint in Pa/m is `stiffness` of its contact",
+            ),
+        ),
+        Doc("rigid, or kappa in k = kappa E / h"),
+    ] = None
+    discretization: Annotated[
+        Literal["mortar", "gauss"],
+        Doc(
+            "where contact is enforced",
+            ("on average round nodes along the faces", "at Gauss points; wants a finite stiffness"),
+        ),
+    ] = "mortar"
+    solver: Annotated[
+        Literal["newton", "lemke"],
+        Doc(
+            "how the contact problem is solved",
+            ("semismooth Newton", "complementary pivots; slow with many points"),
+        ),
+    ] = "newton"
+    spacing: Annotated[float, Number(Bounds(at_least=0.5, at_most=4)), Doc("least distance of contact nodes, in h")] = (
+        1.25
+    )
 
 
 Halvings = int | Literal["auto"]
+LEVELS: Final = WordOr((AUTO,), Integer(Bounds(at_least=0, at_most=MOST_LEVELS)))
 
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
     """How often cells are halved at places that ask for small ones; auto: until they are as small as accuracy asks."""
 
-    tips: Halvings = 0
-    kinks: Halvings = 0  # kinks, meetings and ends of cracks
-    corners: Halvings = 0  # re-entrant corners, point supports, ends of loaded and supported parts
-    rings: float = 2.0  # cells of each size on every side of such a place
+    tips: Annotated[
+        Halvings,
+        LEVELS,
+        Doc("halvings of the cells at crack tips; auto: what accuracy asks for", default=OPTIONAL),
+    ] = 0
+    kinks: Annotated[Halvings, LEVELS, Doc("the same at kinks, meetings and ends of cracks", default=OPTIONAL)] = 0
+    corners: Annotated[
+        Halvings,
+        LEVELS,
+        Doc(
+            "at re-entrant corners, point supports, ends of loaded and supported parts; auto: also at holes, narrow "
+            "rock and along these parts",
+            default=OPTIONAL,
+        ),
+    ] = 0
+    rings: Annotated[float, Number(Bounds(at_least=2, at_most=8)), Doc("cells of each size on every side of these")] = (
+        2.0
+    )
 
 
 Goal = Literal["K", "slip", "reaction", "load_factor"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Numerics:
     """Settings of the discretization."""
 
-    spacing: float  # m, lattice spacing h: side of the largest cells
-    support: float  # half width of a patch, in spacings
-    quadrature: int  # Gauss points per direction on an uncut cell
-    contact: ContactNumerics
-    accuracy: str | float = "standard"  # the preset of what the case leaves out, or a target of the error of the goal
-    refine: Refinement = Refinement()
-    tip_functions: Literal["auto", "patch", "gathered"] = "auto"
-    auto_rule: str | None = None  # what gave an automatic spacing; None: it was given
-    goal: Goal = "K"  # what a target is the error of
+    accuracy: Annotated[
+        str | float,
+        WordOr(
+            tuple(PRESETS),
+            Share(Bounds(at_least=0.001, at_most=0.2)),
+            tuple(f"spacing auto: a crack of {p.per_crack:g} spacings or more" for p in PRESETS.values()),
+        ),
+        Doc("preset of what is left out here, or what the goal may be off by"),
+    ] = STANDARD
+    goal: Annotated[
+        Goal,
+        Doc(
+            "what an accuracy in percent is of; presets take no notice of it",
+            (
+                "stress intensity",
+                "the jump of all faces",
+                "forces of supports and surfaces",
+                "the critical load factor",
+            ),
+        ),
+    ] = "K"
+    spacing: Annotated[
+        float, WordOr((AUTO,), SIZE), Doc("lattice spacing h", default=AUTO)
+    ]  # m, side of the largest cells
+    auto_rule: Annotated[str | None, Doc("what gave an automatic spacing", offered=False)] = (
+        None  # None: the spacing was given
+    )
+    support: Annotated[
+        float, Number(Bounds(at_least=1.25, at_most=4), 0.25), Doc("half width of a patch, in spacings")
+    ] = 2.0
+    quadrature: Annotated[
+        int, Integer(Bounds(at_least=2, at_most=10)), Doc("Gauss points per direction on an uncut cell")
+    ] = 4
+    refine: Annotated[Refinement, Doc("how often cells are halved, and where")] = Refinement()
+    tip_functions: Annotated[
+        Literal["auto", "patch", "gathered"],
+        Doc(
+            "functions that follow the singular stress at tips",
+            (
+                "gathered where refine.tips is not 0",
+                "a set on every patch that a tip lies in",
+                "one set a tip, if it has room",
+            ),
+        ),
+    ] = "auto"
+    contact: Annotated[ContactNumerics, Doc("how contact is discretized and solved")] = ContactNumerics()
 
     @property
     def target(self) -> float | None:
@@ -324,8 +537,10 @@ class RockPoint:
     """A point of a body: displacement and stress."""
 
     name: str
-    body: str
-    point: Floats  # (2,) m
+    point: Annotated[
+        Floats, POINT, Doc("a point of the rock, [x, y]: its displacement and stress", key="at", drawn=True)
+    ]  # (2,) m
+    body: OfPoint
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -334,7 +549,9 @@ class FacePoint:
 
     name: str
     surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
-    point: Floats  # (2,) m
+    point: Annotated[
+        Floats, POINT, Doc("where on it, [x, y]; at the mouth of a crack the crack-mouth opening", key="at", drawn=True)
+    ]  # (2,) m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -343,20 +560,23 @@ class PointPair:
 
     name: str
     bodies: tuple[str, str]
-    points: Floats  # (2, 2) m
+    points: Annotated[
+        Floats, ListOf(POINT, 2), Doc("two points of the rock: how much closer they come", key="between", drawn=True)
+    ]  # (2, 2) m
 
 
 HistoryPoint = RockPoint | FacePoint | PointPair
+FIELDS: Final = ("displacement", "stress")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Output:
     """What is written."""
 
-    frames: Literal["every_step", "first_and_last", "none"]
-    fields: tuple[str, ...]  # of "displacement", "stress"
-    figures: bool
-    report: bool = True
+    frames: Annotated[Literal["every_step", "first_and_last", "none"], Doc("steps written as frames")] = "every_step"
+    fields: Annotated[tuple[str, ...], ListOf(Choice(FIELDS)), Doc("fields in a frame")] = FIELDS
+    figures: Annotated[bool, Doc("draw pictures and plots")] = True
+    report: Annotated[bool, Doc("write report.html at the end")] = True
     points: tuple[HistoryPoint, ...] = ()  # whose course is written
 
 
@@ -383,21 +603,28 @@ class Cut:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Case:
-    """A whole scene. `resolved` is the same as a mapping in the case format, SI, every default filled in; read-only."""
+    """A whole scene. `resolved` is what was read, a mapping in the case format, SI, with all defaults; read-only.
+
+    A case that is changed by `dataclasses.replace` is written as its fields are. What is drawn, the outlines, paths and
+    places, is written as it was read; where that is changed the case cannot be written.
+    """
 
     name: str
-    title: str
-    source: str
-    plane: Literal["strain", "stress"]
+    title: Annotated[str, Doc("what the scene is")]
+    source: Annotated[str, Text(may_be_empty=True), Doc("where the scene comes from", default="")]
+    plane: Annotated[
+        Literal["strain", "stress"],
+        Doc("plane strain or plane stress", ("a long body, no strain across", "a thin plate, no stress across")),
+    ]
     bodies: tuple[Body, ...]
     cracks: tuple[Crack, ...]
     interfaces: tuple[Interface, ...]
     supports: tuple[Support, ...]
     loads: tuple[Load, ...]
     loading: Loading
-    growth: Growth | None
-    numerics: Numerics
-    output: Output
+    growth: Annotated[Growth | None, Doc("how cracks grow; left out: one static solve", default=OPTIONAL)]
+    numerics: Annotated[Numerics, Doc("settings of the discretization", default=BY_PARTS)]
+    output: Annotated[Output, Doc("what is written", default=BY_PARTS)]
     resolved: dict[str, object]
     moved: tuple[Move, ...] = ()  # farther than rounding; `resolved` has the points where they were given
     cut: tuple[Cut, ...] = ()  # more than rounding; `resolved` has what is left
@@ -409,7 +636,7 @@ class Case:
         object.__setattr__(self, "resolved", read_only(self.resolved))
 
     @classmethod
-    def from_dict(cls, mapping: Mapping[str, Any], name: str = "case") -> Case:
+    def from_dict(cls, mapping: AnyMapping[str, Any], name: str = "case") -> Case:
         """The checked case of a mapping in the case format; raises CaseError with every fault."""
         from crackgrow.case.mappings import case_from  # it stands on the classes of this module
 

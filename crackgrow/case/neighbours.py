@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
+from crackgrow.case.segments import distances
 from crackgrow.case.shapes import BodyShape, frozen
 
 
@@ -59,17 +60,10 @@ def _pieces(side: Floats, others: Floats, tolerance: float) -> list[tuple[Floats
         end = (1.0, side[1]) if high[0] * length >= length - tolerance else high
         if (end[0] - start[0]) * length <= tolerance:
             continue
-        if all(_distance(side[0] + t * along, other) <= tolerance for t in (start[0], end[0])):
+        if (distances(side[0] + np.outer([start[0], end[0]], along), np.stack([other, other])) <= tolerance).all():
             found.append((start, end))
     found.sort(key=lambda piece: piece[0][0])
     return [(start[1], end[1]) for start, end in found]
-
-
-def _distance(point: Floats, side: Floats) -> float:
-    """Return the distance of a point from a line segment."""
-    along = side[1] - side[0]
-    t = np.clip((point - side[0]) @ along / (along @ along), 0.0, 1.0)
-    return float(np.hypot(*(point - side[0] - t * along)))
 
 
 def _chained(pieces: list[tuple[Floats, Floats]], tolerance: float) -> list[list[Floats]]:

@@ -72,7 +72,6 @@ class OutlineFile:
         return (*_READERS, *(_TABLES if self.of_cracks else ()), *mesh_file.ENDINGS)
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         content = "lines" if self.of_cracks else "one polygon"
         kinds = ".geojson, .wkt or .csv" if self.of_cracks else ".geojson or .wkt"
         return f"the name of a {kinds} file with {content}, or a mesh ({', '.join(mesh_file.ENDINGS)})"

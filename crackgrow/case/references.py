@@ -18,17 +18,16 @@ CONSTANTS: Final = ("true", "false", "null")  # of YAML
 class Definitions:
     """Named things that other keys refer to."""
 
-    named: Named
+    spec: Named
     words: tuple[str, ...] = ()  # that mean something else where a name is taken
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
-        return self.named.describe()
+        return self.spec.describe()
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the things by name, and note them for those who refer to them."""
-        values = self.named.read(node, path, context)
-        known = context.defined.setdefault(self.named.thing, {})
+        values = self.spec.read(node, path, context)
+        known = context.defined.setdefault(self.spec.thing, {})
         for name, value in values.items() if isinstance(values, dict) else ():
             key = (*path, name)
             if name in (*self.words, *CONSTANTS):
@@ -48,7 +47,6 @@ class Reference:
     spec: Spec  # of what is written out
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"{self.spec.describe()}, or a name from `{self.where}`"
 
     def read(self, node: Node, path: Path, context: Context) -> object:

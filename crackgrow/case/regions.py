@@ -9,11 +9,20 @@ from typing import Literal
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import EdgeRegion
 from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
 
 FULL_CIRCLE = 360.0  # degrees
 SAME_PLACE = 1e-9  # parts of a side shorter than this part of it are none
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgeRegion:
+    """A named edge of a body, or a part of it: sides of its rings, each from one fraction of its length to another."""
+
+    body: str
+    edge: str
+    sides: Ints  # (k,) numbers of the body's sides, in order along the ring
+    limits: Floats  # (k, 2) where the part begins and ends on each of them: 0 at its first corner, 1 at its second
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -72,7 +72,6 @@ class Text:
     may_be_empty: bool = False
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return "a text"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -90,7 +89,6 @@ class Choice:
     docs: tuple[str, ...] = ()
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return " | ".join(self.words)
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -109,7 +107,6 @@ class Switch:
     """Yes or no."""
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return "true | false"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -179,7 +176,6 @@ class Number:
     note: str = ""  # added to the message for what is no number
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         grid = "" if self.multiple_of is None else f" in steps of {self.multiple_of:g}"
         return f"a number{self.bounds.describe()}{grid}"
 
@@ -198,7 +194,6 @@ class Integer:
     bounds: Bounds = ANY
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"a whole number{self.bounds.describe()}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -218,7 +213,6 @@ class Quantity:
     note: str = ""  # added to the message for what is no quantity
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         article = "an" if self.kind[0] in "aeiou" else "a"
         return f"{article} {self.kind}{self.bounds.describe()}"
 
@@ -240,7 +234,6 @@ class Share:
     bounds: Bounds = ANY
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"a part such as 0.01 or 1 %{self.bounds.describe()}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -260,24 +253,23 @@ class WordOr:
     """One of a few words, or else what another spec allows."""
 
     words: tuple[str, ...]
-    other: Spec
+    spec: Spec
     docs: tuple[str, ...] = ()  # a line about each of the words
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
-        return f"{' | '.join(self.words)} | {self.other.describe()}"
+        return f"{' | '.join(self.words)} | {self.spec.describe()}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the word or the other spec's value."""
         if not isinstance(node, Scalar):
-            return self.other.read(node, path, context)
+            return self.spec.read(node, path, context)
         if node.text in self.words:
             return node.text
-        if node.plain and is_number(node.text) and isinstance(self.other, Number | Integer | Quantity | Share):
-            return self.other.read(node, path, context)
-        if isinstance(self.other, Quantity | Share) and node.text.strip()[:1] in _BEGIN_OF_NUMBER:
-            return self.other.read(node, path, context)
+        if node.plain and is_number(node.text) and isinstance(self.spec, Number | Integer | Quantity | Share):
+            return self.spec.read(node, path, context)
+        if isinstance(self.spec, Quantity | Share) and node.text.strip()[:1] in _BEGIN_OF_NUMBER:
+            return self.spec.read(node, path, context)
         hint = did_you_mean(node.text, self.words)
-        note = self.other.note if isinstance(self.other, Number) and node.text[:1] in _BEGIN_OF_NUMBER else ""
+        note = self.spec.note if isinstance(self.spec, Number) and node.text[:1] in _BEGIN_OF_NUMBER else ""
         context.report.fault(path, f"{given(node)} given; wanted: {self.describe()}{note}{hint}")
         return INVALID

@@ -1,4 +1,4 @@
-"""Specs of mappings and lists: the case format is one tree of these, `scene.CASE`."""
+"""Specs of mappings and lists: the case format is one tree of these, `format.CASE`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from typing import Final
 
-from crackgrow.case.reader import Listing, Node, Scalar, Table
+from crackgrow.case.reader import Listing, Node, Table
 from crackgrow.case.report import Path, did_you_mean, dotted, nearest, quoted
 from crackgrow.case.scalars import INVALID, Context, Spec, refuse
 
@@ -24,12 +24,19 @@ BY_PARTS: Final = object()  # left out means: as if it were given without any ke
 
 
 @dataclass(frozen=True, slots=True)
+class Same:
+    """A default: the value of a key before it."""
+
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
 class Field:
     """One key of a mapping."""
 
     spec: Spec
     doc: str  # one line for the user
-    default: object = REQUIRED  # a plain SI value, or REQUIRED, OPTIONAL, BY_PARTS
+    default: object = REQUIRED  # a plain SI value, `Same`, REQUIRED, OPTIONAL, BY_PARTS
     offered: bool = True  # whether messages name the key; else the program writes it
     also: tuple[str, ...] = ()  # other spellings that are taken for the key
 
@@ -46,7 +53,6 @@ class Mapping:
     at_least_one: bool = False
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"a mapping of {', '.join(self.offered())}"
 
     def offered(self) -> list[str]:
@@ -82,6 +88,8 @@ class Mapping:
                     context.report.doubt(inner)
                 else:
                     context.report.fault(inner, f"missing: {wanted.doc} ({wanted.spec.describe()})")
+            elif isinstance(wanted.default, Same):
+                values[key] = values.get(wanted.default.key, INVALID)
             elif wanted.default is not OPTIONAL:
                 values[key] = _default(wanted)
         if self.at_least_one and not any(key in self.fields for key in node.entries):
@@ -112,8 +120,7 @@ class Mapping:
     def _inner_key(self, key: str) -> str:
         """Return "; did you mean 'numerics.spacing'?" for a key of a mapping inside, or nothing."""
         for outer, field in self.fields.items():
-            spec = field.spec.otherwise if isinstance(field.spec, Chosen) else field.spec
-            if isinstance(spec, Mapping) and key in spec.offered():
+            if isinstance(field.spec, Mapping) and key in field.spec.offered():
                 return f"; did you mean '{outer}.{key}'?"
         return ""
 
@@ -128,10 +135,9 @@ def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
 
 def _default(wanted: Field) -> object:
     if wanted.default is BY_PARTS:
-        spec = wanted.spec.otherwise if isinstance(wanted.spec, Chosen) else wanted.spec
-        if not isinstance(spec, Mapping):
+        if not isinstance(wanted.spec, Mapping):
             raise TypeError("BY_PARTS is for mappings")
-        return spec.defaults()
+        return wanted.spec.defaults()
     return deepcopy(wanted.default)
 
 
@@ -142,7 +148,6 @@ class OneOf:
     forms: tuple[Mapping, ...]
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return " or ".join(form.describe() for form in self.forms)
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -196,27 +201,6 @@ def _instead(path: Path, key: str, node: Table) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Chosen:
-    """A mapping whose defaults a word in it chooses."""
-
-    key: str  # of the word
-    forms: AnyMapping[str, Mapping]  # by word; they differ in their defaults alone
-    otherwise: Mapping  # where the word is not given
-
-    def describe(self) -> str:
-        """Say in a few words what is allowed."""
-        return self.otherwise.describe()
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return what the chosen form reads; a word that is none is that form's fault to report."""
-        form = self.otherwise
-        if isinstance(node, Table) and self.key in node.entries:
-            word = node.entries[self.key].node
-            form = self.forms.get(word.text if isinstance(word, Scalar) else "", next(iter(self.forms.values())))
-        return form.read(node, path, context)
-
-
-@dataclass(frozen=True, slots=True)
 class Converted:
     """What another spec reads, brought into another form."""
 
@@ -224,7 +208,6 @@ class Converted:
     convert: Callable[[object, Path, Context], object]
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return self.spec.describe()
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -242,7 +225,6 @@ class ListOf:
     at_most: int = MOST_ITEMS
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"a list{'' if self.length is None else f' of {self.length}'}: each item {self.spec.describe()}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -270,7 +252,6 @@ class OneOrList:
     spec: Spec
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"{self.spec.describe()}, or a list of them"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -291,7 +272,6 @@ class Components:
         return ListOf(next(iter(self.mapping.fields.values())).spec, len(self.mapping.fields))
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"{self.listing.describe()}, or {self.mapping.describe()}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -315,7 +295,6 @@ class Named:
     at_most: int = MOST_ITEMS
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"a mapping of names, each a {self.thing}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:

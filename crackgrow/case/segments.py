@@ -63,7 +63,7 @@ def common_parts(first: Floats, second: Floats, tolerance: float) -> Floats:
     places = np.einsum("mkx,mx->mk", second - start[:, None], unit)
     low, high = np.clip(places.min(axis=1), 0.0, length), np.clip(places.max(axis=1), 0.0, length)
     parts = start[:, None] + np.stack([low, high], axis=1)[:, :, None] * unit[:, None]
-    apart = np.stack([_distance(parts[:, end], second) for end in (0, 1)], axis=1).max(axis=1, initial=0.0)
+    apart = np.stack([distances(parts[:, end], second) for end in (0, 1)], axis=1).max(axis=1, initial=0.0)
     parts[(high - low <= tolerance) | (apart > tolerance)] = np.nan
     return np.asarray(parts, dtype=float)
 
@@ -75,7 +75,7 @@ def places_between(segments: Segments, pairs: Ints) -> Floats:
     return np.asarray(links[:, 0], dtype=float)
 
 
-def _distance(points: Floats, segments: Floats) -> Floats:
+def distances(points: Floats, segments: Floats) -> Floats:
     """Return the distances (m,) of points (m, 2) from segments (m, 2, 2)."""
     start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     t = np.clip(np.sum((points - start) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)

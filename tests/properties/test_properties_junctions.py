@@ -88,7 +88,9 @@ def plate(
         loads=tuple(loads),
         loading=LoadHistory((1.0,)),
         growth=None,
-        numerics=Numerics(spacing * 1e-3, support, quadrature, ContactNumerics(None, "mortar", "newton", 1.25)),
+        numerics=Numerics(
+            spacing=spacing * 1e-3, support=support, quadrature=quadrature, contact=ContactNumerics(spacing=1.25)
+        ),
         output=Output("none", (), False),
         resolved={},
     )

@@ -41,7 +41,6 @@ CELL_RULES: Final = {
     "per_load": "loaded part of an edge",
 }
 """What the numbers of a preset are that begin so: parts of a length."""
-PRESET_KEYS: Final = {"support": "support", "quadrature": "quadrature", "contact.spacing": "contact_spacing"}
 
 MEASURED: Final = {
     ("tests/verification/README.md", "verification"): "outputs/verification/table.md",
@@ -67,9 +66,8 @@ def keys() -> str:
 
 
 def presets() -> str:
-    """How small cells are at what, for each preset, and its other settings."""
-    words = {**CELL_RULES, **{name: f"`numerics.{key}`" for key, name in PRESET_KEYS.items()}}
-    rows = [[words[name], *(f"{getattr(p, name):g}" for p in PRESETS.values())] for name in words]
+    """How small cells are at what, for each preset."""
+    rows = [[words, *(f"{getattr(p, name):g}" for p in PRESETS.values())] for name, words in CELL_RULES.items()]
     return table(("length", *(f"`{name}`" for name in PRESETS)), rows)
 
 

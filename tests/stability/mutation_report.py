@@ -23,11 +23,11 @@ import yaml
 from jsonschema import Draft7Validator
 
 from crackgrow.case import load_case
+from crackgrow.case.format import CASE
 from crackgrow.case.json_schema import case_schema
 from crackgrow.case.reader import Table, read_file
 from crackgrow.case.report import Report
 from crackgrow.case.scalars import Context
-from crackgrow.case.scene import CASE
 from crackgrow.case.units import Units
 from crackgrow.errors import CaseError, Fault
 from tests.stability.mutations import good_cases, mutant

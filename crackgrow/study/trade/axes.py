@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from crackgrow.case import Case, ContactSupport, load_case
-from crackgrow.case.accuracy import STANDARD, Preset, preset_of
+from crackgrow.case import Case, load_case
+from crackgrow.case.accuracy import STANDARD
+from crackgrow.case.declared import keys_of
+from crackgrow.case.model import ContactNumerics, ContactSupport, Numerics
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.units import length_text
@@ -94,15 +96,15 @@ def default_axes(file: CaseFile, case: Case) -> Axes:
 
 
 def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:
-    """All that a preset or a target sets, given as keys, which a case's own would win over otherwise."""
-    preset: Preset = preset_of(accuracy)
+    """All that a preset or a target sets or counts on, given as keys, which a case's own would win over otherwise."""
+    numerics, contact = keys_of(Numerics), keys_of(ContactNumerics)
     return (
         f"numerics.accuracy={accuracy}",
         "numerics.spacing=auto",
         HALVED,
-        f"numerics.support={preset.support}",
-        f"numerics.quadrature={preset.quadrature}",
-        f"numerics.contact.spacing={preset.contact_spacing}",
+        f"numerics.support={numerics['support'].default}",
+        f"numerics.quadrature={numerics['quadrature'].default}",
+        f"numerics.contact.spacing={contact['spacing'].default}",
     )
 
 

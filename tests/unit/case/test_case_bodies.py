@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crackgrow.case import (
-    Case,
+from crackgrow.case import Case, dump_case
+from crackgrow.case.model import (
     ContactSupport,
     CoulombContact,
     EdgeSupport,
@@ -18,7 +18,6 @@ from crackgrow.case import (
     Gravity,
     InSituStress,
     PointSupport,
-    dump_case,
 )
 from tests.unit.case.scenes import EVERYTHING, blocks, changed, fault, faults, held, load, rectangle, with_body
 from tests.unit.case.test_case_load import reread, same

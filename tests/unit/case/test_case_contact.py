@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from crackgrow.case import CoulombContact, load_case
+from crackgrow.case import load_case
+from crackgrow.case.model import CoulombContact
 from tests.unit.case.scenes import EVERYTHING, fault, faults, load
 from tests.unit.case.test_case_load import reread, same
 

@@ -12,6 +12,7 @@ from crackgrow.case import dump_case, load_case
 from crackgrow.case.load import read_case
 from crackgrow.case.model import CriticalLoad, LoadHistory
 from crackgrow.errors import CaseError
+from tests.unit.case.scenes import EVERYTHING, load
 
 FILE = Path(__file__).parent / "compression30.yaml"
 
@@ -41,13 +42,34 @@ def test_spacing_changed_by_hand_has_no_rule_any_more():
     assert (again.numerics.spacing, again.numerics.auto_rule) == (0.001, None)
 
 
+def test_changed_rock_laws_and_loads_are_written(tmp_path: Path):
+    case = load(tmp_path, EVERYTHING)
+    weight, law = case.loads[2], case.supports[0].contact  # type: ignore[union-attr]
+    changed = replace(
+        case,
+        bodies=tuple(replace(body, material=replace(body.material, young=1e9)) for body in case.bodies),
+        cracks=(replace(case.cracks[0], contact=None),),
+        interfaces=(replace(case.interfaces[0], contact=replace(law, stiffness=(1e9, 2e9))), case.interfaces[1]),
+        supports=(replace(case.supports[0], contact=replace(law, weakening_length=1e-4)), *case.supports[1:]),  # type: ignore[call-arg]
+        loads=(*case.loads[:2], replace(weight, acceleration=(1.0, -5.0), held=True), *case.loads[3:]),  # type: ignore[call-arg]
+    )
+    again = read_case(dump_case(changed), "text", case.name)
+    assert [body.material.young for body in again.bodies] == [1e9] * 3
+    assert again.cracks[0].contact is None
+    assert again.interfaces[0].contact.stiffness == (1e9, 2e9)  # type: ignore[union-attr]
+    assert again.supports[0].contact.weakening_length == 1e-4  # type: ignore[union-attr]
+    assert (again.loads[2].acceleration, again.loads[2].held) == ((1.0, -5.0), True)  # type: ignore[union-attr]
+    assert dump_case(again) == dump_case(changed)
+
+
 @pytest.mark.parametrize("part", ["bodies", "cracks", "supports", "loads"])
-def test_changed_geometry_and_loads_are_refused(part: str):
+def test_changed_geometry_is_refused(part: str):
     case = load_case(FILE)
+    ring = case.bodies[0].rings[0]
     changed = {
-        "bodies": (replace(case.bodies[0], material=replace(case.bodies[0].material, young=1e9)),),
+        "bodies": (replace(case.bodies[0], rings=(replace(ring, points=2.0 * ring.points),)),),
         "cracks": (replace(case.cracks[0], points=0.5 * case.cracks[0].points),),
-        "supports": case.supports[:1],
+        "supports": case.supports[::-1],
         "loads": case.loads[::-1],
     }
     with pytest.raises(CaseError) as caught:
@@ -69,5 +91,8 @@ def test_resolved_settings_changed_from_outside_are_not_followed():
     again = read_case(dump_case(replace(case, resolved=changed)), "", "")
     assert (again.numerics.spacing, again.plane) == (0.0015, "strain")
     changed["bodies"]["rock"]["material"]["young"] = 1.0  # type: ignore[index]
+    again = read_case(dump_case(replace(case, resolved=changed)), "", "")
+    assert again.bodies[0].material.young == case.bodies[0].material.young
+    changed["bodies"]["rock"]["shape"]["rectangle"]["width"] = 0.04  # type: ignore[index]
     with pytest.raises(CaseError, match="bodies: differs"):
         dump_case(replace(case, resolved=changed))

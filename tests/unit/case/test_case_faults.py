@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from crackgrow.case import load_case
+from crackgrow.case.load import read_case
 from crackgrow.errors import CaseError, Fault
+from tests.unit.case.scenes import rectangle, text_of, with_body
 
 COMPRESSION = (Path(__file__).parent / "compression30.yaml").read_text(encoding="utf-8")
 
@@ -204,3 +208,28 @@ def test_message_is_one_line_per_fault(tmp_path: Path):
     assert len(str(caught.value).splitlines()) == len(caught.value.faults) == 2
     assert str(caught.value).isprintable() is False  # only for the line break between the two
     assert all(str(fault).isprintable() for fault in caught.value.faults)
+
+
+def keys_in(value: Any, before: str = "") -> Iterator[str]:
+    for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
+        yield f"{before}{key}"
+        if isinstance(inner, dict | list):
+            yield from keys_in(inner, f"{before}{key}.")
+
+
+@pytest.mark.parametrize("value", ["5", "[[1]]", "{a: 1}"])
+def test_a_value_of_the_wrong_kind_is_a_fault_wherever_it_stands(value: str):
+    scene = {
+        **with_body(rectangle(0, 0, 4, 4)),
+        "loads": [{"on": {"edge": "top"}, "traction": [0, 1], "name": "push"}],
+        "loading": {"stages": [{"factor": 1, "loads": {"push": 1}}, {"factor": 2}]},
+        "numerics": {"refine": {"tips": 1}, "spacing": "auto", "contact": {"stiffness": 2}},
+        "output": {"fields": ["stress"], "points": {"middle": {"at": [1, 2]}}},
+    }
+    text, refused = text_of(scene), 0
+    for key in keys_in(scene):
+        try:
+            read_case(text, "scene.yaml", "scene", [f"{key}={value}"])
+        except CaseError:
+            refused += 1
+    assert refused > 30

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from crackgrow.case import Initiation, load_case
+from crackgrow.case import load_case
 from crackgrow.case.dump import dump_case
+from crackgrow.case.model import Initiation
 from crackgrow.errors import CaseError
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"

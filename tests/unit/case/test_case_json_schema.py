@@ -10,13 +10,16 @@ from typing import Any
 import pytest
 from jsonschema import Draft7Validator
 
+from crackgrow.case.declared import mapping_of
+from crackgrow.case.format import CASE, CRACK, LOAD, LOADING, SUPPORT
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.json_schema import case_schema, schema_of
+from crackgrow.case.model import CoulombContact, Numerics
 from crackgrow.case.reader import parse
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Bounds, Context, Number, Quantity, Spec
-from crackgrow.case.scene import CASE, CONTACT, CRACK, LOAD, LOADING, NUMERICS, PATH, REGION, SHAPE, SUPPORT
 from crackgrow.case.schema import Named
+from crackgrow.case.spellings import PATH, REGION, SHAPE
 from crackgrow.case.units import Units
 from tests.unit.case.scenes import EVERYTHING, text_of
 from tests.yaml12 import read_yaml12
@@ -70,11 +73,13 @@ def test_everything_is_accepted():
         (Number(Bounds(above=-1, at_most=0.5)), ["0.25", "0.5", "0", "-1e-59"],
          ["-1", "0.6", "'0.25'", "0.25 mm", ".nan", "1e-61", "-1e-61"]),
         (LOADING, ["critical", "{history: [1, -0.5]}", "{}"], ["crit", "{history: 1}", "{histry: [1]}", "[1]"]),
-        (NUMERICS, ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}",
-                    "{}", "{support: 2}"],
+        (mapping_of(Numerics),
+         ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}", "{}",
+          "{support: 2}"],
          ["{accuracy: finest}", "{spacing: automatic}", "{spacing: 1, quadrature: 2.5}",
           "{spacing: 1, contact: {stiffness: soft}}", "{spacing: 1, support: 5}"]),
-        (CONTACT, ["{friction: 0.3, cohesion: 0}"], ["{friction: 0.3}", "{friction: -1, cohesion: 0}", "none"]),
+        (mapping_of(CoulombContact), ["{friction: 0.3, cohesion: 0}"],
+         ["{friction: 0.3}", "{friction: -1, cohesion: 0}", "none"]),
         (CRACK, ["{path: {points: [[0, 0], [1, 2]]}, contact: none}"],
          ["{path: {points: [[0, 0, 1]]}, contact: none}", "{path: {points: [[0, 0]]}, contact: [no]}",
           "{path: {center: [0, 0], points: []}, contact: none}", "{path: {}, contact: none}"]),
@@ -117,12 +122,19 @@ def properties(schema: Any) -> Iterator[tuple[str, dict[str, Any]]]:
             yield from properties(value)
 
 
+def titles(schema: dict[str, Any]) -> Iterator[str]:
+    """Titles of a schema and of those that hold together with it."""
+    yield schema.get("title", "")
+    for inner in schema.get("allOf", ()):
+        yield from titles(shown(inner))
+
+
 def test_every_key_is_described_and_every_quantity_tells_its_units():
     found = list(properties(SCHEMA))
     assert len(found) > 60
     assert [name for name, its in found if not its.get("description")] == []
     young = next(its for name, its in found if name == "young")
-    assert "Pa | kPa | MPa | GPa; a bare number is in units.stress" in young["description"]
+    assert "Pa | kPa | MPa | GPa; a bare number is in units.stress" in " ".join(titles(young))
     support = next(its for name, its in found if name == "support")
     assert support["default"] == 2.0
     criterion = next(its for name, its in found if name == "criterion")

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 import yaml
 
-from crackgrow.case import Case, EdgeSupport, PointSupport, dump_case, load_case
+from crackgrow.case import Case, dump_case, load_case
+from crackgrow.case.model import EdgeSupport, PointSupport
 from crackgrow.errors import CaseError, Fault
 
 CASES = Path(__file__).parents[3] / "cases"

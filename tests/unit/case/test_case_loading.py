@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from crackgrow.case import CriticalLoad, LoadHistory, dump_case, load_case
+from crackgrow.case import dump_case, load_case
+from crackgrow.case.model import CriticalLoad, LoadHistory
 from crackgrow.errors import CaseError
 from tests.unit.case.scenes import EVERYTHING, fault, load
 from tests.unit.case.test_case_load import reread, same

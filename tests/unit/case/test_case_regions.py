@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crackgrow.case import EdgeRegion
+from crackgrow.case.model import EdgeRegion
 from tests.unit.case.scenes import fault, held, load, rectangle, with_body
 
 SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]

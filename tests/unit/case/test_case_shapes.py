@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 import yaml
 
-from crackgrow.case import Body, dump_case, load_case
+from crackgrow.case import dump_case, load_case
+from crackgrow.case.model import Body
 from tests.unit.case.scenes import changed, fault, faults, load, rectangle, with_body
 
 SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]

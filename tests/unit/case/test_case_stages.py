@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from crackgrow.case import Stages, dump_case
+from crackgrow.case import dump_case
+from crackgrow.case.model import Stages
 from tests.unit.case.scenes import fault, load
 from tests.unit.case.test_case_bodies import two_blocks
 from tests.unit.case.test_case_load import reread, same

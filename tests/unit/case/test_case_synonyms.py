@@ -4,27 +4,28 @@ from __future__ import annotations
 
 import pytest
 
+from crackgrow.case.declared import keys_of
 from crackgrow.case.keys import case_keys
+from crackgrow.case.model import CoulombContact, Material, Strength
 from crackgrow.case.report import nearest
-from crackgrow.case.scene import CONTACT, CRITERION, MATERIAL, STRENGTH
 from crackgrow.case.synonyms import SYNONYMS
 
 
 @pytest.mark.parametrize(
     ("text", "allowed", "meant"),
     [
-        ("E", MATERIAL.fields, "young"),
-        ("nu", MATERIAL.fields, "poisson"),
-        ("rho", MATERIAL.fields, "density"),
-        ("phi", STRENGTH.fields, "friction_angle"),
-        ("sigma_t", STRENGTH.fields, "tension"),
-        ("K_Ic", STRENGTH.fields, "toughness"),
-        ("mu", CONTACT.spec.fields, "friction"),
-        ("phi", CONTACT.spec.fields, "friction"),
+        ("E", keys_of(Material), "young"),
+        ("nu", keys_of(Material), "poisson"),
+        ("rho", keys_of(Material), "density"),
+        ("phi", keys_of(Strength), "friction_angle"),
+        ("sigma_t", keys_of(Strength), "tension"),
+        ("K_Ic", keys_of(Strength), "toughness"),
+        ("mu", keys_of(CoulombContact), "friction"),
+        ("phi", keys_of(CoulombContact), "friction"),
         ("circle", ("rectangle", "polygon", "disk"), "disk"),
         ("h", ("center", "width", "height"), "height"),
         ("h", ("support", "spacing"), "spacing"),
-        ("E", CRITERION.words, None),
+        ("E", ("strength", "directional_strength", "max_hoop_stress"), None),
     ],
 )
 def test_other_names_mean_the_key_that_is_allowed(text: str, allowed: object, meant: str | None):

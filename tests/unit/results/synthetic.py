@@ -66,7 +66,7 @@ def make_case(**output: Any) -> Case:
         loads=(),
         loading=LoadHistory((1.0,)),
         growth=Growth(2, INCREMENT, "most_critical", "strength", "explicit", 0.002, True),
-        numerics=Numerics(0.005, 2.0, 3, ContactNumerics(None, "mortar", "newton", 1.0)),
+        numerics=Numerics(spacing=0.005, support=2.0, quadrature=3, contact=ContactNumerics(spacing=1.0)),
         output=Output(**settings),
         resolved={},
     )

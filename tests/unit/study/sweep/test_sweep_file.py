@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.case import PointSupport, load_case
+from crackgrow.case import load_case
+from crackgrow.case.model import PointSupport
 from crackgrow.errors import CaseError
 from crackgrow.study.sweep.design import combinations
 from crackgrow.study.sweep.plan import plan_sweep, short_names

@@ -36,9 +36,8 @@ def test_preset_of_the_grid_has_all_that_it_sets_although_the_case_has_keys_of_i
     (setting,) = settings_of({"support": ("2",)}, [name])[:1]
     given = CaseFile(CASES / "block_rigid.yaml")  # its spacing and support are given
     numerics = given.load(*setting.overrides).numerics
-    preset = PRESETS[name]
-    assert (numerics.accuracy, numerics.support, numerics.quadrature) == (name, preset.support, preset.quadrature)
-    assert numerics.contact.spacing == preset.contact_spacing
+    assert (numerics.accuracy, numerics.support, numerics.quadrature) == (name, 2.0, 4)
+    assert numerics.contact.spacing == 1.25
     assert numerics.auto_rule is not None
 
 
@@ -61,7 +60,7 @@ def test_reference_is_twice_as_fine_as_everything():
     assert reference.numerics.spacing == pytest.approx(min(spacings) / 2, rel=1e-15)
     assert reference.growth is not None
     assert reference.growth.increment == 0.001
-    assert reference.numerics.support == PRESETS["fine"].support
+    assert reference.numerics.support == 2.0
 
 
 @pytest.mark.parametrize(("increment", "steps"), [("2", 6), ("1", 12), ("4", 3), ("5 mm", 3), ("0.3", 40)])

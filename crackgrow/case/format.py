@@ -1,0 +1,189 @@
+"""The case format as one tree of specs: the keys of the model's fields, and what no field of the model is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from crackgrow.case.base import OfFile
+from crackgrow.case.declared import keys_of, mapping_of
+from crackgrow.case.model import (
+    Body,
+    Case,
+    ContactSupport,
+    CoulombContact,
+    Crack,
+    EdgeSupport,
+    EdgeTraction,
+    FacePoint,
+    FluidPressure,
+    Gravity,
+    InSituStress,
+    Interface,
+    Material,
+    Output,
+    PointForce,
+    PointPair,
+    PointSupport,
+    RockPoint,
+)
+from crackgrow.case.outline_file import with_file_edges
+from crackgrow.case.references import Definitions
+from crackgrow.case.report import Path
+from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Choice, Context, Integer, Number, Text, WordOr
+from crackgrow.case.schema import (
+    BY_PARTS,
+    OPTIONAL,
+    Converted,
+    Field,
+    ListOf,
+    Mapping,
+    Named,
+    OneOf,
+    OneOrList,
+)
+from crackgrow.case.spellings import PAIR
+from crackgrow.case.units import UNITS
+
+UNITS_SPEC: Final = Mapping(
+    {
+        "length": Field(Choice(tuple(UNITS["length"])), "unit of bare lengths", "m"),
+        "stress": Field(Choice(tuple(UNITS["stress"])), "unit of bare stresses, tractions and moduli", "Pa"),
+    }
+)
+
+EDGES: Final = Named("edge", OneOrList(Integer(NOT_NEGATIVE)))
+
+BODY: Final = Converted(
+    Mapping(
+        {
+            **keys_of(Body),
+            "edges": Field(EDGES, "names for edges of a polygon: a number, or a list of consecutive ones", OPTIONAL),
+        }
+    ),
+    with_file_edges,
+)
+
+TIPS: Final = Choice(
+    ("both", "start", "end", "none"),
+    ("both ends", "the first point alone", "the last point alone", "it stays as it is"),
+)
+
+_CRACK_KEYS: Final = keys_of(Crack)
+CRACK: Final = Mapping(
+    {
+        "path": _CRACK_KEYS["path"],
+        "tips": Field(TIPS, "ends at which the crack can grow", "both"),
+        "contact": _CRACK_KEYS["contact"],
+    }
+)
+
+SUPPORT: Final = OneOf(
+    (Mapping(keys_of(PointSupport, last="body")), mapping_of(EdgeSupport), mapping_of(ContactSupport))
+)
+
+MINIMAL: Final = "minimal"
+
+SUPPORTS: Final = WordOr(
+    (MINIMAL,),
+    ListOf(SUPPORT),
+    ("three constraints at points of the outline, which take no force: for loads that balance",),
+)
+
+_PRESSURE: Final = keys_of(FluidPressure)
+_PRESSED: Final = Field(PAIR, "names of two bodies with an interface that is not bonded")
+
+LOAD: Final = OneOf(
+    (
+        mapping_of(EdgeTraction),
+        mapping_of(Gravity),
+        Mapping({"crack": Field(Text(), "name of a crack"), **_PRESSURE}),
+        mapping_of(InSituStress),
+        mapping_of(PointForce),
+        Mapping({"interface": _PRESSED, **_PRESSURE}),
+    )
+)
+
+STAGE: Final = Mapping(
+    {
+        "name": Field(Text(), "name of the stage", OPTIONAL),
+        "factor": Field(
+            Number(), "of given displacements and of loads without a factor of their own; left out: as before", OPTIONAL
+        ),
+        "loads": Field(Named("load", Number()), "factors of loads by their name, from this stage on", OPTIONAL),
+        "excavate": Field(OneOrList(Text()), "bodies that are taken out", OPTIONAL),
+        "release": Field(
+            Number(Bounds(at_least=0, at_most=1)),
+            "share of what rock that is gone did on the rest that is taken away by the end; left out: 1 of a stage "
+            "that excavates, else as before",
+            OPTIONAL,
+        ),
+    }
+)
+
+_HISTORY: Final = Mapping(
+    {
+        "history": Field(ListOf(Number()), "load factors applied in turn; left out: [1], or stages", OPTIONAL),
+        "stages": Field(ListOf(STAGE), "stages of a construction, in turn", OPTIONAL),
+    }
+)
+
+
+def _history_or_stages(value: object, path: Path, context: Context) -> object:
+    """Return a history, [1] where there is neither that nor stages; report both."""
+    if isinstance(value, dict) and len(value) > 1:
+        context.report.fault(path, "has a history and stages; give one of them: a stage has a `factor`, too")
+    return value or {"history": [1.0]}
+
+
+LOADING: Final = WordOr(("critical", "strength_reduction"), Converted(_HISTORY, _history_or_stages))
+
+
+_ON_A_CRACK: Final = Field(Text(), "name of a crack: its opening and slip")
+_ON_AN_INTERFACE: Final = Field(PAIR, "names of two bodies: opening and slip of what is between them")
+
+HISTORY_POINT: Final = OneOf(
+    (
+        mapping_of(RockPoint),
+        Mapping({"crack": _ON_A_CRACK, **keys_of(FacePoint)}),
+        Mapping({"interface": _ON_AN_INTERFACE, **keys_of(FacePoint)}),
+        mapping_of(PointPair),
+    )
+)
+
+OUTPUT: Final = Mapping(
+    {
+        **keys_of(Output),
+        "points": Field(
+            Named("point", HISTORY_POINT), "places whose course history.csv tells, with reactions", OPTIONAL
+        ),
+    }
+)
+
+MATERIALS: Final = Definitions(Named("material", mapping_of(Material), at_most=200))
+LAWS: Final = Definitions(Named("law", mapping_of(CoulombContact)), words=("none", "bonded"))
+DEFINITIONS: Final = ("materials", "laws")  # of the case; resolved cases hold none
+
+_CASE_KEYS: Final = keys_of(Case)
+
+CASE: Final = Mapping(
+    {
+        "title": _CASE_KEYS["title"],
+        "source": _CASE_KEYS["source"],
+        "units": Field(UNITS_SPEC, "what bare numbers mean", BY_PARTS),
+        "plane": _CASE_KEYS["plane"],
+        "materials": Field(MATERIALS, "elastic constants that bodies refer to by name", OPTIONAL),
+        "laws": Field(LAWS, "laws of contact that cracks, interfaces and foundations refer to by name", OPTIONAL),
+        "bodies": Field(Named("body", BODY, at_most=200), "the pieces of rock"),
+        "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
+        "interfaces": Field(ListOf(mapping_of(Interface)), "contact between bodies that share a boundary", []),
+        "supports": Field(SUPPORTS, "prescribed displacements and rigid foundations", []),
+        "loads": Field(ListOf(LOAD), "loads", []),
+        "loading": Field(LOADING, "how the loads are applied in time", {"history": [1.0]}),
+        "growth": _CASE_KEYS["growth"],
+        "numerics": _CASE_KEYS["numerics"],
+        "output": replace(_CASE_KEYS["output"], spec=OUTPUT),
+        "base": Field(OfFile("a case file"), "the case that this one is, but for `set`, title and source", OPTIONAL),
+        "set": Field(OfFile("a mapping"), "keys of the base that differ, such as growth.steps: 3", OPTIONAL),
+    }
+)

@@ -1,0 +1,91 @@
+"""Values that may be written in several ways, each stated here alone: places, outlines, paths, edges, vectors."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from crackgrow.case.along import LengthOrAngle
+from crackgrow.case.formula import OrFormula
+from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, with_file_points, without_file
+from crackgrow.case.scalars import POSITIVE, Quantity, Text
+from crackgrow.case.schema import OPTIONAL, Components, Converted, Field, ListOf, Mapping, OneOf
+
+SIZE: Final = Quantity("length", POSITIVE)
+POINT: Final = ListOf(Quantity("length"), 2)
+POINTS: Final = ListOf(POINT, at_most=MOST_CORNERS)
+PAIR: Final = ListOf(Text(), 2)  # names of two bodies
+
+_CENTER: Final = Field(POINT, "centre, [x, y]")
+
+_RECTANGLE: Final = Mapping(
+    {"center": _CENTER, "width": Field(SIZE, "size along x"), "height": Field(SIZE, "size along y")}
+)
+
+_DISK: Final = Mapping({"center": _CENTER, "radius": Field(SIZE, "radius")})
+
+_SIMPLE_SHAPES: Final = (
+    {"rectangle": Field(_RECTANGLE, "a rectangle along the axes")},
+    {"polygon": Field(POINTS, "corners in drawing order, [[x, y], ...]")},
+    {"disk": Field(_DISK, "a disk")},
+    {
+        "file": Field(OutlineFile(), "a file with a polygon, or a mesh"),
+        "region": Field(Text(), "name or number of a group of the mesh's cells; left out: all of them", OPTIONAL),
+    },
+)
+
+HOLE: Final = Converted(OneOf(tuple(Mapping(form) for form in _SIMPLE_SHAPES)), without_file)
+
+_HOLES: Final = Field(ListOf(HOLE, at_most=300), "holes: shapes inside of the outline", OPTIONAL)
+
+SHAPE: Final = Converted(OneOf(tuple(Mapping({**form, "holes": _HOLES}) for form in _SIMPLE_SHAPES)), with_file_holes)
+
+_PATHS: Final = OneOf(
+    (
+        Mapping(
+            {
+                "center": Field(POINT, "midpoint of a straight crack, [x, y]"),
+                "length": Field(SIZE, "length of a straight crack"),
+                "angle": Field(Quantity("angle"), "direction from start to end, counter-clockwise from x"),
+            }
+        ),
+        Mapping({"points": Field(POINTS, "vertices from start to end, [[x, y], ...]")}),
+        Mapping(
+            {
+                "file": Field(OutlineFile(of_cracks=True), "a file with lines, each a crack, or a mesh"),
+                "curve": Field(Text(), "name or number of a group of the mesh's lines: the crack", OPTIONAL),
+            }
+        ),
+    )
+)
+
+PATH: Final = Converted(_PATHS, with_file_points)
+
+REGION: Final = Mapping(
+    {
+        "body": Field(Text(), "name of a body; may be left out where there is one", OPTIONAL),
+        "edge": Field(Text(), "name of one of its edges"),
+        "from": Field(LengthOrAngle(), "where the part of the edge begins", OPTIONAL),
+        "to": Field(LengthOrAngle(), "where the part of the edge ends", OPTIONAL),
+    }
+)
+
+DISPLACEMENT: Final = Components(
+    Mapping(
+        {
+            "x": Field(OrFormula(), "displacement along x; left out: free", OPTIONAL),
+            "y": Field(OrFormula(), "displacement along y; left out: free", OPTIONAL),
+        },
+        at_least_one=True,
+    ),
+    as_list=False,
+)
+
+TRACTION: Final = Components(
+    Mapping(
+        {
+            "x": Field(OrFormula("stress"), "force per area along x"),
+            "y": Field(OrFormula("stress"), "force per area along y"),
+        }
+    ),
+    as_list=True,
+)
