@@ -19,6 +19,7 @@ from crackgrow.study.converge.plan import HALF, ConvergencePlan
 from crackgrow.study.converge.states import Key, State, states_of
 from crackgrow.study.timed_run import Cost
 
+NAN = float("nan")
 MODES = ("K_I", "K_II")
 LOAD = "load_factor"
 DISPLACEMENT = "load_displacement"
@@ -51,7 +52,7 @@ class Quantity:
     def error(self, setting: str) -> float:
         """What a setting is off by, over the size."""
         off = abs(self.values[setting] - self.limit)
-        return max(off, self.rest) / self.size if self.size > 0.0 else math.nan
+        return max(off, self.rest) / self.size if self.size > 0.0 else NAN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +86,7 @@ class Convergence:
     def largest_error(self, setting: str) -> float:
         """Of a setting, over all that is known; nan where nothing is."""
         errors = [quantity.error(setting) for quantity in self.quantities]
-        return max((error for error in errors if not math.isnan(error)), default=math.nan)
+        return max((error for error in errors if not math.isnan(error)), default=NAN)
 
     @property
     def good_enough(self) -> bool:
@@ -105,9 +106,7 @@ class Convergence:
     def _apart(self, first: str, second: str) -> float:
         if first == second:  # the own cells are the finest: those before say how far they may be off
             first = self.plan.settings[-2].name
-        return next(
-            (apart.distance for apart in self.paths if {apart.first, apart.second} == {first, second}), math.nan
-        )
+        return next((apart.distance for apart in self.paths if {apart.first, apart.second} == {first, second}), NAN)
 
 
 def findings(plan: ConvergencePlan, runs: Sequence[Ran], why_no_half: str) -> Convergence:
@@ -200,8 +199,8 @@ def _hausdorff(a: Path, b: Path) -> float:
     try:
         pairs = compare_paths(a, b).pairs
     except CaseError:  # a scene without cracks
-        return math.nan
+        return NAN
     apart: Floats = np.array(
         [pair.common.deviation.hausdorff for pair in pairs if pair.part in ("start", "end") and pair.common is not None]
     )
-    return float(apart.max()) if len(apart) else math.nan
+    return float(apart.max()) if len(apart) else NAN
