@@ -33,9 +33,9 @@ class DrawnFrame:
     by_point: bool
 
 
-def drawn_frame(run: RunFolder, step: int, field: str) -> DrawnFrame:
-    """The frame of a step with one of its fields; raises FolderError where it has no such field."""
-    grid = run.mesh(step)
+def drawn_frame(run: RunFolder, step: int, field: str, mesh: pyvista.UnstructuredGrid | None = None) -> DrawnFrame:
+    """The frame of a step, read unless its `mesh` is there, with a field; raises FolderError where it has none such."""
+    grid = run.mesh(step) if mesh is None else mesh
     if "displacement" not in grid.point_data:
         raise FolderError(f"{run.frames[step]} has no displacement to draw: run the case with it among output.fields")
     fields = _fields(grid)

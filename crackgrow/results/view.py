@@ -56,8 +56,9 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
 
     def show(value: float) -> Any:
         step = min(steps, key=lambda other: abs(other - value))
-        frame = drawn_frame(run, step, field)
-        grid = run.mesh(step).warp_by_vector("displacement", factor=factor)
+        mesh = run.mesh(step)
+        frame = drawn_frame(run, step, field, mesh)
+        grid = mesh.warp_by_vector("displacement", factor=factor)
         data = grid.point_data if frame.by_point else grid.cell_data
         data[label] = frame.values / size
         looks: dict[str, Any] = {
