@@ -1,0 +1,107 @@
+"""Ten cracks in a plate (Budyn, Zi, Moes, Belytschko 2004) against a published extended FE program.
+
+K and the final paths of danassutula/XFEM_Fracture2D (MIT): edges moved apart, all faces under pressure. There the tips
+grow together that take most energy within a tenth; here one after the other. As long as one crack alone grows that is
+the same; later the cracks come in another order.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from crackgrow.case import load_case
+from crackgrow.run import grow
+from crackgrow.run.result import StepResult
+
+REFERENCES = Path(__file__).parent / "references"
+FIRST = 2  # number of the crack that grows first
+STEPS = 5
+PLATE = """
+title: Ten cracks
+source: "Budyn, Zi, Moes, Belytschko 2004, International Journal for Numerical Methods in Engineering 61, 1741-1770"
+units: {length: m, stress: Pa}
+plane: stress
+bodies:
+  plate:
+    shape: {rectangle: {center: [1, 1], width: 2, height: 2}}
+    material: {young: 1000, poisson: 0.3}
+    strength: {tension: 10, cohesion: 1000, friction_angle: 30, toughness: 10 Pa sqrt(m)}
+cracks:
+CRACKS
+supports:
+  - {on: {body: plate, edge: top}, displacement: {y: 0.01}}
+  - {on: {body: plate, edge: bottom}, displacement: {y: -0.01}}
+  - {on: {body: plate, edge: right}, displacement: {x: 0.01}}
+  - {on: {body: plate, edge: left}, displacement: {x: -0.01}}
+loads:
+LOADS
+loading: critical
+growth: {steps: STEPS, increment: 0.079072, advance: most_critical, criterion: max_hoop_stress}
+numerics: {spacing: auto}
+output: {figures: false, frames: none}
+"""
+
+
+def rows(name: str) -> list[dict[str, str]]:
+    with (REFERENCES / name).open() as file:
+        return list(csv.DictReader(file))
+
+
+def paths() -> list[list[tuple[float, float]]]:
+    """The final paths, crack by crack."""
+    found = rows("ten_cracks_path.csv")
+    return [[(float(r["x"]), float(r["y"])) for r in found if r["crack"] == str(crack)] for crack in range(10)]
+
+
+def plate() -> str:
+    """The case, with the cracks as they are at the beginning."""
+    given = [
+        [(r["x"], r["y"]) for r in rows("ten_cracks_path.csv") if r["crack"] == str(n) and r["initial"] == "1"]
+        for n in range(10)
+    ]
+    cracks = [
+        f"  c{n}: {{path: {{points: [[{a[0]}, {a[1]}], [{b[0]}, {b[1]}]]}}, contact: none}}"
+        for n, (a, b) in enumerate(given)
+    ]
+    loads = [f"  - {{crack: c{n}, pressure: 10}}" for n in range(10)]
+    text = PLATE.replace("CRACKS", "\n".join(cracks)).replace("LOADS", "\n".join(loads))
+    return text.replace("STEPS", str(STEPS))
+
+
+@pytest.fixture(scope="module")
+def steps(tmp_path_factory: pytest.TempPathFactory) -> list[StepResult]:
+    path = tmp_path_factory.mktemp("ten_cracks") / "ten_cracks.yaml"
+    path.write_text(plate(), encoding="utf-8")
+    return list(grow(load_case(path)))
+
+
+def test_K_before_growth(steps: list[StepResult]) -> None:
+    """All twenty tips; measured: K_I 0.2 %, K_II 0.1 % of the largest K."""
+    first = steps[0]
+    known = np.array([[float(r["K_I"]), float(r["K_II"])] for r in rows("ten_cracks_K.csv") if r["step"] == "0"])
+    found = np.array([[tip.K_I, tip.K_II] for tip in first.tips]) / first.load_factor
+    assert len(known) == 20
+    assert np.abs(found - known).max() < 3e-3 * known.max()
+
+
+def test_K_after_both_ends_have_grown(steps: list[StepResult]) -> None:
+    """Measured: 0.2 %."""
+    both = steps[2]
+    known = np.array([[float(r["K_I"]), float(r["K_II"])] for r in rows("ten_cracks_K.csv") if r["step"] == "1"])
+    found = np.array([[tip.K_I, tip.K_II] for tip in both.tips]) / both.load_factor
+    assert np.abs(found - known).max() < 1e-2 * known.max()
+
+
+def test_path_of_the_first(steps: list[StepResult]) -> None:
+    """In a plate of 2 m. Measured: 0.001 m at both ends.
+
+    The next vertex is 0.022 m off: a crack beside it has grown there meanwhile, which is later here.
+    """
+    line, found = shapely.LineString(paths()[FIRST]), steps[-1].cracks[FIRST].points
+    assert len(found) == 2 + STEPS
+    assert shapely.distance(line, shapely.points(found)).max() < 2e-3
