@@ -97,7 +97,7 @@ The load rises by 0.1 MPa where nothing grows any more; loads are in MPa.
 
 S: shear cracks link the flaws, W: wings do, M: both have part in it. In the picture black flaws, blue wings, red cracks
 that have started in shear. The modes of the tests are as they are quoted, not read from the paper. `not yet`: broken
-off before anything linked; the script goes on with it.
+off before anything linked; the script goes on with it. What wings do alone is in [wings_alone.md](wings_alone.md).
 
 """
 
