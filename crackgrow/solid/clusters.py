@@ -27,6 +27,9 @@ from crackgrow.solid.elasticity import PlaneElasticity
 BLOCK = 4
 """Cells: elements without tip functions make one cluster in each square of this side, of cells of one size."""
 
+GROUP = 12
+"""Cells: clusters are summed in groups, those that begin in one square of this side, of cells of one size."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Points:
@@ -62,6 +65,7 @@ class Clusters:
     local: Ragged  # (m) -> places of an element's functions among those of its cluster
     inside: Points
     rim: Points
+    group: Ints  # (clusters,)
 
     def span(self, cluster: int) -> slice:
         """The places of a cluster's elements in `elements.values`."""
@@ -85,11 +89,20 @@ def clusters_of(cover: Cover, n: int) -> Clusters:
     inside_start, rim_start = (np.searchsorted(some.element, np.arange(cover.elements.n + 1)) for some in (inside, rim))
     return Clusters(
         elements,
-        tuple(np.split(function, functions.start[1:-1])),
+        tuple(np.split(function, functions.start[1:-1])[: elements.n]),
         Ragged(on.start, place - functions.start[owner]),
         Points(inside_start, inside.points, inside.weights * spacing**2, inside.element).of_elements(elements.values),
         Points(rim_start, rim.points, rim.normals * spacing, rim.element).of_elements(elements.values),
+        _groups(cover, elements),
     )
+
+
+def _groups(cover: Cover, elements: Ragged) -> Ints:
+    """The groups (clusters,) of clusters with these `elements`."""
+    first = elements.values[elements.start[:-1]]
+    size = cover.elements.size[first]
+    square = np.column_stack([cover.elements.cell[first] // (GROUP * size[:, None]), size])
+    return np.unique(square, axis=0, return_inverse=True)[1].reshape(-1)
 
 
 def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity]) -> list[bytes]:

@@ -15,7 +15,7 @@ from scipy.sparse import csc_array
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, half, sum_of
+from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, blocks_of, half
 from crackgrow.quadrature.plain_kinds import PlainKind, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square
@@ -56,8 +56,9 @@ def stiffness_after(
     new = [number for number, name in enumerate(names) if name not in known]
     integrated = {names[number]: part for number, part in _integrated(cover, materials, clusters, new)}
     matrices = {name: known[name] if name in known else integrated[name] for name in names}
-    parts = [(clusters.functions[number][None], matrices[name]) for number, name in enumerate(names)]
-    rest = sum_of(parts, cover.n_functions)
+    halves = [matrices[name] for name in names]
+    blocks = blocks_of(clusters.functions, halves, clusters.group, None if before is None else before.matrix.blocks)
+    none = csc_array((cover.n_dofs, cover.n_dofs))
     plain: dict[bytes, Floats] = {}
     elements = []
     for kind in plain_kinds(cover):
@@ -65,7 +66,7 @@ def stiffness_after(
         ready = None if before is None else before.plain.get(name)
         plain[name] = _plain(cover, kind, materials[kind.body], n) if ready is None else ready
         elements.append(EqualElements(kind.patches(cover), plain[name], name))
-    return Stiffness(SymmetricMatrix(tuple(elements), rest), matrices, plain, len(new))
+    return Stiffness(SymmetricMatrix(tuple(elements), none, blocks), matrices, plain, len(new))
 
 
 def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:
