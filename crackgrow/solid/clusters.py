@@ -27,6 +27,9 @@ from crackgrow.solid.elasticity import PlaneElasticity
 BLOCK = 4
 """Cells: elements without tip functions make one cluster in each square of this side, of cells of one size."""
 
+KEY = 20
+"""Bytes of a key."""
+
 GROUP = 12
 """Cells: clusters are summed in groups, those that begin in one square of this side, of cells of one size."""
 
@@ -77,6 +80,24 @@ class Clusters:
         return self.local.values[self.local.start[mine.start] : self.local.start[mine.stop]]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Named:
+    """Elements by what their functions depend on: the key of their cluster, and their place in it."""
+
+    cluster: Ints  # (elements,) -1 for plain ones
+    place: Ints  # (elements,)
+    names: NDArray[np.uint8]  # (clusters + 1, bytes) keys; the last one serves the number -1
+
+
+def named(cover: Cover, clusters: Clusters, names: Sequence[bytes]) -> Named:
+    """The elements of a cover by its `clusters` with these `keys`."""
+    cluster, place = np.full((2, cover.elements.n), -1)
+    own = clusters.elements
+    cluster[own.values], place[own.values] = own.row, np.arange(len(own.values)) - own.start[own.row]
+    keys_and_none = np.frombuffer(b"".join([*names, bytes(KEY)]), dtype=np.uint8).reshape(-1, KEY)
+    return Named(cluster, place, keys_and_none)
+
+
 def clusters_of(cover: Cover, n: int) -> Clusters:
     """The clusters of a cover and their quadrature points, `n` Gauss points per direction."""
     elements = _gathered(cover)
@@ -120,7 +141,7 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
         parts = [table[start[cluster] : start[cluster + 1]] for start, table in rows]
         mine = elements[clusters.span(cluster)]
         parts += [geometry[tip] for tip in np.unique(cover.enrichment.tips.taken(mine).values)]
-        digest = blake2b(digest_size=20)
+        digest = blake2b(digest_size=KEY)
         for part in parts:
             digest.update(np.int64(part.size).tobytes())
             digest.update(part.data)
