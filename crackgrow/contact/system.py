@@ -30,14 +30,11 @@ Beyond that one elimination gives the compliance alone. Measured: one load costs
 ROUGH = 1e-10
 """Jumps under some tractions that elimination misses by more, relative to the largest, are solved for, and refined."""
 
-MISSED = 0.1
-"""Times what is rough: points whose jumps miss more are solved for where others are rough."""
+DOUBTFUL = 0.1
+"""Times what is rough: points whose jumps differ by more are solved for where those of others are rough."""
 
 MANY = 0.25
 """Of all loads: where more of them are to be solved for, all are."""
-
-MENDINGS = 3
-"""Most rounds of that, and of a look at what is left."""
 
 UNSYMMETRIC = 1e-2
 """A compliance of contact that is unsymmetric by more than this fraction of its largest entry is refused."""
@@ -78,25 +75,23 @@ class ContactSystem:
         return np.asarray(self.operator @ self._per_traction[0] if compliance is None else compliance)
 
     def _refined(self, compliance: Floats) -> Floats | None:
-        """G K0^-1 G' W of G K0^-1 G' by elimination; None where that misses too much of it.
+        """G K0^-1 G' W of G K0^-1 G' by elimination; None where that is rough at too many points.
 
-        What it misses is mostly at a few points, where functions nearly depend on others: their loads are solved for.
+        Mostly it is at a few, where functions nearly depend on others: their loads are solved for. That tells them from
+        others, too, at which the solution for tractions at all points is what is rough.
         """
         weights = np.tile(self.weights, 2)
         push = weights * np.random.default_rng(0).choice([-1.0, 1.0], len(weights))
         known = self.operator @ self.system.solve(self.operator.T @ push)[0]
-        size = ROUGH * float(np.abs(known).max(initial=0.0))
-        for _ in range(MENDINGS):
-            off = np.abs(compliance @ push - known)
-            if off.max(initial=0.0) <= size:
-                return np.asarray(compliance * weights)
-            some = np.flatnonzero(off > MISSED * size)
+        off, size = np.abs(compliance @ push - known), ROUGH * float(np.abs(known).max(initial=0.0))
+        if off.max(initial=0.0) > size:
+            some = np.flatnonzero(off > DOUBTFUL * size)
             if len(some) > MANY * len(off):
-                break
+                return None
             columns = self.operator @ self.system.solve(self.operator[some].T.toarray())[0]
             columns[some] = 0.5 * (columns[some] + columns[some].T)
             compliance[:, some], compliance[some] = columns, columns.T
-        return None
+        return np.asarray(compliance * weights)
 
     def with_law(self, law: ContactLaw) -> ContactSystem:
         """The same rock behind another law; what is known of it stays known where the same points resist slip."""

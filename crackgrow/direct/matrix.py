@@ -47,6 +47,11 @@ class Part:
     dofs: Ints  # (k,) the unknowns
     half: csr_array  # H (k, k) with H + H' the sum
 
+    @property
+    def sizes(self) -> csr_array:
+        """The half of the absolute values."""
+        return csr_array((np.abs(self.half.data), self.half.indices, self.half.indptr), shape=self.half.shape)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks:
@@ -98,7 +103,7 @@ class SymmetricMatrix:
     def sizes(self, vectors: Floats) -> Floats:
         """The product of the absolute values of all terms with those of vectors (n,) or (n, m)."""
         elements, rest = self._absolute
-        return _product(elements, rest, ((part.dofs, abs(part.half)) for part in self.blocks.parts), np.abs(vectors))
+        return _product(elements, rest, ((part.dofs, part.sizes) for part in self.blocks.parts), np.abs(vectors))
 
     def diagonal(self) -> Floats:
         """The diagonal (n,)."""

@@ -13,7 +13,7 @@ from scipy.linalg.lapack import dpstrf
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.direct import Part, SymmetricMatrix, mirrored
 
 SMALL = 1e-3
@@ -33,8 +33,9 @@ def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
     met = np.zeros(len(diagonal))
     for part in matrix.blocks.parts:
         own = diagonal[part.dofs]
-        if own.min() < SMALL * own.max():
-            _meet(met, part, own)
+        may_be = own < SMALL * own.max()
+        if may_be.any():
+            _meet(met, part, own, may_be)
     small = np.flatnonzero(diagonal < SMALL * met)
     if len(small) == 0:
         return matrix
@@ -44,11 +45,12 @@ def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
     return matrix.with_diagonal(held, diagonal[held]) if len(held) else matrix
 
 
-def _meet(met: Floats, part: Part, own: Floats) -> None:
-    """Raise what unknowns have `met` (n,) to the entries `own` (k,) of those that they meet in a part of the matrix."""
-    row = np.repeat(np.arange(len(own)), np.diff(part.half.indptr))
-    for one, other in ((row, part.half.indices), (part.half.indices, row)):
-        np.maximum.at(met, part.dofs[one], own[other])
+def _meet(met: Floats, part: Part, own: Floats, some: Bools) -> None:
+    """Raise what `some` (k,) of the unknowns of a part have `met` (n,) to the entries `own` (k,) of those they meet."""
+    row, column = np.repeat(np.arange(len(own)), np.diff(part.half.indptr)), part.half.indices
+    for one, other in ((row, column), (column, row)):
+        at = np.flatnonzero(some[one])
+        np.maximum.at(met, part.dofs[one[at]], own[other[at]])
 
 
 def _among(matrix: SymmetricMatrix, some: Ints) -> csc_array:
