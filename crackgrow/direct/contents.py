@@ -92,7 +92,8 @@ class Contents:
             terms.append(entries)
         sums = np.bincount(np.concatenate(places), np.concatenate(terms), (p + b) * p + b * b)
         total = np.asarray(sums, dtype=np.float64)  # where nothing is, there are integers
-        return total[: (p + b) * p].reshape(p + b, p), total[(p + b) * p :].reshape(b, b)
+        own = total[: (p + b) * p].reshape(p + b, p).copy()  # it is kept, the rest is not
+        return own, total[(p + b) * p :].reshape(b, b)
 
     def keys(self) -> list[bytes]:
         """The key of every front."""
