@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
+from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.scene import make_scene
 from tests.benchmarks.flaw_field import field_case
@@ -60,3 +61,16 @@ def test_products_of_a_later_step_are_those_of_it_alone(steps: tuple[Configurati
     known = {part.key for part in first.matrix.blocks.parts}
     assert any(part.key in known for part in later.matrix.blocks.parts)
     assert any(part.key not in known for part in later.matrix.blocks.parts)
+
+
+def test_a_run_gone_on_with_has_the_bits_of_one_that_was_not_broken_off() -> None:
+    """It knows nothing of the steps before; what is kept follows from its key alone."""
+    case = field_case(3, 2)
+    whole = list(grow(case))
+    assert whole[1].checkpoint is not None
+    again = list(grow(case, whole[1].checkpoint))
+    assert [result.step for result in again] == [1, 2]
+    for ours, before in zip(again, whole[1:], strict=True):
+        assert ours.load_factor == before.load_factor
+        for tip, other in zip(ours.tips, before.tips, strict=True):
+            assert (tip.K_I, tip.K_II, tip.criticality) == (other.K_I, other.K_II, other.criticality)
