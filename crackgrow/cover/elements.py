@@ -139,7 +139,7 @@ def _cutting_lines(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequ
         *(parts for parts, _ in cut_sides),
         *(np.stack([line.points[:-1], line.points[1:]], axis=1) for line in lines),
     ]
-    extensions = [extension for line in lines for extension in extensions_of(lattice, line)]
+    extensions = extensions_of(lattice, lines)
     pieces = cut_in_pieces(np.concatenate([*segments, *extensions]), lattice.tiles.squares)
     start = starts_of(np.array([len(part) for part in segments], dtype=np.int64))
     limits = pairwise(np.searchsorted(pieces.segment, start).tolist())

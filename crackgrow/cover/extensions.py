@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -19,13 +20,33 @@ DIAGONAL = 2.0**0.5
 """No two points of an element are further apart, sides of its cell."""
 
 
-def extensions_of(lattice: Lattice, crack: CrackGeometry) -> list[Floats]:
-    """Segments (n, 2, 2) that lead on from a crack, so that no element holds two sides of it.
+def extensions_of(lattice: Lattice, cracks: Sequence[CrackGeometry]) -> list[Floats]:
+    """Segments (n, 2, 2) that lead on from each of some cracks, so that no element holds two sides of it.
 
     From a tip one leads through its tile: no crack ends inside of an element. Where the crack ends as seen from a tip,
     the jump of the tip's angle leads on. No element may lie on both sides of that, as long as a part of it is nearer to
     the tip than this end, where the tip functions have not faded out yet.
     """
+    wanted = [
+        (crack, crack.points[list(segment)], least)
+        for crack in cracks
+        for segment, least in _ends(lattice, crack).items()
+    ]
+    if not wanted:
+        return []
+    segments = np.array([segment for _, segment, _ in wanted])
+    least = np.array([length for _, _, length in wanted])
+    found = []
+    for (crack, _, length), extension in zip(wanted, _extended(lattice, segments, least), strict=True):
+        if extension is not None:
+            found.append(extension)
+        elif length == 0.0:
+            raise GeometryError(f"crack '{crack.name}': its tip lies outside of the lattice")
+    return found
+
+
+def _ends(lattice: Lattice, crack: CrackGeometry) -> dict[tuple[int, int], float]:
+    """The vertices that lead to each end of a crack which is to be extended, and by how much at least."""
     least: dict[tuple[int, int], float] = {}  # by the last segment: the vertices that it leads from and to
     n = len(crack.points)
     for at_end in crack.tips():
@@ -37,26 +58,29 @@ def extensions_of(lattice: Lattice, crack: CrackGeometry) -> list[Floats]:
             lattice, from_tip[0]
         ):
             least[numbers[last - 1], numbers[last]] = DIAGONAL * largest_cell_at(lattice, from_tip[last])
-    found = []
-    for segment, length in least.items():
-        extension = _extension(lattice, crack.points[list(segment)], length)
-        if extension is not None:
-            found.append(extension)
-        elif length == 0.0:
-            raise GeometryError(f"crack '{crack.name}': its tip lies outside of the lattice")
-    return found
+    return least
 
 
-def _extension(lattice: Lattice, segment: Floats, least: float) -> Floats | None:
-    """The straight extension of a segment (2, 2) to the first side of a tile further than `least` from its end.
+def _extended(lattice: Lattice, segments: Floats, least: Floats) -> Iterator[Floats | None]:
+    """The extension of each of some segments (n, 2, 2), by `least` (n,) or more."""
+    directions = [tip_direction(segment, at_end=True) for segment in segments]
+    far = [
+        segment[1] + min(length + 2.0, _to_edge(lattice, segment[1], direction)) * direction
+        for segment, length, direction in zip(segments, least.tolist(), directions, strict=True)
+    ]
+    pieces = cut_in_pieces(np.stack([segments[:, 1], far], axis=1), lattice.tiles.squares)
+    ends = np.split(pieces.ends[:, 1], np.searchsorted(pieces.segment, np.arange(1, len(segments))))
+    for segment, direction, length, own in zip(segments, directions, least.tolist(), ends, strict=True):
+        yield _extension(lattice, segment[1], direction, length, own) if len(own) else None
 
-    Where the lattice ends before, to its last tile; None if there is none. It comes in pieces (n, 2, 2) that end on
-    sides of tiles exactly, and on the corners of tiles that it only just misses, since a speck would be cut off there.
+
+def _extension(lattice: Lattice, start: Floats, direction: Floats, least: float, ends: Floats) -> Floats | None:
+    """The straight extension from a point (2,) to the first side of a tile further than `least` from it.
+
+    It crosses sides at `ends` (k, 2). Where the lattice ends before, to its last tile; None if there is none. It comes
+    in pieces (n, 2, 2) that end on sides of tiles exactly, and on the corners of tiles that it only just misses, since
+    a speck would be cut off there.
     """
-    start, direction = segment[1], tip_direction(segment, at_end=True)
-    far = start + min(least + 2.0, _to_edge(lattice, start, direction)) * direction
-    pieces = cut_in_pieces(np.stack([start, far])[None], lattice.tiles.squares)
-    ends = pieces.points[1:]
     length = (ends - start) @ direction
     if not (length > ON_LINE).any():
         return None

@@ -3,10 +3,10 @@
 What is named here is its door, all that other packages use of it.
 """
 
-from crackgrow.direct.assembly import HalfMatrix, half, sum_of
+from crackgrow.direct.assembly import HalfMatrix, half, mirrored
 from crackgrow.direct.dissection import Places
 from crackgrow.direct.factorization import Factorization, factorize
-from crackgrow.direct.matrix import EqualElements, SymmetricMatrix, symmetric
+from crackgrow.direct.matrix import EqualElements, Part, SymmetricMatrix, blocks_of, symmetric
 from crackgrow.direct.multifrontal import Factor
 
 __all__ = [
@@ -14,10 +14,12 @@ __all__ = [
     "Factor",
     "Factorization",
     "HalfMatrix",
+    "Part",
     "Places",
     "SymmetricMatrix",
+    "blocks_of",
     "factorize",
     "half",
-    "sum_of",
+    "mirrored",
     "symmetric",
 ]

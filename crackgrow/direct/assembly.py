@@ -1,4 +1,4 @@
-"""The sum of symmetric matrices of groups of functions: each of their halves is kept, the sum is mirrored once.
+"""The sum of symmetric matrices of groups of functions, of which the halves are kept.
 
 The half of a symmetric matrix A is H with H + H' = A: every pair of functions once, and half of what a function has
 with itself. Summing is a product of sparse matrices, S' H with S the functions of all groups, one below the other.
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
+from hashlib import blake2b
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +18,22 @@ from scipy.sparse import csc_array, csr_array
 from crackgrow.arrays import Floats, Ints
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class HalfMatrix:
     """The half of a symmetric matrix of k functions with two components each."""
 
     counts: Ints  # (k,) pairs that each function is the first one of
     second: NDArray[np.int32]  # (p,) the second function of each pair, those of the first function first
     entries: Floats  # (2, p, 2) component of the first function, pair, component of the second function
+
+    @cached_property
+    def key(self) -> bytes:
+        """A hash of all of it."""
+        digest = blake2b(digest_size=20)
+        for part in (self.counts, self.second, self.entries):
+            digest.update(np.int64(part.size).tobytes())
+            digest.update(np.ascontiguousarray(part).data)
+        return digest.digest()
 
 
 def half(n: int, pairs: Ints, matrix: Floats) -> HalfMatrix:
@@ -38,6 +49,11 @@ def half(n: int, pairs: Ints, matrix: Floats) -> HalfMatrix:
 
 def sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> csc_array:
     """Sum (2 n_functions, 2 n_functions) of matrices; each stands at all of its places, functions (m, k)."""
+    return mirrored(half_sum_of(parts, n_functions))
+
+
+def half_sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> csr_array:
+    """H (2 n_functions, 2 n_functions) with H + H' the sum of matrices, as `sum_of` has them."""
     none = np.empty(0, dtype=np.int64)
     functions, counts, seconds, entries = [none], [none], [none], [np.empty((2, 0, 2))]
     for ids, part in parts:
@@ -52,14 +68,13 @@ def sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> csc_ar
     halves = csr_array((pairs, np.tile(second, 2), ends), shape=(2 * len(row), n_functions))
     rows = np.concatenate([2 * row, 2 * row + 1])
     place = csr_array((np.ones(len(rows)), rows, np.arange(len(rows) + 1)), shape=(len(rows), 2 * n_functions))
-    return _mirrored(csr_array(place.T @ halves))
+    total = csr_array(place.T @ halves)
+    columns = (2 * total.indices[:, None] + np.arange(2, dtype=total.indices.dtype)).ravel()
+    return csr_array((total.data.view(np.float64), columns, 2 * total.indptr), shape=(2 * n_functions, 2 * n_functions))
 
 
-def _mirrored(pairs: csr_array) -> csc_array:
-    """H + H' for H (2 n, n) whose complex entries are those of the two components of the second function."""
-    columns = (2 * pairs.indices[:, None] + np.arange(2, dtype=pairs.indices.dtype)).ravel()
-    n_dofs = pairs.shape[0]
-    one = csr_array((pairs.data.view(np.float64), columns, 2 * pairs.indptr), shape=(n_dofs, n_dofs))
+def mirrored(one: csr_array) -> csc_array:
+    """H + H' for H (n, n)."""
     other = csr_array(one.T)
     total = other + csr_array(other.T)  # sorted, unlike `one`
     return csc_array((total.data, total.indices, total.indptr), shape=total.shape)  # it is symmetric to the last bit

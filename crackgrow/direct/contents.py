@@ -1,4 +1,4 @@
-"""What goes into each front: elements, entries of the sparse rest, and what its children leave; and its key.
+"""What goes into each front: elements, blocks, entries of the sparse rest, and what its children leave; and its key.
 
 The key is a hash of all that in the front's own numbering: fronts with the same key have the same factors.
 """
@@ -14,11 +14,17 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.direct.assembly import HalfMatrix
 from crackgrow.direct.fronts import MULTIPLIER, Fronts
-from crackgrow.direct.matrix import EqualElements, SymmetricMatrix
-from crackgrow.ragged import spans, starts_of
+from crackgrow.direct.matrix import Blocks, EqualElements, SymmetricMatrix
+from crackgrow.ragged import Ragged, by_row, distinct, spans, starts_of
 
 Int32s = NDArray[np.int32]
+
+EARLIER, OUTSIDE = -1, -2
+"""In place of the number in a front of a function that is eliminated before, and of one that it has nothing of."""
+
+FAR_APART = "unknowns are coupled whose places are further apart than couplings reach"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,6 +40,15 @@ class _Elements:
     second: Ints  # (q,) and the second
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Blocks:
+    """The blocks, and the fronts that take some of their entries."""
+
+    blocks: Blocks
+    positions: tuple[Ints, ...]  # block by block (k,) of the first unknown of each function
+    of_front: Ragged  # fronts -> blocks with functions that they eliminate
+
+
 class Contents:
     """The contents of all fronts of a matrix."""
 
@@ -42,7 +57,8 @@ class Contents:
         self._fronts = fronts
         self._elements = _sorted(matrix.elements, fronts)
         self._columns = _lower_columns(matrix.rest, fronts)
-        self._rows, self._functions = self._numbered()
+        self._blocks = _at_fronts(matrix.blocks, fronts)
+        self._rows, self._functions, self._of_blocks = self._numbered()
         self._constrained = bool(np.any(fronts.code == MULTIPLIER))
         self._children: list[list[int]] = [[] for _ in range(fronts.n)]
         for child, parent in enumerate(fronts.parent.tolist()):
@@ -70,9 +86,14 @@ class Contents:
             numbers = functions.astype(np.int64)
             places.append(_places(numbers[:, part.first], numbers[:, part.second], p, b).ravel())
             terms.append(part.terms[part.kind[part.starts[front] : part.starts[front + 1]]].ravel())
+        for block, local in zip(self._blocks.of_front.of(front).tolist(), self._of_blocks[front], strict=True):
+            at, entries = _of_block(self._blocks.blocks.halves[block], local, p, b)
+            places.append(at)
+            terms.append(entries)
         sums = np.bincount(np.concatenate(places), np.concatenate(terms), (p + b) * p + b * b)
         total = np.asarray(sums, dtype=np.float64)  # where nothing is, there are integers
-        return total[: (p + b) * p].reshape(p + b, p), total[(p + b) * p :].reshape(b, b)
+        own = total[: (p + b) * p].reshape(p + b, p).copy()  # it is kept, the rest is not
+        return own, total[(p + b) * p :].reshape(b, b)
 
     def keys(self) -> list[bytes]:
         """The key of every front."""
@@ -89,6 +110,9 @@ class Contents:
             for part, functions in zip(self._elements, self._functions[front], strict=True):
                 if len(functions):
                     parts += [part.names[part.kind[part.starts[front] : part.starts[front + 1]]], functions]
+            for block, numbers in zip(self._blocks.of_front.of(front).tolist(), self._of_blocks[front], strict=True):
+                digest.update(self._blocks.blocks.halves[block].key)
+                parts.append(numbers)
             if end > begin:
                 parts += [per_column[own], self._rows[front], columns.data[begin:end]]
             for child in self._children[front]:
@@ -106,11 +130,14 @@ class Contents:
         """Codes of unknowns within a box; multipliers are not told apart."""
         return np.where(codes == MULTIPLIER, codes, codes - corner) if self._constrained else codes - corner
 
-    def _numbered(self) -> tuple[list[Int32s], list[list[Int32s]]]:
-        """Front by front, the numbers in it of the rows of all entries, and of the functions (e, k) of its elements."""
-        fronts, columns = self._fronts, self._columns
-        number = np.full(len(fronts.order), -1, dtype=np.int32)  # in one front at a time
-        rows, functions = [], []
+    def _numbered(self) -> tuple[list[Int32s], list[list[Int32s]], list[list[Int32s]]]:
+        """Front by front, the numbers in it of the rows of all entries, and of functions.
+
+        These are those (e, k) of its elements, and those (k,) of its blocks.
+        """
+        fronts, columns, blocks = self._fronts, self._columns, self._blocks
+        number = np.full(len(fronts.order), OUTSIDE, dtype=np.int32)  # in one front at a time
+        rows, functions, of_blocks = [], [], []
         starts = fronts.starts.tolist()
         pointers = columns.indptr[fronts.starts].tolist()
         for front, boundary in enumerate(fronts.boundary):
@@ -119,10 +146,44 @@ class Contents:
             number[boundary] = np.arange(end - start, end - start + len(boundary))
             rows.append(number[columns.indices[pointers[front] : pointers[front + 1]]])
             functions.append([number[p.positions[p.starts[front] : p.starts[front + 1]]] for p in self._elements])
-            number[start:end], number[boundary] = -1, -1
+            there = [blocks.positions[block] for block in blocks.of_front.of(front).tolist()]
+            of_blocks.append([np.where(at < start, np.int32(EARLIER), number[at]) for at in there])
+            number[start:end], number[boundary] = OUTSIDE, OUTSIDE
             if min(numbers.min(initial=0) for numbers in (rows[-1], *functions[-1])) < 0:
-                raise ValueError("unknowns are coupled whose places are further apart than couplings reach")
-        return rows, functions
+                raise ValueError(FAR_APART)
+        return rows, functions, of_blocks
+
+
+def _at_fronts(blocks: Blocks, fronts: Fronts) -> _Blocks:
+    """The blocks at the fronts that eliminate their functions."""
+    if not blocks.functions:
+        return _Blocks(blocks, (), by_row(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), fronts.n))
+    counts = np.array([len(functions) for functions in blocks.functions])
+    position = fronts.position[2 * np.concatenate(blocks.functions)]
+    front = np.searchsorted(fronts.starts, position, side="right") - 1
+    n = len(counts)
+    at, block = np.divmod(distinct(front * n + np.repeat(np.arange(n), counts)), n)
+    return _Blocks(blocks, tuple(np.split(position, np.cumsum(counts)[:-1])), by_row(at, block, fronts.n))
+
+
+def _of_block(half: HalfMatrix, numbers: Int32s, p: int, b: int) -> tuple[Ints, Floats]:
+    """Places (4 q,) in a front of what it takes of a block, and the entries there; `numbers` (k,) are those in it.
+
+    It takes the pairs of functions of which it eliminates the first one. Raises ValueError where it has no place for
+    the second one.
+    """
+    first = np.repeat(np.arange(len(half.counts)), half.counts)
+    one, other = numbers[first], numbers[half.second]
+    lower, upper = np.minimum(one, other), np.maximum(one, other)
+    own = np.where(lower >= 0, lower, upper)
+    mine = np.flatnonzero((lower != EARLIER) & (own >= 0) & (own < p))
+    mine = mine[upper[mine] != EARLIER]
+    if len(mine) and lower[mine].min() == OUTSIDE:
+        raise ValueError(FAR_APART)
+    first, second = first[mine], half.second[mine]
+    places = _places(one[mine].astype(np.int64), other[mine].astype(np.int64), p, b)
+    entries = half.entries[:, mine].transpose(1, 0, 2) * np.where(first == second, 2.0, 1.0)[:, None, None]
+    return places.ravel(), entries.ravel()
 
 
 def _sorted(elements: Sequence[EqualElements], fronts: Fronts) -> list[_Elements]:

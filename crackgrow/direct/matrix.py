@@ -1,19 +1,22 @@
-"""A symmetric matrix as the sum of equal element matrices at many places and of a sparse rest.
+"""A symmetric matrix as the sum of equal element matrices at many places, of blocks, and of a sparse rest.
 
 The elements away from cracks and outlines are alike: their sum is never formed. Products gather the unknowns of all
-elements, multiply them by the one element matrix, and add up what comes out.
+elements, multiply them by the one element matrix, and add up what comes out. Blocks are the matrices of all others, of
+some functions each; of their sum one half is formed, part by part: a part whose blocks are known is known.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from hashlib import blake2b
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.direct.assembly import HalfMatrix, half, sum_of
+from crackgrow.direct.assembly import HalfMatrix, half, half_sum_of, mirrored, sum_of
 
 AT_ONCE = 4_000_000
 """Numbers that a product or a sum holds at once."""
@@ -36,12 +39,57 @@ class EqualElements:
         return half(k, pairs, by_component[:, :, pairs])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """The sum of some blocks."""
+
+    key: bytes  # a hash of these blocks, and of which functions they have in common
+    dofs: Ints  # (k,) the unknowns
+    half: csr_array  # H (k, k) with H + H' the sum
+
+    @property
+    def sizes(self) -> csr_array:
+        """The half of the absolute values."""
+        return csr_array((np.abs(self.half.data), self.half.indices, self.half.indptr), shape=self.half.shape)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Blocks:
+    """The sum of symmetric matrices of some functions each."""
+
+    functions: tuple[Ints, ...] = ()  # block by block (k,)
+    halves: tuple[HalfMatrix, ...] = ()  # block by block
+    parts: tuple[Part, ...] = ()  # the sum, in parts
+
+
+def blocks_of(
+    functions: Sequence[Ints], halves: Sequence[HalfMatrix], group: Ints, before: Blocks | None = None
+) -> Blocks:
+    """Blocks with their sum, a part for each `group` (blocks,); parts that the blocks `before` had are taken over."""
+    known = {} if before is None else {part.key: part.half for part in before.parts}
+    order = np.argsort(group, kind="stable")
+    parts = []
+    for some in np.split(order, np.flatnonzero(np.diff(group[order])) + 1) if len(group) else ():
+        own = [functions[block] for block in some.tolist()]
+        together, place = np.unique(np.concatenate(own), return_inverse=True)
+        digest = blake2b(place.tobytes(), digest_size=20)
+        for block in some.tolist():
+            digest.update(halves[block].key)
+        half = known.get(digest.digest())
+        if half is None:
+            local = np.split(place[None], np.cumsum([len(ids) for ids in own])[:-1], axis=1)
+            half = half_sum_of(zip(local, (halves[block] for block in some.tolist()), strict=True), len(together))
+        parts.append(Part(digest.digest(), (2 * together[:, None] + np.arange(2)).ravel(), half))
+    return Blocks(tuple(functions), tuple(halves), tuple(parts))
+
+
 @dataclass(frozen=True, eq=False)
 class SymmetricMatrix:
-    """The sum (n, n) of `elements` and of a sparse `rest` (n, n)."""
+    """The sum (n, n) of `elements`, of a sparse `rest` (n, n), and of `blocks`."""
 
     elements: tuple[EqualElements, ...]
     rest: csc_array
+    blocks: Blocks = Blocks()
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -50,29 +98,18 @@ class SymmetricMatrix:
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product with vectors (n,) or (n, m)."""
-        total = np.asarray(self.rest @ vectors)
-        if not self.elements:
-            return total
-        columns = total.reshape(len(total), -1)
-        for k, vector in enumerate(vectors.reshape(len(total), -1).T):
-            pairs, sums = vector.reshape(-1, 2), np.zeros((len(total) // 2, 2))
-            for part in self.elements:
-                step = max(1, AT_ONCE // len(part.matrix))
-                for start in range(0, len(part.functions), step):
-                    functions = part.functions[start : start + step]
-                    forces = (pairs[functions].reshape(len(functions), -1) @ part.matrix).reshape(-1, 2)
-                    for component in (0, 1):
-                        sums[:, component] += np.bincount(functions.ravel(), forces[:, component], len(sums))
-            columns[:, k] += sums.ravel()
-        return columns.reshape(total.shape)
+        return _product(self.elements, self.rest, [(part.dofs, part.half) for part in self.blocks.parts], vectors)
 
     def sizes(self, vectors: Floats) -> Floats:
         """The product of the absolute values of all terms with those of vectors (n,) or (n, m)."""
-        return self._absolute @ np.abs(vectors)
+        elements, rest = self._absolute
+        return _product(elements, rest, ((part.dofs, part.sizes) for part in self.blocks.parts), np.abs(vectors))
 
     def diagonal(self) -> Floats:
         """The diagonal (n,)."""
         total = self.rest.diagonal()
+        for block in self.blocks.parts:
+            total[block.dofs] += 2.0 * block.half.diagonal()
         for part in self.elements:
             own = part.matrix.diagonal()
             for component in (0, 1):
@@ -83,16 +120,22 @@ class SymmetricMatrix:
     def largest(self) -> float:
         """The largest absolute value of a term; nan where a value is none."""
         terms = [self.rest.data, *(part.matrix for part in self.elements)]
+        for block in self.blocks.parts:
+            terms += [block.half.data, 2.0 * block.half.diagonal()]
         return max((float(np.abs(values).max(initial=0.0)) for values in terms), key=lambda x: (np.isnan(x), x))
 
     def with_diagonal(self, places: Ints, values: Floats) -> SymmetricMatrix:
         """The sum with a diagonal matrix that has `values` (k,) at `places` (k,)."""
         more = csc_array((values, (places, places)), shape=self.shape)
-        return SymmetricMatrix(self.elements, csc_array(self.rest + more))
+        return replace(self, rest=csc_array(self.rest + more))
 
     def tocsc(self) -> csc_array:
         """The sum as one sparse matrix."""
         total = self.rest
+        for block in self.blocks.parts:
+            entries = mirrored(block.half).tocoo()
+            places = (block.dofs[entries.row], block.dofs[entries.col])
+            total = total + csc_array((entries.data, places), shape=self.shape)
         for part in self.elements:
             own = part.half
             step = max(1, AT_ONCE // own.entries.size)
@@ -103,10 +146,33 @@ class SymmetricMatrix:
         return csc_array(total)
 
     @cached_property
-    def _absolute(self) -> SymmetricMatrix:
-        """The sum of the absolute values of all terms."""
-        parts = tuple(replace(part, matrix=np.abs(part.matrix)) for part in self.elements)
-        return SymmetricMatrix(parts, abs(self.rest))
+    def _absolute(self) -> tuple[tuple[EqualElements, ...], csc_array]:
+        """Elements and rest with the absolute values of all terms."""
+        return tuple(replace(part, matrix=np.abs(part.matrix)) for part in self.elements), abs(self.rest)
+
+
+def _product(
+    elements: Sequence[EqualElements], rest: csc_array, halves: Iterable[tuple[Ints, csr_array]], vectors: Floats
+) -> Floats:
+    """The product of vectors (n,) or (n, m) with the sum of elements, of a rest, and of halves of some unknowns."""
+    total = np.asarray(rest @ vectors)
+    for dofs, own in halves:
+        some = vectors[dofs]
+        total[dofs] += own @ some + own.T @ some
+    if not elements:
+        return total
+    columns = total.reshape(len(total), -1)
+    for k, vector in enumerate(vectors.reshape(len(total), -1).T):
+        pairs, sums = vector[: len(total) // 2 * 2].reshape(-1, 2), np.zeros((len(total) // 2, 2))
+        for part in elements:
+            step = max(1, AT_ONCE // len(part.matrix))
+            for start in range(0, len(part.functions), step):
+                functions = part.functions[start : start + step]
+                forces = (pairs[functions].reshape(len(functions), -1) @ part.matrix).reshape(-1, 2)
+                for component in (0, 1):
+                    sums[:, component] += np.bincount(functions.ravel(), forces[:, component], len(sums))
+        columns[: sums.size, k] += sums.ravel()
+    return columns.reshape(total.shape)
 
 
 def symmetric(matrix: csc_array | SymmetricMatrix) -> SymmetricMatrix:
@@ -131,4 +197,4 @@ def bordered(matrix: SymmetricMatrix, constraints: csr_array, rho: Floats, yield
     pointers = np.concatenate([of_unknowns.indptr, of_unknowns.nnz + starts[1:]])
     added = csc_array((data, rows, pointers), shape=(n + m, n + m))
     held = csc_array((rest.data, rest.indices, np.append(rest.indptr, [rest.nnz] * m)), shape=added.shape)
-    return SymmetricMatrix(matrix.elements, csc_array(held + added))
+    return replace(matrix, rest=csc_array(held + added))

@@ -19,7 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.linalg.blas import dgemm, dsyrk, dtrsm
-from scipy.linalg.lapack import dpotrf
+from scipy.linalg.lapack import dpotrf, dtpttr, dtrttp
 from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
@@ -47,8 +47,14 @@ class Factor:
 
     diagonal: Floats  # (p, p) lower triangle
     below: Floats  # (b, p)
-    update: Floats  # (b, b) lower triangle
+    packed: Floats  # (b (b + 1) / 2,) the rows of the lower triangle of `update`: most of what is kept
     sizes: Floats  # (b,) what the front and those below it have put on the diagonal
+
+    @property
+    def update(self) -> Floats:
+        """What the front leaves to its parent, (b, b) lower triangle."""
+        n = len(self.sizes)
+        return np.asarray(dtpttr(n, self.packed, uplo="U")[0].T) if n else np.zeros((0, 0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -243,7 +249,8 @@ def _eliminated(
             dsyrk(-sign, part.T, 1.0, rest.T, trans=1, lower=0, overwrite_c=1)
             if sign < 0.0:
                 below[:, begin:end] *= -1.0
-    return Factor(diagonal, below, rest, sizes[p:])
+    packed = dtrttp(rest.T, uplo="U")[0] if len(below) else np.empty(0)
+    return Factor(diagonal, below, packed, sizes[p:])
 
 
 def _cholesky(matrix: Floats, sizes: Floats) -> None:

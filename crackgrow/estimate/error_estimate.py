@@ -28,6 +28,7 @@ from crackgrow.quadrature.elements import ElementPoints
 from crackgrow.quadrature.everywhere import all_points
 from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rules import square
+from crackgrow.ragged import Ragged, by_row
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import stress_of
 
@@ -76,12 +77,14 @@ def error_estimate(
     for row, part in zip(acting, singular, strict=True):
         row[:] = part.patches
     near = np.zeros(cover.elements.n, dtype=bool)
-    near[of_element.row[np.any(acting[:, of_element.values], axis=0)]] = True
+    near[of_element.row[np.asarray(acting.any(axis=0))[of_element.values]]] = True
     is_regular = cover.plain & ~near
     is_regular[cover.elements.n_whole :] = False
     regular = _regular(cover, materials, u, is_regular)
     rest = _points_of(cover, ~is_regular)
-    blocks = [_free(cover, materials, u, some, singular, acting) for some in rest]
+    patch, part_there = np.nonzero(acting.T)
+    acting_on = by_row(patch, part_there, n_patches)
+    blocks = [_free(cover, materials, u, some, singular, acting_on) for some in rest]
     free, norm = [part for parts, _ in blocks for part in parts], sum(squares for _, squares in blocks)
     for some in regular:
         norm += float(some.areas @ np.einsum("qw,qec->e", some.weights, some.values**2))
@@ -132,9 +135,9 @@ def _free(
     u: Floats,
     at: ElementPoints,
     singular: Sequence[Singular],
-    acting: Bools,
+    acting: Ragged,
 ) -> tuple[list[FreeSamples], float]:
-    """Samples at points anywhere, and the integral of their squares."""
+    """Samples at points anywhere, and the integral of their squares; `acting` are the singular parts on patches."""
     points, weights, element = at.points, at.weights, at.element
     body = cover.elements.body[element]
     basis = basis_at(cover, points, element)
@@ -145,8 +148,11 @@ def _free(
     # no fits on crumbs, whose stress is uniform
     phi = np.where(cover.patches.in_crumb[element][point], 0.0, np.maximum(basis.phi[0], 0.0))
     less = np.zeros((len(point), 3))  # patch by patch, what is told apart there
-    for part, in_patches in zip(singular, acting, strict=True):
-        sees = np.flatnonzero(in_patches[patches.values])
+    seen, place = acting.places(patches.values)
+    parts = acting.values[place]
+    order = np.argsort(parts, kind="stable")
+    for sees in np.split(order, np.flatnonzero(np.diff(parts[order])) + 1) if len(order) else ():
+        part, sees = singular[parts[sees[0]]], seen[sees]
         mine, back = np.unique(point[sees], return_inverse=True)
         less[sees] += energy_components(materials, part.at(points[mine], element[mine]), body[mine])[back]
     half = cover.patches.half[patches.values] / cover.lattice.support

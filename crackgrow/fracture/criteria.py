@@ -30,6 +30,9 @@ AT_STRENGTH = 1e-9
 LEAST_RESISTANCE = 1e-30
 """Pa: a resistance below this, or negative, is used up."""
 
+UNEVEN = 1e-5
+"""rad: samples whose distances differ by more are not evenly spaced."""
+
 LARGEST_RATIO = 1e30
 """Ratio that stands for a resistance that is used up."""
 
@@ -218,7 +221,7 @@ def _peak(angles: Floats, values: Floats) -> tuple[float, float]:
     """
     inner = np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:])) + 1
     i = int(inner[np.argmax(values[inner])]) if len(inner) else int(np.argmax(values))
-    if i in (0, len(values) - 1) or not np.isclose(angles[i + 1] - angles[i], angles[i] - angles[i - 1]):
+    if i in (0, len(values) - 1) or abs(angles[i + 1] - 2.0 * angles[i] + angles[i - 1]) > UNEVEN:
         return float(values[i]), float(angles[i])
     before, at, after = values[i - 1 : i + 2]
     curvature = before - 2.0 * at + after

@@ -16,12 +16,67 @@ Arrays inside run over the points last, so that every operation is one long loop
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.fracture.tip_rule import TipRule, weighted_by_fall, weighted_by_step
 from crackgrow.fracture.williams import williams_gradient
 from crackgrow.solid.elasticity import PlaneElasticity
+
+UNIT_GRADIENTS = np.eye(4).reshape(2, 2, 2, 2, 1)
+"""[c, d]: the gradient (2, 2, 1) whose component du_c/dx_d is one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Weights:
+    """What M (radii, 2) of a rule, for both auxiliary modes, takes of the body's own field, in the tip's axes."""
+
+    around: (
+        Floats  # (radii, 2, 2, 2, n) of elastic displacement gradients [radius, mode, c, d] at points of the circles
+    )
+    beside: Floats  # (radii, 2, 2, 2, m) of those at the points of the faces, the sums of both faces
+    vectors: Floats  # (radii, 2, 2, m) of the stress vectors there, likewise
+
+
+def weights_of(material: PlaneElasticity, rule: TipRule) -> Weights:
+    """The weights of a rule."""
+    circles, faces, radii = rule.circles, rule.faces, rule.radii
+    around, beside = _auxiliary(material, rule)
+    r, t = circles.polar
+    away = np.stack([np.cos(t), np.sin(t)])
+    fall = weighted_by_fall(circles.r, circles.weight, np.eye(len(circles.r)), radii) * circles.r
+    step = weighted_by_step(faces.r, faces.weight, np.eye(len(faces.r)), radii)
+    through = -(fall[:, :, None] * circles.angle_weight).reshape(len(radii), -1)
+    nothing = np.zeros((2, len(faces.r)))
+    of_circles, of_faces, of_vectors = [], [], []
+    for c in (0, 1):
+        for d in (0, 1):
+            unit = UNIT_GRADIENTS[c, d]
+            of_circles.append(_radial_flux(material, away, around, np.broadcast_to(unit, (2, 2, len(r)))))
+            of_faces.append(_face_flux(material, rule, beside, nothing, np.broadcast_to(unit, (2, 2, len(faces.r)))))
+        vector = np.zeros((2, len(faces.r)))
+        vector[c] = 1.0
+        of_vectors.append(_face_flux(material, rule, beside, vector, np.zeros((2, 2, len(faces.r)))))
+    return Weights(
+        through[:, None, None, None] * _by_mode(of_circles).reshape(2, 2, 2, -1),
+        step[:, None, None, None] * _by_mode(of_faces).reshape(2, 2, 2, -1),
+        step[:, None, None] * _by_mode(of_vectors),
+    )
+
+
+def _by_mode(flux: list[Floats]) -> Floats:
+    """(2, k, n) [mode, which, point] of k fluxes (2, n)."""
+    return np.stack(flux, axis=1)
+
+
+def of_body_force(material: PlaneElasticity, rule: TipRule, body_force: Floats) -> Floats:
+    """What M (radii, 2) has of a body force (2, n) at the points of the circles."""
+    circles = rule.circles
+    around, _ = _auxiliary(material, rule)
+    work = np.einsum("in,min->mn", body_force, around[:, :, 0]).reshape(2, *circles.t.shape) @ circles.angle_weight
+    return -weighted_by_step(circles.r, circles.weight * circles.r, work, rule.radii)
 
 
 def interaction(
@@ -40,21 +95,19 @@ def interaction(
     face_gradients: elastic displacement gradients (2, 2, m) there, sums as well; they may be zero on the last segment
     body_force: (2, n) at the points of the circles; None for nothing
     """
-    circles, faces, radii = rule.circles, rule.faces, rule.radii
-    r, t = circles.polar
-    n = len(r)
-    auxiliary = williams_gradient(material, np.append(r, faces.r), np.append(t, faces.alpha)).transpose(1, 2, 3, 0)
-    around, beside = auxiliary[..., :n], auxiliary[..., n:]  # on the left face; minus that on the right
-    flux = _radial_flux(material, np.stack([np.cos(t), np.sin(t)]), around, gradients)
-    through_circles = flux.reshape(2, *circles.t.shape) @ circles.angle_weight * circles.r
-    M = -weighted_by_fall(circles.r, circles.weight, through_circles, radii)
-    M += weighted_by_step(
-        faces.r, faces.weight, _face_flux(material, rule, beside, face_vectors, face_gradients), radii
-    )
-    if body_force is not None:
-        work = np.einsum("in,min->mn", body_force, around[:, :, 0]).reshape(2, *circles.t.shape) @ circles.angle_weight
-        M -= weighted_by_step(circles.r, circles.weight * circles.r, work, radii)
-    return M
+    weights = weights_of(material, rule)
+    M = np.einsum("rmcdn,cdn->rm", weights.around, gradients)
+    M += np.einsum("rmcdn,cdn->rm", weights.beside, face_gradients)
+    M += np.einsum("rmcn,cn->rm", weights.vectors, face_vectors)
+    return np.asarray(M if body_force is None else M + of_body_force(material, rule, body_force))
+
+
+def _auxiliary(material: PlaneElasticity, rule: TipRule) -> tuple[Floats, Floats]:
+    """Gradients (2, 2, 2, points) of the auxiliary fields on the circles, and on the left face: minus those right."""
+    r, t = rule.circles.polar
+    points = (np.append(r, rule.faces.r), np.append(t, rule.faces.alpha))
+    auxiliary = williams_gradient(material, *points).transpose(1, 2, 3, 0)
+    return auxiliary[..., : len(r)], auxiliary[..., len(r) :]
 
 
 def _radial_flux(material: PlaneElasticity, away: Floats, auxiliary: Floats, gradient: Floats) -> Floats:

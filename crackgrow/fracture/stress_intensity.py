@@ -6,18 +6,20 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array, vstack
 
-from crackgrow.arrays import Floats
+from crackgrow.approximation.basis import basis_at
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
-from crackgrow.fracture.interaction import interaction
+from crackgrow.fracture.interaction import of_body_force, weights_of
+from crackgrow.fracture.readings import Made, Place, Reading, Readings, compressed
 from crackgrow.fracture.tip_disc import Disc, disc_round
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.in_situ import across
-from crackgrow.solid.recovery import gradient_at
 
 FaceTraction = Callable[[Floats], tuple[Floats, Floats]]
 """Normal and tangential traction (n,) Pa at arc lengths (n,), spacings, from the crack's start."""
@@ -42,6 +44,28 @@ class StressIntensity:
     note: str  # why, in words; empty where it is not
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class IntegralReading:
+    """The integrals of a tip, as what they take of the displacement and of what acts on the faces."""
+
+    disc: Disc
+    functions: Ints  # (k,)
+    reading: Reading | None  # None: no disc fits
+
+
+def integral_readings(
+    readings: Readings, materials: Sequence[PlaneElasticity], tips: Sequence[int]
+) -> list[IntegralReading]:
+    """What the integrals of some `tips` of a cover read off."""
+    cover = readings.cover
+    discs = [disc_round(cover, cover.tips[tip]) for tip in tips]
+    some = [disc for disc in discs if not np.isnan(disc.radius)]
+    places = [_place(disc, materials[disc.tip.body]) for disc in some]
+    found = iter(readings.at(places, lambda new: _read(cover, materials, [some[number] for number in new])))
+    nothing = np.empty(0, dtype=np.int64)
+    return [IntegralReading(disc, *((nothing, None) if np.isnan(disc.radius) else next(found))) for disc in discs]
+
+
 def interaction_integrals(
     cover: Cover,
     materials: Sequence[PlaneElasticity],
@@ -49,21 +73,16 @@ def interaction_integrals(
     tips: Sequence[int],
     tractions: Sequence[FaceTraction],
     body_forces: Sequence[BodyForce | None] | None = None,
+    readings: Sequence[IntegralReading] | None = None,
 ) -> list[StressIntensity]:
-    """K_I and K_II of the `tips` of a cover; `u` (n_dofs,) m.
+    """K_I and K_II of the `tips` of a cover; `u` (n_dofs,) m, `readings` where they are known.
 
     `tractions` are, tip by tip, all that acts between the faces: contact tractions less fluid pressure. In-situ stress
     that varies counts by what it is at the tip; the rest of it by its divergence and what it does on the faces.
     """
     forces = [None] * len(tips) if body_forces is None else body_forces
-    discs = [disc_round(cover, cover.tips[tip]) for tip in tips]
-    sampled = _sampled(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
-    return [
-        _no_room(disc)
-        if np.isnan(disc.radius)
-        else _in_disc(materials[disc.tip.body], cover, next(sampled), traction, force)
-        for disc, traction, force in zip(discs, tractions, forces, strict=True)
-    ]
+    known = integral_readings(Readings(cover), materials, tips) if readings is None else readings
+    return [_in_disc(materials, cover, u, *each) for each in zip(known, tractions, forces, strict=True)]
 
 
 def _no_room(disc: Disc) -> StressIntensity:
@@ -72,64 +91,85 @@ def _no_room(disc: Disc) -> StressIntensity:
     return StressIntensity(nan, nan, nan, nan, nan, True, note)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Samples:
-    """The elastic displacement gradients round a tip, in its axes."""
-
-    disc: Disc
-    rule: TipRule
-    around: Floats  # (2, 2, n) at the points of the rule's circles
-    on_faces: Floats  # (2, 2, m) sums of both faces; zero on the last segment, where they don't matter
-
-
 def _in_disc(
-    material: PlaneElasticity, cover: Cover, samples: _Samples, traction: FaceTraction, body_force: BodyForce | None
+    materials: Sequence[PlaneElasticity],
+    cover: Cover,
+    u: Floats,
+    known: IntegralReading,
+    traction: FaceTraction,
+    body_force: BodyForce | None,
 ) -> StressIntensity:
     """K of a tip."""
-    disc, rule, tip, spacing = samples.disc, samples.rule, samples.disc.tip, cover.lattice.spacing
-    normal, tangential = _less_varying(material, cover, tip, rule, traction)
-    along_x, along_y = rule.faces.toward_tip.T
+    disc, tip, spacing = known.disc, known.disc.tip, cover.lattice.spacing
+    if known.reading is None:
+        return _no_room(disc)
+    material = materials[tip.body]
+    arc, toward_tip, of_uniform, of_vectors = known.reading.more
+    normal, tangential = _less_varying(material, cover, tip, arc, traction)
+    along_x, along_y = toward_tip.T
     vectors = 2.0 * np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
-    force = None
+    by_component = known.reading.of(u.reshape(-1, 2)[known.functions]).reshape(2, -1, 2)  # [c of its weights, M, c]
+    M = by_component[0, :, 0] + by_component[1, :, 1] + of_vectors @ vectors.ravel()
+    M += of_uniform @ _initial_gradient(material, cover.lattice.to_metres(tip.point)).ravel()
+    M = M.reshape(-1, 2)
     if body_force is not None:
+        rule = tip_rule(tip, tip.size, disc.radii)
         force = spacing * tip.rotation @ body_force(cover.lattice.to_metres(rule.circles.points(tip))).T
-    M = interaction(material, rule, samples.around, vectors, samples.on_faces, force)
+        M = M + of_body_force(material, rule, force)
     K = 0.5 * material.young_prime * np.sqrt(spacing) * M
     (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.small else ""
     return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.small, note)
 
 
-def _sampled(
-    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, discs: Sequence[Disc]
-) -> Iterator[_Samples]:
-    """What the integrals need of the displacement, disc by disc."""
+def _place(disc: Disc, material: PlaneElasticity) -> Place:
+    """Where the integrals of a tip are read off, and all that they depend on besides the elements there."""
+    tip, reach = disc.tip, disc.radii[-1]
+    moduli = (material.c11, material.c12, material.c33, material.young_prime)
+    geometry = (disc.radii, tip.point, tip.rotation.ravel(), tip.radii, tip.path.ravel())
+    own = np.concatenate([[tip.size, tip.fade, *moduli, len(tip.path)], *geometry])
+    return Place(tip.point - reach, tip.point + reach, own.tobytes())
+
+
+def _read(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> Iterator[Made]:
+    """What integrals read off, disc by disc."""
     for first in range(0, len(discs), TIPS_AT_ONCE):
         some = discs[first : first + TIPS_AT_ONCE]
         rules = [tip_rule(disc.tip, disc.tip.size, disc.radii) for disc in some]
-        points = [rule.circles.points(disc.tip) for disc, rule in zip(some, rules, strict=True)]
-        elements = [locate(cover.lattice, cover.elements, np.concatenate(points))]
-        kinked = []
-        for disc, rule in zip(some, rules, strict=True):
+        around = [rule.circles.points(disc.tip) for disc, rule in zip(some, rules, strict=True)]
+        inside = np.split(
+            locate(cover.lattice, cover.elements, np.concatenate(around)), np.cumsum([len(p) for p in around])[:-1]
+        )
+        points, elements, kinked = [], [], []
+        for disc, rule, own, there in zip(some, rules, around, inside, strict=True):
             beyond = np.flatnonzero(rule.faces.arc > disc.tip.radii[1])
-            there = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
+            faces = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
             kinked.append(beyond)
-            points += [there.points, there.points]
-            elements += [there.plus, there.minus]
-        found = gradient_at(cover, u, np.concatenate(points), np.concatenate(elements)).transpose(1, 2, 0)
-        parts = np.split(found, np.cumsum([len(part) for part in points])[:-1], axis=2)
+            points += [own, faces.points, faces.points]
+            elements += [there, faces.plus, faces.minus]
+        gradients = basis_at(cover, np.concatenate(points), np.concatenate(elements)).gradients()
+        ends = np.cumsum([0, *(len(part) for part in points)])[::3].tolist()
         for number, (disc, rule, beyond) in enumerate(zip(some, rules, kinked, strict=True)):
-            turn, place = disc.tip.rotation, cover.lattice.to_metres(disc.tip.point)
-            initial = _initial_gradient(materials[disc.tip.body], place)
-            plus, minus = parts[len(some) + 2 * number : len(some) + 2 * number + 2]
-            both = np.zeros((2, 2, len(rule.faces.arc)))
-            both[:, :, beyond] = _turned(turn, plus + minus + 2.0 * initial)
-            yield _Samples(disc, rule, _turned(turn, parts[number] + initial), both)
+            both = vstack([rows[ends[number] : ends[number + 1]] for rows in gradients], format="csr")
+            yield _reading(materials[disc.tip.body], disc, rule, beyond, csr_array(both))
 
 
-def _turned(rotation: Floats, gradients: Floats) -> Floats:
-    """Gradients (2, 2, n) in other axes."""
-    return np.asarray((np.kron(rotation, rotation) @ gradients.reshape(4, -1)).reshape(2, 2, -1))
+def _reading(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, gradients: csr_array) -> Made:
+    """What the integrals of a disc read off, of the derivatives (2 n, n_functions) of all functions by x, then by y.
+
+    The n points are those of the circles, and those `beyond` the last segment on both faces; nearer to the tip the
+    derivative along the faces does not matter.
+    """
+    weights, turn = weights_of(material, rule), disc.tip.rotation
+    beside = weights.beside[..., beyond]
+    at_points = np.concatenate([weights.around, beside, beside], axis=-1)
+    turned = np.einsum("rmabn,ac,bd->crmdn", at_points, turn, turn)
+    functions, own = compressed(gradients)
+    rows = (own.T @ turned.reshape(2 * 2 * len(rule.radii), -1).T).T
+    of_uniform = turned.sum(axis=-1).transpose(1, 2, 0, 3).reshape(-1, 4)
+    of_vectors = weights.vectors.reshape(2 * len(rule.radii), -1)
+    more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors)
+    return functions, Reading(np.ascontiguousarray(rows), more)
 
 
 def _initial_gradient(material: PlaneElasticity, tip: Floats) -> Floats:
@@ -141,10 +181,10 @@ def _initial_gradient(material: PlaneElasticity, tip: Floats) -> Floats:
 
 
 def _less_varying(
-    material: PlaneElasticity, cover: Cover, tip: Tip, rule: TipRule, traction: FaceTraction
+    material: PlaneElasticity, cover: Cover, tip: Tip, arc: Floats, traction: FaceTraction
 ) -> tuple[Floats, Floats]:
-    """Tractions at the points of the faces, less those of in-situ stress that differs from the tip's."""
-    s = tip.from_start(rule.faces.arc)
+    """Tractions at arc lengths (m,) from the tip, less those of in-situ stress that differs from the tip's."""
+    s = tip.from_start(arc)
     normal, tangential = traction(s)
     if material.initial.varying:
         points = points_at(cover, tip.crack, s)

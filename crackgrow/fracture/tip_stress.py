@@ -8,19 +8,21 @@ length: for the singular field <s_yy> = 1.5279 K_I / sqrt(2 pi R) and <s_xy> = 1
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from scipy.sparse import csr_array, vstack
 
-from crackgrow.arrays import Bools, Floats
+from crackgrow.approximation.basis import basis_at
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
+from crackgrow.fracture.readings import Made, Place, Reading, Readings, compressed
 from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.quadrature.rules import gauss
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.recovery import stress_at
 
 N_RAYS = 72
 """Rays of the polar rule, 5 degrees apart."""
@@ -49,32 +51,8 @@ class TipField:
     half_width: float = LARGEST_KINK  # rad: no crack goes further to either side
 
 
-def site_fields(
-    cover: Cover,
-    materials: Sequence[PlaneElasticity],
-    u: Floats,
-    sites: Sequence[Site],
-    radius: float | Sequence[float],
-) -> list[TipField]:
-    """Stress round sites of the cover within `radius` (m), one or one a site; `u` (n_dofs,) m."""
-    fields = []
-    radii = np.broadcast_to(radius, len(sites)).tolist()
-    for first in range(0, len(sites), SITES_AT_ONCE):
-        some = sites[first : first + SITES_AT_ONCE]
-        rules = [_rule(cover, *each) for each in zip(some, radii[first : first + SITES_AT_ONCE], strict=True)]
-        points = np.concatenate([rule.points(site.point) for site, rule in zip(some, rules, strict=True)])
-        body = np.repeat([site.body for site in some], N_RAYS * N_RADIAL)
-        elements = locate(cover.lattice, cover.elements, points, body)
-        inside = elements >= 0
-        stress = np.zeros((len(points), 3))
-        stress[inside] = stress_at(cover, materials, u, points[inside], elements[inside])
-        parts = (np.split(values, len(some)) for values in (inside, stress))
-        fields += [_averaged(cover, *each) for each in zip(some, rules, *parts, strict=True)]
-    return fields
-
-
 @dataclass(frozen=True, slots=True, eq=False)
-class _Rule:
+class Rule:
     """The polar rule of a disc round a site."""
 
     direction: float  # rad from +x
@@ -88,31 +66,115 @@ class _Rule:
         return np.asarray((place + self.toward[:, None] * self.r[None, :, None]).reshape(-1, 2))
 
 
-def _rule(cover: Cover, site: Site, radius: float) -> _Rule:
+@dataclass(frozen=True, slots=True, eq=False)
+class FieldReading:
+    """The averages round a site, as what they take of the displacement gradients."""
+
+    site: Site
+    rule: Rule
+    functions: Ints  # (k,)
+    reading: Reading
+
+
+def field_readings(readings: Readings, sites: Sequence[Site], radius: float | Sequence[float]) -> list[FieldReading]:
+    """What the fields round `sites` of a cover within `radius` (m), one or one a site, read off."""
+    cover = readings.cover
+    radii = np.broadcast_to(radius, len(sites)).tolist()
+    rules = [_rule(cover, *each) for each in zip(sites, radii, strict=True)]
+    places = [_place(cover, *each) for each in zip(sites, rules, strict=True)]
+
+    def make(new: list[int]) -> Iterator[Made]:
+        return _read(cover, [sites[number] for number in new], [rules[number] for number in new])
+
+    found = readings.at(places, make)
+    return [FieldReading(site, rule, *each) for site, rule, each in zip(sites, rules, found, strict=True)]
+
+
+def site_fields(
+    cover: Cover,
+    materials: Sequence[PlaneElasticity],
+    u: Floats,
+    sites: Sequence[Site],
+    radius: float | Sequence[float],
+) -> list[TipField]:
+    """Stress round sites of the cover within `radius` (m), one or one a site; `u` (n_dofs,) m."""
+    return fields_of(cover, materials, u, field_readings(Readings(cover), sites, radius))
+
+
+def fields_of(
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, readings: Sequence[FieldReading]
+) -> list[TipField]:
+    """Stress round sites, of what is read off the displacement `u` (n_dofs,) m."""
+    amplitudes = u.reshape(-1, 2)
+    return [_averaged(cover, materials[known.site.body], amplitudes[known.functions], known) for known in readings]
+
+
+def _rule(cover: Cover, site: Site, radius: float) -> Rule:
     angles = np.pi * (2.0 * np.arange(N_RAYS) + 1.0 - N_RAYS) / N_RAYS
     x, w = gauss(N_RADIAL)
     r = x**2 * radius / cover.lattice.spacing  # r^(-1/2) dr is a polynomial in x
     toward = np.stack([np.cos(site.direction + angles), np.sin(site.direction + angles)], axis=1)
-    return _Rule(site.direction, angles, toward, r, 2.0 * x * w)  # area / distance = dr dt
+    return Rule(site.direction, angles, toward, r, 2.0 * x * w)  # area / distance = dr dt
 
 
-def _averaged(cover: Cover, site: Site, rule: _Rule, inside: Bools, values: Floats) -> TipField:
-    """The field of a site from the stress `values` (n, 3) at the points of its rule that are `inside` (n,)."""
-    stress = values.reshape(N_RAYS, -1, 3)
-    weights = inside.reshape(N_RAYS, -1) * rule.weight
-    seen = weights * _in_sight(cover, site, rule)
-    along = np.einsum("nr,nrc->nc", seen, stress)
+def _place(cover: Cover, site: Site, rule: Rule) -> Place:
+    """Where the field of a site is read off, and all that it depends on besides the elements there."""
+    reach = rule.r[-1]
+    near = np.sort(cover.crack_tree.query(shapely.box(*(site.point - reach), *(site.point + reach)))).tolist()
+    paths = [cover.cracks[number].points for number in near]
+    lengths = np.array([len(path) for path in paths], dtype=np.float64)
+    own = np.concatenate([np.array([site.direction, site.body]), site.point, rule.r, lengths, *map(np.ravel, paths)])
+    return Place(site.point - reach, site.point + reach, own.tobytes())
+
+
+def _read(cover: Cover, sites: Sequence[Site], rules: Sequence[Rule]) -> Iterator[Made]:
+    """What fields read off, site by site: sums along the rays of the derivatives by x, and over the disc; then by y."""
+    for first in range(0, len(sites), SITES_AT_ONCE):
+        some, own = sites[first : first + SITES_AT_ONCE], rules[first : first + SITES_AT_ONCE]
+        points = np.concatenate([rule.points(site.point) for site, rule in zip(some, own, strict=True)])
+        body = np.repeat([site.body for site in some], N_RAYS * N_RADIAL)
+        elements = locate(cover.lattice, cover.elements, points, body)
+        inside = elements >= 0
+        gradients = basis_at(cover, points[inside], elements[inside]).gradients()
+        ends = np.append(0, np.cumsum(inside))[:: N_RAYS * N_RADIAL].tolist()
+        for number, (site, rule, within) in enumerate(zip(some, own, np.split(inside, len(some)), strict=True)):
+            weights = within.reshape(N_RAYS, -1) * rule.weight
+            seen = weights * _in_sight(cover, site, rule)
+            sums = _sums(weights, seen)[:, within]
+            functions, both = compressed(
+                csr_array(vstack([rows[ends[number] : ends[number + 1]] for rows in gradients], format="csr"))
+            )
+            n = both.shape[0] // 2
+            rows = np.concatenate([(both[:n].T @ sums.T).T, (both[n:].T @ sums.T).T])
+            yield functions, Reading(np.ascontiguousarray(rows), (weights, seen))
+
+
+def _sums(weights: Floats, seen: Floats) -> Floats:
+    """Weights (rays + 1, rays * points on a ray) of the sums along each ray of what is `seen`, and over the disc."""
+    sums = np.zeros((N_RAYS + 1, *seen.shape))
+    sums[np.arange(N_RAYS), np.arange(N_RAYS)] = seen
+    sums[-1] = weights
+    return sums.reshape(N_RAYS + 1, -1)
+
+
+def _averaged(cover: Cover, material: PlaneElasticity, u: Floats, known: FieldReading) -> TipField:
+    """The field of a site, of the coefficients `u` (k, 2) of what is read off."""
+    site, rule, (weights, seen) = known.site, known.rule, known.reading.more
+    by_x, by_y = known.reading.of(u).reshape(2, N_RAYS + 1, 2)
+    strain = np.stack([by_x[:, 0], by_y[:, 1], by_y[:, 0] + by_x[:, 1]], axis=1)
     total = seen.sum(axis=1)
+    sums = strain @ material.matrix + np.append(total, weights.sum())[:, None] * np.array(material.initial.uniform)
+    if material.initial.varying:
+        sums += _sums(weights, seen) @ material.initial.more_at(cover.lattice.to_metres(rule.points(site.point)))
     # a ray that sees only a part R_c of R would see a singular field larger by sqrt(R / R_c)
     whole = np.sqrt(total * rule.weight.sum())[:, None]
-    rays = np.divide(along, whole, out=np.full_like(along, np.nan), where=whole > 0.0)
-    mean = np.einsum("nr,nrc->c", weights, stress) / weights.sum()
+    rays = np.divide(sums[:-1], whole, out=np.full((N_RAYS, 3), np.nan), where=whole > 0.0)
     if site.both_ways:
         rays = 0.5 * (rays + np.roll(rays, N_RAYS // 2, axis=0))  # a crack takes a ray and the one opposite
-    return TipField(rule.direction, rule.angles, rays, mean, site.half_width)
+    return TipField(rule.direction, rule.angles, rays, sums[-1] / weights.sum(), site.half_width)
 
 
-def _in_sight(cover: Cover, site: Site, rule: _Rule) -> Bools:
+def _in_sight(cover: Cover, site: Site, rule: Rule) -> Bools:
     """Which points (rays, points on a ray) of a rule a straight line from the site reaches without crossing a crack."""
     start, reach = site.point, rule.r[-1]
     near = np.sort(cover.crack_tree.query(shapely.box(*(start - reach), *(start + reach))))

@@ -30,7 +30,10 @@ from crackgrow.cover.squares import Squares
 from crackgrow.direct import SymmetricMatrix
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.readings import Readings
 from crackgrow.fracture.sites import Site
+from crackgrow.fracture.stress_intensity import IntegralReading, integral_readings
+from crackgrow.fracture.tip_stress import FieldReading, field_readings
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.foci import focus_of, lattice_of_cells
@@ -108,6 +111,7 @@ class Configuration:
     scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
     constant: Floats  # (n_dofs,) N/m, loads that are held
     sites: tuple[Site, ...]  # the tips of the cover in their order, then places where cracks may start
+    readings: Readings
     seconds: dict[str, float]
 
     @property
@@ -231,6 +235,20 @@ class Configuration:
         return LARGEST_STRAIN * self.scene.lattice.spacing
 
     @cached_property
+    def integrals(self) -> list[IntegralReading]:
+        """What the integrals of K of all tips read off."""
+        return integral_readings(self.readings, self.scene.materials, range(len(self.cover.tips)))
+
+    @cached_property
+    def fields(self) -> dict[int, FieldReading]:
+        """What the stress fields read off, by the number of their site: those in bodies that have a strength."""
+        scene = self.scene
+        some = [number for number, site in enumerate(self.sites) if scene.case.bodies[site.body].strength is not None]
+        strong = [self.sites[number] for number in some]
+        found = field_readings(self.readings, strong, [scene.averaging_radius(site.body) for site in strong])
+        return dict(zip(some, found, strict=True))
+
+    @cached_property
     def _units(self) -> _Units:
         """What each of the loads does without contact tractions, all of them solved for together."""
         none, m, loose = np.zeros(len(self.scaled)), len(self.held.given), self.contact.loose
@@ -283,7 +301,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     law = _law(scene, cover, faces, growing)
     solver = case.numerics.contact.solver
     contact = ContactSystem(system, *operators, weights, law, solver, loose)
-    return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, sites, seconds)
+    readings = Readings(cover, stiffness.named, None if before is None else before.readings)
+    return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, sites, readings, seconds)
 
 
 def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Floats, Floats]:

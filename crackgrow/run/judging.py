@@ -17,7 +17,7 @@ from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdi
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity, interaction_integrals
-from crackgrow.fracture.tip_stress import TipField, site_fields
+from crackgrow.fracture.tip_stress import TipField, fields_of
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
@@ -129,11 +129,9 @@ def stress_fields(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> l
     fields: list[TipField | None] = [None] * len(sites)
     if scene.case.growth is None:
         return fields
-    some = [number for number, site in enumerate(sites) if scene.case.bodies[site.body].strength is not None]
-    radii = [scene.averaging_radius(sites[number].body) for number in some]
-    strong = [sites[number] for number in some]
-    found = site_fields(state.configuration.cover, materials, state.outcome.u, strong, radii)
-    for number, field in zip(some, found, strict=True):
+    readings = state.configuration.fields
+    found = fields_of(state.configuration.cover, materials, state.outcome.u, list(readings.values()))
+    for number, field in zip(readings, found, strict=True):
         fields[number] = field
     return fields
 
@@ -158,7 +156,7 @@ def tip_states(
     K_faces = from_face_displacements(cover, [materials[body].young_prime for body in bodies], u, tips)
     tractions = [_tractions(state, crack) for crack, _ in cover.tip_ends]
     forces = [scene.body_force(body, state.factor) for body in bodies]
-    intensities = interaction_integrals(cover, materials, u, tips, tractions, forces)
+    intensities = interaction_integrals(cover, materials, u, tips, tractions, forces, configuration.integrals)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
     for tip, field in enumerate(fields):
         if field is not None:

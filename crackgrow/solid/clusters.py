@@ -27,6 +27,12 @@ from crackgrow.solid.elasticity import PlaneElasticity
 BLOCK = 4
 """Cells: elements without tip functions make one cluster in each square of this side, of cells of one size."""
 
+KEY = 20
+"""Bytes of a key."""
+
+GROUP = 12
+"""Cells: clusters are summed in groups, those that begin in one square of this side, of cells of one size."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Points:
@@ -62,6 +68,7 @@ class Clusters:
     local: Ragged  # (m) -> places of an element's functions among those of its cluster
     inside: Points
     rim: Points
+    group: Ints  # (clusters,)
 
     def span(self, cluster: int) -> slice:
         """The places of a cluster's elements in `elements.values`."""
@@ -71,6 +78,24 @@ class Clusters:
         """The places among its functions of those of a cluster's elements, one element after the other."""
         mine = self.span(cluster)
         return self.local.values[self.local.start[mine.start] : self.local.start[mine.stop]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Named:
+    """Elements by what their functions depend on: the key of their cluster, and their place in it."""
+
+    cluster: Ints  # (elements,) -1 for plain ones
+    place: Ints  # (elements,)
+    names: NDArray[np.uint8]  # (clusters + 1, bytes) keys; the last one serves the number -1
+
+
+def named(cover: Cover, clusters: Clusters, names: Sequence[bytes]) -> Named:
+    """The elements of a cover by its `clusters` with these `keys`."""
+    cluster, place = np.full((2, cover.elements.n), -1)
+    own = clusters.elements
+    cluster[own.values], place[own.values] = own.row, np.arange(len(own.values)) - own.start[own.row]
+    keys_and_none = np.frombuffer(b"".join([*names, bytes(KEY)]), dtype=np.uint8).reshape(-1, KEY)
+    return Named(cluster, place, keys_and_none)
 
 
 def clusters_of(cover: Cover, n: int) -> Clusters:
@@ -85,11 +110,20 @@ def clusters_of(cover: Cover, n: int) -> Clusters:
     inside_start, rim_start = (np.searchsorted(some.element, np.arange(cover.elements.n + 1)) for some in (inside, rim))
     return Clusters(
         elements,
-        tuple(np.split(function, functions.start[1:-1])),
+        tuple(np.split(function, functions.start[1:-1])[: elements.n]),
         Ragged(on.start, place - functions.start[owner]),
         Points(inside_start, inside.points, inside.weights * spacing**2, inside.element).of_elements(elements.values),
         Points(rim_start, rim.points, rim.normals * spacing, rim.element).of_elements(elements.values),
+        _groups(cover, elements),
     )
+
+
+def _groups(cover: Cover, elements: Ragged) -> Ints:
+    """The groups (clusters,) of clusters with these `elements`."""
+    first = elements.values[elements.start[:-1]]
+    size = cover.elements.size[first]
+    square = np.column_stack([cover.elements.cell[first] // (GROUP * size[:, None]), size])
+    return np.unique(square, axis=0, return_inverse=True)[1].reshape(-1)
 
 
 def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity]) -> list[bytes]:
@@ -107,7 +141,7 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
         parts = [table[start[cluster] : start[cluster + 1]] for start, table in rows]
         mine = elements[clusters.span(cluster)]
         parts += [geometry[tip] for tip in np.unique(cover.enrichment.tips.taken(mine).values)]
-        digest = blake2b(digest_size=20)
+        digest = blake2b(digest_size=KEY)
         for part in parts:
             digest.update(np.int64(part.size).tobytes())
             digest.update(part.data)

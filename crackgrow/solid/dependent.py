@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg.lapack import dpstrf
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
-from crackgrow.arrays import Floats, Ints
-from crackgrow.direct import SymmetricMatrix
+from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.direct import Part, SymmetricMatrix, mirrored
 
 SMALL = 1e-3
 """Functions with less than this part of the largest stiffness of those that they meet see a corner of their patch
@@ -27,19 +27,42 @@ DEPENDENT = 1e-11
 def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
     """The stiffness matrix with springs at unknowns that depend on others, each as stiff as its own entry.
 
-    Only the sparse part of the matrix is looked at: small functions are those of cut patches.
+    Only the blocks of the matrix are looked at: small functions are those of cut patches.
     """
-    diagonal, rest = matrix.diagonal(), matrix.rest
+    diagonal = matrix.diagonal()
     met = np.zeros(len(diagonal))
-    some = np.flatnonzero(np.diff(rest.indptr))
-    met[some] = np.maximum.reduceat(diagonal[rest.indices], rest.indptr[some])
+    for part in matrix.blocks.parts:
+        own = diagonal[part.dofs]
+        may_be = own < SMALL * own.max()
+        if may_be.any():
+            _meet(met, part, own, may_be)
     small = np.flatnonzero(diagonal < SMALL * met)
     if len(small) == 0:
         return matrix
     scale = 1.0 / np.sqrt(np.maximum(diagonal[small], np.finfo(float).tiny))
-    block = csc_array(matrix.rest[small][:, small])
+    block = _among(matrix, small)
     held = small[_dependent(block, scale)]
     return matrix.with_diagonal(held, diagonal[held]) if len(held) else matrix
+
+
+def _meet(met: Floats, part: Part, own: Floats, some: Bools) -> None:
+    """Raise what `some` (k,) of the unknowns of a part have `met` (n,) to the entries `own` (k,) of those they meet."""
+    row, column = np.repeat(np.arange(len(own)), np.diff(part.half.indptr)), part.half.indices
+    for one, other in ((row, column), (column, row)):
+        at = np.flatnonzero(some[one])
+        np.maximum.at(met, part.dofs[one[at]], own[other[at]])
+
+
+def _among(matrix: SymmetricMatrix, some: Ints) -> csc_array:
+    """What the blocks of a matrix (n, n) have between some unknowns (k,): (k, k)."""
+    number = np.full(matrix.shape[0], -1)
+    number[some] = np.arange(len(some))
+    total = csr_array((len(some), len(some)))
+    for part in matrix.blocks.parts:
+        local = np.flatnonzero(number[part.dofs] >= 0)
+        entries, mine = part.half[local][:, local].tocoo(), number[part.dofs[local]]
+        total = total + csr_array((entries.data, (mine[entries.row], mine[entries.col])), shape=total.shape)
+    return mirrored(csr_array(total))
 
 
 def _dependent(block: csc_array, scale: Floats) -> Ints:

@@ -10,6 +10,9 @@ from crackgrow.cover.squares import QUANTA
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
 from crackgrow.direct import Places
 
+FINEST = 1 << 17
+"""Units along the lattice, if there need not be more."""
+
 
 def places_of_unknowns(cover: Cover) -> Places:
     """Boxes of the displacement unknowns: those of their patches; those of a crumb share the node next to it."""
@@ -22,12 +25,23 @@ def places_of_unknowns(cover: Cover) -> Places:
         mine = slice(first + 3 * crumb, first + 3 * crumb + 3)
         nodes[mine], half[mine] = lattice.nodes.places[near], lattice.nodes.half[near]
     cell, widest = int(lattice.cells.size.min()), int(lattice.nodes.half.max())
-    unit = int(np.gcd.reduce(np.concatenate([nodes.ravel(), half, [cell, widest]])))
+    unit = _unit(int(np.gcd.reduce(np.concatenate([nodes.ravel(), half, [cell, widest]]))), lattice.shape)
     middle, reach = nodes // unit, (half // unit)[:, None]
     last = (QUANTA * np.array(lattice.shape) + widest) // unit
     boxes = [(middle - reach, middle + reach), *(_of_tip(tip, middle, reach) for tip in cover.tips)]
     low, high = (np.repeat(np.concatenate(corners), 2, axis=0) for corners in zip(*boxes, strict=True))
     return Places(low, high, np.full(2, -widest // unit), last, cell // unit, bool(cell == lattice.cells.size.max()))
+
+
+def _unit(common: int, shape: tuple[int, int]) -> int:
+    """The unit of places, in quanta: the same whatever the smallest cells are, where `common` is a multiple of it.
+
+    Factors are known by the places of their unknowns: in other units all of them would be found anew.
+    """
+    unit = 1
+    while unit < common and QUANTA * max(shape) >= FINEST * unit:
+        unit *= 2
+    return unit if common % unit == 0 else common
 
 
 def _of_tip(tip: Tip, middle: Ints, reach: Ints) -> tuple[Ints, Ints]:

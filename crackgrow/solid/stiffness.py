@@ -15,12 +15,12 @@ from scipy.sparse import csc_array
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, half, sum_of
+from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, blocks_of, half
 from crackgrow.quadrature.plain_kinds import PlainKind, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square
 from crackgrow.ragged import starts_of
-from crackgrow.solid.clusters import Clusters, clusters_of, keys
+from crackgrow.solid.clusters import Clusters, Named, clusters_of, keys, named
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.element_products import consistent, products, products_over
 
@@ -35,6 +35,7 @@ class Stiffness:
     matrix: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
     clusters: Mapping[bytes, HalfMatrix]
     plain: Mapping[bytes, Floats]  # (2 k, 2 k) of the kinds of plain elements
+    named: Named  # the elements by what their functions depend on
     n_integrated: int  # clusters that were not known before
 
 
@@ -56,8 +57,9 @@ def stiffness_after(
     new = [number for number, name in enumerate(names) if name not in known]
     integrated = {names[number]: part for number, part in _integrated(cover, materials, clusters, new)}
     matrices = {name: known[name] if name in known else integrated[name] for name in names}
-    parts = [(clusters.functions[number][None], matrices[name]) for number, name in enumerate(names)]
-    rest = sum_of(parts, cover.n_functions)
+    halves = [matrices[name] for name in names]
+    blocks = blocks_of(clusters.functions, halves, clusters.group, None if before is None else before.matrix.blocks)
+    none = csc_array((cover.n_dofs, cover.n_dofs))
     plain: dict[bytes, Floats] = {}
     elements = []
     for kind in plain_kinds(cover):
@@ -65,7 +67,9 @@ def stiffness_after(
         ready = None if before is None else before.plain.get(name)
         plain[name] = _plain(cover, kind, materials[kind.body], n) if ready is None else ready
         elements.append(EqualElements(kind.patches(cover), plain[name], name))
-    return Stiffness(SymmetricMatrix(tuple(elements), rest), matrices, plain, len(new))
+    return Stiffness(
+        SymmetricMatrix(tuple(elements), none, blocks), matrices, plain, named(cover, clusters, names), len(new)
+    )
 
 
 def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:

@@ -150,6 +150,29 @@ def test_a_rough_compliance_is_solved_for(build, monkeypatch: pytest.MonkeyPatch
     assert found.notes == ()
 
 
+def test_only_doubtful_points_are_solved_for(build, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where elimination is off at one point its own load alone is solved for, besides the one that tells."""
+    block = by_fronts(tilting(build))
+    expected = contact_of(block, friction=0.4).rock
+    exact, solve_exactly = ConstrainedSystem.compliance, ConstrainedSystem.solve
+    solved: list[int] = []
+
+    def rough(self, rows):
+        found = exact(self, rows)
+        found[3, 3] *= 1.0 + 1e-6
+        return found
+
+    def counted(self, loads, given=None):
+        solved.append(loads.size // len(loads))
+        return solve_exactly(self, loads, given)
+
+    monkeypatch.setattr(ConstrainedSystem, "compliance", rough)
+    monkeypatch.setattr(ConstrainedSystem, "solve", counted)
+    found = contact_of(block, friction=0.4).rock
+    assert solved == [1, 1]
+    np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
+
+
 def test_jumps_that_corrections_cannot_mend_are_told(build, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each solve is off by another 1e-7 here: no correction gains on that."""
     block, rng, exact = by_fronts(tilting(build)), np.random.default_rng(52), ConstrainedSystem.solve

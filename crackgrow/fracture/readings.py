@@ -1,0 +1,136 @@
+"""What is read off the displacement at a place: rows of a matrix, kept while nothing changes that they depend on.
+
+Stress averaged round a tip, and the integrals of K, are linear in the unknowns near by. Their rows follow from the
+elements near by with the functions on them, and from what the place itself adds: all of that is hashed. A reading of
+the configuration before with the same hash is this one's, under other numbers of the functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+
+import numpy as np
+import shapely
+from scipy.sparse import csr_array
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.cover.cover import Cover
+from crackgrow.ragged import Ragged, by_row
+from crackgrow.solid.clusters import Named
+
+BEYOND = 1e-6
+"""Spacings: elements this near to the box of a place count as near by."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """Where something is read off, in lattice coordinates."""
+
+    low: Floats  # (2,) corners of the box of all its points
+    high: Floats  # (2,)
+    own: bytes  # all that it adds to the elements there
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reading:
+    """What is read off at a place."""
+
+    rows: Floats  # (q, k) of a component of the displacement, by the coefficients (k,) of some functions
+    more: tuple[Floats, ...]  # that goes with it
+
+    def of(self, u: Floats) -> Floats:
+        """What is read off (q, 2), by component, of the coefficients (k, 2) of its functions."""
+        return np.asarray(self.rows @ u)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """A reading under the numbers that its functions have among those near by."""
+
+    used: Ints  # (k,)
+    reading: Reading
+
+
+Made = tuple[Ints, Reading]
+"""Functions (k,) of a cover, ascending, and a reading by their coefficients."""
+
+
+class Readings:
+    """The readings of a cover, some of which are those of the cover before."""
+
+    def __init__(self, cover: Cover, named: Named | None = None, before: Readings | None = None) -> None:
+        """`named` are the elements by what their functions depend on; None: nothing is taken over."""
+        self.cover = cover
+        self.n_made = 0
+        self._named = named
+        self._known: dict[bytes, _Known] = {}
+        self._before: Mapping[bytes, _Known] = {} if before is None else before._known
+
+    def at(self, places: Sequence[Place], make: Callable[[list[int]], Iterator[Made]]) -> list[Made]:
+        """The reading of each of some places; `make` makes those of the places with some numbers."""
+        if self._named is None:
+            return list(make(list(range(len(places)))))
+        near = list(self._near(self._named, places))
+        new = [number for number, (key, _) in enumerate(near) if key not in self._known and key not in self._before]
+        for number, (functions, reading) in zip(new, make(new), strict=True):
+            key, all_near = near[number]
+            self._known[key] = _Known(np.searchsorted(all_near, functions), reading)
+        self.n_made += len(new)
+        found = []
+        for key, all_near in near:
+            known = self._known[key] = self._known.get(key) or self._before[key]
+            found.append((all_near[known.used], known.reading))
+        return found
+
+    def _near(self, named: Named, places: Sequence[Place]) -> Iterator[tuple[bytes, Ints]]:
+        """Of each place the hash of all that a reading there depends on, and the functions (n,) near by, ascending."""
+        cover, elements = self.cover, self._elements_near(places)
+        own, patches = cover.elements, cover.patches
+        some = elements.values
+        names = np.ascontiguousarray(named.names[named.cluster[some]])
+        where = np.column_stack(
+            [named.place[some], own.body[some], own.cell[some], own.size[some], own.reference[some]]
+        )
+        on = cover.functions_on(some)
+        nodes = np.column_stack([patches.nodes, patches.weight_half])
+        general = np.array([cover.lattice.spacing, cover.lattice.support]).tobytes()
+        for number, place in enumerate(places):
+            first, last = elements.start[number : number + 2]
+            counts = on.start[first : last + 1] - on.start[first]
+            functions, local = np.unique(on.values[on.start[first] : on.start[last]], return_inverse=True)
+            digest = blake2b(general, digest_size=20)
+            for part in (names[first:last], where[first:last], counts, local, nodes[functions[functions < len(nodes)]]):
+                digest.update(np.int64(part.size).tobytes())
+                digest.update(np.ascontiguousarray(part).data)
+            digest.update(place.own)
+            yield digest.digest(), functions
+
+    def _elements_near(self, places: Sequence[Place]) -> Ragged:
+        """The elements that touch the box of each place, ascending."""
+        cover, elements = self.cover, self.cover.elements
+        low, high = (np.array([corner(place) for place in places]).reshape(-1, 2) for corner in (_low, _high))
+        boxes = shapely.box(*low.T, *high.T)
+        tile, size = elements.tile[: elements.n_whole], cover.lattice.tile_size
+        corner = cover.lattice.tile_low[tile]
+        whole = shapely.STRtree(shapely.box(*corner.T, *(corner + size[tile, None]).T)).query(boxes)
+        cut = elements.tree.query(boxes)
+        at = np.concatenate([whole[0], cut[0]])
+        element = np.concatenate([whole[1], cut[1] + elements.n_whole])
+        order = np.lexsort((element, at))
+        return by_row(at[order], element[order], len(places))
+
+
+def _low(place: Place) -> Floats:
+    return place.low - BEYOND
+
+
+def _high(place: Place) -> Floats:
+    return place.high + BEYOND
+
+
+def compressed(rows: csr_array) -> tuple[Ints, csr_array]:
+    """The columns (k,) of a sparse matrix (n, m) that are not empty, ascending, and the matrix (n, k) of these."""
+    used, column = np.unique(rows.indices, return_inverse=True)
+    return used, csr_array((rows.data, column, rows.indptr), shape=(rows.shape[0], len(used)))

@@ -1,0 +1,76 @@
+"""What a step takes over from the one before is what it would find alone, to the last bit; all else is found anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crackgrow.fracture.advance import GrowingCrack, Way, advanced
+from crackgrow.run import grow
+from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.scene import make_scene
+from tests.benchmarks.flaw_field import field_case
+
+
+@pytest.fixture(scope="module")
+def steps() -> tuple[Configuration, Configuration, Configuration]:
+    """Six flaws; the same after one tip has grown, with what was known before and without it."""
+    case = field_case(6, 1)
+    scene = make_scene(case)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
+    first = assemble(scene, cracks)
+    assert first.integrals
+    assert first.fields
+    grown, _ = advanced(cracks[0], True, Way(0.6, 4e-3), 1, scene.regions[0], cracks[1:])
+    after = (grown, *cracks[1:])
+    return first, assemble(scene, after, first), assemble(scene, after)
+
+
+def test_readings_taken_over_are_those_found_alone(steps: tuple[Configuration, ...]) -> None:
+    _, later, alone = steps
+    for ours, fresh in zip(later.integrals, alone.integrals, strict=True):
+        np.testing.assert_array_equal(ours.functions, fresh.functions)
+        assert (ours.reading is None) == (fresh.reading is None)
+        if ours.reading is not None and fresh.reading is not None:
+            np.testing.assert_array_equal(ours.reading.rows, fresh.reading.rows)
+            for mine, other in zip(ours.reading.more, fresh.reading.more, strict=True):
+                np.testing.assert_array_equal(mine, other)
+    for number, field in later.fields.items():
+        np.testing.assert_array_equal(field.functions, alone.fields[number].functions)
+        np.testing.assert_array_equal(field.reading.rows, alone.fields[number].reading.rows)
+
+
+def test_only_tips_near_what_has_changed_are_read_anew(steps: tuple[Configuration, ...]) -> None:
+    first, later, alone = steps
+    every = len(alone.integrals) + len(alone.fields)
+    assert first.readings.n_made == alone.readings.n_made == every
+    assert 2 <= later.readings.n_made < every
+    moved = [number for number, tip in enumerate(later.cover.tips) if tip.crack == 0]
+    rows = [
+        first.fields[number].reading.rows is later.fields[number].reading.rows for number in range(len(first.fields))
+    ]
+    assert not rows[moved[-1]]
+    assert any(rows)
+
+
+def test_products_of_a_later_step_are_those_of_it_alone(steps: tuple[Configuration, ...]) -> None:
+    first, later, alone = steps
+    u = np.random.default_rng(3).normal(size=later.cover.n_dofs)
+    np.testing.assert_array_equal(later.matrix @ u, alone.matrix @ u)
+    np.testing.assert_array_equal(later.matrix.sizes(u), alone.matrix.sizes(u))
+    known = {part.key for part in first.matrix.blocks.parts}
+    assert any(part.key in known for part in later.matrix.blocks.parts)
+    assert any(part.key not in known for part in later.matrix.blocks.parts)
+
+
+def test_a_run_gone_on_with_has_the_bits_of_one_that_was_not_broken_off() -> None:
+    """It knows nothing of the steps before; what is kept follows from its key alone."""
+    case = field_case(3, 2)
+    whole = list(grow(case))
+    assert whole[1].checkpoint is not None
+    again = list(grow(case, whole[1].checkpoint))
+    assert [result.step for result in again] == [1, 2]
+    for ours, before in zip(again, whole[1:], strict=True):
+        assert ours.load_factor == before.load_factor
+        for tip, other in zip(ours.tips, before.tips, strict=True):
+            assert (tip.K_I, tip.K_II, tip.criticality) == (other.K_I, other.K_II, other.criticality)
