@@ -13,7 +13,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
 from crackgrow.fracture.interaction import interaction
-from crackgrow.fracture.tip_disc import Disc, disc_round
+from crackgrow.fracture.tip_disc import Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.in_situ import across
@@ -56,7 +56,10 @@ def interaction_integrals(
     that varies counts by what it is at the tip; the rest of it by its divergence and what it does on the faces.
     """
     forces = [None] * len(tips) if body_forces is None else body_forces
-    discs = [disc_round(cover, cover.tips[tip]) for tip in tips]
+    discs = [
+        disc_round(cover, cover.tips[tip], pressed=_pressed(cover.tips[tip], traction))
+        for tip, traction in zip(tips, tractions, strict=True)
+    ]
     sampled = _sampled(cover, materials, u, [disc for disc in discs if not np.isnan(disc.radius)])
     return [
         _no_room(disc)
@@ -64,6 +67,15 @@ def interaction_integrals(
         else _in_disc(materials[disc.tip.body], cover, next(sampled), traction, force)
         for disc, traction, force in zip(discs, tractions, forces, strict=True)
     ]
+
+
+def _pressed(tip: Tip, traction: FaceTraction) -> bool:
+    """Whether the faces are pressed half way from a tip to the first sharp kink, if there is one."""
+    corner = first_corner(tip)
+    if not np.isfinite(corner):
+        return False
+    normal, _ = traction(tip.from_start(np.array([0.5 * corner])))
+    return bool(normal[0] < 0.0)
 
 
 def _no_room(disc: Disc) -> StressIntensity:
