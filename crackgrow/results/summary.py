@@ -40,7 +40,8 @@ class Tally:
         self.events: list[Event] = []
         self.effective_toughness = math.nan
         self.norm_error = math.nan  # percent, of the first step
-        self.K_error = math.nan  # percent
+        self.K_error = math.nan  # percent, bound
+        self.K_expected = math.nan  # percent, error that is expected
         self.K_spread = math.nan  # percent
         self.kink_error = math.nan  # degrees, of tips that grow
         self.load_factor_error = math.nan  # percent
@@ -60,6 +61,7 @@ class Tally:
         if len(self.steps) == 1:
             self.norm_error = float(result.norm_error)
         self.K_error = max((self.K_error, K_error(result)), key=_known)
+        self.K_expected = max((self.K_expected, K_expected(result)), key=_known)
         self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
         kinks = [tip.kink_error_deg for tip in result.tips if tip.advanced]
         self.kink_error = max((self.kink_error, *kinks), key=_known)
@@ -88,6 +90,7 @@ class Tally:
             "effective_toughness": self.effective_toughness,
             "norm_error": self.norm_error,
             "K_error": self.K_error,
+            "K_expected": self.K_expected,
             "K_spread": self.K_spread,
             "kink_error": self.kink_error,
             "load_factor_error": self.load_factor_error,
@@ -108,6 +111,7 @@ class Tally:
         tally.norm_error = record["norm_error"]
         tally.K_error, tally.K_spread = record["K_error"], record["K_spread"]
         tally.kink_error = record.get("kink_error", math.nan)  # checkpoints of before have none
+        tally.K_expected = record.get("K_expected", math.nan)
         tally.load_factor_error = record.get("load_factor_error", math.nan)
         tally.goal_error = record.get("goal_error", math.nan)
         tally.time = record.get("time", math.nan)
@@ -150,6 +154,7 @@ def summarize(
         "error_estimate": {
             "energy_norm_percent": {"first": _finite(tally.norm_error), "last": _finite(end.norm_error)},
             "K_percent_at_most": _finite(tally.K_error),
+            "K_percent_expected": _finite(tally.K_expected),
             "K_spread_percent": _finite(tally.K_spread),
             "kink_degrees_at_most": _finite(tally.kink_error),
             "load_factor_percent_at_most": _finite(tally.load_factor_error),
@@ -174,7 +179,9 @@ def error_line(tally: Tally, end: RunEnd) -> str:
     if math.isfinite(end.norm_error):
         parts.append(f"{end.norm_error:.2g} % of the energy norm")
     if math.isfinite(tally.K_error):
-        parts.append(f"K by at most {tally.K_error:.2g} % of the largest")
+        most = f"at most {tally.K_error:.2g} % of the largest"
+        expected = f"{tally.K_expected:.2g} %, " if math.isfinite(tally.K_expected) else ""
+        parts.append(f"K by {expected}{most}")
     if math.isfinite(tally.kink_error):
         parts.append(f"directions of growth by {tally.kink_error:.2g} degrees")
     if math.isfinite(tally.load_factor_error):
@@ -197,6 +204,11 @@ def K_spread(result: StepResult) -> float:
 def K_error(result: StepResult) -> float:
     """Largest bound of the error of K, in percent of the largest K of the step; nan where that is nothing."""
     return _part_of_largest(result, result.tips, [max(tip.K_I_error, tip.K_II_error) for tip in result.tips])
+
+
+def K_expected(result: StepResult) -> float:
+    """Largest error of K that is expected, in the same; nan where it was not measured."""
+    return _part_of_largest(result, result.tips, [tip.K_error_expected for tip in result.tips])
 
 
 def _part_of_largest(result: StepResult, tips: Sequence[TipResult], values: Sequence[float]) -> float:

@@ -114,6 +114,7 @@ def tip_rows(result: StepResult) -> list[tuple[Value, ...]]:
             float(tip.cell_size),
             float(tip.kink_error_deg),
             float(tip.velocity),
+            float(tip.K_error_expected),
         )
         for tip in result.tips
     ]
