@@ -70,10 +70,10 @@ def test_cells_to_compare_are_twice_as_large_at_the_tips_and_away_from_them() ->
 
 
 def test_cells_to_compare_are_an_eighth_as_large_at_kinks() -> None:
-    """As long as cells can be halved so often; then they are twice as large there, too."""
+    """Or a quarter, or twice as large there, too, where cells can't be halved so often."""
     kinked = case("compression30", "2 %", "cracks.flaw.path={points: [[-4 mm, 0], [2 mm, 0], [4 mm, 4 mm]]}")
     scene = make_scene(kinked)
-    for more, times in ((0, 8.0), (MOST_LEVELS - 8, 0.5)):
+    for more, times in ((0, 8.0), (MOST_LEVELS - 8, 4.0), (MOST_LEVELS - 7, 0.5)):
         given = replace(scene, halvings=replace(scene.halvings, kinks=more))
         solution = load(given, beginning(kinked).cracks)
         other = lay_out(compared(solution), beginning(kinked).cracks)[0]
