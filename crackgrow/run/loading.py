@@ -64,17 +64,21 @@ def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -
 
 
 def load_history(
-    scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin | None = None
+    scene: Scene,
+    cracks: tuple[GrowingCrack, ...],
+    first: int = 0,
+    origin: Origin | None = None,
+    like: Configuration | None = None,
 ) -> Iterator[StepSolution]:
     """The cracks at every factor of the case's history, or at the end of every stage, in turn.
 
-    From number `first` on, whose `origin` is given.
+    From number `first` on, whose `origin` is given. `like` is a configuration that has much in common with this one.
     """
     if isinstance(scene.case.loading, Stages):
         yield from load_stages(scene, cracks, first, origin)
         return
     assert isinstance(scene.case.loading, LoadHistory)
-    configuration = assemble(scene, cracks)
+    configuration = assemble(scene, cracks, like)
     start = None if origin is None else origin.start
     for number, factor in enumerate(scene.case.loading.factors[first:], first):
         origin = Origin(start=start)

@@ -22,7 +22,7 @@ How often these are right: tests/benchmarks/targets.md.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -61,8 +61,8 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
     scene, cover = solution.configuration.scene, solution.cover
     off = {} if other is None or scene.case.numerics.goal != "K" else _differences(solution, other)
     more = 0 if other is None else other.configuration.scene.halvings.kinks - scene.halvings.kinks - 1
-    expected, bounds = [], []
-    for tip, end, fitted in zip(cover.tips, cover.tip_ends, fitted_bounds(solution), strict=True):
+    expected, bounds, all_fitted = [], [], fitted_bounds(solution)
+    for tip, end, fitted in zip(cover.tips, cover.tip_ends, all_fitted, strict=True):
         worst = max((off[each] for each in off if each[0] == end[0]), default=np.nan)
         if np.isnan(worst) or np.isnan(fitted):
             error, most = OF_FITTED * fitted, fitted
@@ -75,8 +75,15 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
         expected.append(error)
         bounds.append(most)
     known = None if other is None else other.configuration
-    ends, largest = tuple(cover.tip_ends), largest_K(solution)
-    return Accuracy(scene.halvings, ends, tuple(bounds), largest, compared=known, expected=tuple(expected))
+    return Accuracy(
+        scene.halvings,
+        tuple(cover.tip_ends),
+        tuple(bounds),
+        largest_K(solution),
+        fitted=fitted_share(solution, all_fitted),
+        compared=known,
+        expected=tuple(expected),
+    )
 
 
 def _differences(solution: StepSolution, other: LoadState) -> dict[End, float]:
@@ -110,6 +117,12 @@ def fitted_bounds(solution: StepSolution) -> list[float]:
     scene = solution.configuration.scene
     fitted = intensity_errors(scene, solution, along_surfaces(solution, scene)[1])
     return [float(np.max(both)) for both in fitted]
+
+
+def fitted_share(solution: StepSolution, bounds: Sequence[float]) -> float:
+    """B over the largest K, of the tip where it is largest."""
+    known, largest = [bound for bound in bounds if np.isfinite(bound)], largest_K(solution)
+    return max(known) / largest if known and largest > 0.0 else 0.0
 
 
 def largest_K(solution: StepSolution) -> float:

@@ -25,7 +25,7 @@ from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.increments import LoadState, Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load_history
-from crackgrow.run.other_cells import accuracy_of, compared, fitted_bounds, largest_K
+from crackgrow.run.other_cells import accuracy_of, compared, fitted_bounds, fitted_share, largest_K
 from crackgrow.run.scene import Scene
 
 MOST_ROUNDS = 4
@@ -60,10 +60,15 @@ class _History:
     """The loads of a history one after the other on the cells of a scene."""
 
     def __init__(
-        self, scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin | None = None
+        self,
+        scene: Scene,
+        cracks: tuple[GrowingCrack, ...],
+        first: int = 0,
+        origin: Origin | None = None,
+        like: Configuration | None = None,
     ) -> None:
         self.scene, self._next = scene, first
-        self._solutions = load_history(scene, cracks, first, origin)
+        self._solutions = load_history(scene, cracks, first, origin, like)
 
     def at(self, number: int) -> StepSolution:
         """The solution under a load that has not been asked for. Raises SolveError where there is none."""
@@ -104,15 +109,15 @@ class _Pair:
     other: _History | None = None
     number: int = 0  # of the load
 
-    def solve(self, scene: Scene, *_: object) -> StepSolution:
+    def solve(self, scene: Scene, like: Configuration) -> StepSolution:
         """The solution on other cells."""
-        self.fine = _History(scene, self.cracks)
+        self.fine = _History(scene, self.cracks, like=like)
         return self.fine.at(self.number)
 
-    def state_on_others(self, scene: Scene, *_: object) -> LoadState:
+    def state_on_others(self, scene: Scene, _: float, like: Configuration) -> LoadState:
         """The state on the cells to compare."""
         if self.other is None or scene.halvings != self.other.scene.halvings:
-            self.other = _History(scene, self.cracks)
+            self.other = _History(scene, self.cracks, like=like)
         return self.other.at(self.number).state
 
 
@@ -124,16 +129,16 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     scene = solution.configuration.scene
     target, of_K = scene.case.numerics.target, scene.case.numerics.goal == "K"
     assert target is not None
-    grown, fitted = _grown(scene, cracks), _fitted_share(solution)
+    grown = _grown(scene, cracks)
     if of_K and not any(np.isfinite(tip.K).all() for tip in solution.tips):
         why = "K is not known at any tip" if solution.tips else "" if any(grown) else "no crack has a tip"
         return replace(solution, accuracy=replace(accuracy_of(solution, None), grown=grown, missed=why))
-    if last is not None and _holds(last, solution, grown, fitted):
+    if last is not None and _holds(last, solution, grown):
         return replace(solution, accuracy=_scaled(last, largest_K(solution)))
     n_solves, seconds, before, missed, known = solution.factorizations, Counter(solution.seconds), None, "", last
     for round_ in range(MOST_ROUNDS + 1):
         other = _compared(ways, solution, known)
-        known = replace(accuracy_of(solution, other), grown=grown, fitted=_fitted_share(solution))
+        known = replace(accuracy_of(solution, other), grown=grown)
         if not of_K:
             known = replace(known, goal=goal_bound(solution, other))
         n_solves += 1
@@ -206,18 +211,12 @@ def _grown(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[float, ...]:
     return tuple(float(arc_lengths(now.crack.points)[-1] - arc_lengths(given.points)[-1]) for now, given in pairs)
 
 
-def _fitted_share(solution: StepSolution) -> float:
-    """B over the largest K, of the tip where it is largest."""
-    known, largest = [bound for bound in fitted_bounds(solution) if np.isfinite(bound)], largest_K(solution)
-    return max(known) / largest if known and largest > 0.0 else 0.0
-
-
-def _holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitted: float) -> bool:
-    """Whether what was known of the step before is good enough for this one, whose B over K is `fitted`."""
-    if not fitted <= GROWN * last.fitted:
-        return False
+def _holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> bool:
+    """Whether what was known of the step before is good enough for this one."""
     same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.configuration.scene.halvings
-    return same and all(now <= GROWN * then for now, then in zip(grown, last.grown, strict=True))
+    if not same or any(now > GROWN * then for now, then in zip(grown, last.grown, strict=True)):
+        return False
+    return fitted_share(solution, fitted_bounds(solution)) <= GROWN * last.fitted
 
 
 def _scaled(last: Accuracy, largest: float) -> Accuracy:
