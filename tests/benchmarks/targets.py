@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from crackgrow.arrays import Bools
 from crackgrow.blas import THREAD_SETTINGS, single_threaded
 from crackgrow.case import Case, load_case
 from crackgrow.case.model import LoadHistory
@@ -49,10 +50,16 @@ told: the run warned that it does not meet the target. Truth: exact solutions, t
 or, where there is none, K of the same scene for 0.1 %. CPU is that of all rounds; cost is that over the CPU of the same
 step on its final cells alone. Expected over error is given where the error is three times what the truth is good to.
 Nothing was chosen by the scenes that are held out.
-
-%s
 """
-REASONS = ""
+REASONS = """
+Outside of a half and twice are: `grown wings` and `edge crack`, just below a half, with errors not far from what the
+truth is good to; a flaw that opens over 0.4 % of its length beside its kinks, just below, which the cells for 3 % do
+not resolve; an open kink whose arm has few cells at 3 %, where cells twice as large miss more than they tell.
+
+Cost: K is held against a solve of 0.7 times the cost where cracks have no kinks (in all 1.8 in the median), of 1 to 1.5
+times where they have (2.5). Where the first cells miss the target both are done again. In plates two hundred times as
+wide as the crack kinks are at the least size then, and the bound is wider.
+"""
 JUDGED = 3.0  # times what the truth is good to: smaller errors say nothing of the bound
 
 
@@ -203,7 +210,7 @@ def text_of(pairs: Sequence[Pair]) -> str:
         "scene", "kind", "target, %", "unknowns", "CPU s", "error, %", "expected, %", "bound, %", "expected over error",
         "cost", "told",
     )  # fmt: skip
-    return f"{WORDS % REASONS}\n{summary_of(solved)}\n{table(header, lines)}"
+    return f"{WORDS}{REASONS}\n{summary_of(solved)}\n{table(header, lines)}"
 
 
 def summary_of(pairs: Sequence[Pair]) -> str:
@@ -224,11 +231,16 @@ def counts_of(pairs: Sequence[Pair]) -> dict[str, str]:
         "beyond the target without a warning": f"{sum(p.error > p.target and not p.told for p in pairs)}",
         "true error within the bound": f"{sum(pair.error - pair.truth_within <= pair.bound for pair in pairs)}",
         "pairs whose truth is good enough to judge what is expected": f"{len(judged)}",
-        "of them expected over error in the median": f"{np.median(judged):.2g}",
-        "of them within a half and twice": f"{100 * np.mean((judged >= 0.5) & (judged <= 2)):.0f} %",
-        "cost in the median": f"{np.median(cost):.2f}",
-        "cost in nine of ten pairs at most": f"{np.quantile(cost, 0.9):.2f}",
+        "of them expected over error in the median": f"{np.median(judged):.2g}" if len(judged) else "",
+        "of them within a half and twice": share_of((judged >= 0.5) & (judged <= 2.0)),
+        "cost in the median": f"{np.median(cost):.2f}" if len(cost) else "",
+        "cost in nine of ten pairs at most": f"{np.quantile(cost, 0.9):.2f}" if len(cost) else "",
     }
+
+
+def share_of(those: Bools) -> str:
+    """How many are so, in percent; nothing of nothing."""
+    return f"{100.0 * those.mean():.0f} %" if len(those) else ""
 
 
 def main() -> None:
