@@ -288,11 +288,11 @@ SCENES: Mapping[str, Entry] = {
     "flaw and hole": Entry("flaw and hole", beside_a_hole, THREE_ONE),
     "bimaterial": Entry("bimaterial", bimaterial, THREE_ONE),
     "of two sizes": Entry("two sizes", of_sizes, THREE_ONE),
+    "wings, 30, short": Entry("grown", partial(winged_flaw, 0), THREE),
+    "wings, hoop, friction 0.3, 30": Entry("grown", partial(winged_flaw, 9), THREE),
     **{
         f"held out: {name}": Entry("grown, held out", partial(winged_flaw, number), THREE)
         for name, number in {
-            "wings, 30, short": 0,
-            "wings, hoop, friction 0.3, 30": 9,
             "wings, friction 0.3, 45": 16,
             "wings, hoop, friction 0.3, 45": 22,
             "wings, 60": 25,
