@@ -12,6 +12,10 @@ from crackgrow.cover.cells import Nodes, Tiles, nodes_of, tiles_of
 from crackgrow.cover.squares import QUANTA, Squares, squares_of
 from crackgrow.cover.tiling import Tiling, tiling_of
 from crackgrow.cover.windows import Windows, windows_of
+from crackgrow.errors import GeometryError
+
+MOST_ACROSS = 2**13
+"""Cells along a side: their quanta, two together, are numbers of 64 bits."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +83,9 @@ def place_lattice(
     centre_offset = np.where(np.abs(half % 1.0 - 0.5) <= np.abs((half + 0.5) % 1.0 - 0.5), 0.0, 0.5)
     below = np.ceil(half - centre_offset).astype(int) + reach  # whole cells from the box's centre to the lattice's edge
     cells = 2 * below + (2 * centre_offset).astype(int)
+    if cells.max() > MOST_ACROSS:
+        wide = f"the specimen is {cells.max():,} cells of {spacing:.4g} m wide or high"
+        raise GeometryError(f"{wide}, and at most {MOST_ACROSS:,} have places: use a larger numerics.spacing")
     origin = 0.5 * (lower + upper) - (below + centre_offset - np.array(offset)) * spacing
     return lattice_of(spacing, support, origin, _largest_cells(int(cells[0]), int(cells[1])))
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Floats, Ints
 from crackgrow.ragged import Ragged, distinct, spans, starts_of
 
-QUANTA = 2**15
+QUANTA = 2**18
 """Quanta a spacing: room for many halvings of cells, and for patches that end in quarters of the smallest."""
 
 CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])

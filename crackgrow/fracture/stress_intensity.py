@@ -16,7 +16,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
 from crackgrow.fracture.interaction import of_body_force, weights_of
 from crackgrow.fracture.readings import Made, Place, Reading, Readings, compressed
-from crackgrow.fracture.tip_disc import Disc, disc_round
+from crackgrow.fracture.tip_disc import Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.in_situ import across
@@ -53,17 +53,44 @@ class IntegralReading:
     reading: Reading | None  # None: no disc fits
 
 
-def integral_readings(
-    readings: Readings, materials: Sequence[PlaneElasticity], tips: Sequence[int]
-) -> list[IntegralReading]:
-    """What the integrals of some `tips` of a cover read off."""
-    cover = readings.cover
-    discs = [disc_round(cover, cover.tips[tip]) for tip in tips]
-    some = [disc for disc in discs if not np.isnan(disc.radius)]
-    places = [_place(disc, materials[disc.tip.body]) for disc in some]
-    found = iter(readings.at(places, lambda new: _read(cover, materials, [some[number] for number in new])))
-    nothing = np.empty(0, dtype=np.int64)
-    return [IntegralReading(disc, *((nothing, None) if np.isnan(disc.radius) else next(found))) for disc in discs]
+class Integrals:
+    """The integrals of K of the tips of a cover: what each disc reads off is found once."""
+
+    def __init__(self, readings: Readings) -> None:
+        self._readings = readings
+        self._known: dict[tuple[int, bool], IntegralReading] = {}
+
+    def intensities(
+        self,
+        materials: Sequence[PlaneElasticity],
+        u: Floats,
+        tips: Sequence[int],
+        tractions: Sequence[FaceTraction],
+        body_forces: Sequence[BodyForce | None] | None = None,
+    ) -> list[StressIntensity]:
+        """K_I and K_II of some `tips`; `u` (n_dofs,) m.
+
+        `tractions` are, tip by tip, all that acts between the faces: contact tractions less fluid pressure. In-situ
+        stress that varies counts by what it is at the tip; the rest of it by its divergence and what it does on the
+        faces.
+        """
+        cover = self._readings.cover
+        forces = [None] * len(tips) if body_forces is None else body_forces
+        pressed = [_pressed(cover.tips[tip], traction) for tip, traction in zip(tips, tractions, strict=True)]
+        known = self.of(materials, list(zip(tips, pressed, strict=True)))
+        return [_in_disc(materials, cover, u, *each) for each in zip(known, tractions, forces, strict=True)]
+
+    def of(self, materials: Sequence[PlaneElasticity], wanted: Sequence[tuple[int, bool]]) -> list[IntegralReading]:
+        """What the integrals of some tips read off, whose faces are pressed or not."""
+        cover, new = self._readings.cover, [each for each in dict.fromkeys(wanted) if each not in self._known]
+        discs = [disc_round(cover, cover.tips[tip], pressed=pressed) for tip, pressed in new]
+        some = [disc for disc in discs if not np.isnan(disc.radius)]
+        places = [_place(disc, materials[disc.tip.body]) for disc in some]
+        found = iter(self._readings.at(places, lambda at: _read(cover, materials, [some[number] for number in at])))
+        nothing = np.empty(0, dtype=np.int64)
+        for each, disc in zip(new, discs, strict=True):
+            self._known[each] = IntegralReading(disc, *((nothing, None) if np.isnan(disc.radius) else next(found)))
+        return [self._known[each] for each in wanted]
 
 
 def interaction_integrals(
@@ -73,16 +100,18 @@ def interaction_integrals(
     tips: Sequence[int],
     tractions: Sequence[FaceTraction],
     body_forces: Sequence[BodyForce | None] | None = None,
-    readings: Sequence[IntegralReading] | None = None,
 ) -> list[StressIntensity]:
-    """K_I and K_II of the `tips` of a cover; `u` (n_dofs,) m, `readings` where they are known.
+    """K_I and K_II of the `tips` of a cover, of which nothing is known yet: see `Integrals.intensities`."""
+    return Integrals(Readings(cover)).intensities(materials, u, tips, tractions, body_forces)
 
-    `tractions` are, tip by tip, all that acts between the faces: contact tractions less fluid pressure. In-situ stress
-    that varies counts by what it is at the tip; the rest of it by its divergence and what it does on the faces.
-    """
-    forces = [None] * len(tips) if body_forces is None else body_forces
-    known = integral_readings(Readings(cover), materials, tips) if readings is None else readings
-    return [_in_disc(materials, cover, u, *each) for each in zip(known, tractions, forces, strict=True)]
+
+def _pressed(tip: Tip, traction: FaceTraction) -> bool:
+    """Whether the faces are pressed half way from a tip to the first sharp kink, if there is one."""
+    corner = first_corner(tip)
+    if not np.isfinite(corner):
+        return False
+    normal, _ = traction(tip.from_start(np.array([0.5 * corner])))
+    return bool(normal[0] < 0.0)
 
 
 def _no_room(disc: Disc) -> StressIntensity:

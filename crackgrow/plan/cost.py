@@ -28,6 +28,7 @@ TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "ti
 MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R", "held N")
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
+HELD_FOR_TARGET: Final = 1.5  # of memory: the cells that K is held against are kept, too, and more may be needed
 PROBE_SIZE, PROBE_REPEATS = 260, 7
 USUAL_PAIRS = 115.0  # of patches on an element, by the dofs of the patches, at a support of 2
 USUAL_PAIRS_HERE = 256.0  # on each element
@@ -63,13 +64,17 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
         first_step=first,
         later_step=share * first if case.growth is None else solves * later,
         n_later=case.growth.steps if case.growth is not None else history - 1,
-        memory=_memory(np.array(table["memory"]) * memory_terms_of(case, sizes), sizes),
+        memory=_memory(
+            np.array(table["memory"]) * memory_terms_of(case, sizes),
+            sizes,
+            1.0 if case.numerics.target is None else HELD_FOR_TARGET,
+        ),
     )
 
 
-def _memory(parts: np.ndarray[tuple[int], np.dtype[np.float64]], sizes: Sizes) -> float:
-    """MiB, of the parts (6,) that a support of 2 takes; the first one is the program itself."""
-    return float(parts[0] + parts[1:].sum() * sizes.n_pairs / (sizes.n_elements * USUAL_PAIRS_HERE))
+def _memory(parts: np.ndarray[tuple[int], np.dtype[np.float64]], sizes: Sizes, held: float) -> float:
+    """MiB, of the parts (6,) that a support of 2 takes; the first one is the program itself, the others are `held`."""
+    return float(parts[0] + held * parts[1:].sum() * sizes.n_pairs / (sizes.n_elements * USUAL_PAIRS_HERE))
 
 
 def terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -78,6 +78,8 @@ TIPS: Final = File(
         Column("kink_error_deg", "deg", "bound of what the direction of growth is off by, which follows from "
                "that of K; with `implicit` of the increment that led to the tip"),
         Column("velocity", "m/s", "of the tip, by v = v_max (K/K_c)^n; nan but with `growth.law: subcritical`"),
+        Column("K_error_expected", "Pa sqrt(m)", "error of K_I and K_II together that is expected, mostly right within "
+               "a factor of two; nan but where a target (`numerics.accuracy: 1 %`) makes the run measure it"),
     ),
 )  # fmt: skip
 
@@ -239,8 +241,8 @@ SUMMARY: Final = File(
         Column("time", "s", "with `growth.law: subcritical`: at which the cracks have come to the last step"),
         Column("worst_checks", "", f"worst value and its step, of {_CHECKS}"),
         Column("error_estimate", "%", "`energy_norm_percent` of the first and the last step, `K_percent_at_most`, "
-               "`K_spread_percent`, `kink_degrees_at_most` (of tips that grow), "
-               "`load_factor_percent_at_most`, `goal_percent_at_most`"),
+               "`K_percent_expected` (where a target makes the run measure it), `K_spread_percent`, "
+               "`kink_degrees_at_most` (of tips that grow), `load_factor_percent_at_most`, `goal_percent_at_most`"),
         Column("events", "", "as in `events.csv`"),
         Column("warnings", "", "a sentence for each cause with its places and steps, the important ones first"),
         Column("cautions", "", "the same as records of cause, place, size and steps"),

@@ -41,7 +41,8 @@ class Tally:
     events: list[Event] = field(default_factory=list)
     effective_toughness: float = math.nan
     norm_error: float = math.nan  # percent, of the first step
-    K_error: float = math.nan  # percent
+    K_error: float = math.nan  # percent, bound
+    K_expected: float = math.nan  # percent, error that is expected
     K_spread: float = math.nan  # percent
     kink_error: float = math.nan  # degrees, of tips that grow
     load_factor_error: float = math.nan  # percent
@@ -61,6 +62,7 @@ class Tally:
         if len(self.steps) == 1:
             self.norm_error = float(result.norm_error)
         self.K_error = max((self.K_error, K_error(result)), key=_known)
+        self.K_expected = max((self.K_expected, K_expected(result)), key=_known)
         self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
         kinks = [tip.kink_error_deg for tip in result.tips if tip.advanced]
         self.kink_error = max((self.kink_error, *kinks), key=_known)
@@ -125,6 +127,7 @@ def summarize(
         "error_estimate": {
             "energy_norm_percent": {"first": _finite(tally.norm_error), "last": _finite(end.norm_error)},
             "K_percent_at_most": _finite(tally.K_error),
+            "K_percent_expected": _finite(tally.K_expected),
             "K_spread_percent": _finite(tally.K_spread),
             "kink_degrees_at_most": _finite(tally.kink_error),
             "load_factor_percent_at_most": _finite(tally.load_factor_error),
@@ -149,7 +152,9 @@ def error_line(tally: Tally, end: RunEnd) -> str:
     if math.isfinite(end.norm_error):
         parts.append(f"{end.norm_error:.2g} % of the energy norm")
     if math.isfinite(tally.K_error):
-        parts.append(f"K by at most {tally.K_error:.2g} % of the largest")
+        most = f"at most {tally.K_error:.2g} % of the largest"
+        expected = f"{tally.K_expected:.2g} %, " if math.isfinite(tally.K_expected) else ""
+        parts.append(f"K by {expected}{most}")
     if math.isfinite(tally.kink_error):
         parts.append(f"directions of growth by {tally.kink_error:.2g} degrees")
     if math.isfinite(tally.load_factor_error):
@@ -172,6 +177,11 @@ def K_spread(result: StepResult) -> float:
 def K_error(result: StepResult) -> float:
     """Largest bound of the error of K, in percent of the largest K of the step; nan where that is nothing."""
     return _part_of_largest(result, result.tips, [max(tip.K_I_error, tip.K_II_error) for tip in result.tips])
+
+
+def K_expected(result: StepResult) -> float:
+    """Largest error of K that is expected, in the same; nan where it was not measured."""
+    return _part_of_largest(result, result.tips, [tip.K_error_expected for tip in result.tips])
 
 
 def _part_of_largest(result: StepResult, tips: Sequence[TipResult], values: Sequence[float]) -> float:

@@ -32,7 +32,7 @@ from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.readings import Readings
 from crackgrow.fracture.sites import Site
-from crackgrow.fracture.stress_intensity import IntegralReading, integral_readings
+from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import FieldReading, field_readings
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
@@ -235,9 +235,9 @@ class Configuration:
         return LARGEST_STRAIN * self.scene.lattice.spacing
 
     @cached_property
-    def integrals(self) -> list[IntegralReading]:
-        """What the integrals of K of all tips read off."""
-        return integral_readings(self.readings, self.scene.materials, range(len(self.cover.tips)))
+    def integrals(self) -> Integrals:
+        """The integrals of K of all tips."""
+        return Integrals(self.readings)
 
     @cached_property
     def fields(self) -> dict[int, FieldReading]:

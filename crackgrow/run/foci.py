@@ -83,6 +83,7 @@ def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         sizes = np.maximum(sizes, line_length(line.points) / preset.per_rough)
         for place, size in zip(sharp.tolist(), sizes.tolist(), strict=True):
             yield shapely.Point(line.points[place]), finer * (size if given is None else given)
+    more = [0.5 ** scene.halvings.at_ends(number) for number in range(len(cracks))]
     for crack, finer in zip(cracks, more, strict=True):
         size = line_length(crack.points) / preset.per_crack
         for place, is_tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)):

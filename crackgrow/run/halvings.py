@@ -12,12 +12,14 @@ from crackgrow.case.accuracy import UNREFINED
 if TYPE_CHECKING:
     from crackgrow.run.configuration import Configuration
 
-AT_KINKS = 2
-"""Halvings more at kinks, meetings and ends of a crack than at its tips: they have no functions of their own.
+AT_KINKS = 3
+"""Halvings more at kinks of a crack than at its tips: they have no functions of their own.
 
-With 3 a closed kink of 30 degrees asked for 1 % reaches the least cells at 1.7 %, with 2 it has 0.86 %; open kinks and
-wings are within 3 and 1 % with both, at about the same cost.
+The error of cracks that are closed at a kink falls with the cells there, whatever those at the tips are.
 """
+
+AT_ENDS = 2
+"""The same at meetings and at ends that are no tips."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,20 +29,30 @@ class Halvings:
     everywhere: int = 0
     cracks: tuple[int, ...] = ()  # crack by crack, besides, at its tips
     corners: int = 0  # besides, at corners of bodies and along supports, loads and interfaces
+    kinks: int = 0  # besides, at kinks of cracks
 
     def at_tips(self, crack: int) -> int:
         """Of a crack, besides those everywhere."""
         return self.cracks[crack] if self.cracks else 0
 
     def at_kinks(self, crack: int) -> int:
-        """The same of its kinks, meetings and ends."""
+        """The same of its kinks."""
         tips = self.at_tips(crack)
-        return tips + AT_KINKS if tips else 0
+        return tips + AT_KINKS + self.kinks if tips else 0
+
+    def at_ends(self, crack: int) -> int:
+        """The same of its meetings, and of its ends that are no tips."""
+        tips = self.at_tips(crack)
+        return tips + AT_ENDS if tips else 0
 
     @property
     def doubled(self) -> Halvings:
         """Of cells all of which are twice as large."""
         return replace(self, everywhere=self.everywhere - 1)
+
+    def compared(self, more: int) -> Halvings:
+        """Of cells that K is held against: twice as large, but halved some times `more` at kinks."""
+        return replace(self.doubled, kinks=self.kinks + 1 + more)
 
 
 AS_GIVEN = Halvings()
@@ -66,10 +78,11 @@ class Accuracy:
     bounds: tuple[float, ...]  # Pa sqrt(m), tip by tip: what K_I and K_II are off by at most; nan where K is
     largest: float  # Pa sqrt(m): |K| of the tip where it is largest
     grown: tuple[float, ...] = ()  # m, crack by crack: what had been added to it when this was measured
-    fitted: float = 0.0  # B of `run.doubled_cells` over `largest`, where it is largest
+    fitted: float = 0.0  # B of `run.other_cells` over `largest`, where it is largest
     missed: str = ""  # why the target is out of reach, in words; empty where it is met
     goal: float = math.nan  # what the goal is off by at most, over its largest value; nan where that is K
-    doubled: Configuration | None = field(default=None, repr=False)  # that it was measured against, where it is kept
+    compared: Configuration | None = field(default=None, repr=False)  # that it was measured against, where it is kept
+    expected: tuple[float, ...] = ()  # Pa sqrt(m), like bounds: what K_I and K_II together are off by, most likely
 
     def shares(self, crack: int | None = None) -> list[float]:
         """Bounds over the largest K, of the tips of one crack or of all, where they are known; or that of the goal."""
@@ -84,19 +97,25 @@ def record_of(accuracy: Accuracy) -> dict[str, Any]:
     """An accuracy as plain data, which knows no nan."""
     record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "fitted", "missed")}
     record["goal"] = None if math.isnan(accuracy.goal) else accuracy.goal if math.isfinite(accuracy.goal) else "inf"
-    record["bounds"] = [None if math.isnan(bound) else bound for bound in accuracy.bounds]
+    for name in ("bounds", "expected"):
+        record[name] = [None if math.isnan(error) else error for error in getattr(accuracy, name)]
     return {**asdict(accuracy.halvings), **record}
 
 
 def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
     """The accuracy that was written as plain data."""
     return Accuracy(
-        Halvings(record["everywhere"], tuple(record["cracks"]), record.get("corners", 0)),
+        Halvings(record["everywhere"], tuple(record["cracks"]), record.get("corners", 0), record.get("kinks", 0)),
         tuple((crack, at_end) for crack, at_end in record["ends"]),
-        tuple(math.nan if bound is None else bound for bound in record["bounds"]),
+        _errors(record["bounds"]),
         record["largest"],
         tuple(record["grown"]),
         record["fitted"],
         record["missed"],
         math.nan if record.get("goal") is None else float(record["goal"]),
+        expected=_errors(record.get("expected", record["bounds"])),
     )
+
+
+def _errors(record: Iterable[float | None]) -> tuple[float, ...]:
+    return tuple(math.nan if error is None else error for error in record)

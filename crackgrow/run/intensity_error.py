@@ -59,7 +59,7 @@ def intensity_errors(scene: Scene, solution: StepSolution, faces: tuple[CrackFac
         jump = float(np.hypot(face.opening, face.slip).max())
         slip = 0.25 * stiff * jump * np.sqrt(np.pi / (0.5 * length * scene.lattice.spacing))
         largest = max(abs(intensity.K_I), abs(intensity.K_II))
-        share = LEAST + _kinks(solution, tip) + OF_LENGTH * (tip.size / length) ** 2
+        share = LEAST + largest_kink(solution, tip) + OF_LENGTH * (tip.size / length) ** 2
         of_overlap = 0.25 * stiff * _overlap(scene, face, tip)
         weight = AT_OPEN_TIP if WELL_OPEN * of_overlap < intensity.K_I else AT_CLOSED_TIP
         bound = weight * of_overlap + share * max(slip, largest)
@@ -82,7 +82,7 @@ def _overlap(scene: Scene, face: CrackFaces, tip: Tip) -> float:
     return -float((felt * gap * np.sqrt(np.pi / h)).min(initial=0.0))
 
 
-def _kinks(solution: StepSolution, tip: Tip) -> float:
+def largest_kink(solution: StepSolution, tip: Tip) -> float:
     """Largest weight of a kink of a tip's crack, times h / l.
 
     A kink with closed faces on either side is a pressed corner; an open one bends faces that are free.

@@ -16,7 +16,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, without_K
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import Site
-from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity, interaction_integrals
+from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
 from crackgrow.fracture.tip_stress import TipField, fields_of
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.halvings import Accuracy
@@ -156,7 +156,7 @@ def tip_states(
     K_faces = from_face_displacements(cover, [materials[body].young_prime for body in bodies], u, tips)
     tractions = [_tractions(state, crack) for crack, _ in cover.tip_ends]
     forces = [scene.body_force(body, state.factor) for body in bodies]
-    intensities = interaction_integrals(cover, materials, u, tips, tractions, forces, configuration.integrals)
+    intensities = configuration.integrals.intensities(materials, u, tips, tractions, forces)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
     for tip, field in enumerate(fields):
         if field is not None:

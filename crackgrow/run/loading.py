@@ -16,15 +16,22 @@ from crackgrow.run.scene import Scene
 from crackgrow.run.stages import load_stages, through_stages
 
 
-def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | None = None) -> StepSolution:
+def load(
+    scene: Scene,
+    cracks: tuple[GrowingCrack, ...],
+    before: StepSolution | None = None,
+    like: Configuration | None = None,
+) -> StepSolution:
     """The cracks under the last load of the case.
 
-    `before` is the step before, whose state is gone on from where steps do not start unloaded. Raises GeometryError or
-    SolveError where a state can't be solved.
+    `before` is the step before, whose state is gone on from where steps do not start unloaded. `like` is a
+    configuration that has more in common with this one than that step's. Raises GeometryError or SolveError where a
+    state can't be solved.
     """
     if isinstance(scene.case.loading, Stages):
         return through_stages(scene, cracks)
-    configuration = assemble(scene, cracks, None if before is None else before.configuration)
+    known = before.configuration if like is None and before is not None else like
+    configuration = assemble(scene, cracks, known)
     return _loaded(configuration, cracks, _origin(configuration, before))
 
 
@@ -57,17 +64,21 @@ def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -
 
 
 def load_history(
-    scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin | None = None
+    scene: Scene,
+    cracks: tuple[GrowingCrack, ...],
+    first: int = 0,
+    origin: Origin | None = None,
+    like: Configuration | None = None,
 ) -> Iterator[StepSolution]:
     """The cracks at every factor of the case's history, or at the end of every stage, in turn.
 
-    From number `first` on, whose `origin` is given.
+    From number `first` on, whose `origin` is given. `like` is a configuration that has much in common with this one.
     """
     if isinstance(scene.case.loading, Stages):
         yield from load_stages(scene, cracks, first, origin)
         return
     assert isinstance(scene.case.loading, LoadHistory)
-    configuration = assemble(scene, cracks)
+    configuration = assemble(scene, cracks, like)
     start = None if origin is None else origin.start
     for number, factor in enumerate(scene.case.loading.factors[first:], first):
         origin = Origin(start=start)

@@ -142,7 +142,7 @@ def _on_target(cracks: tuple[GrowingCrack, ...], solution: StepSolution, before:
     if solution.configuration.scene.case.numerics.target is None or solution.accuracy is not None:
         return solution
     ways = Ways(
-        lambda scene: load(scene, cracks, before),
+        lambda scene, like: load(scene, cracks, before, like),
         lambda scene, factor, like: load_to(scene, cracks, factor, before, like),
     )
     return aimed(solution, cracks, ways, None if before is None else before.accuracy)

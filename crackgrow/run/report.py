@@ -45,9 +45,10 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     known = solution.accuracy
     errors = intensity_errors(scene, solution, faces) if known is None else [(bound, bound) for bound in known.bounds]
     kinks = np.rad2deg(kink_errors(solution, errors)).tolist()
+    expected = [float("nan")] * len(errors) if known is None else known.expected
     tips = tuple(
-        replace(_tip(solution, tip, tip in chosen, scene, error), kink_error_deg=kink)
-        for tip, (error, kink) in enumerate(zip(errors, kinks, strict=True))
+        replace(_tip(solution, tip, tip in chosen, scene, error), kink_error_deg=kink, K_error_expected=off)
+        for tip, (error, kink, off) in enumerate(zip(errors, kinks, expected, strict=True))
     )
     shares = overlap_shares(scene, solution, faces)
     error = estimated_error(solution) if state.step == 0 else None

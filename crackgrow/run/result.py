@@ -55,7 +55,7 @@ class TipResult:
     criticality: float  # strength ratio: >= 1 where the criterion is met
     kink_deg: float  # degrees, from the tip's direction to the growth direction, counter-clockwise
     advanced: bool
-    K_I_error: float  # Pa sqrt(m), bound of what K_I is off by: see `run.intensity_error`, `run.doubled_cells`
+    K_I_error: float  # Pa sqrt(m), bound of what K_I is off by: see `run.intensity_error`, `run.other_cells`
     K_II_error: float  # Pa sqrt(m)
     K_radius: float  # m, of the disc
     K_note: str  # why the disc is smaller than usual, or missing; empty where it is not
@@ -66,6 +66,7 @@ class TipResult:
     cell_size: float  # m, side of the cells round the tip
     kink_error_deg: float = float("nan")  # degrees, bound of what the direction of growth is off by; nan without growth
     velocity: float = float("nan")  # m/s, by the law of subcritical growth; nan where growth takes no time
+    K_error_expected: float = float("nan")  # Pa sqrt(m), of K_I and K_II together; nan where it was not measured
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,18 +15,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crackgrow.case.model import LoadHistory
-from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import MOST_LEVELS
 from crackgrow.errors import GeometryError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration, lay_out
-from crackgrow.run.doubled_cells import accuracy_of, doubled, fitted_bounds, largest_K
 from crackgrow.run.goal import goal_bound
 from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.increments import LoadState, Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load_history
+from crackgrow.run.other_cells import accuracy_of, compared, fitted_bounds, fitted_share, largest_K
 from crackgrow.run.scene import Scene
 
 MOST_ROUNDS = 4
@@ -44,7 +43,7 @@ FAR_BELOW = 1.0 / 6.0
 STUCK = 0.8
 """An error of which this is left does not come from the cells at the crack: all are halved."""
 
-GROWN = 1.5
+GROWN = 2.0
 """What is known of the error holds until what was added to a crack is so many times as long, or B so much of K."""
 
 
@@ -52,18 +51,24 @@ GROWN = 1.5
 class Ways:
     """How a step is solved again on other cells."""
 
-    solve: Callable[[Scene], StepSolution]
-    larger: Callable[[Scene, float, Configuration | None], LoadState]  # at a load factor; like a configuration
+    solve: Callable[[Scene, Configuration], StepSolution]
+    state: Callable[[Scene, float, Configuration], LoadState]  # at a load factor
+    # both may take over what they have in common with a configuration
 
 
 class _History:
     """The loads of a history one after the other on the cells of a scene."""
 
     def __init__(
-        self, scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin | None = None
+        self,
+        scene: Scene,
+        cracks: tuple[GrowingCrack, ...],
+        first: int = 0,
+        origin: Origin | None = None,
+        like: Configuration | None = None,
     ) -> None:
         self.scene, self._next = scene, first
-        self._solutions = load_history(scene, cracks, first, origin)
+        self._solutions = load_history(scene, cracks, first, origin, like)
 
     def at(self, number: int) -> StepSolution:
         """The solution under a load that has not been asked for. Raises SolveError where there is none."""
@@ -85,35 +90,35 @@ def aimed_history(
     assert isinstance(loading, LoadHistory)
     if known is not None:
         scene = replace(scene, halvings=known.halvings)
-    pair = _Pair(_History(scene, cracks, first, origin), _History(doubled(scene), cracks), cracks)
+    pair = _Pair(_History(scene, cracks, first, origin), cracks)
     for number in range(first, len(loading.factors)):
         pair.number = number
         solution = pair.fine.at(number)
         if number == first and known is not None:
             yield replace(solution, accuracy=known)
         else:
-            yield aimed(solution, cracks, Ways(pair.solve, pair.state_on_larger), None)
+            yield aimed(solution, cracks, Ways(pair.solve, pair.state_on_others), None)
 
 
 @dataclass(slots=True, eq=False)
 class _Pair:
-    """A history on the cells of now and on those twice as large."""
+    """A history on the cells of now and on those to compare."""
 
     fine: _History
-    larger: _History
     cracks: tuple[GrowingCrack, ...]
+    other: _History | None = None
     number: int = 0  # of the load
 
-    def solve(self, scene: Scene) -> StepSolution:
+    def solve(self, scene: Scene, like: Configuration) -> StepSolution:
         """The solution on other cells."""
-        self.fine = _History(scene, self.cracks)
+        self.fine = _History(scene, self.cracks, like=like)
         return self.fine.at(self.number)
 
-    def state_on_larger(self, scene: Scene, *_: object) -> LoadState:
-        """The state on cells twice as large."""
-        if scene.halvings != self.larger.scene.halvings:
-            self.larger = _History(scene, self.cracks)
-        return self.larger.at(self.number).state
+    def state_on_others(self, scene: Scene, _: float, like: Configuration) -> LoadState:
+        """The state on the cells to compare."""
+        if self.other is None or scene.halvings != self.other.scene.halvings:
+            self.other = _History(scene, self.cracks, like=like)
+        return self.other.at(self.number).state
 
 
 def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, last: Accuracy | None) -> StepSolution:
@@ -124,21 +129,21 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     scene = solution.configuration.scene
     target, of_K = scene.case.numerics.target, scene.case.numerics.goal == "K"
     assert target is not None
-    grown, fitted = _grown(scene, cracks), _fitted_share(solution)
+    grown = _grown(scene, cracks)
     if of_K and not any(np.isfinite(tip.K).all() for tip in solution.tips):
         why = "K is not known at any tip" if solution.tips else "" if any(grown) else "no crack has a tip"
         return replace(solution, accuracy=replace(accuracy_of(solution, None), grown=grown, missed=why))
-    if last is not None and _holds(last, solution, grown, fitted):
+    if last is not None and _holds(last, solution, grown):
         return replace(solution, accuracy=_scaled(last, largest_K(solution)))
     n_solves, seconds, before, missed, known = solution.factorizations, Counter(solution.seconds), None, "", last
     for round_ in range(MOST_ROUNDS + 1):
-        larger = _larger(ways, solution, known)
-        known = replace(accuracy_of(solution, larger), grown=grown, fitted=_fitted_share(solution))
+        other = _compared(ways, solution, known)
+        known = replace(accuracy_of(solution, other), grown=grown)
         if not of_K:
-            known = replace(known, goal=goal_bound(solution, larger))
+            known = replace(known, goal=goal_bound(solution, other))
         n_solves += 1
-        if larger is not None:
-            seconds.update({**larger.configuration.seconds, "contact": larger.seconds})
+        if other is not None:
+            seconds.update({**other.configuration.seconds, "contact": other.seconds})
         if max(known.shares(), default=0.0 if of_K else math.inf) <= target:
             break
         wanted, missed = (
@@ -151,7 +156,7 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
             break
         before, scene = known, replace(scene, halvings=wanted)
         try:
-            solution = _solved(ways, scene, cracks, solution.cover.lattice)
+            solution = _solved(ways, scene, cracks, solution.configuration)
         except (GeometryError, SolveError) as error:
             missed = f"smaller cells are not to be had: {error}"
             break
@@ -161,18 +166,18 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     return replace(solution, accuracy=replace(known, missed=missed), factorizations=n_solves, seconds=dict(seconds))
 
 
-def _solved(ways: Ways, scene: Scene, cracks: tuple[GrowingCrack, ...], before: Lattice) -> StepSolution:
+def _solved(ways: Ways, scene: Scene, cracks: tuple[GrowingCrack, ...], before: Configuration) -> StepSolution:
     """The solution on the cells of a scene. Raises GeometryError or SolveError where there is none, or it is large.
 
     So it does where the cells are those `before`.
     """
     cover = lay_out(scene, cracks)[0]
     n_dofs = cover.n_dofs
-    if cover.lattice.cells.equal(before.cells):
+    if cover.lattice.cells.equal(before.cover.lattice.cells):
         raise NotSolvedError(f"they are halved {MOST_LEVELS} times already, which is the most")
     if n_dofs > MOST_UNKNOWNS:
         raise NotSolvedError(f"they make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken")
-    return ways.solve(scene)
+    return ways.solve(scene, before)
 
 
 def halvings_after(solution: StepSolution) -> Halvings:
@@ -189,13 +194,13 @@ def halvings_after(solution: StepSolution) -> Halvings:
     return replace(halvings, cracks=tuple(fewer))
 
 
-def _larger(ways: Ways, solution: StepSolution, last: Accuracy | None) -> LoadState | None:
-    """The state on cells twice as large, None where there is none; at its own load factor where that is the goal."""
-    like = None if last is None else last.doubled
+def _compared(ways: Ways, solution: StepSolution, last: Accuracy | None) -> LoadState | None:
+    """The state on the cells to compare, None where there is none; at its own load factor where that is the goal."""
+    like = solution.configuration if last is None or last.compared is None else last.compared
     try:
         if solution.configuration.scene.case.numerics.goal == "load_factor":
-            return ways.solve(doubled(solution.configuration.scene)).state
-        return ways.larger(doubled(solution.configuration.scene), solution.state.factor, like)
+            return ways.solve(compared(solution), like).state
+        return ways.state(compared(solution), solution.state.factor, like)
     except (GeometryError, SolveError):
         return None
 
@@ -206,24 +211,19 @@ def _grown(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[float, ...]:
     return tuple(float(arc_lengths(now.crack.points)[-1] - arc_lengths(given.points)[-1]) for now, given in pairs)
 
 
-def _fitted_share(solution: StepSolution) -> float:
-    """B over the largest K, of the tip where it is largest."""
-    known, largest = [bound for bound in fitted_bounds(solution) if np.isfinite(bound)], largest_K(solution)
-    return max(known) / largest if known and largest > 0.0 else 0.0
-
-
-def _holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitted: float) -> bool:
-    """Whether what was known of the step before is good enough for this one, whose B over K is `fitted`."""
-    if not fitted <= GROWN * last.fitted:
-        return False
+def _holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> bool:
+    """Whether what was known of the step before is good enough for this one."""
     same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.configuration.scene.halvings
-    return same and all(now <= GROWN * then for now, then in zip(grown, last.grown, strict=True))
+    if not same or any(now > GROWN * then for now, then in zip(grown, last.grown, strict=True)):
+        return False
+    return fitted_share(solution, fitted_bounds(solution)) <= GROWN * last.fitted
 
 
 def _scaled(last: Accuracy, largest: float) -> Accuracy:
     """The same shares of another K."""
     scale = largest / last.largest if last.largest > 0.0 else 1.0
-    return replace(last, bounds=tuple(scale * bound for bound in last.bounds), largest=largest)
+    bounds, expected = (tuple(scale * error for error in errors) for errors in (last.bounds, last.expected))
+    return replace(last, bounds=bounds, expected=expected, largest=largest)
 
 
 def _halved_for_goal(

@@ -138,7 +138,7 @@ def measured(n: int, steps: int) -> Growth:
             taken.append(time.process_time() - start)
             configuration = solution.configuration
             kept.append(1.0 - configuration.stiffness.n_integrated / len(configuration.stiffness.clusters))
-            anew.append(configuration.readings.n_made / (len(configuration.integrals) + len(configuration.fields)))
+            anew.append(configuration.readings.n_made / (len(configuration.cover.tips) + len(configuration.fields)))
             phases.append(result.seconds)
             print(f"{n} flaws, step {result.step}: {taken[-1]:.1f} s", file=sys.stderr, flush=True)
             start = time.process_time()

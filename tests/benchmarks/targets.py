@@ -16,17 +16,24 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
 import yaml
 
+from crackgrow.arrays import Bools
 from crackgrow.blas import THREAD_SETTINGS, single_threaded
 from crackgrow.case import Case, load_case
+from crackgrow.case.model import LoadHistory
 from crackgrow.run.caution import Cause
+from crackgrow.run.checkpoint import RunState, beginning
+from crackgrow.run.halvings import Halvings
+from crackgrow.run.loading import load, load_history
 from crackgrow.run.loop import solved_steps
+from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
+from crackgrow.run.scene import make_scene
 from tests.benchmarks.paths import HERE, ROOT
 from tests.benchmarks.tables import number, table
 from tests.benchmarks.target_scenes import SCENES, Truth
@@ -38,14 +45,21 @@ FINEST = 0.001  # target whose K is the truth of scenes without any
 WORDS = """# The target of the error of K
 
 Written by `python -m tests.benchmarks.targets`: `numerics.accuracy` in percent, asked of scenes whose K is known.
-Error: the worst tip, K_I and K_II together, over the largest K; bound: the same of what the run states; told: the run
-warned that it does not meet the target. Truth: exact solutions, tables in tests/verification/references, or, where
-there is none, K of the same scene for 0.1 %. CPU is that of all rounds. Bound over error is given where the error is
-three times what the truth is good to.
+Error: the worst tip, K_I and K_II together, over the largest K; expected and bound: the same of what the run states;
+told: the run warned that it does not meet the target. Truth: exact solutions, tables in tests/verification/references,
+or, where there is none, K of the same scene for 0.1 %. CPU is that of all rounds; cost is that over the CPU of the same
+step on its final cells alone. Expected over error is given where the error is three times what the truth is good to.
+Nothing was chosen by the scenes that are held out.
+"""
+REASONS = """
+Outside of a half and twice are five. Four are just below a half: `grown wings` and `edge crack`, with errors not far
+from what the truth is good to, `fifty flaws`, and a flaw that opens over 0.4 % of its length beside its kinks, which
+the cells for 3 % do not resolve. An open kink whose arm has few cells at 3 % is above: cells twice as large miss more
+than they tell.
 
-Beyond the target is the closed kink alone, and the run says so: its cells reach the least side at the pressed corner,
-where K does not get better. Bounds far above the error are those of straight cracks, whose field the tip functions
-have: there what was fitted, half a percent of K at least, counts too much.
+Cost: K is held against a solve of 0.7 times the cost where cracks have no kinks (in all 1.8 in the median), of 1 to 1.5
+times where they have (2.5). Where the first cells miss the target both are done again. In plates two hundred times as
+wide as the crack kinks are at the least size then, and the bound is wider.
 """
 JUDGED = 3.0  # times what the truth is good to: smaller errors say nothing of the bound
 
@@ -58,10 +72,11 @@ class Pair:
     target: float
     error: float  # largest of a tip, K_I and K_II together; nan where there was no solution in time
     bound: float  # largest of a tip
+    expected: float  # largest of a tip
     told: int  # whether the run warned that it does not meet the target
     unknowns: int
     seconds: float  # CPU
-    share: float  # of the CPU time that the last solve has cost
+    cost: float  # CPU over that of the step on the final cells alone
 
     @property
     def truth_within(self) -> float:
@@ -70,8 +85,8 @@ class Pair:
 
     @property
     def effectivity(self) -> float:
-        """Bound over error; nan where the truth is not good enough to say."""
-        return self.bound / self.error if self.error > JUDGED * self.truth_within else float("nan")
+        """Expected error over error; nan where the truth is not good enough to say."""
+        return self.expected / self.error if self.error > JUDGED * self.truth_within else float("nan")
 
 
 WITHIN = {name: entry.make().within for name, entry in SCENES.items()}
@@ -87,27 +102,41 @@ def case_of(scene: str, target: float) -> Case:
 
 
 def solved(scene: str, target: float) -> tuple[StepResult, float, float]:
-    """The first step, the CPU seconds that it took, and the share of them of the last solve."""
-    case, begin = case_of(scene, target), time.process_time()
+    """The first step, the CPU seconds that it took, and these over those of its final cells alone."""
+    case = case_of(scene, target)
     with single_threaded():
+        alone_on(case, Halvings())  # what is made once in a process is made
+        begin = time.process_time()
         step, solution = next(solved_steps(case))
-    spent = time.process_time() - begin
-    last = {**solution.configuration.seconds, "contact": solution.state.seconds}
-    return step, spent, sum(last.values()) / spent
+        spent = time.process_time() - begin
+        begin = time.process_time()
+        alone_on(case, solution.configuration.scene.halvings)
+    return step, spent, spent / (time.process_time() - begin)
+
+
+def alone_on(case: Case, halvings: Halvings) -> None:
+    """Solve the first step of a case on given cells, with all that a run makes of it."""
+    scene, cracks = replace(make_scene(case), halvings=halvings), beginning(case).cracks
+    if isinstance(case.loading, LoadHistory) and case.growth is None:
+        solution = next(load_history(scene, cracks))
+    else:
+        solution = load(scene, cracks)
+    step_result(RunState(0, cracks), solution, np.empty(0, dtype=np.int64), with_frame=False)
 
 
 def measured(scene: str, target: float, truth: Truth) -> Pair:
     """The pair, whose K should be `truth`."""
-    step, seconds, share = solved(scene, target)
+    step, seconds, cost = solved(scene, target)
     largest = max(float(np.hypot(*K)) for K in truth.values())
-    off, bounds = [], []
+    off, bounds, expected = [], [], []
     for tip in step.tips:
         K_I, K_II = truth[tip.crack, tip.tip]
         off.append(float(np.hypot(tip.K_I - K_I, abs(tip.K_II) - abs(K_II))))
         bounds.append(max(tip.K_I_error, tip.K_II_error))
+        expected.append(tip.K_error_expected)
     told = any(caution.cause is Cause.TARGET for caution in step.cautions)
-    error, bound = max(off) / largest, max(bounds) / largest
-    return Pair(scene, target, error, bound, int(told), step.n_dofs, seconds, share)
+    error, bound, most_likely = (max(errors) / largest for errors in (off, bounds, expected))
+    return Pair(scene, target, error, bound, most_likely, int(told), step.n_dofs, seconds, cost)
 
 
 def truth_of(scene: str) -> Truth:
@@ -133,7 +162,7 @@ def in_a_process(scene: str, targets: Sequence[float]) -> Iterator[Pair]:
             yield Pair(**json.loads(done.stdout))
         except (subprocess.TimeoutExpired, json.JSONDecodeError):
             nan = float("nan")
-            yield Pair(scene, target, nan, nan, 0, 0, nan, nan)
+            yield Pair(scene, target, nan, nan, nan, 0, 0, nan, nan)
 
 
 def read() -> list[Pair]:
@@ -170,34 +199,49 @@ def text_of(pairs: Sequence[Pair]) -> str:
             f"{pair.unknowns:,}",
             f"{pair.seconds:.1f}",
             number(100.0 * pair.error),
+            number(100.0 * pair.expected),
             number(100.0 * pair.bound),
             number(pair.effectivity),
+            number(pair.cost),
             "yes" if pair.told else "",
         ]
         for pair in solved
     ]
-    header = ("scene", "kind", "target, %", "unknowns", "CPU s", "error, %", "bound, %", "bound over error", "told")
-    return f"{WORDS}\n{summary_of(solved)}\n{table(header, lines)}"
+    header = (
+        "scene", "kind", "target, %", "unknowns", "CPU s", "error, %", "expected, %", "bound, %", "expected over error",
+        "cost", "told",
+    )  # fmt: skip
+    return f"{WORDS}{REASONS}\n{summary_of(solved)}\n{table(header, lines)}"
 
 
 def summary_of(pairs: Sequence[Pair]) -> str:
-    """How often targets are met and bounds hold, in lines."""
-    n, judged = len(pairs), np.array([pair.effectivity for pair in pairs if not np.isnan(pair.effectivity)])
-    met = sum(pair.error <= pair.target for pair in pairs)
-    silent = sum(pair.error > pair.target and not pair.told for pair in pairs)
-    held = sum(pair.bound >= pair.error for pair in pairs)
-    third = float(np.mean((judged >= 1.5) & (judged <= 6.0)))
-    rows = [
-        ["pairs", str(n)],
-        ["true error within the target", f"{met}"],
-        ["beyond the target without a warning", f"{silent}"],
-        ["bound at least the true error", f"{held}"],
-        ["pairs whose truth is good enough to judge the bound", str(len(judged))],
-        ["of them bound over error in the median", f"{np.median(judged):.2g}"],
-        ["of them bound within a half and twice the error", f"{100 * np.mean((judged >= 0.5) & (judged <= 2)):.0f} %"],
-        ["of them a third of the bound within a half and twice the error", f"{100 * third:.0f} %"],
-    ]
-    return table(("what", "number"), rows)
+    """How often targets are met and statements hold, in lines: of all scenes, and of those held out."""
+    groups = (pairs, [pair for pair in pairs if "held out" in pair.scene])
+    counts = [counts_of(group) for group in groups]
+    rows = [[what, *(count[what] for count in counts)] for what in counts[0]]
+    return table(("what", "all", "held out"), rows)
+
+
+def counts_of(pairs: Sequence[Pair]) -> dict[str, str]:
+    """The same of some pairs."""
+    judged = np.array([pair.effectivity for pair in pairs if not np.isnan(pair.effectivity)])
+    cost = np.array([pair.cost for pair in pairs])
+    return {
+        "pairs": f"{len(pairs)}",
+        "true error within the target": f"{sum(pair.error <= pair.target for pair in pairs)}",
+        "beyond the target without a warning": f"{sum(p.error > p.target and not p.told for p in pairs)}",
+        "true error within the bound": f"{sum(pair.error - pair.truth_within <= pair.bound for pair in pairs)}",
+        "pairs whose truth is good enough to judge what is expected": f"{len(judged)}",
+        "of them expected over error in the median": f"{np.median(judged):.2g}" if len(judged) else "",
+        "of them within a half and twice": share_of((judged >= 0.5) & (judged <= 2.0)),
+        "cost in the median": f"{np.median(cost):.2f}" if len(cost) else "",
+        "cost in nine of ten pairs at most": f"{np.quantile(cost, 0.9):.2f}" if len(cost) else "",
+    }
+
+
+def share_of(those: Bools) -> str:
+    """How many are so, in percent; nothing of nothing."""
+    return f"{100.0 * those.mean():.0f} %" if len(those) else ""
 
 
 def main() -> None:

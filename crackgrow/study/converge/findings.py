@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from crackgrow.arrays import Floats
 from crackgrow.case.model import CriticalLoad
 from crackgrow.errors import CaseError
 from crackgrow.results.folder import RunFolder
@@ -18,6 +17,9 @@ from crackgrow.study.converge.extrapolation import distinct, limit_of
 from crackgrow.study.converge.plan import HALF, ConvergencePlan
 from crackgrow.study.converge.states import Key, State, states_of
 from crackgrow.study.timed_run import Cost
+
+TURNED = 2.0
+"""K_II that is off by a part of K_I turns the direction of growth by twice that: paths may be off by so much more."""
 
 NAN = float("nan")
 MODES = ("K_I", "K_II")
@@ -55,13 +57,14 @@ class Quantity:
         return max(off, self.rest) / self.size if self.size > 0.0 else NAN
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Apart:
     """How far apart the paths of two runs are, over what both have grown."""
 
     first: str
     second: str
-    distance: float  # m, Hausdorff
+    distance: float  # m, Hausdorff, of the tip where it is largest
+    share: float  # of what has grown there in both, of the tip where that is largest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,23 +93,38 @@ class Convergence:
 
     @property
     def good_enough(self) -> bool:
-        """Whether the own setting is within the tolerance."""
-        return self.largest_error(self.plan.own.name) <= self.plan.tolerance
+        """Whether the own setting is within the tolerance, and so are its paths."""
+        return self.largest_error(self.plan.own.name) <= self.plan.tolerance and self.paths_good_enough
 
     @property
-    def path_of_cells(self) -> float:
-        """m, how far the own path is from that on the finest cells; nan without growth."""
-        return self._apart(self.plan.own.name, self.plan.settings[-1].name)
+    def paths_good_enough(self) -> bool:
+        """Whether neither the finest cells nor half increments, as far as they were run, move the own path by more."""
+        off = [apart.share for apart in (self.path_of_cells, self.path_of_increments) if apart is not None]
+        return max(off, default=0.0) <= self.path_tolerance
 
     @property
-    def path_of_increments(self) -> float:
-        """m, how far the own path is from that of half increments; nan where that was not run."""
+    def path_tolerance(self) -> float:
+        """What paths may be apart, over what has grown."""
+        return TURNED * self.plan.tolerance
+
+    @property
+    def path_of_cells(self) -> Apart | None:
+        """How far the own path is from that on the finest cells; None without growth."""
+        return self.path_of_setting(self.plan.own.name)
+
+    def path_of_setting(self, setting: str) -> Apart | None:
+        """How far the path of a setting is from that on the finest cells; None without growth."""
+        return self._apart(setting, self.plan.settings[-1].name)
+
+    @property
+    def path_of_increments(self) -> Apart | None:
+        """How far the own path is from that of half increments; None where that was not run."""
         return self._apart(self.plan.own.name, HALF)
 
-    def _apart(self, first: str, second: str) -> float:
+    def _apart(self, first: str, second: str) -> Apart | None:
         if first == second:  # the own cells are the finest: those before say how far they may be off
             first = self.plan.settings[-2].name
-        return next((apart.distance for apart in self.paths if {apart.first, apart.second} == {first, second}), NAN)
+        return next((apart for apart in self.paths if {apart.first, apart.second} == {first, second}), None)
 
 
 def findings(plan: ConvergencePlan, runs: Sequence[Ran], why_no_half: str) -> Convergence:
@@ -190,17 +208,18 @@ def _paths(plan: ConvergencePlan, runs: Sequence[Ran]) -> list[Apart]:
     pairs = [(name, finest) for name in folders if name not in (finest, HALF)]
     if HALF in folders:
         pairs.append((plan.own.name, HALF))
-    found = [Apart(a, b, _hausdorff(folders[a], folders[b])) for a, b in pairs]
-    return [apart for apart in found if not math.isnan(apart.distance)]
+    found = [_apart(a, b, folders) for a, b in pairs]
+    return [apart for apart in found if apart is not None]
 
 
-def _hausdorff(a: Path, b: Path) -> float:
-    """Distance (m) of the paths over what both have grown; nan where nothing has grown in both."""
+def _apart(first: str, second: str, folders: Mapping[str, Path]) -> Apart | None:
+    """How far the paths are apart over what both have grown; None where nothing has grown in both."""
     try:
-        pairs = compare_paths(a, b).pairs
+        pairs = compare_paths(folders[first], folders[second]).pairs
     except CaseError:  # a scene without cracks
-        return NAN
-    apart: Floats = np.array(
-        [pair.common.deviation.hausdorff for pair in pairs if pair.part in ("start", "end") and pair.common is not None]
-    )
-    return float(apart.max()) if len(apart) else NAN
+        return None
+    grown = [pair.common for pair in pairs if pair.part in ("start", "end") and pair.common is not None]
+    apart = [(common.deviation.hausdorff, min(common.length_a, common.length_b)) for common in grown]
+    if not apart:
+        return None
+    return Apart(first, second, max(d for d, _ in apart), max(d / length for d, length in apart))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any, Final
 
 from crackgrow.case.accuracy import name_of
@@ -30,9 +31,10 @@ def convergence_record(found: Convergence) -> dict[str, Any]:
         "settings": dict(zip(RANKS, _names(plan), strict=True)),
         "runs": [_run_record(run) for run in found.runs],
         "rows": [dict(zip(FILES[0].header, map(_known, _values(plan, q)), strict=True)) for q in found.quantities],
-        "paths": [{"first": a.first, "second": a.second, "distance": a.distance} for a in found.paths],
+        "paths": [asdict(apart) for apart in found.paths],
         "steps_not_compared": found.left_out,
         "tolerance": plan.tolerance,
+        "path_tolerance": found.path_tolerance,
         "error": _known(found.largest_error(plan.own.name)),
         "good_enough": found.good_enough,
         "verdict": verdict(found),
@@ -79,9 +81,9 @@ def verdict(found: Convergence) -> str:
         return "not known: no quantity of the scene has a size that an error can be a share of"
     error = found.largest_error(plan.own.name)
     off = f"{_words(worst)} is off by {100.0 * error:.2g} %{' of the largest K' if worst.name in MODES else ''}"
-    if found.good_enough:
-        return f"good enough: with {own} {off} at most, within the {within} asked for"
-    better = [setting for setting in plan.settings if found.largest_error(setting.name) <= plan.tolerance]
+    if error <= plan.tolerance:
+        return f"{_verdict_on_paths(found)}: with {own} {off} at most, within the {within} asked for{_path_off(found)}"
+    better = [setting for setting in plan.settings if _within(found, setting.name)]
     if better:
         return (
             f"not good enough: with {own} {off}, more than {within}; numerics.accuracy: {better[0].name} is within it"
@@ -91,6 +93,29 @@ def verdict(found: Convergence) -> str:
         f"not good enough: with {own} {off}, more than {within}, and so is {finest} by "
         f"{100.0 * found.largest_error(finest):.2g} %; smaller cells are needed"
     )
+
+
+def _within(found: Convergence, setting: str) -> bool:
+    """Whether K of a setting is within the tolerance, and its path is as near to that on the finest cells."""
+    path = found.path_of_setting(setting)
+    near = path is None or path.share <= found.path_tolerance
+    return near and found.largest_error(setting) <= found.plan.tolerance
+
+
+def _verdict_on_paths(found: Convergence) -> str:
+    return "good enough" if found.paths_good_enough else "not good enough for paths"
+
+
+def _path_off(found: Convergence) -> str:
+    """What would move the path most, and by how much of it; empty where nothing has grown."""
+    moved = {"finer cells": found.path_of_cells, "a shorter increment": found.path_of_increments}
+    known = {what: apart for what, apart in moved.items() if apart is not None}
+    if not known:
+        return ""
+    what = max(known, key=lambda name: known[name].share)
+    word = "within" if found.paths_good_enough else "more than"
+    allowed = f"{100.0 * found.path_tolerance:.3g} %"
+    return f"; {what} would move the path by {100.0 * known[what].share:.2g} % of what has grown, {word} {allowed}"
 
 
 def own_name(plan: ConvergencePlan) -> str:
@@ -137,14 +162,13 @@ def _paths(found: Convergence) -> list[str]:
     lines = ["paths, largest distance over what both have grown:"]
     lines += [f"  {a.first} and {a.second}: {1e3 * a.distance:.3g} mm" for a in found.paths]
     cells, increments = found.path_of_cells, found.path_of_increments
-    if math.isnan(increments):
+    if increments is None:
         return [*lines, *([found.why_no_half] if found.why_no_half else [])]
-    if math.isnan(cells):
+    if cells is None:
         return lines
-    first, second = (
-        ("a shorter increment", "finer cells") if increments > cells else ("finer cells", "a shorter increment")
-    )
-    most, least = max(cells, increments), min(cells, increments)
+    shorter = increments.distance > cells.distance
+    first, second = ("a shorter increment", "finer cells") if shorter else ("finer cells", "a shorter increment")
+    most, least = sorted((cells.distance, increments.distance), reverse=True)
     return [*lines, f"{first} would move the path by {1e3 * most:.2g} mm, {second} by {1e3 * least:.2g} mm"]
 
 

@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.style import own_style
 from crackgrow.study.trade.columns import ENERGY, ERRORS
+from crackgrow.study.trade.finite_elements import finite_elements
 from crackgrow.study.trade.pareto import pareto_front
 from crackgrow.study.trade.row import REFERENCE, Row
 
@@ -36,6 +37,7 @@ LABELS = {
 PRESET_COLOUR = "tab:red"
 PRESET_MARKS = {"draft": "v", "standard": "s", "fine": "^"}
 SUPPORT_MARKS = ("o", "D", "P", "X")  # of the grid's points, by support
+OF_FINITE_ELEMENTS = ("K_error",)  # the panels that have them
 ACROSS = 3  # panels
 PANEL = (4.0, 3.2)  # inches
 LEAST = 1e-12  # of the errors drawn: zero has no place on a logarithmic scale
@@ -81,6 +83,9 @@ def _panel(
         axes.plot(x, y, marker=mark, markersize=size, color=colour, linestyle="")
     front = pareto_front(cost, error)
     axes.step(cost[front], error[front], where="post", color="tab:blue", linewidth=1.2, zorder=0)
+    if name in OF_FINITE_ELEMENTS:
+        x, y = finite_elements(rows).T
+        axes.plot(x, y, marker="x", markersize=5, color="0.4", linestyle="")
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_title(LABELS[name], fontsize=9)
@@ -104,5 +109,7 @@ def _legend(supports: Sequence[float]) -> list[Line2D]:
         for i, s in enumerate(supports)
     ]
     marks.append(Line2D([], [], color="tab:blue", label="Pareto front"))
+    label = "K of compression30's wings by graded finite elements"
+    marks.append(Line2D([], [], color="0.4", marker="x", linestyle="", label=label))
     marks.append(Line2D([], [], color="0.0", marker="o", linestyle="", label="dark: fine, light: coarse spacing"))
     return marks

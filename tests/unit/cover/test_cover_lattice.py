@@ -9,6 +9,7 @@ from crackgrow.cover.elements import cut_elements
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.windows import regular_window
+from crackgrow.errors import GeometryError
 from tests.unit.cover_tables import tile_boxes
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
@@ -95,3 +96,8 @@ def test_segment_on_a_lattice_line_touches_both_sides_and_a_tip_all_its_neighbou
     np.testing.assert_array_equal(along, [[2, 2], [2, 3], [3, 2], [3, 3]])
     round_tips = touched_by(lattice, [(2.5, 3.5), (5.5, 3.5)], (True, True))
     np.testing.assert_array_equal(round_tips, [[x, y] for x in (1, 2, 3, 4, 5, 6) for y in (2, 3, 4)])
+
+
+def test_more_cells_across_than_have_places_are_refused() -> None:
+    with pytest.raises(GeometryError, match=r"9,00\d cells .* at most 8,192 .* use a larger numerics.spacing"):
+        place_lattice(np.zeros(2), np.array([9.0, 0.002]), 1e-3, 2.0)

@@ -12,7 +12,7 @@ from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import TipView, crack_angle, seen_from_tip
 from crackgrow.fracture.interaction import interaction
 from crackgrow.fracture.stress_intensity import interaction_integrals
-from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, SMALLEST_RADIUS, clearance
+from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, SMALLEST_RADIUS, clearance, disc_round
 from crackgrow.fracture.tip_rule import tip_rule
 from crackgrow.fracture.williams import williams_displacement, williams_gradient
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
@@ -160,6 +160,18 @@ def test_the_disc_holds_nothing_but_its_own_crack(build, cracks: list, room: flo
     inside = [build.crack(points, name=f"crack{k}") for k, points in enumerate(cracks)]
     cover = build.block((20, 20), inside, support=2.0).cover
     assert clearance(cover, cover.tips[1]) == (pytest.approx(room), obstacle)
+
+
+def test_the_disc_of_a_pressed_tip_ends_before_the_first_sharp_kink(build) -> None:
+    """A blunt kink and one whose disc would be smaller than a cell are no ends, nor is that of open faces."""
+    lines = {"sharp": [(5, 10), (10, 10), (13, 13)], "blunt": [(5, 10), (10, 10), (13, 11)]}
+    lines["near"] = [(5, 10), (12, 10), (12.6, 10.8)]
+    for name, points in lines.items():
+        cover = build.block((20, 20), [build.crack(points)], support=2.0).cover
+        open_, pressed = (disc_round(cover, cover.tips[1], pressed=pressed) for pressed in (False, True))
+        corner = float(np.hypot(*np.subtract(points[2], points[1])))
+        assert open_.radius > KEPT_CLEAR * corner
+        assert pressed.radius == pytest.approx(KEPT_CLEAR * corner if name == "sharp" else open_.radius)
 
 
 def test_a_small_disc_is_told_and_too_small_a_one_has_no_K(build) -> None:

@@ -64,6 +64,16 @@ def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> 
     assert error_line(tally, end) == "estimated error: 2.2 % of the energy norm, K by at most 15 % of the largest"
 
 
+def test_the_error_of_K_that_is_expected_is_told_before_its_bound() -> None:
+    """Of the step where it is largest; K is 5 Pa sqrt(m) at most there."""
+    tally = Tally()
+    for step, expected in enumerate((0.1, 0.2, 0.05)):
+        tally.add(with_tips(step, {"K_I": 3.0, "K_II": -5.0, "K_I_error": 0.5, "K_error_expected": expected}))
+    found = json.loads(summary_text(summarize(make_case(), Tally.of(tally.record()), make_end(2), 1.0, 1.0)))
+    np.testing.assert_allclose(found["error_estimate"]["K_percent_expected"], 4.0)
+    assert error_line(tally, make_end(2)).startswith("estimated error: K by 4 %, at most ")
+
+
 def test_directions_loads_and_the_goal_have_the_worst_of_all_steps_and_are_told() -> None:
     """Directions count at tips that grow."""
     tally = Tally()
@@ -86,6 +96,7 @@ def test_what_is_unknown_is_null_and_not_told() -> None:
     tally.add(with_tips(0))
     summary = json.loads(summary_text(summarize(make_case(), tally, make_end(0), 1.0, 1.0)))["error_estimate"]
     unknown = {"energy_norm_percent": {"first": None, "last": None}, "K_percent_at_most": None}
+    unknown["K_percent_expected"] = None
     others = ("K_spread_percent", "kink_degrees_at_most", "load_factor_percent_at_most", "goal_percent_at_most")
     assert summary == unknown | dict.fromkeys(others)
     assert error_line(tally, make_end(0)) == ""

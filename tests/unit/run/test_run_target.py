@@ -18,9 +18,10 @@ from crackgrow.run import target as target_file
 from crackgrow.run.caution import Cause
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import lay_out
-from crackgrow.run.doubled_cells import doubled
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
+from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
+from crackgrow.run.other_cells import compared
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.run.target import halvings_after
@@ -58,13 +59,26 @@ def test_a_smaller_target_takes_smaller_cells() -> None:
     assert np.all(np.diff([step.n_dofs for step in steps]) > 0)
 
 
-def test_doubled_cells_are_twice_as_large_at_the_tips_and_away_from_them() -> None:
+def test_cells_to_compare_are_twice_as_large_at_the_tips_and_away_from_them() -> None:
     scene = make_scene(case("compression30", "2 %", "numerics.refine.corners=1"))
-    covers = [lay_out(each, beginning(scene.case).cracks)[0] for each in (scene, doubled(scene))]
+    solution = load(scene, beginning(scene.case).cracks)
+    covers = [lay_out(each, beginning(scene.case).cracks)[0] for each in (scene, compared(solution))]
     small, large = (cover.lattice.cells.size for cover in covers)
     assert (large.min(), large.max()) == (2 * small.min(), 2 * small.max())
     assert [2.0 * tip.size for tip in covers[0].tips] == [tip.size for tip in covers[1].tips]
     assert covers[0].lattice.spacing == covers[1].lattice.spacing == 2.0 * scene.case.numerics.spacing
+
+
+def test_cells_to_compare_are_an_eighth_as_large_at_kinks() -> None:
+    """Or a quarter, or twice as large there, too, where cells can't be halved so often."""
+    kinked = case("compression30", "2 %", "cracks.flaw.path={points: [[-4 mm, 0], [2 mm, 0], [4 mm, 4 mm]]}")
+    scene = make_scene(kinked)
+    for more, times in ((0, 8.0), (MOST_LEVELS - 8, 4.0), (MOST_LEVELS - 7, 0.5)):
+        given = replace(scene, halvings=replace(scene.halvings, kinks=more))
+        solution = load(given, beginning(kinked).cracks)
+        other = lay_out(compared(solution), beginning(kinked).cracks)[0]
+        assert solution.cover.sizes.min() == times * other.sizes.min()
+        assert [2.0 * tip.size for tip in solution.cover.tips] == [tip.size for tip in other.tips]
 
 
 def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
@@ -126,11 +140,16 @@ def test_a_target_that_cells_halved_to_the_least_miss_ends_and_says_so() -> None
 
 
 def test_what_is_known_comes_back_from_plain_data() -> None:
-    known = Accuracy(Halvings(1, (3, 0)), ((0, False), (1, True)), (2.5, math.nan), 7.0, (0.1, 0.0), 0.2, "why")
+    known = Accuracy(
+        Halvings(1, (3, 0), 2, 1), ((0, False), (1, True)), (2.5, math.nan), 7.0, (0.1, 0.0), 0.2, "why",
+        expected=(1.5, math.nan),
+    )  # fmt: skip
     again = accuracy_of_record(json.loads(json.dumps(record_of(known), allow_nan=False)))
     assert (again.halvings, again.ends, again.largest) == (known.halvings, known.ends, known.largest)
     assert (again.grown, again.fitted, again.missed, again.bounds[0]) == (known.grown, 0.2, "why", 2.5)
+    assert again.expected[0] == 1.5
     assert math.isnan(again.bounds[1])
+    assert math.isnan(again.expected[1])
     assert (again.shares(), again.shares(1)) == ([2.5 / 7.0], [])
 
 

@@ -137,6 +137,26 @@ def test_what_moves_the_path_more_is_told(tmp_path: Path) -> None:
     assert "a shorter increment would move the path by 0.2 mm, finer cells by 0 mm" in increments
 
 
+def test_a_path_that_moves_by_more_than_twice_the_tolerance_is_not_good_enough(tmp_path: Path) -> None:
+    """Of 2 mm that the end grows; K is within the tolerance in both."""
+    near, far = tmp_path / "near", tmp_path / "far"
+    near.mkdir()
+    far.mkdir()
+    found = study(near, bends={"own": 1.8e-4, HALF: 1.8e-4})
+    assert found.path_of_cells is not None
+    assert found.path_of_cells.share == pytest.approx(0.09, rel=5e-3)
+    assert found.good_enough
+    assert "good enough: " in convergence_text(found)
+    assert "finer cells would move the path by 9 % of what has grown, within 10 %" in convergence_text(found)
+    for bends in ({"own": 2.5e-4, HALF: 2.5e-4}, {"own": 0.0, HALF: 2.5e-4}):
+        folder = far / str(len(list(far.iterdir())))
+        folder.mkdir()
+        other = study(folder, bends=bends)
+        assert not other.good_enough
+        assert other.largest_error("own") == found.largest_error("own")
+        assert "not good enough for paths" in convergence_text(other)
+
+
 def test_equal_cells_are_not_taken_for_convergence(tmp_path: Path) -> None:
     """K is the same since the cells are: what the run itself states counts, 70 kPa sqrt(m)."""
     same = dict.fromkeys(SIZES, 1e-3)
