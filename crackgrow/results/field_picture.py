@@ -39,6 +39,7 @@ STRAIN_PERCENTILE = 98.0  # of the length of all sides of cells: what is left li
 WIDE = 2.0  # width over height from which a colour bar lies below the picture, where its words have room
 COLOUR_PERCENTILES = (2.0, 98.0)  # of the area: colours span these, so that a singular tip doesn't wash out the rest
 ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
+DRAWING = 32 * 2**20  # bytes that have to be free for a picture
 COMPRESSION = 3  # of PNG: 6, which is usual, takes twice as long for smooth colours, and saves a fifth of the bytes
 THIN = 2e-3  # of the size: cells thinner than that are drawn first, under their neighbours, since they come out wider
 
@@ -120,7 +121,11 @@ def _fitting(extent: Floats) -> tuple[int, int]:
 
 
 def png_of(figure: Figure) -> bytes:
-    """A figure as PNG, drawn once; `Figure.savefig` would draw it twice, where the layout is its own."""
+    """A figure as PNG, drawn once; `Figure.savefig` would draw it twice, where the layout is its own.
+
+    Raises MemoryError where there is less than DRAWING of memory.
+    """
+    np.empty(DRAWING, dtype=np.uint8)  # compiled code that draws ends the process where its memory runs out
     data = io.BytesIO()
     FigureCanvasAgg(figure).print_png(data, pil_kwargs={"compress_level": COMPRESSION})
     return data.getvalue()
