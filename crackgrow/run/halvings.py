@@ -38,7 +38,7 @@ class Halvings:
     def at_kinks(self, crack: int) -> int:
         """The same of its kinks."""
         tips = self.at_tips(crack)
-        return tips + AT_KINKS + self.kinks if tips else 0
+        return self.kinks + (tips + AT_KINKS if tips else 0)
 
     def at_ends(self, crack: int) -> int:
         """The same of its meetings, and of its ends that are no tips."""

@@ -253,7 +253,8 @@ def _halved(target: float, now: Accuracy, before: Accuracy | None) -> tuple[Halv
     cracks = []
     for crack, n in enumerate(halvings.cracks):
         share = max(now.shares(crack), default=0.0)
-        more = math.ceil(math.log2(min(max(share / target, 1.0), 2.0**MOST_AT_ONCE)))
+        at_once = MOST_AT_ONCE if n else 1  # the first one comes with those at kinks
+        more = math.ceil(math.log2(min(max(share / target, 1.0), 2.0**at_once)))
         cracks.append(min(n + more, MOST_LEVELS))
     worst = [max(known.shares()) for known in (now, before) if known is not None]
     wanted = replace(halvings, cracks=tuple(cracks))

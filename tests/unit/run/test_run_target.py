@@ -81,6 +81,15 @@ def test_cells_to_compare_are_an_eighth_as_large_at_kinks() -> None:
         assert [2.0 * tip.size for tip in solution.cover.tips] == [tip.size for tip in other.tips]
 
 
+def test_cells_to_compare_are_an_eighth_as_large_at_kinks_of_cracks_whose_cells_are_not_halved() -> None:
+    """Wings of a crack that is long beside the cells begin so for a target that asks for little."""
+    kinked = case("compression30", "2 %", "cracks.flaw.path={points: [[-4 mm, 0], [2 mm, 0], [4 mm, 4 mm]]}")
+    scene = make_scene(kinked)
+    given = replace(scene, halvings=replace(scene.halvings, cracks=(0,)))
+    solution = load(given, beginning(kinked).cracks)
+    assert solution.cover.sizes.min() == 8.0 * lay_out(compared(solution), beginning(kinked).cracks)[0].sizes.min()
+
+
 def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
     """Each step is within the target, and K of some of them is not measured anew on other cells."""
     steps = list(grow(case("compression30", "3 %", "growth.steps=5")))
