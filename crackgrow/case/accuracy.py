@@ -14,8 +14,8 @@ from crackgrow.case.features import Kind, Length
 AUTO: Final = "auto"
 STANDARD: Final = "standard"
 
-MOST_LEVELS: Final = 11
-"""How often the largest cells can be halved."""
+MOST_ASKED_FOR: Final = 11
+"""How often a case can ask for cells to be halved; a run can halve them more often."""
 
 LEVELS_OF_PRESETS: Final = 9
 """How often presets count on halving them; the rest is for targets, whose runs halve cells further."""
@@ -107,7 +107,10 @@ UNREFINED = 0.2
 """Error of K, over the largest, of closed and of grown flaws on cells as large as the flaw, as coarse ones have it."""
 
 FIRST_HALVINGS = 7
-"""Of the largest cells at the tips of the shortest crack, for a target; each leaves half of the error."""
+"""Of the largest cells at the tips of the shortest crack, for a target, and the most that a run begins with.
+
+Each leaves half of the error.
+"""
 
 NOTHING = 1e-9
 """Cells that are asked for along what a target halves cells at by itself."""

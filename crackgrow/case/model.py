@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, MOST_LEVELS, PRESETS, STANDARD
+from crackgrow.case.accuracy import AUTO, MOST_ASKED_FOR, PRESETS, STANDARD
 from crackgrow.case.declared import ByName, Doc
 from crackgrow.case.formula import Component, Formula, OrFormula
 from crackgrow.case.read_only import read_only
@@ -440,7 +440,7 @@ class ContactNumerics:
 
 
 Halvings = int | Literal["auto"]
-LEVELS: Final = WordOr((AUTO,), Integer(Bounds(at_least=0, at_most=MOST_LEVELS)))
+LEVELS: Final = WordOr((AUTO,), Integer(Bounds(at_least=0, at_most=MOST_ASKED_FOR)))
 
 
 @dataclass(frozen=True, slots=True)

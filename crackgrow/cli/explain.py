@@ -24,10 +24,10 @@ examples:
 
 def explain_name(arguments: argparse.Namespace) -> int:
     """`crackgrow explain`: print what is to be known of a key, a file or a column."""
-    from crackgrow.cli.reference import explain, nearest, overview  # only now: they load numpy
+    from crackgrow.cli.reference import explain, first_entries, nearest  # only now: they load numpy
 
     name: str = arguments.name
-    found = explain(name) if name else overview()
+    found = explain(name) if name else first_entries()
     if not found:
         near = nearest(name)
         hint = f"; did you mean {' or '.join(near)}?" if near else "; `crackgrow explain` lists what there is"

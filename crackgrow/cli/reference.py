@@ -55,7 +55,7 @@ def file_entry(file: File, command: str) -> Entry:
     return Entry(file.name, {"meaning": file.doc, "written by": f"crackgrow {command}"})
 
 
-def overview() -> list[Entry]:
+def first_entries() -> list[Entry]:
     """The keys that a case begins with, and the files of a run."""
     return [*(key_entry(key) for key in case_keys() if "." not in key.name), *(file_entry(f, "run") for f in RUN)]
 

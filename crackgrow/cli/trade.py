@@ -18,8 +18,8 @@ EXAMPLES = """\
 axes: spacing, support, quadrature, contact_spacing, stiffness, solver, tip_radius, increment, accuracy (presets and
 targets), tips, kinks, corners (halvings of cells there), tip_functions; every combination of their values is run, each
 in a process of its own, one after another. Without --axis: spacings round the automatic one, and what else matters to
-the scene. The reference is a run at half the finest spacing, a result folder, or settings of
-the case. A setting that fails is a row with its reason.
+the scene. The reference is a run at half the finest spacing, a result folder, or settings of the case. A setting that
+fails is a row with its reason.
 
 examples:
   crackgrow trade cases/compression30.yaml --axis spacing=3,2,1.5,1 support=1.5,2 --steps 4

@@ -153,7 +153,7 @@ def error_line(tally: Tally, end: RunEnd) -> str:
         parts.append(f"{end.norm_error:.2g} % of the energy norm")
     if math.isfinite(tally.K_error):
         most = f"at most {tally.K_error:.2g} % of the largest"
-        expected = f"{tally.K_expected:.2g} %, " if math.isfinite(tally.K_expected) else ""
+        expected = f"an expected {tally.K_expected:.2g} %, " if math.isfinite(tally.K_expected) else ""
         parts.append(f"K by {expected}{most}")
     if math.isfinite(tally.kink_error):
         parts.append(f"directions of growth by {tally.kink_error:.2g} degrees")

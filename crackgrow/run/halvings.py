@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from crackgrow.case.accuracy import UNREFINED
+from crackgrow.case.accuracy import FIRST_HALVINGS, UNREFINED
 
 if TYPE_CHECKING:
     from crackgrow.run.configuration import Configuration
@@ -38,7 +38,7 @@ class Halvings:
     def at_kinks(self, crack: int) -> int:
         """The same of its kinks."""
         tips = self.at_tips(crack)
-        return tips + AT_KINKS + self.kinks if tips else 0
+        return self.kinks + (tips + AT_KINKS if tips else 0)
 
     def at_ends(self, crack: int) -> int:
         """The same of its meetings, and of its ends that are no tips."""
@@ -59,14 +59,10 @@ AS_GIVEN = Halvings()
 """Cells as `numerics.refine` has them."""
 
 
-MOST_AT_FIRST = 7
-"""Halvings that a run begins with."""
-
-
 def first_halvings(target: float, spacing: float, lengths: Iterable[float]) -> Halvings:
     """What to begin with for a target, with cracks of these lengths (m): each halving leaves half of the error."""
     sizes = (max(UNREFINED * spacing / (length * target), 1.0) for length in lengths)
-    return Halvings(1, tuple(min(round(math.log2(size)), MOST_AT_FIRST) for size in sizes))
+    return Halvings(1, tuple(min(round(math.log2(size)), FIRST_HALVINGS) for size in sizes))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

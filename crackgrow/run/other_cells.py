@@ -36,7 +36,7 @@ from crackgrow.run.judging import StepSolution, TipState, tip_states
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
 
-AT_KINKS: Final[Mapping[int, float]] = {3: 1.0, 2: 1.5}
+WORSE_AT_KINKS: Final[Mapping[int, float]] = {3: 1.0, 2: 1.5}
 """How often cells at kinks are halved, if they can be, and by how much more K is off than the difference."""
 
 OF_BOTH, OF_FITTED = 0.45, 0.2
@@ -51,7 +51,7 @@ def compared(solution: StepSolution) -> Scene:
     scene = solution.configuration.scene
     halvings = scene.halvings
     room = MOST_LEVELS + math.log2(float(solution.cover.sizes.min()))
-    more = max((times for times in AT_KINKS if times <= room), default=0)
+    more = max((times for times in WORSE_AT_KINKS if times <= room), default=0)
     finer = more and scene.case.numerics.goal == "K"
     return replace(scene, halvings=halvings.compared(more) if finer else halvings.doubled)
 
@@ -66,8 +66,8 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
         worst = max((off[each] for each in off if each[0] == end[0]), default=np.nan)
         if np.isnan(worst) or np.isnan(fitted):
             error, most = OF_FITTED * fitted, fitted
-        elif more in AT_KINKS or not largest_kink(solution, tip):
-            error = worst * (AT_KINKS[more] if largest_kink(solution, tip) else 1.0)
+        elif more in WORSE_AT_KINKS or not largest_kink(solution, tip):
+            error = worst * (WORSE_AT_KINKS[more] if largest_kink(solution, tip) else 1.0)
             most = AT_MOST * error
         else:
             error = OF_BOTH * float(np.sqrt(worst * fitted))

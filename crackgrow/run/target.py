@@ -12,8 +12,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from crackgrow.case.model import LoadHistory
 from crackgrow.cover.refinement import MOST_LEVELS
 from crackgrow.errors import GeometryError, NotSolvedError, SolveError
@@ -130,7 +128,7 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     target, of_K = scene.case.numerics.target, scene.case.numerics.goal == "K"
     assert target is not None
     grown = _grown(scene, cracks)
-    if of_K and not any(np.isfinite(tip.K).all() for tip in solution.tips):
+    if of_K and not any(math.isfinite(tip.intensity.K_I) for tip in solution.tips):
         why = "K is not known at any tip" if solution.tips else "" if any(grown) else "no crack has a tip"
         return replace(solution, accuracy=replace(accuracy_of(solution, None), grown=grown, missed=why))
     if last is not None and _holds(last, solution, grown):
@@ -253,7 +251,8 @@ def _halved(target: float, now: Accuracy, before: Accuracy | None) -> tuple[Halv
     cracks = []
     for crack, n in enumerate(halvings.cracks):
         share = max(now.shares(crack), default=0.0)
-        more = math.ceil(math.log2(min(max(share / target, 1.0), 2.0**MOST_AT_ONCE)))
+        at_once = MOST_AT_ONCE if n else 1  # the first one comes with those at kinks
+        more = math.ceil(math.log2(min(max(share / target, 1.0), 2.0**at_once)))
         cracks.append(min(n + more, MOST_LEVELS))
     worst = [max(known.shares()) for known in (now, before) if known is not None]
     wanted = replace(halvings, cracks=tuple(cracks))

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -69,7 +70,11 @@ def as_they_end(
             yield from told  # before it is raised that there are no workers any more
             raise
         yield from told  # only now: no worker waits for what is done with it
-        ended, _ = wait(running, POLL, FIRST_COMPLETED)
+        ended = set()
+        if running:
+            ended, _ = wait(running, POLL, FIRST_COMPLETED)
+        elif waiting:
+            time.sleep(POLL)  # for workers to come
 
 
 class Processes:

@@ -14,9 +14,9 @@ from crackgrow.errors import CaseError, CrackgrowError
 from crackgrow.results.summary import peak_memory_mb
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
+from crackgrow.study.case_file import CaseFile
 from crackgrow.study.one_run import Spent, write_run
 from crackgrow.study.processes import JobError, LostError, Processes, TimeLimitError
-from crackgrow.study.trade.axes import CaseFile
 
 
 @dataclass(frozen=True, slots=True)

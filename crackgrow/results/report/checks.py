@@ -22,6 +22,18 @@ WHAT = {
     "energy_error": "error of the energy balance",
 }
 
+ESTIMATES = {
+    "energy_norm_percent, first": "energy norm, first step [%]",
+    "energy_norm_percent, last": "energy norm, last step [%]",
+    "K_percent_expected": "K, error that is expected, over the largest K of its step [%]",
+    "K_percent_at_most": "K, error at most, over the largest K of its step [%]",
+    "K_spread_percent": "spread of K over discs of its integral, not its error [%]",
+    "kink_degrees_at_most": "directions of growth, at most [°]",
+    "load_factor_percent_at_most": "critical load factors, at most [%]",
+    "goal_percent_at_most": "numerics.goal, at most, over its largest value [%]",
+}
+"""Numbers of the summary in the order of the table, in words."""
+
 
 def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
     """Rows of the table of checks: name, worst value, step, limit, verdict."""
@@ -39,17 +51,18 @@ def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
 
 
 def estimate_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """Rows of what the run estimates of its own error, if it does: any numbers that the summary has of it."""
-    return list(_flat(summary.get("error_estimate") or {}, ""))
+    """Rows of what the run estimates of its own error, the worst of all steps: any numbers that the summary has."""
+    known = dict(_flat(summary.get("error_estimate") or {}, ""))
+    order = [*(name for name in ESTIMATES if name in known), *(name for name in known if name not in ESTIMATES)]
+    return [(ESTIMATES.get(name, name), known[name]) for name in order]
 
 
 def _flat(values: dict[str, Any], before: str) -> Iterator[tuple[str, str]]:
     for key, value in values.items():
-        name = f"{before}{key.replace('_percent', ' [%]').replace('_', ' ')}"
         if isinstance(value, dict):
-            yield from _flat(value, f"{name}, ")
+            yield from _flat(value, f"{before}{key}, ")
         else:
-            yield name, shown(math.nan if value is None else value) if not isinstance(value, str) else value
+            yield f"{before}{key}", value if isinstance(value, str) else shown(math.nan if value is None else value)
 
 
 def _largest_jumps(run: RunFolder) -> Floats:

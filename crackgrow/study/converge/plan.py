@@ -11,7 +11,8 @@ from typing import Final
 from crackgrow.case import Case
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError, Fault
-from crackgrow.study.trade.axes import CaseFile, accuracy_overrides
+from crackgrow.study.case_file import CaseFile
+from crackgrow.study.trade.axes import accuracy_overrides
 from crackgrow.study.trade.grid import UNWRITTEN, Setting
 
 OWN: Final = "own"

@@ -1,4 +1,4 @@
-"""The overview of a sweep as a picture: responses over the parameters, and all paths on top of each other."""
+"""The picture of a sweep: responses over the parameters, and all paths on top of each other."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def draw(path: Path, table: SweepTable) -> None:
 
 
 def responses_of(table: SweepTable, rows: Sequence[Values]) -> list[str]:
-    """What the overview draws: as the sweep file says, or else K and place of the last tip, or else the load factor."""
+    """What the picture shows: as the sweep file says, or else K and place of the last tip, or else the load factor."""
     if table.plan.responses is not None:
         return list(table.plan.responses)
     tips = [name.rsplit(".", 1)[0] for row in rows for name in row if name.endswith(f".{CHOSEN[0]}")]

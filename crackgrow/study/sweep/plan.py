@@ -44,7 +44,7 @@ class SweepPlan:
     folder: Path
     parameters: tuple[str, ...]  # short names of the keys
     runs: tuple[Run, ...]
-    responses: tuple[str, ...] | None  # columns that the overview draws; None: it chooses
+    responses: tuple[str, ...] | None  # columns that the picture shows; None: it chooses
 
 
 def plan_sweep(path: str | Path, folder: str | Path | None = None) -> SweepPlan:

@@ -48,7 +48,7 @@ def sweep(
     resume: bool = False,
     function: Callable[[Job], Values] = run_job,
 ) -> Iterator[SweepRow]:
-    """Run what is planned and yield the row of each run as it ends, then draw the overview.
+    """Run what is planned and yield the row of each run as it ends, then draw the picture.
 
     workers: processes of this machine; default: one a core, no more than runs
     scheduler: address of a Dask scheduler whose workers, however many, are used instead; they must see the same disk

@@ -38,7 +38,7 @@ FORMAT: Final = Mapping(
             "which files the runs keep",
             BY_PARTS,
         ),
-        "responses": Field(ListOf(Text()), "columns of the table that the overview draws", OPTIONAL),
+        "responses": Field(ListOf(Text()), "columns of the table that the picture shows", OPTIONAL),
     }
 )
 

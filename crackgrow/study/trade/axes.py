@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
-from crackgrow.case import Case, load_case
+from crackgrow.case import Case
 from crackgrow.case.accuracy import STANDARD
 from crackgrow.case.declared import keys_of
 from crackgrow.case.model import ContactNumerics, ContactSupport, Numerics
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.units import length_text
+from crackgrow.study.case_file import CaseFile
 
 Axes = Mapping[str, tuple[str, ...]]
 
@@ -37,18 +36,6 @@ KEYS: Final[Mapping[str, str]] = {
 SPACINGS: Final = (2.0, 1.5, 1.0, 0.7, 0.5)  # of the automatic spacing of cells of one size at standard accuracy
 ONE_SIZE: Final = "numerics.refine={tips: 0, kinks: 0, corners: 0}"
 HALVED: Final = "numerics.refine={tips: auto, kinks: auto, corners: auto}"
-
-
-@dataclass(frozen=True, slots=True)
-class CaseFile:
-    """A case file with the settings that replace its own."""
-
-    path: Path
-    overrides: tuple[str, ...] = ()
-
-    def load(self, *more: str) -> Case:
-        """The case with more settings replaced; raises CaseError."""
-        return load_case(self.path, (*self.overrides, *more))
 
 
 def chosen_axes(file: CaseFile, texts: Sequence[str]) -> Axes:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from crackgrow.case import Case
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError
-from crackgrow.study.trade.axes import KEYS, Axes, CaseFile, accuracy_overrides
+from crackgrow.study.case_file import CaseFile
+from crackgrow.study.trade.axes import KEYS, Axes, accuracy_overrides
 
 FINER = 2.0  # times: the reference's spacing below the finest that is judged
 UNWRITTEN = ("output.frames=none", "output.figures=false", "output.report=false")

@@ -71,7 +71,7 @@ def test_the_error_of_K_that_is_expected_is_told_before_its_bound() -> None:
         tally.add(with_tips(step, {"K_I": 3.0, "K_II": -5.0, "K_I_error": 0.5, "K_error_expected": expected}))
     found = json.loads(summary_text(summarize(make_case(), Tally.of(tally.record()), make_end(2), 1.0, 1.0)))
     np.testing.assert_allclose(found["error_estimate"]["K_percent_expected"], 4.0)
-    assert error_line(tally, make_end(2)).startswith("estimated error: K by 4 %, at most ")
+    assert error_line(tally, make_end(2)).startswith("estimated error: K by an expected 4 %, at most ")
 
 
 def test_directions_loads_and_the_goal_have_the_worst_of_all_steps_and_are_told() -> None:

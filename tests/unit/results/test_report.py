@@ -317,14 +317,31 @@ def copy(folder: Path, target: Path, name: str, changes: dict[int, dict[str, str
 def test_estimates_of_error_are_shown_where_the_run_makes_some(folder: Path, tmp_path: Path) -> None:
     copy(folder, tmp_path, "steps.csv", {})
     summary = json.loads((tmp_path / "summary.json").read_text())
-    estimate = {"energy_norm_percent": {"first": 4.25, "last": None}, "K_spread_percent": 0.5}
+    estimate = {
+        "energy_norm_percent": {"first": 4.25, "last": None},
+        "of_another_version": 7.0,
+        "K_percent_at_most": 0.75,
+        "K_percent_expected": 0.25,
+    }
     (tmp_path / "summary.json").write_text(json.dumps(summary | {"error_estimate": estimate}))
     write_report(tmp_path)
     cells = re.findall(r"<td[^>]*>([^<]*)</td>", (tmp_path / "report.html").read_text())
-    at = cells.index("energy norm [%], first")
-    assert cells[at : at + 6] == [
-        "energy norm [%], first", "4.25", "energy norm [%], last", "\N{EN DASH}", "K spread [%]", "0.5",
+    at = cells.index("energy norm, first step [%]")
+    assert cells[at : at + 10] == [
+        "energy norm, first step [%]", "4.25",
+        "energy norm, last step [%]", "\N{EN DASH}",
+        "K, error that is expected, over the largest K of its step [%]", "0.25",
+        "K, error at most, over the largest K of its step [%]", "0.75",
+        "of_another_version", "7",
     ]  # fmt: skip
+
+
+def test_estimates_of_error_of_a_run_have_words(folder: Path) -> None:
+    """Of each that a run writes, those for a target included."""
+    known = json.loads((folder / "summary.json").read_text())["error_estimate"]
+    assert "K_percent_expected" in known
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", (folder / "report.html").read_text())
+    assert not any("_percent" in cell or "_degrees" in cell for cell in cells)
 
 
 @pytest.mark.parametrize(

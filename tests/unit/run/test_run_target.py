@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.cover.refinement import MOST_LEVELS
+from crackgrow.errors import SolveError
+from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.run import grow
 from crackgrow.run import target as target_file
 from crackgrow.run.caution import Cause
@@ -24,7 +27,7 @@ from crackgrow.run.loop import solved_steps
 from crackgrow.run.other_cells import compared
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.run.target import halvings_after
+from crackgrow.run.target import Ways, aimed, halvings_after
 
 CASES = Path(__file__).parents[3] / "cases"
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
@@ -81,6 +84,15 @@ def test_cells_to_compare_are_an_eighth_as_large_at_kinks() -> None:
         assert [2.0 * tip.size for tip in solution.cover.tips] == [tip.size for tip in other.tips]
 
 
+def test_cells_to_compare_are_an_eighth_as_large_at_kinks_of_cracks_whose_cells_are_not_halved() -> None:
+    """Wings of a crack that is long beside the cells begin so for a target that asks for little."""
+    kinked = case("compression30", "2 %", "cracks.flaw.path={points: [[-4 mm, 0], [2 mm, 0], [4 mm, 4 mm]]}")
+    scene = make_scene(kinked)
+    given = replace(scene, halvings=replace(scene.halvings, cracks=(0,)))
+    solution = load(given, beginning(kinked).cracks)
+    assert solution.cover.sizes.min() == 8.0 * lay_out(compared(solution), beginning(kinked).cracks)[0].sizes.min()
+
+
 def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
     """Each step is within the target, and K of some of them is not measured anew on other cells."""
     steps = list(grow(case("compression30", "3 %", "growth.steps=5")))
@@ -121,6 +133,23 @@ def test_faces_that_stick_leave_no_K_to_aim_at() -> None:
     (words,) = told(step)
     assert "stick" in words
     assert step.n_dofs < 10_000
+
+
+def test_tips_without_room_for_an_integral_leave_no_K_to_aim_at() -> None:
+    """Though the faces tell of some K: no bound is known of it."""
+    scene = make_scene(case("compression30", "1 %"))
+    cracks = beginning(scene.case).cracks
+    solution = load(scene, cracks)
+    nan = float("nan")
+    nothing = StressIntensity(nan, nan, nan, nan, nan, True, "no room")
+    crowded = replace(solution, tips=tuple(replace(tip, intensity=nothing) for tip in solution.tips))
+
+    def unsolved(*_: object) -> NoReturn:
+        raise SolveError("none")
+
+    found = aimed(crowded, cracks, Ways(unsolved, unsolved), None)
+    assert found.accuracy is not None
+    assert found.accuracy.missed == "K is not known at any tip"
 
 
 def test_a_target_that_takes_too_many_unknowns_ends_with_what_was_reached(monkeypatch: pytest.MonkeyPatch) -> None:

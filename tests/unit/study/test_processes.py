@@ -7,12 +7,15 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
+from concurrent.futures import Future
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from crackgrow.errors import SolveError
-from crackgrow.study.processes import JobError, LostError, Processes, TimeLimitError, as_they_end
+from crackgrow.study.processes import POLL, JobError, LostError, Processes, Result, TimeLimitError, as_they_end
 
 ROOT = Path(__file__).parents[3]
 PATIENCE = 60.0  # s, for what happens at last
@@ -44,6 +47,30 @@ def test_jobs_are_shared_by_processes_that_stay() -> None:
     assert all(job == number for job, number, *_ in found)
     assert len({process for *_, process, _ in found} - {os.getpid()}) == 2
     assert {threads for *_, threads in found} == {"1"}
+
+
+class Late:
+    """Workers of whom none are there at the first looks; they do a job at once."""
+
+    def __init__(self) -> None:
+        self.looks = [0, 0, 1]
+
+    @property
+    def n_workers(self) -> int:
+        return self.looks.pop(0) if len(self.looks) > 1 else self.looks[0]
+
+    def submit(self, function: Callable[..., Result], /, *args: Any) -> Future[Result]:
+        done: Future[Result] = Future()
+        done.set_result(function(*args))
+        return done
+
+
+def test_workers_that_are_yet_to_come_are_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At leisure: a scheduler is not asked without end."""
+    waited: list[float] = []
+    monkeypatch.setattr(time, "sleep", waited.append)
+    assert [future.result() for _, future in as_they_end(Late(), abs, [-2, -3])] == [2, 3]
+    assert waited == [POLL, POLL]
 
 
 def test_what_ends_a_job_is_told_and_the_next_one_is_done() -> None:
