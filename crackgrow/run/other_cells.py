@@ -14,7 +14,7 @@ one of them, and B the fitted bound (`run.intensity_error`):
     kinks halved three times, or cracks without kinks       E = sqrt(D^2 + S^2)      2 E
     kinks halved twice: cells can't be halved more often    E = 1.5 sqrt(D^2 + S^2)  2 E
     nor so often: all cells twice as large                  E = 0.45 sqrt(D B)       3 E
-    nothing to hold K against                               E = 0.2 B                B
+    nothing to hold K against                               not known                B
 
 How often these are right: tests/benchmarks/targets.md.
 """
@@ -39,7 +39,7 @@ from crackgrow.run.surface_samples import along_surfaces
 WORSE_AT_KINKS: Final[Mapping[int, float]] = {3: 1.0, 2: 1.5}
 """How often cells at kinks are halved, if they can be, and by how much more K is off than the difference."""
 
-OF_BOTH, OF_FITTED = 0.45, 0.2
+OF_BOTH = 0.45
 AT_MOST, AT_MOST_OF_BOTH = 2.0, 3.0
 
 End = tuple[int, bool]
@@ -57,7 +57,10 @@ def compared(solution: StepSolution) -> Scene:
 
 
 def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
-    """What K is off by, by the state under the same loads on the cells to compare; by B alone where there is none."""
+    """What K is off by, by the state under the same loads on the cells to compare.
+
+    Where there is none, or K is not the goal, B alone is known.
+    """
     scene, cover = solution.configuration.scene, solution.cover
     off = {} if other is None or scene.case.numerics.goal != "K" else _differences(solution, other)
     more = 0 if other is None else other.configuration.scene.halvings.kinks - scene.halvings.kinks - 1
@@ -65,7 +68,7 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
     for tip, end, fitted in zip(cover.tips, cover.tip_ends, all_fitted, strict=True):
         worst = max((off[each] for each in off if each[0] == end[0]), default=np.nan)
         if np.isnan(worst) or np.isnan(fitted):
-            error, most = OF_FITTED * fitted, fitted
+            error, most = np.nan, fitted
         elif more in WORSE_AT_KINKS or not largest_kink(solution, tip):
             error = worst * (WORSE_AT_KINKS[more] if largest_kink(solution, tip) else 1.0)
             most = AT_MOST * error
