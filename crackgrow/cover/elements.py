@@ -182,6 +182,8 @@ def _touched(tiles: Squares, samples: Floats, tips: Floats) -> Bools:
 def locate(lattice: Lattice, elements: Elements, points: Floats, body: int | Ints | None = None) -> Ints:
     """Element (n,) that holds each of `points` (n, 2) in lattice coordinates; -1 for none.
 
+    Of several, on whose rims a point lies, it is the first, whatever there is elsewhere.
+
     body: the one that it must belong to, for all points or point by point (n,); any if None
     """
     found = np.full(len(points), -1, dtype=np.int64)
@@ -194,5 +196,6 @@ def locate(lattice: Lattice, elements: Elements, points: Floats, body: int | Int
         found[(found >= 0) & (elements.body[found] != body)] = -1
         mine = elements.body[polygon + elements.n_whole] == np.broadcast_to(body, len(points))[rest[which]]
         which, polygon = which[mine], polygon[mine]
-    found[rest[which[::-1]]] = polygon[::-1] + elements.n_whole  # the first hit of a point wins
+    order = np.argsort(-polygon, kind="stable")  # hits come in the order of the tree
+    found[rest[which[order]]] = polygon[order] + elements.n_whole  # the last one stays
     return found

@@ -155,7 +155,8 @@ def _place(disc: Disc, material: PlaneElasticity) -> Place:
     """Where the integrals of a tip are read off, and all that they depend on besides the elements there."""
     tip, reach = disc.tip, disc.radii[-1]
     moduli = (material.c11, material.c12, material.c33, material.young_prime)
-    geometry = (disc.radii, tip.point, tip.rotation.ravel(), tip.radii, tip.path.ravel())
+    begin = tip.from_start(np.zeros(1))  # places on the faces are counted from there, to the last bit
+    geometry = (disc.radii, tip.point, tip.rotation.ravel(), begin, tip.radii, tip.path.ravel())
     own = np.concatenate([[tip.size, tip.fade, *moduli, len(tip.path)], *geometry])
     return Place(tip.point - reach, tip.point + reach, own.tobytes())
 

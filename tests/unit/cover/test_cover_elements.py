@@ -91,6 +91,17 @@ def test_reference_points_are_located_in_their_own_elements(build, support: floa
     np.testing.assert_array_equal(locate(sample.lattice, elements, elements.reference), np.arange(elements.n))
 
 
+@pytest.mark.parametrize("elsewhere", [[], [[(8.1, 2.3), (10.8, 2.4)], [(8.3, 6.1), (9.9, 7.7)]]])
+def test_points_on_faces_are_in_the_first_element_there(build, elsewhere: list[list[tuple[float, float]]]) -> None:
+    """So that what is read off there does not depend on what grows elsewhere."""
+    sample = build.block((12, 9), [build.crack(KINKED), *map(build.crack, elsewhere)])
+    elements, edges = sample.cover.elements, sample.cover.elements.lines[0]
+    share = np.array([0.2, 0.5, 0.8])[:, None, None]
+    points = (1.0 - share) * edges.points[:, 0] + share * edges.points[:, 1]
+    found = locate(sample.lattice, elements, points.reshape(-1, 2)).reshape(3, -1)
+    np.testing.assert_array_equal(found, np.tile(np.minimum(edges.plus, edges.minus), (3, 1)))
+
+
 def test_points_outside_of_the_body_have_no_element(build) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)])
     outside = np.array([[0.4, 3.0], [6.6, 3.0], [3.0, 0.49], [3.0, 5.51], [-50.0, 3.0], [3.0, 1e4]])
