@@ -185,7 +185,10 @@ def K_expected(result: StepResult) -> float:
 
 
 def _part_of_largest(result: StepResult, tips: Sequence[TipResult], values: Sequence[float]) -> float:
-    """The largest of some `values` (Pa sqrt(m)) of tips, in percent of the largest K of those whose K is known."""
+    """The largest of some `values` (Pa sqrt(m)) of tips, in percent of the largest K of those whose K is known.
+
+    The size of K is that of K_I and K_II together, as for a target.
+    """
     known = [(tip, value) for tip, value in zip(tips, values, strict=True) if math.isfinite(tip.K_I + tip.K_II + value)]
     largest = max((math.hypot(tip.K_I, tip.K_II) for tip, _ in known), default=0.0)
     could = NOTHING * result.stress * math.sqrt(math.pi)

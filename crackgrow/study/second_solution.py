@@ -52,7 +52,8 @@ def _found(solution: StepSolution) -> str:
         return why
     limit = proven_limit(contact, outcome)
     if limit is None:
-        return "there is exactly one solution"
+        touching = "no faces touch: " if (outcome.state == OPEN).all() else ""
+        return f"{touching}there is exactly one solution"
     second = second_solution(contact, outcome)
     beyond = f"it is certain only where friction is below {limit:.2g}"
     if second is None:
