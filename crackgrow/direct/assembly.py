@@ -9,13 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from hashlib import blake2b
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats, Ints, key_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +28,7 @@ class HalfMatrix:
     @cached_property
     def key(self) -> bytes:
         """A hash of all of it."""
-        digest = blake2b(digest_size=20)
-        for part in (self.counts, self.second, self.entries):
-            digest.update(np.int64(part.size).tobytes())
-            digest.update(np.ascontiguousarray(part).data)
-        return digest.digest()
+        return key_of((self.counts, self.second, self.entries))
 
 
 def half(n: int, pairs: Ints, matrix: Floats) -> HalfMatrix:

@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from hashlib import blake2b
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.direct.assembly import HalfMatrix, half, half_sum_of, mirrored, sum_of
 
 AT_ONCE = 4_000_000
@@ -72,14 +71,13 @@ def blocks_of(
     for some in np.split(order, np.flatnonzero(np.diff(group[order])) + 1) if len(group) else ():
         own = [functions[block] for block in some.tolist()]
         together, place = np.unique(np.concatenate(own), return_inverse=True)
-        digest = blake2b(place.tobytes(), digest_size=20)
-        for block in some.tolist():
-            digest.update(halves[block].key)
-        half = known.get(digest.digest())
+        keys = [np.frombuffer(halves[block].key, dtype=np.uint8) for block in some.tolist()]
+        key = key_of((place, *keys))
+        half = known.get(key)
         if half is None:
             local = np.split(place[None], np.cumsum([len(ids) for ids in own])[:-1], axis=1)
             half = half_sum_of(zip(local, (halves[block] for block in some.tolist()), strict=True), len(together))
-        parts.append(Part(digest.digest(), (2 * together[:, None] + np.arange(2)).ravel(), half))
+        parts.append(Part(key, (2 * together[:, None] + np.arange(2)).ravel(), half))
     return Blocks(tuple(functions), tuple(halves), tuple(parts))
 
 

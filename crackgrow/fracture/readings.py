@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from hashlib import blake2b
 
 import numpy as np
 import shapely
 from scipy.sparse import csr_array
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.cover.cover import Cover
 from crackgrow.ragged import Ragged, by_row
 from crackgrow.solid.clusters import Named
@@ -95,17 +94,14 @@ class Readings:
         )
         on = cover.functions_on(some)
         nodes = np.column_stack([patches.nodes, patches.weight_half])
-        general = np.array([cover.lattice.spacing, cover.lattice.support]).tobytes()
+        general = np.array([cover.lattice.spacing, cover.lattice.support])
         for number, place in enumerate(places):
             first, last = elements.start[number : number + 2]
             counts = on.start[first : last + 1] - on.start[first]
             functions, local = np.unique(on.values[on.start[first] : on.start[last]], return_inverse=True)
-            digest = blake2b(general, digest_size=20)
-            for part in (names[first:last], where[first:last], counts, local, nodes[functions[functions < len(nodes)]]):
-                digest.update(np.int64(part.size).tobytes())
-                digest.update(np.ascontiguousarray(part).data)
-            digest.update(place.own)
-            yield digest.digest(), functions
+            on_nodes = nodes[functions[functions < len(nodes)]]
+            added = np.frombuffer(place.own, dtype=np.uint8)
+            yield key_of((general, names[first:last], where[first:last], counts, local, on_nodes, added)), functions
 
     def _elements_near(self, places: Sequence[Place]) -> Ragged:
         """The elements that touch the box of each place, ascending."""

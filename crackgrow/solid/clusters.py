@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from hashlib import blake2b
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow import ragged
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import KEY, Floats, Ints, key_of
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import Tip
 from crackgrow.quadrature.elements import element_points
@@ -26,9 +25,6 @@ from crackgrow.solid.elasticity import PlaneElasticity
 
 BLOCK = 4
 """Cells: elements without tip functions make one cluster in each square of this side, of cells of one size."""
-
-KEY = 20
-"""Bytes of a key."""
 
 GROUP = 12
 """Cells: clusters are summed in groups, those that begin in one square of this side, of cells of one size."""
@@ -141,11 +137,7 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
         parts = [table[start[cluster] : start[cluster + 1]] for start, table in rows]
         mine = elements[clusters.span(cluster)]
         parts += [geometry[tip] for tip in np.unique(cover.enrichment.tips.taken(mine).values)]
-        digest = blake2b(digest_size=KEY)
-        for part in parts:
-            digest.update(np.int64(part.size).tobytes())
-            digest.update(part.data)
-        found.append(digest.digest())
+        found.append(key_of(parts))
     return found
 
 
