@@ -33,10 +33,7 @@ examples:
 def check(arguments: argparse.Namespace) -> int:
     """`crackgrow check`: validate a case, say what it models, and draw it if asked to."""
     case = load_case_file(arguments)
-    from crackgrow.plan.text import plan_record, plan_text  # only now: they load numpy and the solver
-    from crackgrow.study.invariance.axes import invariance
-    from crackgrow.study.invariance.trial import line_of, record_of
-    from crackgrow.study.second_solution import unique_text
+    from crackgrow.plan.text import plan_record, plan_text  # only now: it loads numpy
 
     tell = (lambda text: None) if arguments.json else say
     record = plan_record(case) if arguments.json else {}
@@ -48,10 +45,15 @@ def check(arguments: argparse.Namespace) -> int:
         draw_scene(arguments.picture, case)
         tell(f"picture in {arguments.picture}")
     if arguments.unique:
+        from crackgrow.study.second_solution import unique_text  # only now: it loads the solver
+
         tell("\nsolutions of the contact")
         record["unique"] = list(_told(unique_text(case), tell))
     rows = []
     if arguments.invariance:
+        from crackgrow.study.invariance.axes import invariance  # only now: they load the solver
+        from crackgrow.study.invariance.trial import line_of, record_of
+
         tell("\nwhat must not change")
         for row in invariance(case):
             rows.append(row)
