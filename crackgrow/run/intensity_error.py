@@ -31,7 +31,7 @@ import numpy as np
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.cover.tips import Tip
-from crackgrow.fracture.tip_disc import KEPT_CLEAR
+from crackgrow.fracture.tip_disc import KEPT_CLEAR, SHARP
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import CrackFaces
@@ -42,9 +42,6 @@ CLOSED_KINK, OPEN_KINK = 0.25, 0.05
 LEAST, OF_LENGTH, OF_CROWDING = 0.005, 0.02, 0.03
 NEAR = 5.0
 """Cells from the tip along the crack from which on overlap is felt less."""
-
-KINK = 20.0
-"""Degrees."""
 
 
 def intensity_errors(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[tuple[float, float]]:
@@ -87,7 +84,7 @@ def largest_kink(solution: StepSolution, tip: Tip) -> float:
 
     A kink with closed faces on either side is a pressed corner; an open one bends faces that are free.
     """
-    sharp = np.abs(np.rad2deg(kink_angles(tip.points))) > KINK
+    sharp = np.abs(kink_angles(tip.points)) > SHARP
     lengths = arc_lengths(tip.points)
     closed = (solution.faces.surface == tip.crack) & (solution.outcome.state != OPEN)
     pressed = tip.from_start(solution.faces.s[closed])  # from the tip: each of the two lengths gives the other so
