@@ -7,18 +7,16 @@ the same; later the cracks come in another order.
 
 from __future__ import annotations
 
-import csv
-from pathlib import Path
-
 import numpy as np
 import pytest
 import shapely
 
+from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
+from tests.verification.solutions import table
 
-REFERENCES = Path(__file__).parent / "references"
 FIRST = 2  # number of the crack that grows first
 STEPS = 5
 PLATE = """
@@ -47,27 +45,29 @@ output: {figures: false, frames: none}
 """
 
 
-def rows(name: str) -> list[dict[str, str]]:
-    with (REFERENCES / name).open() as file:
-        return list(csv.DictReader(file))
+def path(crack: int, *, given: bool = False) -> Floats:
+    """The final path (n, 2) m of a crack, or what was given of it."""
+    rows = table("ten_cracks_path.csv")
+    rows = rows[(rows["crack"] == crack) & ((not given) | (rows["initial"] == 1))]
+    return np.column_stack([rows["x"], rows["y"]])
 
 
-def paths() -> list[list[tuple[float, float]]]:
-    """The final paths, crack by crack."""
-    found = rows("ten_cracks_path.csv")
-    return [[(float(r["x"]), float(r["y"])) for r in found if r["crack"] == str(crack)] for crack in range(10)]
+def known(step: int) -> Floats:
+    """K_I and K_II (n, 2) of all tips in a step."""
+    rows = table("ten_cracks_K.csv")
+    rows = rows[rows["step"] == step]
+    return np.column_stack([rows["K_I"], rows["K_II"]])
+
+
+def found(result: StepResult) -> Floats:
+    """The same of a step of ours, at load factor 1."""
+    return np.array([[tip.K_I, tip.K_II] for tip in result.tips]) / result.load_factor
 
 
 def plate() -> str:
     """The case, with the cracks as they are at the beginning."""
-    given = [
-        [(r["x"], r["y"]) for r in rows("ten_cracks_path.csv") if r["crack"] == str(n) and r["initial"] == "1"]
-        for n in range(10)
-    ]
-    cracks = [
-        f"  c{n}: {{path: {{points: [[{a[0]}, {a[1]}], [{b[0]}, {b[1]}]]}}, contact: none}}"
-        for n, (a, b) in enumerate(given)
-    ]
+    given = [path(n, given=True).tolist() for n in range(10)]
+    cracks = [f"  c{n}: {{path: {{points: {points}}}, contact: none}}" for n, points in enumerate(given)]
     loads = [f"  - {{crack: c{n}, pressure: 10}}" for n in range(10)]
     text = PLATE.replace("CRACKS", "\n".join(cracks)).replace("LOADS", "\n".join(loads))
     return text.replace("STEPS", str(STEPS))
@@ -82,19 +82,13 @@ def steps(tmp_path_factory: pytest.TempPathFactory) -> list[StepResult]:
 
 def test_K_before_growth(steps: list[StepResult]) -> None:
     """All twenty tips; measured: K_I 0.2 %, K_II 0.1 % of the largest K."""
-    first = steps[0]
-    known = np.array([[float(r["K_I"]), float(r["K_II"])] for r in rows("ten_cracks_K.csv") if r["step"] == "0"])
-    found = np.array([[tip.K_I, tip.K_II] for tip in first.tips]) / first.load_factor
-    assert len(known) == 20
-    assert np.abs(found - known).max() < 3e-3 * known.max()
+    assert len(known(0)) == 20
+    assert np.abs(found(steps[0]) - known(0)).max() < 3e-3 * known(0).max()
 
 
 def test_K_after_both_ends_have_grown(steps: list[StepResult]) -> None:
     """Measured: 0.2 %."""
-    both = steps[2]
-    known = np.array([[float(r["K_I"]), float(r["K_II"])] for r in rows("ten_cracks_K.csv") if r["step"] == "1"])
-    found = np.array([[tip.K_I, tip.K_II] for tip in both.tips]) / both.load_factor
-    assert np.abs(found - known).max() < 1e-2 * known.max()
+    assert np.abs(found(steps[2]) - known(1)).max() < 1e-2 * known(1).max()
 
 
 def test_path_of_the_first(steps: list[StepResult]) -> None:
@@ -102,6 +96,6 @@ def test_path_of_the_first(steps: list[StepResult]) -> None:
 
     The next vertex is 0.022 m off: a crack beside it has grown there meanwhile, which is later here.
     """
-    line, found = shapely.LineString(paths()[FIRST]), steps[-1].cracks[FIRST].points
-    assert len(found) == 2 + STEPS
-    assert shapely.distance(line, shapely.points(found)).max() < 2e-3
+    line, vertices = shapely.LineString(path(FIRST)), steps[-1].cracks[FIRST].points
+    assert len(vertices) == 2 + STEPS
+    assert shapely.distance(line, shapely.points(vertices)).max() < 2e-3
