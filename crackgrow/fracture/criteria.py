@@ -6,6 +6,8 @@ averaged from the tip to the same radius with the same weights. (The stress at t
 direction of K less well: the stress parallel to the crack weighs more there.)
 
 Maximum hoop stress (Erdogan, Sih 1963): the hoop stress of K_I and K_II alone, at the radius, against T0.
+
+Cracks that have started in shear go on by `shear_growth`, whatever the criterion, as long as that is met.
 """
 
 from __future__ import annotations
@@ -151,6 +153,30 @@ def directional_strength(loading: TipLoading, limits: Strength) -> Verdict:
     if tension >= 1.0 or tension >= sliding:
         return Verdict(s1, s3, "tension", tension, kink)
     return Verdict(s1, s3, "shear", sliding, shear_kink)
+
+
+def shear_growth(loading: TipLoading, limits: Strength) -> Verdict:
+    """What a crack goes on by that has started in shear: Mohr-Coulomb on the rays from its tip that are pressed.
+
+    It is met where |tau| >= c - tan(phi) sigma_n on one of them. Of those on which it is met the crack takes the ray
+    with the largest shear stress (Chao, Liu 1997): straight on in mode II. The largest ratio would lead to rays which
+    the tip's own field relieves of their pressure, the more the further the load is beyond the criterion. Rays in
+    tension open, and are left out.
+
+    Without friction in the rock mode II meets it at K_II = c sqrt(2 pi R) / 2, with friction under a pressure p at
+    (c + p tan(phi)) sqrt(2 pi R) / 2 straight ahead, and sooner beside it.
+    """
+    field = loading.field
+    s1, s3, _ = (float(v[0]) for v in principal(field.mean[None]))
+    hoop, shear = hoop_and_shear(field, field.rays)
+    pressed = (np.abs(field.angles) <= field.half_width) & (hoop <= 0.0)  # nan is not
+    if not pressed.any():
+        return Verdict(s1, s3, "shear", 0.0, 0.0)
+    angles, shear = field.angles[pressed], np.abs(shear[pressed])
+    ratios = _ratio(shear, limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * hoop[pressed])
+    criticality, kink = _peak(angles, ratios)
+    met = ratios >= 1.0
+    return Verdict(s1, s3, "shear", criticality, _peak(angles[met], shear[met])[1] if met.any() else kink)
 
 
 def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:

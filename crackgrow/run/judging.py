@@ -13,7 +13,7 @@ from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
 from crackgrow.cover.cover import Cover
-from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, without_K
+from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, shear_growth, without_K
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
@@ -168,8 +168,8 @@ def tip_states(
 def verdict(scene: Scene, site: Site, loading: TipLoading) -> Verdict:
     """What the case's criterion says of a site in a body that has a strength.
 
-    A crack that has started in shear goes on in shear where what it has started by is met, or sooner than the rest: at
-    loads that are beyond both it would turn to and fro.
+    A crack that has started in shear goes on in shear where its law is met, or sooner than the rest: at loads that are
+    beyond both it would turn to and fro.
     """
     growth, strength = scene.case.growth, scene.case.bodies[site.body].strength
     assert growth is not None
@@ -180,10 +180,10 @@ def verdict(scene: Scene, site: Site, loading: TipLoading) -> Verdict:
     goes_on = criterion.judge(loading, strength)
     if not site.in_shear:
         return goes_on
-    starts = criterion.judge_start(loading, strength)
-    if starts.mode == "tension" or starts.criticality < min(goes_on.criticality, 1.0 - AT_STRENGTH):
+    shears = shear_growth(loading, strength)
+    if shears.criticality < min(goes_on.criticality, 1.0 - AT_STRENGTH):
         return goes_on
-    return replace(starts, criticality=max(starts.criticality, goes_on.criticality))
+    return replace(shears, criticality=max(shears.criticality, goes_on.criticality))
 
 
 def _tractions(state: LoadState, crack: int) -> FaceTraction:

@@ -16,6 +16,7 @@ from crackgrow.fracture.criteria import (
     hoop_and_shear,
     hoop_stress_kink,
     max_hoop_stress,
+    shear_growth,
     strength,
 )
 from crackgrow.fracture.tip_stress import TipField
@@ -320,3 +321,44 @@ def test_a_tip_that_is_pressed_together_does_not_grow() -> None:
     verdict = max_hoop_stress(near_field(-1.0, 0.0), WEAK_IN_TENSION)
     assert (verdict.branch, verdict.kink) == ("none", 0.0)
     assert verdict.criticality < 0.0
+
+
+@pytest.mark.parametrize("pressure", [1e-9, 2.0])
+def test_the_load_of_shear_growth_over_that_of_the_wing_in_mode_II(pressure: float) -> None:
+    """Without friction: K_II = c sqrt(2 pi R) / 2 over sqrt(3) / 2 T0 sqrt(2 pi R), whatever the pressure."""
+    limits, scale = Strength(tension=0.35, cohesion=0.58, friction_angle=0.0), np.sqrt(2.0 * np.pi * RADIUS)
+    field = near_field(0.0, scale, pressure=5.0 + pressure)
+    shear, wing = shear_growth(field, limits), max_hoop_stress(field, limits)
+    assert wing.criticality / shear.criticality == pytest.approx(0.58 / (np.sqrt(3.0) * 0.35), rel=RAYS)
+    assert np.rad2deg(shear.kink) == pytest.approx(0.0, abs=DIRECTION)
+
+
+@pytest.mark.parametrize("K_II", [1.0, -1.0])
+def test_friction_makes_shear_growth_wait_for_the_pressure_but_not_turn_beyond_it(K_II: float) -> None:
+    """c + p tan(phi) straight ahead, less beside it, by at most what pressure the tip's own field takes away."""
+    limits, p, scale = Strength(tension=0.35, cohesion=0.58, friction_angle=32.0), 3.0, np.sqrt(2.0 * np.pi * RADIUS)
+    ahead = limits.cohesion + p * np.tan(np.deg2rad(32.0))
+    found = [shear_growth(near_field(0.0, 0.5 * f * K_II * scale, pressure=p), limits) for f in (0.3 * ahead, ahead)]
+    assert found[0].criticality < 1.0 - RAYS
+    assert found[1].criticality > 1.0
+    beyond = shear_growth(near_field(0.0, 2.0 * ahead * K_II * scale, pressure=5.0 * p), WEAK_IN_SHEAR)
+    assert np.rad2deg(beyond.kink) == pytest.approx(0.0, abs=DIRECTION)
+
+
+@pytest.mark.parametrize("direction", np.deg2rad([31.0, 145.0, -100.0]))
+@pytest.mark.parametrize("cohesion", [0.5, 50.0])  # met, and not
+def test_shear_growth_turns_with_the_scene_and_its_mirror_image(cohesion: float, direction: float) -> None:
+    limits, scale = Strength(tension=1.0, cohesion=cohesion, friction_angle=32.0), np.sqrt(2.0 * np.pi * RADIUS)
+    here, there, mirrored = (
+        shear_growth(near_field(-0.2 * scale, K_II * scale, -0.5, d, 1.5), limits)
+        for K_II, d in ((1.0, 0.0), (1.0, direction), (-1.0, 0.0))
+    )
+    assert here.branch == ("shear" if cohesion < 1.0 else "none")
+    assert (there.kink, there.criticality) == pytest.approx((here.kink, here.criticality), abs=1e-9)
+    assert (mirrored.kink, mirrored.criticality) == pytest.approx((-here.kink, here.criticality), abs=1e-9)
+
+
+def test_no_crack_grows_in_shear_on_rays_in_tension() -> None:
+    stretched, pressed = ((1.0, 1.0, 0.4), (-1.0, -1.0, 0.4))
+    assert shear_growth(uniform(stretched), WEAK_IN_SHEAR).criticality == 0.0
+    assert shear_growth(uniform(pressed), WEAK_IN_SHEAR).criticality > 1.0
