@@ -18,7 +18,7 @@ def check_initiation(scene: Scene) -> None:
         return
     key = ("growth", "initiation")
     spacing = scene.get(*key, "spacing")
-    if at in ("tips", "cracks") and isinstance(spacing, float):
+    if at in ("tips", "ends", "cracks") and isinstance(spacing, float):
         message = "spacing is of places on outlines and in the rock"
         scene.report.fault((*key, "spacing"), f"{message}; wanted with `at: {at}`: auto, or `at: outlines | anywhere`")
     if at == "tips":
@@ -26,7 +26,7 @@ def check_initiation(scene: Scene) -> None:
     if isinstance(scene.get("numerics", "accuracy"), float):
         message = "a target of the error of K is met crack by crack, of those that are given; wanted: tips"
         scene.report.fault((*key, "at"), f"{message}, or a name in numerics.accuracy")
-    if at == "cracks":
+    if at in ("ends", "cracks"):
         return
     bodies = named(scene.resolved, "bodies")
     if scene.report.sound("bodies") and not any(scene.get("bodies", name, "strength") for name in bodies):

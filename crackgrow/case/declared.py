@@ -36,6 +36,7 @@ class Doc:
     offered: bool = True
     also: tuple[str, ...] = ()
     drawn: bool = False  # whether the field follows from the geometry, and does not tell the key
+    short: bool = False  # whether a word in place of the whole mapping stands for this key
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +57,7 @@ class Declared:
     kinds: tuple[Any, ...]  # types of its values
     field: Field
     drawn: bool
+    short: bool
 
     @property
     def spec(self) -> Spec:
@@ -80,7 +82,7 @@ def declared(cls: Any) -> tuple[Declared, ...]:
             continue
         kinds = _kinds_of(hints[part.name].__origin__)
         field = Field(_spec_of(kinds, doc, said), doc.text, doc.default, doc.offered, doc.also)
-        item = Declared(part.name, doc.key or part.name, kinds, field, doc.drawn)
+        item = Declared(part.name, doc.key or part.name, kinds, field, doc.drawn, doc.short)
         if doc.default is AS_FIELD:
             item = replace(item, field=replace(field, default=_default_of(item, part.default)))
         found.append(item)
@@ -96,7 +98,7 @@ def keys_of(cls: Any, last: str = "") -> dict[str, Field]:
 @cache
 def mapping_of(cls: Any) -> Mapping:
     """The mapping that a dataclass is in the format."""
-    return Mapping(keys_of(cls))
+    return Mapping(keys_of(cls), short=next((item.key for item in declared(cls) if item.short), ""))
 
 
 def made(cls: Callable[..., T], values: Resolved, **others: object) -> T:

@@ -10,6 +10,7 @@ import json
 import re
 from collections import Counter
 from copy import copy
+from dataclasses import replace
 from typing import Any, Final
 
 from crackgrow.case.along import LengthOrAngle
@@ -133,6 +134,8 @@ def _written(spec: Spec) -> Schema:
     """The schema of a spec without references."""
     match spec:
         case Mapping(fields, at_least_one):
+            if spec.short:
+                return {"anyOf": [_written(fields[spec.short].spec), _written(replace(spec, short=""))]}
             required = [key for key, field in fields.items() if field.default is REQUIRED]
             return {
                 "type": "object",

@@ -116,7 +116,7 @@ def _default(field: Field) -> str:
 def _value(spec: Spec) -> _Value:
     match spec:
         case Mapping():
-            return _Value("mapping")
+            return _Value("word, or mapping" if spec.short else "mapping")
         case OneOf(forms):
             return _Value("mapping", allowed=f"with {' or '.join(form.form() for form in forms)}")
         case Converted(inner) | Definitions(inner):

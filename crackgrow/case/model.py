@@ -309,15 +309,17 @@ class Initiation:
     """Where cracks start."""
 
     at: Annotated[
-        Literal["tips", "cracks", "outlines", "anywhere"],
+        Literal["tips", "ends", "cracks", "outlines", "anywhere"],
         Doc(
             "where cracks may start, by the criterion of growth",
             (
                 "nowhere new: cracks go on at their tips",
+                "also once at each end of the given cracks that a wing has grown from",
                 "also between cracks: at kinks, beside wings, behind a crack that another one ends on",
                 "also at outlines and holes",
                 "also within the rock",
             ),
+            short=True,
         ),
     ] = "tips"
     spacing: Annotated[

@@ -9,7 +9,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from typing import Final
 
-from crackgrow.case.reader import Listing, Node, Table
+from crackgrow.case.reader import Entry, Listing, Node, Scalar, Table
 from crackgrow.case.report import Path, did_you_mean, dotted, nearest, quoted
 from crackgrow.case.scalars import INVALID, Context, Spec, refuse
 
@@ -47,13 +47,16 @@ class Mapping:
 
     fields: what each key takes, in the order of the resolved case.
     at_least_one: whether an empty mapping is a fault although no key is required.
+    short: the key that a word stands for in place of the mapping; empty: none.
     """
 
     fields: AnyMapping[str, Field]
     at_least_one: bool = False
+    short: str = ""
 
     def describe(self) -> str:
-        return f"a mapping of {', '.join(self.offered())}"
+        word = f"{self.fields[self.short].spec.describe()}, or " if self.short else ""
+        return f"{word}a mapping of {', '.join(self.offered())}"
 
     def offered(self) -> list[str]:
         """The keys that are named to users."""
@@ -73,6 +76,8 @@ class Mapping:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
+        if self.short and isinstance(node, Scalar) and not node.is_null:
+            node = Table({self.short: Entry(node.place, node)}, node.place)
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
         node = _respelt(node, self.fields)

@@ -80,11 +80,11 @@ def leaving(
 ) -> Ints:
     """Numbers of the sites that cracks leave: of those whose criticality (n,) is 1 or more, or within TIE of such a's.
 
-    `all`: all tips, from left to right, then one start; `most_critical`: the largest; `in_turn`: the largest of those
-    that have advanced least often, `n_advances` (n,), and of the starts, whose number is STARTS. At most one crack
-    starts: what it sets free may save the others. Of equally critical ones a tip goes before a start, then that which
-    has advanced least often, of those the leftmost, of those the lowest, by their `places` (n, 2): what is left is the
-    same by symmetry.
+    `all`: all tips, from left to right, then the most critical starts; `most_critical`: the largest; `in_turn`: the
+    largest of those that have advanced least often, `n_advances` (n,), and of the starts, whose number is STARTS. Less
+    critical cracks do not start: what the others set free may save them. Of equally critical ones a tip goes before a
+    start, then that which has advanced least often, of those the leftmost, of those the lowest, by their `places`
+    (n, 2): what is left is the same by symmetry.
     """
     met = criticality[criticality >= 1.0 - 10.0 * AT_STRENGTH]
     if len(met) == 0:
@@ -94,7 +94,7 @@ def leaving(
     critical = critical[np.lexsort((places[critical, 1], np.round(places[critical, 0] / apart)))]
     tips, starts = critical[n_advances[critical] != STARTS], critical[n_advances[critical] == STARTS]
     if advance == "all":
-        return np.concatenate([tips, _tied(starts, criticality)[:1]])
+        return np.concatenate([tips, _tied(starts, criticality)])
     if advance == "in_turn":
         tips = _least_advanced(tips, n_advances)
     tied = _tied(np.concatenate([tips, starts]), criticality)

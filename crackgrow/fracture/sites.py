@@ -54,7 +54,7 @@ class Site:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Looked:
-    """Where cracks may start."""
+    """Where cracks may start, besides where others began to grow."""
 
     on_cracks: bool
     on_rims: bool
@@ -72,9 +72,8 @@ def tip_site(tip: Tip, in_shear: bool = False) -> Site:
 def start_sites(cover: Cover, crack_bodies: Sequence[int], began: Sequence[Floats], looked: Looked) -> list[Site]:
     """Sites other than tips. `began` are places (2,) where cracks went on from what was given of them."""
     found: list[Site] = []
-    if looked.on_cracks:
-        for place in _corners_of_cracks(cover, began):
-            found += _on_cracks(cover, crack_bodies, place, looked)
+    for place in _corners_of_cracks(cover, began, looked.on_cracks):
+        found += _on_cracks(cover, crack_bodies, place, looked)
     if looked.on_rims:
         found += _on_rims(cover, looked)
     if looked.in_rock:
@@ -82,10 +81,10 @@ def start_sites(cover: Cover, crack_bodies: Sequence[int], began: Sequence[Float
     return found
 
 
-def _corners_of_cracks(cover: Cover, began: Sequence[Floats]) -> list[Floats]:
-    """Sharp kinks and meetings of cracks, and where growth began, each once."""
+def _corners_of_cracks(cover: Cover, began: Sequence[Floats], everywhere: bool) -> list[Floats]:
+    """Where growth began, and `everywhere` sharp kinks and meetings of cracks, each once."""
     places = list(began)
-    for crack in cover.cracks:
+    for crack in cover.cracks if everywhere else ():
         sharp = np.zeros(len(crack.points), dtype=bool)
         sharp[1:-1] = np.abs(kink_angles(crack.points)) > SHARP
         places += list(crack.points[sharp | crack.junctions])

@@ -152,6 +152,12 @@ class Cause(Enum):
         "the increment {increment:g} m is below a spacing ({spacing:g} m): the cover does not resolve kinks that "
         "follow each other so closely, and where they are closed, faces overlap between contact points",
     )  # fmt: skip
+    SHORT_START = (
+        1.0, "averaging radius", "behind it the next kink starts another crack: rows of splinters beside one wing",
+        "the increment {increment:.3g} m is below the averaging radius, {radius:.3g} m: with growth.initiation.at: "
+        "{at} a crack can start at each kink that growth makes, beside the one before; use a longer growth.increment, "
+        "or ends",
+    )  # fmt: skip
     MEMORY = (1.0, "memory of the machine", "the run is killed, or takes disk for memory and stands still", "{words}")
     NO_TIPS = (
         0.0, "", "nothing can grow", "{steps} growth steps are asked for, but no crack has a tip that could grow",

@@ -57,7 +57,7 @@ class BeforeAdvance:
     growth: Growth  # the scene's
     cracks: tuple[GrowingCrack, ...]
     step: int  # that they advance in
-    start: Start | None = None  # of a new crack, if one starts
+    starts: tuple[Start, ...] = ()  # of new cracks
     lengths: Mapping[tuple[int, bool], float] = field(default_factory=dict)  # m, of ends that go by another increment
 
     def way(self, end: tuple[int, bool], kink: float) -> Way:
@@ -92,17 +92,18 @@ class _Trial:
 def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, solve: Solve) -> Advance:
     """The cracks after they have left the sites `chosen` of a solution; `solve` gives the step that follows.
 
-    At most one of the sites is the start of a new crack, which comes last.
+    Starts of new cracks come last.
     """
     n_tips = len(solution.cover.tips)
     tips, started_at = chosen[chosen < n_tips].tolist(), chosen[chosen >= n_tips].tolist()
     ends = [solution.cover.tip_ends[tip] for tip in tips]
     verdicts = [verdict for verdict in (solution.tips[tip].verdict for tip in tips) if verdict is not None]
     turning = [verdict.mode == "tension" for verdict in verdicts]  # what starts, and shear, keep their directions
-    if started_at:
-        start = solution.starts[started_at[0] - n_tips]
-        before = replace(before, start=start_at(before.scene, before.cracks, start.site, start.verdict.mode))
-        ends, verdicts, turning = [*ends, (len(before.cracks), True)], [*verdicts, start.verdict], [*turning, False]
+    for number, site in enumerate(started_at):
+        start = solution.starts[site - n_tips]
+        new = start_at(before.scene, before.cracks, before.starts, start.site, start.verdict.mode)
+        before, end = replace(before, starts=(*before.starts, new)), (len(before.cracks) + number, True)
+        ends, verdicts, turning = [*ends, end], [*verdicts, start.verdict], [*turning, False]
     kinks = np.array([verdict.kink for verdict in verdicts])
     first = _advanced(before, ends, kinks)
     turned = [end for end, turns in zip(ends, turning, strict=True) if turns]
@@ -122,16 +123,16 @@ class _Turning:
 def _advanced(before: BeforeAdvance, ends: Sequence[tuple[int, bool]], kinks: Floats) -> Advance:
     """All cracks, with the tips `ends` advanced by `kinks` one after the other: each sees what those before have made.
 
-    A tip that one before it has met is no tip any more and stays: an event of its own. The number after the last crack
-    is that of the new one, which does not start where one before it has come.
+    A tip that one before it has met is no tip any more and stays: an event of its own. The numbers after the last crack
+    are those of new ones, which do not start where one before them has come.
     """
     scene, step = before.scene, before.step
     grown = list(before.cracks)
     events: list[Event] = []
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
         way = before.way((index, at_end), kink)
-        if index == len(grown):
-            events += _started(before, grown, way)
+        if index >= len(before.cracks):
+            events += _started(before, before.starts[index - len(before.cracks)], grown, way)
             continue
         if not grown[index].can_grow(at_end):
             continue
@@ -144,15 +145,17 @@ def _advanced(before: BeforeAdvance, ends: Sequence[tuple[int, bool]], kinks: Fl
     return Advance(tuple(grown), tuple(events))
 
 
-def _started(before: BeforeAdvance, grown: list[GrowingCrack], way: Way) -> Iterator[Event]:
-    """Add the new crack to those that have grown, and tell what has happened."""
-    start, scene, earlier = before.start, before.scene, list(grown)
-    assert start is not None  # there is an end with its number
+def _started(before: BeforeAdvance, start: Start, grown: list[GrowingCrack], way: Way) -> Iterator[Event]:
+    """Add a new crack to those that have grown, and tell what has happened."""
+    scene, earlier, n = before.scene, list(grown), len(before.cracks)
     place, near = shapely.Point(start.point), CLEARANCE * way.length
-    for now, then in zip(grown, before.cracks, strict=True):
-        ends = [now.crack.points[k] for k in (0, -1) if (now.crack.points[k] != then.crack.points[k]).any()]
-        if any(shapely.dwithin(shapely.Point(end), place, near) for end in ends):
-            return
+    pairs = zip(grown[:n], before.cracks, strict=True)
+    ends = [
+        now.crack.points[k] for now, old in pairs for k in (0, -1) if (now.crack.points[k] != old.crack.points[k]).any()
+    ]
+    ends += [new.crack.points[k] for new in grown[n:] for k in (0, -1)]
+    if any(shapely.dwithin(shapely.Point(end), place, near) for end in ends):
+        return
     body = [each.name for each in scene.case.bodies].index(start.crack.body)
     crack, meetings = started(start, way, before.step, scene.regions[body], grown)
     grown.append(crack)

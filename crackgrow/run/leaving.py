@@ -50,7 +50,11 @@ def leaves(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolut
     n_advances = np.full(len(criticality), STARTS, dtype=np.int64)
     n_advances[:n_tips] = [cracks[index].n_advances(at_end) for index, at_end in ends]
     places = np.array([site.point for site in solution.configuration.sites]).reshape(-1, 2)
-    return Leaving(leaving(criticality, n_advances, places, growth.advance), cracks)
+    sites = leaving(criticality, n_advances, places, growth.advance)
+    on_cracks = [solution.configuration.sites[site].kind == "crack" for site in sites[sites >= n_tips].tolist()]
+    if not all(on_cracks):  # on rims and in rock equal ones are neighbours: the first relieves them
+        sites = sites[: np.count_nonzero(sites < n_tips) + 1]
+    return Leaving(sites, cracks)
 
 
 def site_criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:

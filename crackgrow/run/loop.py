@@ -121,7 +121,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             return _stopped(cracks, solution, step, n_pieces)
         if step < n_steps:
             solve = partial(load, scene, before=solution)
-            beginning_at = BeforeAdvance(scene_at_end(scene), growth, leaving.cracks, step + 1, None, leaving.lengths)
+            beginning_at = BeforeAdvance(scene_at_end(scene), growth, leaving.cracks, step + 1, (), leaving.lengths)
             advance = advance_tips(beginning_at, solution, leaving.sites, solve)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
             scene = scene.with_cracks(cracks)

@@ -45,6 +45,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     if min(radii, default=np.inf) < Cause.SMALL_RADIUS.limit * at_tips:
         yield Cause.SMALL_RADIUS.at(radius=min(radii), spacing=at_tips)
     yield from _wide_averages(scene)
+    yield from _short_starts(scene)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
     if growth is not None and growth.steps > 0 and not growing and not starts:
         yield Cause.NO_TIPS.at(steps=growth.steps)
@@ -89,6 +90,17 @@ def _wide_averages(scene: Scene) -> Iterator[Caution]:
             criterion = scene.case.growth.criterion if scene.case.growth else ""
             told = {"radius": radius, "criterion": criterion, "percent": 50.0 * share}
             yield Cause.WIDE_AVERAGE.at(f"crack '{crack.name}'", share, **told)
+
+
+def _short_starts(scene: Scene) -> Iterator[Caution]:
+    """Increments whose kinks, at which cracks may start, follow each other within the averaging radius."""
+    growth = scene.case.growth
+    if growth is None or growth.steps == 0 or growth.initiation.at in ("tips", "ends"):
+        return
+    radius = max(scene.averaging_radius(n) for n, body in enumerate(scene.case.bodies) if body.strength is not None)
+    if growth.increment < Cause.SHORT_START.limit * radius:
+        size = radius / growth.increment
+        yield Cause.SHORT_START.at(size=size, increment=growth.increment, radius=radius, at=growth.initiation.at)
 
 
 def _unresolved(scene: Scene, cover: Cover) -> Iterator[Caution]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,8 +23,25 @@ def sites_of(scene: Scene, cover: Cover, growing: Sequence[GrowingCrack]) -> tup
     tips, growth = tuple(tip_site(tip, growing[tip.crack].in_shear) for tip in cover.tips), scene.case.growth
     if growth is None or growth.initiation.at == "tips":
         return tips
-    began = [place for crack in growing for place in scene.lattice.to_lattice(_began(crack))]
-    return (*tips, *start_sites(cover, scene.crack_bodies, began, _looked(scene, growth)))
+    began = _free_ends(scene, growing) if growth.initiation.at == "ends" else map(_began, growing)
+    places = [place for some in began for place in scene.lattice.to_lattice(some)]
+    return (*tips, *start_sites(cover, scene.crack_bodies, places, _looked(scene, growth)))
+
+
+def _free_ends(scene: Scene, growing: Sequence[GrowingCrack]) -> Iterator[Floats]:
+    """Of each crack that was given, the ends (n, 2) m that it has grown from and where none has started yet.
+
+    One start uses up the rock within the averaging radius: what the criterion averages over is broken.
+    """
+    starts = [crack.crack.points[crack.rooted][0] for crack in growing if crack.steps.min() > 0]
+    for index, crack in enumerate(growing):
+        if crack.steps.min() > 0:
+            continue
+        ends = _began(crack)
+        if scene.case.bodies[scene.crack_bodies[index]].strength is not None:
+            near = scene.averaging_radius(scene.crack_bodies[index])
+            ends = ends[[all(np.hypot(*(end - start)) > near for start in starts) for end in ends]]
+        yield ends
 
 
 def _began(growing: GrowingCrack) -> Floats:
@@ -43,12 +60,12 @@ def _looked(scene: Scene, growth: Growth) -> Looked:
         spacing = max([growth.increment, *(radius for radius in radii if radius is not None)])
     h = scene.lattice.spacing
     apart = tuple(None if radius is None else radius / h for radius in radii)
-    return Looked(True, at in ("outlines", "anywhere"), at == "anywhere", spacing / h, apart)
+    return Looked(at != "ends", at in ("outlines", "anywhere"), at == "anywhere", spacing / h, apart)
 
 
-def start_at(scene: Scene, growing: Sequence[GrowingCrack], site: Site, mode: str) -> Start:
-    """What starts at a site, in `tension` or `shear`."""
-    names = {growing_crack.crack.name for growing_crack in growing}
+def start_at(scene: Scene, growing: Sequence[GrowingCrack], others: Sequence[Start], site: Site, mode: str) -> Start:
+    """What starts at a site besides `others`, in `tension` or `shear`."""
+    names = {known.crack.name for known in growing} | {other.crack.name for other in others}
     number = next(number for number in range(1, len(names) + 2) if f"new{number}" not in names)
     crack = new_crack(scene.case, growing, f"new{number}", scene.case.bodies[site.body].name, site.crack)
     place, where = _place(scene, growing, site), f"{_where(scene, growing, site)} ({mode})"

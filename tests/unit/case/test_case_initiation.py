@@ -33,6 +33,12 @@ def test_case_that_lets_cracks_start_reads_back(tmp_path: Path) -> None:
     assert dump_case(load_case(path)) == dump_case(case)
 
 
+@pytest.mark.parametrize("at", ["tips", "ends", "cracks", "outlines", "anywhere"])
+def test_a_word_alone_says_where(at: str) -> None:
+    short, long = (load_case(CASE, [setting]) for setting in (f"growth.initiation={at}", f"{AT}={at}"))
+    assert dump_case(short) == dump_case(long)
+
+
 def test_a_critical_load_needs_no_tip_where_cracks_may_start() -> None:
     no_tips = ["cracks.flaw.tips=none", "loading=critical"]
     assert load_case(CASE, [*no_tips, f"{AT}=outlines"]).growth is not None
@@ -43,9 +49,12 @@ def test_a_critical_load_needs_no_tip_where_cracks_may_start() -> None:
 @pytest.mark.parametrize(
     ("settings", "key", "words"),
     [
-        ([f"{AT}=holes"], AT, "'holes' is not one of tips | cracks | outlines | anywhere"),
+        ([f"{AT}=holes"], AT, "'holes' is not one of tips | ends | cracks | outlines | anywhere"),
         ([f"{AT}=[outlines]"], AT, "a list given"),
-        (["growth.initiation=cracks"], "growth.initiation", "wanted: a mapping"),
+        (["growth.initiation=end"], AT, "did you mean 'ends'?"),
+        (["growth.initiation="], "growth.initiation", "no value given; wanted: tips | ends"),
+        (["growth.initiation=[ends]"], "growth.initiation", "wanted: tips | ends"),
+        (["growth.initiation=ends", f"{SPACING}=5"], SPACING, "no key inside it"),
         (["growth.initiation.where=cracks"], "growth.initiation.where", "unknown key"),
         ([f"{AT}=outlines", f"{SPACING}=0"], SPACING, "out of range"),
         ([f"{AT}=outlines", f"{SPACING}=-1 mm"], SPACING, "out of range"),
@@ -55,6 +64,7 @@ def test_a_critical_load_needs_no_tip_where_cracks_may_start() -> None:
         ([f"{AT}=outlines", f"{SPACING}=1e-3"], SPACING, "places; at most 20000 are allowed"),
         ([f"{AT}=anywhere", f"{SPACING}=0.1"], SPACING, "places; at most 20000 are allowed"),
         ([f"{AT}=cracks", f"{SPACING}=5"], SPACING, "wanted with `at: cracks`: auto"),
+        ([f"{AT}=ends", f"{SPACING}=5"], SPACING, "wanted with `at: ends`: auto"),
         ([f"{SPACING}=5"], SPACING, "wanted with `at: tips`: auto"),
         ([f"{AT}=cracks", "numerics.accuracy=0.02"], AT, "a target of the error of K"),
         ([f"{LINK}=0"], LINK, "out of range"),

@@ -435,7 +435,7 @@ def test_in_the_rock_a_new_crack_goes_both_ways() -> None:
     assert (new.can_grow(False), new.can_grow(True)) == (False, True)
 
 
-def test_one_crack_starts_at_most_and_a_tip_that_is_equal_goes_first() -> None:
+def test_the_most_critical_crack_starts_and_a_tip_that_is_equal_goes_first() -> None:
     places = np.array([[0.0, 0.0], [1.0, 0.0], [-2.0, 0.0], [3.0, 0.0]])
     counts = np.array([3, 5, STARTS, STARTS])
     for way, expected in (("all", [0, 1, 3]), ("most_critical", [3]), ("in_turn", [3])):
@@ -444,3 +444,4 @@ def test_one_crack_starts_at_most_and_a_tip_that_is_equal_goes_first() -> None:
         assert leaving(np.array([1.0, 0.5, 1.0 + 0.1 * TIE, 0.9]), counts, places, way).tolist() == [0]
         assert leaving(np.array([0.9, 0.5, 1.0, 1.0]), counts, places, way).tolist() == [2]
     assert leaving(np.array([0.9, 0.5, 0.8, 0.9]), counts, places, "all").tolist() == []
+    assert leaving(np.array([1.1, 0.9, 1.3, 1.3]), counts, places, "all").tolist() == [0, 2, 3]

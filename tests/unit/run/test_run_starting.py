@@ -112,6 +112,19 @@ def test_a_flaw_with_wings_starts_a_second_crack_in_shear() -> None:
     assert {path.name for path in end.cracks} >= {"flaw", "new1"}
 
 
+def test_ends_of_a_flaw_start_one_crack_each_and_equal_ones_together() -> None:
+    """The flaw and its load are their own image turned by 180 degrees, and so is what starts."""
+    case = load_case(CASES / "compression30.yaml", [*SECOND, "growth.initiation=ends", "growth.steps=5"])
+    results, end = whole_run(case)
+    started = [event for result in results for event in result.events if event.kind == "initiation"]
+    assert len({event.step for event in started}) == 1
+    ends = results[0].cracks[0].points
+    assert sorted(tuple(event.point) for event in started) == sorted(map(tuple, ends.tolist()))
+    one, other = (path.points for path in end.cracks if path.name.startswith("new"))
+    centre = ends.mean(axis=0)
+    np.testing.assert_allclose(one - centre, centre - other, atol=1e-3 * np.hypot(*(ends[1] - ends[0])))
+
+
 def test_a_new_crack_is_broken_from_the_start_and_has_the_friction_of_its_parent() -> None:
     case = load_case(CASES / "compression30.yaml", [*SECOND, "cracks.flaw.contact.cohesion=0.01"])
     results, _ = whole_run(case)
