@@ -13,6 +13,8 @@ from crackgrow.case.model import Case
 from crackgrow.fracture.criteria import TipLoading
 from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.fracture.tip_stress import TipField
+from crackgrow.run import grow
+from crackgrow.run.caution import Cause
 from crackgrow.run.checkpoint import packed, restored
 from crackgrow.run.judging import verdict
 from crackgrow.run.result import Checkpoint
@@ -114,7 +116,7 @@ def test_a_flaw_with_wings_starts_a_second_crack_in_shear() -> None:
 
 def test_ends_of_a_flaw_start_one_crack_each_and_equal_ones_together() -> None:
     """The flaw and its load are their own image turned by 180 degrees, and so is what starts."""
-    case = load_case(CASES / "compression30.yaml", [*SECOND, "growth.initiation=ends", "growth.steps=5"])
+    case = load_case(CASES / "compression30.yaml", [*SECOND, "growth.initiation=ends"])
     results, end = whole_run(case)
     started = [event for result in results for event in result.events if event.kind == "initiation"]
     assert len({event.step for event in started}) == 1
@@ -168,6 +170,22 @@ def test_steps_are_not_told_to_be_in_vain_where_cracks_may_start(tmp_path: Path)
     settings = ("growth.initiation.spacing=auto", "loading={history: [1.0]}")
     told = [whole_run(plate(tmp_path, SQUARE, at, *settings))[0][0].warnings for at in ("tips", "outlines")]
     assert [any("no crack has a tip" in words for words in warnings) for warnings in told] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("at", "increment", "warned"), [("cracks", 0.9, True), ("cracks", 1.0, False), ("ends", 0.9, False)]
+)
+def test_kinks_within_the_averaging_radius_at_which_cracks_may_start_are_warned_of(
+    at: str, increment: float, warned: bool
+) -> None:
+    settings = [
+        f"growth.initiation={at}",
+        f"growth.increment={increment}",
+        "growth.tip_stress.radius=1",
+        "growth.steps=1",
+    ]
+    result = next(grow(load_case(CASES / "compression30.yaml", [*settings, "numerics.spacing=3"])))
+    assert any(caution.cause is Cause.SHORT_START for caution in result.cautions) == warned
 
 
 @pytest.mark.parametrize(
