@@ -28,11 +28,22 @@ def averaging_radius(growth: Growth, strength: Strength) -> float:
     return growth.tip_radius
 
 
+def start_radius(growth: Growth, strength: Strength) -> float:
+    """R (m) over which stress is averaged where cracks start, and at tips of those that have started in shear.
+
+    Criteria that go by K leave these to `directional_strength`, with the radius that stands for the same toughness.
+    """
+    radius = averaging_radius(growth, strength)
+    if growth.criterion not in BY_K:
+        return radius
+    return radius * (MODE_I["directional_strength"] / MODE_I[growth.criterion]) ** 2
+
+
 def length_of_average(growth: Growth, strength: Strength | None) -> float:
     """The radius (m) that cells at a tip are to resolve; infinite where K_I and K_II are all that counts."""
     if strength is not None and strength.toughness is not None:
         K_alone = growth.criterion in BY_K and growth.initiation.at == "tips"
-        return np.inf if K_alone else averaging_radius(growth, strength)
+        return np.inf if K_alone else start_radius(growth, strength)
     return np.inf if growth.tip_radius is None else growth.tip_radius
 
 

@@ -76,9 +76,9 @@ class TipLoading:
         On a ray the average of 1 / sqrt(2 pi r) up to the radius R is 2 / sqrt(2 pi R); the rays' own average is that
         over the disc.
         """
-        field = self.field
-        added = singular_stress(field.angles, field.direction) @ (d_I, d_II) * 2.0 / np.sqrt(2.0 * np.pi * self.radius)
-        moved = TipField(field.direction, field.angles, field.rays + added, field.mean + added.mean(axis=0))
+        field, radius = self.field, self.field.radius or self.radius
+        added = singular_stress(field.angles, field.direction) @ (d_I, d_II) * 2.0 / np.sqrt(2.0 * np.pi * radius)
+        moved = replace(field, rays=field.rays + added, mean=field.mean + added.mean(axis=0))
         return TipLoading(moved, self.K_I + d_I, self.K_II + d_II, self.radius)
 
     @classmethod

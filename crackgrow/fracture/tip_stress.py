@@ -49,12 +49,14 @@ class TipField:
     rays: Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray, as far as no crack crosses it (nan for none)
     mean: Floats  # (3,) Pa: Shepard average over the disc
     half_width: float = LARGEST_KINK  # rad: no crack goes further to either side
+    radius: float | None = None  # m, of the average; None: that of the criterion
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rule:
     """The polar rule of a disc round a site."""
 
+    radius: float  # m
     direction: float  # rad from +x
     angles: Floats  # (rays,) rad
     toward: Floats  # (rays, 2) unit directions
@@ -114,7 +116,7 @@ def _rule(cover: Cover, site: Site, radius: float) -> Rule:
     x, w = gauss(N_RADIAL)
     r = x**2 * radius / cover.lattice.spacing  # r^(-1/2) dr is a polynomial in x
     toward = np.stack([np.cos(site.direction + angles), np.sin(site.direction + angles)], axis=1)
-    return Rule(site.direction, angles, toward, r, 2.0 * x * w)  # area / distance = dr dt
+    return Rule(radius, site.direction, angles, toward, r, 2.0 * x * w)  # area / distance = dr dt
 
 
 def _place(cover: Cover, site: Site, rule: Rule) -> Place:
@@ -171,7 +173,7 @@ def _averaged(cover: Cover, material: PlaneElasticity, u: Floats, known: FieldRe
     rays = np.divide(sums[:-1], whole, out=np.full((N_RAYS, 3), np.nan), where=whole > 0.0)
     if site.both_ways:
         rays = 0.5 * (rays + np.roll(rays, N_RAYS // 2, axis=0))  # a crack takes a ray and the one opposite
-    return TipField(rule.direction, rule.angles, rays, sums[-1] / weights.sum(), site.half_width)
+    return TipField(rule.direction, rule.angles, rays, sums[-1] / weights.sum(), site.half_width, rule.radius)
 
 
 def _in_sight(cover: Cover, site: Site, rule: Rule) -> Bools:

@@ -245,7 +245,7 @@ class Configuration:
         scene = self.scene
         some = [number for number, site in enumerate(self.sites) if scene.case.bodies[site.body].strength is not None]
         strong = [self.sites[number] for number in some]
-        found = field_readings(self.readings, strong, [scene.averaging_radius(site.body) for site in strong])
+        found = field_readings(self.readings, strong, [scene.radius_at(site) for site in strong])
         return dict(zip(some, found, strict=True))
 
     @cached_property

@@ -203,7 +203,7 @@ class _Search:
             fields = stress_fields(state, materials)
             scene, sites = self._configuration.scene, self._configuration.sites
             loadings = [
-                None if field is None else without_K(field, scene.averaging_radius(site.body))
+                None if field is None else without_K(field, scene.radius_at(site))
                 for field, site in zip(fields, sites, strict=True)
             ]
             if CRITERIA[self._growth.criterion].by_K:

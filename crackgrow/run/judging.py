@@ -141,7 +141,7 @@ def _starts(configuration: Configuration, fields: Sequence[TipField | None]) -> 
     scene, n_tips = configuration.scene, len(configuration.cover.tips)
     for site, field in zip(configuration.sites[n_tips:], fields[n_tips:], strict=True):
         assert field is not None  # they are in rock that has a strength
-        loading = without_K(field, scene.averaging_radius(site.body))
+        loading = without_K(field, scene.start_radius(site.body))
         yield StartState(site, loading, verdict(scene, site, loading))
 
 

@@ -25,11 +25,12 @@ from crackgrow.case.model import (
     Stage,
     Stages,
 )
-from crackgrow.case.toughness import averaging_radius
+from crackgrow.case.toughness import averaging_radius, start_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import BodyForce
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings
@@ -201,6 +202,18 @@ class Scene:
         assert growth is not None
         assert strength is not None
         return averaging_radius(growth, strength)
+
+    def start_radius(self, body: int) -> float:
+        """The same (m) where cracks start, and at tips of those that have started in shear."""
+        growth, strength = self.case.growth, self.case.bodies[body].strength
+        assert growth is not None
+        assert strength is not None
+        return start_radius(growth, strength)
+
+    def radius_at(self, site: Site) -> float:
+        """Radius (m) over which stress is averaged at a site in such a body."""
+        starts = site.kind != "tip" or site.in_shear
+        return self.start_radius(site.body) if starts else self.averaging_radius(site.body)
 
     def materials_at(self, load_factor: float) -> tuple[PlaneElasticity, ...]:
         """Materials, body by body, with their in-situ stress at a load factor."""

@@ -97,7 +97,7 @@ def _short_starts(scene: Scene) -> Iterator[Caution]:
     growth = scene.case.growth
     if growth is None or growth.steps == 0 or growth.initiation.at in ("tips", "ends"):
         return
-    radius = max(scene.averaging_radius(n) for n, body in enumerate(scene.case.bodies) if body.strength is not None)
+    radius = max(scene.start_radius(n) for n, body in enumerate(scene.case.bodies) if body.strength is not None)
     if growth.increment < Cause.SHORT_START.limit * radius:
         size = radius / growth.increment
         yield Cause.SHORT_START.at(size=size, increment=growth.increment, radius=radius, at=growth.initiation.at)

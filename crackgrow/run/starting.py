@@ -39,7 +39,7 @@ def _free_ends(scene: Scene, growing: Sequence[GrowingCrack]) -> Iterator[Floats
             continue
         ends = _began(crack)
         if scene.case.bodies[scene.crack_bodies[index]].strength is not None:
-            near = scene.averaging_radius(scene.crack_bodies[index])
+            near = scene.start_radius(scene.crack_bodies[index])
             ends = ends[[all(np.hypot(*(end - start)) > near for start in starts) for end in ends]]
         yield ends
 
@@ -54,7 +54,7 @@ def _began(growing: GrowingCrack) -> Floats:
 def _looked(scene: Scene, growth: Growth) -> Looked:
     """Where cracks may start, in lattice units."""
     bodies = range(len(scene.case.bodies))
-    radii = [None if scene.case.bodies[n].strength is None else scene.averaging_radius(n) for n in bodies]
+    radii = [None if scene.case.bodies[n].strength is None else scene.start_radius(n) for n in bodies]
     at, spacing = growth.initiation.at, growth.initiation.spacing
     if spacing is None:
         spacing = max([growth.increment, *(radius for radius in radii if radius is not None)])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.case.model import Strength
-from crackgrow.case.toughness import MODE_I, radius_of, toughness_of
+from crackgrow.case.model import Growth, Strength
+from crackgrow.case.toughness import MODE_I, radius_of, start_radius, toughness_of
 from crackgrow.fracture.criteria import (
     CRITERIA,
     LARGEST_KINK,
@@ -362,3 +362,15 @@ def test_no_crack_grows_in_shear_on_rays_in_tension() -> None:
     stretched, pressed = ((1.0, 1.0, 0.4), (-1.0, -1.0, 0.4))
     assert shear_growth(uniform(stretched), WEAK_IN_SHEAR).criticality == 0.0
     assert shear_growth(uniform(pressed), WEAK_IN_SHEAR).criticality > 1.0
+
+
+@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+def test_where_cracks_start_the_same_toughness_holds(criterion: Criterion) -> None:
+    """What judges a start sees K_Ic in mode I at its strength, over the radius that is taken there."""
+    limits = Strength(tension=5e5, cohesion=1e9, friction_angle=40.0, toughness=4e4)
+    growth = Growth(
+        steps=1, increment=1.0, advance="all", criterion=criterion.name, direction="explicit", tip_radius=None
+    )
+    radius = start_radius(growth, limits)
+    field = near_field(4e4 * np.sqrt(RADIUS / radius), 0.0)  # made for RADIUS
+    assert criterion.judge_start(field, limits).criticality == pytest.approx(1.0, rel=RAYS)
