@@ -14,7 +14,13 @@ from tests.experiments import flaw_pairs
 
 FRICTION = 0.6
 INCREMENTS = 24
-SETTINGS = ("growth.initiation.at=tips", f"growth.steps={INCREMENTS}", "loading=critical")
+SETTINGS = (
+    "growth.initiation=tips",
+    "growth.increment=2",
+    "growth.link_distance=1",
+    f"growth.steps={INCREMENTS}",
+    "loading=critical",
+)
 STRENGTH = 2.09  # MPa: what the rock bears in compression
 
 HEAD = f"""# Wings alone
