@@ -16,7 +16,7 @@ from matplotlib.path import Path as LinePath
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Body, Case, Crack, InSituStress, Stages
 from crackgrow.cover.squares import QUANTA
-from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label
+from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label, part_labels
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.overview import component_text, extent, length_unit
 from crackgrow.results.signs import load_signs, support_signs
@@ -58,6 +58,8 @@ def draw_scene(path: Path, case: Case) -> None:
             _name_crack(axes, crack, size, scale, unit, whole=len(case.cracks) <= MOST_WHOLE_NAMES)
     for sign in (*support_signs(case), *load_signs(case)):
         draw_sign(axes, sign)
+    tips = [np.stack(list(ends)) for ends in (_tips(crack).values() for crack in case.cracks) if ends]
+    part_labels(axes, np.concatenate([np.zeros((0, 2)), *tips, *(line for i in case.interfaces for line in i.lines)]))
     axes.text(0.02, 0.01, "\n".join(notes), fontsize=7.5, color=LOAD, va="bottom", zorder=8, transform=axes.transAxes)
     corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.87 * margin]), np.array([-0.87 * margin, 0.0])
     dimension(axes, low, corner, below, f"{(high - low)[0] * scale:g} {unit}")
