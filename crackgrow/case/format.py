@@ -136,7 +136,14 @@ def _history_or_stages(value: object, path: Path, context: Context) -> object:
     return value or {"history": [1.0]}
 
 
-LOADING: Final = WordOr(("critical", "strength_reduction"), Converted(_HISTORY, _history_or_stages))
+LOADING: Final = WordOr(
+    ("critical", "strength_reduction"),
+    Converted(_HISTORY, _history_or_stages),
+    (
+        "every step finds the load factor at which the criterion of growth is just met",
+        "friction and cohesion of contact are divided by a factor until the scene fails",
+    ),
+)
 
 
 _ON_A_CRACK: Final = Field(Text(), "name of a crack: its opening and slip")

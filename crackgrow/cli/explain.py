@@ -17,6 +17,7 @@ examples:
   crackgrow explain numerics.spacing
   crackgrow explain cracks                 # with all keys below it
   crackgrow explain friction               # every key of that name
+  crackgrow explain loading.critical       # a word that a key takes
   crackgrow explain tips.csv
   crackgrow explain K_II
 """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -75,7 +76,17 @@ def explain(name: str) -> list[Entry]:
     tails = [key for key in keys if key.name.endswith(f".{name}")]
     first = [key for key in tails if not any(_repeats(key, other) for other in tails)]
     columns = [column_entry(file, column) for _, file in _files() for column in file.columns if column.name == name]
-    return [*(key_entry(key) for key in first), *columns]
+    return [*(key_entry(key) for key in first), *columns] or list(_word_entries(name))
+
+
+def _word_entries(name: str) -> Iterator[Entry]:
+    """The keys that take a word, such as `critical`, or the one of them that is named before it: loading.critical."""
+    before, _, word = name.rpartition(".")
+    for key in case_keys():
+        told = re.search(rf"`{re.escape(word)}`(?:: (.*?))?(?=; `|, or |$)", key.allowed)
+        if told and not _below_a_like(key.name) and (not before or _is(key.name, before)):
+            facts = {"meaning": told[1] or "", "key": f"{key.name}: {key.doc}", "default": key.default}
+            yield Entry(f"{key.name}: {word}", {label: words for label, words in facts.items() if words})
 
 
 def nearest(name: str) -> list[str]:
