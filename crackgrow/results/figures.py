@@ -23,6 +23,7 @@ from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
 from crackgrow.results.load_point import LoadPoint
 from crackgrow.results.overview import extent, length_unit
 from crackgrow.results.style import own_style, wrapped
+from crackgrow.results.units import STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
 LONG_SIDE = 7.0  # inches
@@ -92,7 +93,8 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     for row, face in zip(table, faces, strict=True):
         mine = owner == face.crack
         largest = max(np.abs(contact.normal_traction[mine]).max(), np.abs(contact.tangential_traction[mine]).max())
-        stress, stress_unit = (1e-6, "MPa") if largest >= 1e4 else (1.0, "Pa")
+        pascals, stress_unit = unit_of([largest], STRESSES)
+        stress = 1.0 / pascals
         for axes, values, along, label in (
             (row[0], contact.slip, face.slip * scale, f"slip [{unit}]"),
             (row[1], contact.normal_traction, face.normal_traction * stress, f"normal traction [{stress_unit}]"),
