@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
 import crackgrow
-from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
+from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out_json, say
 from crackgrow.cli.parser import Commands, add_command
 from crackgrow.results.atomic import write_text
 
@@ -40,7 +39,7 @@ def compare(arguments: argparse.Namespace) -> int:
         columns=arguments.columns,
     )
     if arguments.json:
-        hand_out(json.dumps(comparison_record(comparison), indent=2, allow_nan=False) + "\n")
+        hand_out_json(comparison_record(comparison))
     else:
         say(comparison_text(comparison))
     if arguments.csv is not None:

@@ -11,6 +11,7 @@ from typing import Final
 
 from crackgrow.case.keys import NAME, NUMBER, Key, case_keys
 from crackgrow.results.declarations import RUN, Column, File
+from crackgrow.results.units import aligned
 from crackgrow.study.comparison_text import CSV as COMPARE
 from crackgrow.study.converge.columns import FILES as CONVERGE
 from crackgrow.study.sweep.columns import FILES as SWEEP
@@ -29,8 +30,7 @@ class Entry:
 
     def lines(self) -> list[str]:
         """The entry for a terminal."""
-        width = max(len(label) for label in self.facts)
-        return [self.name, *(f"  {label:{width}}  {words}" for label, words in self.facts.items())]
+        return [self.name, *aligned(self.facts.items(), 2, "  ")]
 
 
 def key_entry(key: Key) -> Entry:

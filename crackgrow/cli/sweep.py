@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import crackgrow
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, count, say, spelled
 from crackgrow.cli.parser import Commands, add_command
-from crackgrow.results.log import counted
+from crackgrow.results.units import counted
 
 if TYPE_CHECKING:
     from crackgrow.study.sweep.plan import SweepPlan

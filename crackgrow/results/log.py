@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crackgrow.results.atomic import append_text, write_text
-from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, unit_of
+from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, counted, unit_of
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.case.model import Case
@@ -67,11 +67,6 @@ class RunLog:
 def step_label(step: int, n_steps: int | None) -> str:
     """Name a step: "step 3/22", or "step 3" where the number of growth steps isn't known."""
     return f"step {step}" if n_steps is None else f"step {step}/{n_steps}"
-
-
-def counted(n: object, thing: str) -> str:
-    """A number of things in words: "1 run", "2 runs"."""
-    return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
 
 
 def step_line(result: StepResult, n_steps: int | None) -> str:

@@ -35,8 +35,7 @@ from crackgrow.case.model import (
     StrengthReduction,
 )
 from crackgrow.case.toughness import BY_K, averaging_radius
-from crackgrow.results.log import counted
-from crackgrow.results.units import stress_text
+from crackgrow.results.units import counted, stress_text
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
 SHOWN_FACTORS: Final = 12  # of longer load histories the first ones are named, and the last

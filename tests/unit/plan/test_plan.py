@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from crackgrow import cli
 from crackgrow.case import Case, load_case
-from crackgrow.plan import cost, glyphs, text
+from crackgrow.plan import cost, glyphs
 from crackgrow.plan.cost import Cost, estimated_cost, probe
 from crackgrow.plan.picture import draw_scene
 from crackgrow.plan.sizes import Sizes, sizes_of
@@ -111,9 +111,9 @@ def test_short_cracks_are_one_warning_that_tells_the_shortest() -> None:
 def test_more_memory_than_the_machine_has_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     case = coarse("compression30")
     needed = estimated_cost(case, sizes_of(case)).memory
-    monkeypatch.setattr(text, "machine_memory", lambda: 1.1 * needed)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 1.1 * needed)
     assert "of memory, and this machine" not in plan_text(case)
-    monkeypatch.setattr(text, "machine_memory", lambda: 0.9 * needed)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 0.9 * needed)
     assert f"needs about {needed:.0f} MiB of memory, and this machine has {0.9 * needed:.0f} MiB" in plan_text(case)
 
 
