@@ -9,31 +9,11 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
+from crackgrow.case import model
 from crackgrow.case.accuracy import STANDARD, name_of
 from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.meetings import meeting_places
-from crackgrow.case.model import (
-    Body,
-    Case,
-    Component,
-    ContactSupport,
-    CoulombContact,
-    Crack,
-    CriticalLoad,
-    EdgeSupport,
-    EdgeTraction,
-    FluidPressure,
-    Gravity,
-    Growth,
-    InSituStress,
-    Interface,
-    LoadHistory,
-    PointForce,
-    PointSupport,
-    Stage,
-    Stages,
-    StrengthReduction,
-)
+from crackgrow.case.model import Case, CoulombContact, Crack
 from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.results.units import counted, stress_text
 
@@ -84,7 +64,7 @@ def estimated_nodes(case: Case) -> int:
     return round(total / h**2)
 
 
-def _body_line(body: Body, scale: float, unit: str) -> str:
+def _body_line(body: model.Body, scale: float, unit: str) -> str:
     width, height = np.ptp(body.outline, axis=0) * scale
     material = f"E = {stress_text(body.material.young)}, nu = {body.material.poisson:g}"
     if body.material.density is not None:
@@ -98,16 +78,16 @@ def _body_line(body: Body, scale: float, unit: str) -> str:
     return f"body {body.name}: {width:g} x {height:g} {unit}{holes}, {material}; {strength}"
 
 
-def _interface_line(interface: Interface, scale: float, unit: str) -> str:
+def _interface_line(interface: model.Interface, scale: float, unit: str) -> str:
     length = sum(float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in interface.lines) * scale
     law = "bonded" if interface.contact == "bonded" else _law(interface.contact)
     return f"interface between {' and '.join(interface.bodies)}: length {length:g} {unit}; {law}"
 
 
 def _support_lines(case: Case) -> list[str]:
-    n_points = sum(isinstance(support, PointSupport) for support in case.supports)
-    n_edges = sum(isinstance(support, EdgeSupport) for support in case.supports)
-    foundations = [support for support in case.supports if isinstance(support, ContactSupport)]
+    n_points = sum(isinstance(support, model.PointSupport) for support in case.supports)
+    n_edges = sum(isinstance(support, model.EdgeSupport) for support in case.supports)
+    foundations = [support for support in case.supports if isinstance(support, model.ContactSupport)]
     return [
         f"supports: {n_points} at points, {n_edges} on edges, {counted(len(foundations), 'rigid foundation')}",
         *(f"foundation on edge {f.region.edge} of {f.region.body}: {_law(f.contact)}" for f in foundations),
@@ -115,11 +95,11 @@ def _support_lines(case: Case) -> list[str]:
 
 
 def _loading(case: Case) -> str:
-    if isinstance(case.loading, CriticalLoad):
+    if isinstance(case.loading, model.CriticalLoad):
         return "each step at its critical load factor"
-    if isinstance(case.loading, StrengthReduction):
+    if isinstance(case.loading, model.StrengthReduction):
         return "all of them, with friction and cohesion divided by a factor until the scene fails"
-    if isinstance(case.loading, Stages):
+    if isinstance(case.loading, model.Stages):
         befores = (case.loading.before, *case.loading.stages)
         return "in stages: " + ", ".join(map(_stage_text, befores, case.loading.stages))
     factors = [f"{factor:g}" for factor in case.loading.factors]
@@ -128,7 +108,7 @@ def _loading(case: Case) -> str:
     return f"load factors {', '.join(factors)}"
 
 
-def _stage_text(before: Stage, stage: Stage) -> str:
+def _stage_text(before: model.Stage, stage: model.Stage) -> str:
     """What a stage changes."""
     released, factors = dict(before.excavated), dict(before.loads)
     words = [f"without {name}" for name, _ in stage.excavated if name not in released]
@@ -142,19 +122,19 @@ def _stage_text(before: Stage, stage: Stage) -> str:
 
 def _loads(case: Case) -> str:
     """Say which loads there are, and which of them every load factor leaves as they are."""
-    tractions = [load.held for load in case.loads if isinstance(load, EdgeTraction)]
+    tractions = [load.held for load in case.loads if isinstance(load, model.EdgeTraction)]
     words = [counted(len(tractions), "traction") + " on edges"] if tractions or not case.loads else []
     if any(tractions):
         words[0] += " (held)" if all(tractions) else f" ({sum(tractions)} held)"
     for load in case.loads:
         held = " (held)" if load.held else ""
-        if isinstance(load, Gravity):
+        if isinstance(load, model.Gravity):
             words.append(f"gravity on {load.body}{held}")
-        elif isinstance(load, FluidPressure):
+        elif isinstance(load, model.FluidPressure):
             words.append(f"pressure {component_text(load.pressure)} in {surface_text(load.surface)}{held}")
-        elif isinstance(load, PointForce):
+        elif isinstance(load, model.PointForce):
             words.append(f"a force at a point of {load.body}{held}")
-        elif isinstance(load, InSituStress):
+        elif isinstance(load, model.InSituStress):
             words.append(f"in-situ stress in {load.body}{held}")
     return ", ".join(words)
 
@@ -208,7 +188,7 @@ def _meetings(case: Case) -> str:
 def _growth_line(case: Case, scale: float, unit: str) -> str:
     growth = case.growth
     if growth is None:
-        n_factors = case.last_step + 1 if isinstance(case.loading, LoadHistory | Stages) else 1
+        n_factors = case.last_step + 1 if isinstance(case.loading, model.LoadHistory | model.Stages) else 1
         return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"
@@ -226,7 +206,7 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
     )
 
 
-def _radii(case: Case, growth: Growth, scale: float, unit: str) -> Iterator[str]:
+def _radii(case: Case, growth: model.Growth, scale: float, unit: str) -> Iterator[str]:
     """The averaging radius that is given, and the toughness of the bodies with cracks, with the radius that follows."""
 
     def text(radius: float) -> str:
@@ -278,7 +258,7 @@ def lines_of(case: Case, surface: str | tuple[str, str]) -> list[Floats]:
     return list(next(pair.lines for pair in case.interfaces if set(pair.bodies) == set(surface)))
 
 
-def component_text(value: Component) -> str:
+def component_text(value: model.Component) -> str:
     """A stress (Pa), or the formula that it follows."""
     if isinstance(value, CoordinateFormula):
         return f"{value.text[:40]} [Pa]"
