@@ -11,9 +11,7 @@ from typing import Final
 from crackgrow.case import Case
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError, Fault
-from crackgrow.study.case_file import CaseFile
-from crackgrow.study.trade.axes import accuracy_overrides
-from crackgrow.study.trade.grid import UNWRITTEN, Setting
+from crackgrow.study.setting import UNWRITTEN, CaseFile, Setting, accuracy_overrides
 
 OWN: Final = "own"
 HALF: Final = "half increments"

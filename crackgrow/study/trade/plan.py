@@ -11,9 +11,9 @@ from typing import Final
 from crackgrow.case import dump_case
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.atomic import write_text
-from crackgrow.study.case_file import CaseFile
+from crackgrow.study.setting import CaseFile, Setting
 from crackgrow.study.trade.axes import chosen_axes
-from crackgrow.study.trade.grid import Setting, finest, settings_of, with_length
+from crackgrow.study.trade.grid import finest, settings_of, with_length
 from crackgrow.study.trade.measures import check_results
 
 FINEST: Final = "finest"

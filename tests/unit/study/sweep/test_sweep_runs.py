@@ -24,13 +24,13 @@ from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.errors import CaseError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
-from crackgrow.study.one_run import write_run
 from crackgrow.study.sweep import place
 from crackgrow.study.sweep.job import Job, bounded_memory, run_job
 from crackgrow.study.sweep.measured import Values
 from crackgrow.study.sweep.place import ClusterError, MissingPackageError
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
 from crackgrow.study.sweep.runner import SweepRow, sweep
+from crackgrow.study.timed_run import write_run
 
 ROOT = Path(__file__).parents[4]
 FLAW = ROOT / "cases" / "compression30.yaml"

@@ -9,7 +9,7 @@ import pytest
 from crackgrow import cli
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError
-from crackgrow.study.case_file import CaseFile
+from crackgrow.study.setting import CaseFile
 from crackgrow.study.trade.axes import chosen_axes
 from crackgrow.study.trade.grid import finest, settings_of, with_length
 from crackgrow.study.trade.plan import plan_trade

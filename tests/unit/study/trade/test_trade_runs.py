@@ -13,9 +13,9 @@ from crackgrow.case import load_case
 from crackgrow.errors import CaseError, SolveError
 from crackgrow.results.declarations import PHASES
 from crackgrow.study import processes
+from crackgrow.study.setting import Setting
 from crackgrow.study.timed_run import Cost, median_cost, run_in_processes
 from crackgrow.study.trade.columns import COLUMNS
-from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.plan import Plan, plan_trade
 from crackgrow.study.trade.row import Row, Run, read_rows, row_of
 from crackgrow.study.trade.runner import trade
