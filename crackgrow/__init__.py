@@ -94,10 +94,10 @@ _HOMES = {
 _MOVED = {
     "case": "dump_case",
     "case.json_schema": "case_schema",
+    "plan.overview": "overview",
     "plan.picture": "draw_scene",
     "plan.text": "plan_text",
     "results.animation": "find_ffmpeg write_gif write_mp4",
-    "results.overview": "overview",
     "results.render": "render",
     "results.report": "write_report",
     "results.resume": "find_resumption",

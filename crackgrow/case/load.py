@@ -16,8 +16,7 @@ from crackgrow.case.check_initiation import check_initiation
 from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_points import check_points
 from crackgrow.case.check_regions import check_regions, settle_bodies
-from crackgrow.case.check_strength import check_strength, settle_direction
-from crackgrow.case.check_subcritical import check_subcritical
+from crackgrow.case.check_strength import check_strength, check_subcritical, settle_direction
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
 from crackgrow.case.crack_sets import expand_crack_sets

@@ -638,19 +638,19 @@ class Case:
     @classmethod
     def from_dict(cls, mapping: AnyMapping[str, Any], name: str = "case") -> Case:
         """The checked case of a mapping in the case format; raises CaseError with every fault."""
-        from crackgrow.case.mappings import case_from  # it stands on the classes of this module
+        from crackgrow.case.dump import case_from  # it stands on the classes of this module
 
         return case_from(mapping, name)
 
     def to_dict(self) -> dict[str, Any]:
         """The case as a mapping in the case format, as `case.yaml` of a run: SI, every default filled in."""
-        from crackgrow.case.mappings import mapping_of  # it stands on the classes of this module
+        from crackgrow.case.dump import mapping_of  # it stands on the classes of this module
 
         return mapping_of(self)
 
     def with_(self, *settings: str) -> Case:
         """The case with settings such as "numerics.spacing=1 mm"; bare numbers are in SI."""
-        from crackgrow.case.mappings import changed  # it stands on the classes of this module
+        from crackgrow.case.dump import changed  # it stands on the classes of this module
 
         return changed(self, settings)
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-
+from crackgrow.case.features import line_length
 from crackgrow.case.model import Case
 from crackgrow.plan.cost import Cost, estimated_cost
+from crackgrow.plan.overview import estimated_nodes
 from crackgrow.plan.sizes import Sizes
-from crackgrow.results.overview import estimated_nodes
 from crackgrow.results.units import memory_text
 from crackgrow.run.configuration import first_cells
 from crackgrow.run.scene import make_scene
@@ -58,7 +57,7 @@ def outlook(case: Case) -> Outlook:
     singular = CARRIERS_AT_A_TIP[case.numerics.gathers_tip_functions] * tips
     lines = [crack.points for crack in case.cracks if crack.contact is not None]
     lines += [line for interface in case.interfaces for line in interface.lines]
-    length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
+    length = sum(map(line_length, lines))
     points = round(length / (SPACINGS_OF_A_POINT * spacing))
     n_dofs = 2 * nodes + 8 * singular
     cells = ((spacing, uniform), (0.5 * spacing, more))

@@ -14,11 +14,12 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as LinePath
 
 from crackgrow.arrays import Floats
+from crackgrow.case.features import line_length
 from crackgrow.case.model import Body, Case, Crack, InSituStress, Stages
 from crackgrow.cover.squares import QUANTA
 from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label, part_labels
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.overview import component_text, extent, length_unit
+from crackgrow.results.places import component_text, extent, length_unit
 from crackgrow.results.signs import load_signs, support_signs
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.configuration import first_cells
@@ -119,7 +120,7 @@ def _tips(crack: Crack) -> dict[str, Floats]:
 
 def _name_crack(axes: Axes, crack: Crack, size: float, scale: float, unit: str, *, whole: bool) -> None:
     """Say what a crack is, and which tip is which."""
-    length = float(np.hypot(*np.diff(crack.points, axis=0).T).sum()) * scale
+    length = line_length(crack.points) * scale
     law = "faces never touch" if crack.contact is None else f"μ = {crack.contact.friction:g}"
     chord = crack.points[-1] - crack.points[0]
     normal = np.array([-chord[1], chord[0]]) / max(float(np.hypot(*chord)), 1e-300)

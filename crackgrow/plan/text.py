@@ -7,9 +7,10 @@ from dataclasses import asdict
 from crackgrow.case.accuracy import name_of
 from crackgrow.case.model import Case
 from crackgrow.plan.cost import Cost, estimated_cost
+from crackgrow.plan.overview import overview
 from crackgrow.plan.sizes import Sizes, sizes_of
 from crackgrow.results.gathered import Gathered
-from crackgrow.results.overview import length_unit, overview
+from crackgrow.results.places import length_unit
 from crackgrow.results.units import counted, duration, memory_text
 from crackgrow.run.caution import Cause, Caution
 

@@ -8,13 +8,13 @@ from typing import Final
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.accuracy import STANDARD, name_of
-from crackgrow.case.formula import CoordinateFormula
+from crackgrow.case.features import line_length
 from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import Case, CoulombContact, Crack
 from crackgrow.case.toughness import BY_K, averaging_radius
+from crackgrow.results.places import component_text, length_unit, surface_text
 from crackgrow.results.units import counted, stress_text
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
@@ -79,7 +79,7 @@ def _body_line(body: model.Body, scale: float, unit: str) -> str:
 
 
 def _interface_line(interface: model.Interface, scale: float, unit: str) -> str:
-    length = sum(float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in interface.lines) * scale
+    length = sum(map(line_length, interface.lines)) * scale
     law = "bonded" if interface.contact == "bonded" else _law(interface.contact)
     return f"interface between {' and '.join(interface.bodies)}: length {length:g} {unit}; {law}"
 
@@ -159,7 +159,7 @@ def _crack_lines(cracks: tuple[Crack, ...], scale: float, unit: str) -> list[str
     """One line for each of a few cracks; of many, a line for the rest under each law."""
     laws: dict[str, list[float]] = {}
     for crack in cracks[SHOWN_CRACKS:]:
-        laws.setdefault(_crack_law(crack), []).append(_length(crack) * scale)
+        laws.setdefault(_crack_law(crack), []).append(line_length(crack.points) * scale)
     return [_crack_line(crack, scale, unit) for crack in cracks[:SHOWN_CRACKS]] + [
         f"{counted(len(lengths), 'more crack')}: length {min(lengths):g} to {max(lengths):g} {unit}; {law}"
         for law, lengths in laws.items()
@@ -168,16 +168,12 @@ def _crack_lines(cracks: tuple[Crack, ...], scale: float, unit: str) -> list[str
 
 def _crack_line(crack: Crack, scale: float, unit: str) -> str:
     tips = [name for name, there in (("start", crack.tip_at_start), ("end", crack.tip_at_end)) if there]
-    length = f"length {_length(crack) * scale:g} {unit}"
+    length = f"length {line_length(crack.points) * scale:g} {unit}"
     return f"crack {crack.name}: {length}, tips: {' and '.join(tips) or 'none'}; {_crack_law(crack)}"
 
 
 def _crack_law(crack: Crack) -> str:
     return "faces never touch" if crack.contact is None else _law(crack.contact)
-
-
-def _length(crack: Crack) -> float:
-    return float(np.linalg.norm(np.diff(crack.points, axis=0), axis=1).sum())
 
 
 def _meetings(case: Case) -> str:
@@ -227,39 +223,3 @@ def _rule(case: Case) -> str:
     if rule is not None:
         return f" (auto, {name_of(accuracy, goal)}: {rule})"
     return "" if accuracy == STANDARD else f" (given, not that of {name_of(accuracy, goal)})"
-
-
-def extent(case: Case) -> tuple[Floats, Floats]:
-    """Lower left and upper right corner (2,) m of the box round all bodies."""
-    outlines = np.concatenate([body.outline for body in case.bodies])
-    return outlines.min(axis=0), outlines.max(axis=0)
-
-
-def size_of(case: Case) -> float:
-    """The longer side (m) of that box."""
-    low, high = extent(case)
-    return float((high - low).max())
-
-
-def length_unit(case: Case) -> tuple[float, str]:
-    """How many of the unit that suits the scene are a metre, and its name."""
-    return (1e3, "mm") if size_of(case) < 1 else (1.0, "m")
-
-
-def surface_text(surface: str | tuple[str, str]) -> str:
-    """The name of a crack, or of the surface between two bodies."""
-    return surface if isinstance(surface, str) else "/".join(surface)
-
-
-def lines_of(case: Case, surface: str | tuple[str, str]) -> list[Floats]:
-    """The lines, each (n, 2) m, of a crack or of the interface of two bodies."""
-    if isinstance(surface, str):
-        return [next(crack.points for crack in case.cracks if crack.name == surface)]
-    return list(next(pair.lines for pair in case.interfaces if set(pair.bodies) == set(surface)))
-
-
-def component_text(value: model.Component) -> str:
-    """A stress (Pa), or the formula that it follows."""
-    if isinstance(value, CoordinateFormula):
-        return f"{value.text[:40]} [Pa]"
-    return "by a formula" if callable(value) else stress_text(value)
