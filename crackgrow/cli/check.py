@@ -70,8 +70,7 @@ def _told(lines: Iterable[str], tell: Callable[[str], None]) -> Iterator[str]:
         yield line
 
 
-def add_check(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "validate a case, say what it models and costs"
     command = takes_case(add_command(commands, check, "check", what, (HELP, EXAMPLES)))
     command.add_argument("--picture", type=_picture, metavar="FILE.png|svg", help="draw the scene, too")

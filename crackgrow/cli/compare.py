@@ -47,8 +47,7 @@ def compare(arguments: argparse.Namespace) -> int:
     return EXIT_DONE if comparison.agrees else EXIT_DIFFERENT
 
 
-def add_compare(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "say how far apart the crack paths of two runs are"
     command = add_command(commands, compare, "compare", what, (HELP, EXAMPLES))
     for name in ("a", "b"):

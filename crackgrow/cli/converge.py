@@ -57,8 +57,7 @@ def converge(arguments: argparse.Namespace) -> int:
     return EXIT_DONE if found.good_enough else EXIT_DIFFERENT
 
 
-def add_converge(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "say whether a case's cells and increments are small enough"
     command = takes_case(add_command(commands, converge, "converge", what, (HELP, EXAMPLES)))
     command.add_argument(

@@ -37,8 +37,7 @@ def explain_name(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_explain(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "say what a key of a case, or a column of the results, means"
     command = add_command(commands, explain_name, "explain", what, (HELP, EXAMPLES))
     command.add_argument("name", nargs="?", default="", metavar="KEY|COLUMN", help="a key, a file or a column")

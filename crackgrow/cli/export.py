@@ -35,8 +35,7 @@ def export(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_export(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     formats = "\n".join(aligned(FORMATS.items(), 2, "  "))
     what = "write a frame of a run as a mesh file of another program"
     command = add_command(commands, export, "export", what, (HELP, f"formats:\n{formats}\n\n{EXAMPLES}"))

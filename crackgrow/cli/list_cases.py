@@ -56,8 +56,7 @@ def _title(file: Path) -> str:
     return lines[0].removeprefix("#").strip() if lines and lines[0].startswith("#") else ""
 
 
-def add_list(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "list the cases that are here, and the templates"
     command = add_command(commands, list_cases, "list", what, (HELP, EXAMPLES))
     command.add_argument("folder", nargs="?", type=Path, metavar="DIR", help="a folder of cases (default: cases)")

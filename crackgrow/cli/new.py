@@ -66,8 +66,7 @@ def _file_of(name: str) -> Path:
     return (folder if path.parent == Path() and folder.is_dir() else path.parent) / f"{path.name}.yaml"
 
 
-def add_new(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     known = templates()
     listed = "\n".join(aligned(known.items(), 2, "  "))
     texts = HELP, f"templates:\n{listed}\n\n{EXAMPLES}"

@@ -65,8 +65,7 @@ def view(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_render(commands: Commands) -> None:
-    """Add both commands and their arguments."""
+def add(commands: Commands) -> None:
     what = "draw the frames of a run as pictures and an animation"
     command = add_command(commands, render, "render", what, (RENDER_HELP, RENDER_EXAMPLES))
     window = add_command(commands, view, "view", "open a window on the frames of a run", (VIEW_HELP, VIEW_EXAMPLES))

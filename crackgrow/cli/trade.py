@@ -55,8 +55,7 @@ def trade(arguments: argparse.Namespace) -> int:
     return EXIT_UNSOLVED if solved and not any(solved) else EXIT_DONE
 
 
-def add_trade(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "measure what accuracy costs over a grid of settings"
     command = takes_case(add_command(commands, trade, "trade", what, (HELP, EXAMPLES)))
     command.add_argument("--axis", nargs="+", default=[], metavar="NAME=A,B,C", help="settings to vary, with values")

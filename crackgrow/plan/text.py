@@ -84,8 +84,7 @@ def _cost(case: Case, cost: Cost) -> list[str]:
     total = f"{implicit}; {duration(cost.total, 2)} in all" if cost.n_later else ""
     sure = "within a factor of two" if case.numerics.support <= LARGEST_SUPPORT else "a tenth of it perhaps"
     found = [
-        f"estimated cost, {sure}: {cost.words}{total}, without files and pictures; "
-        f"{memory_text(cost.memory)} of memory"
+        f"estimated cost, {sure}: {cost.words}{total}, without files and pictures; {memory_text(cost.memory)} of memory"
     ]
     if case.numerics.target is not None:
         found.append("that is of one solve on these cells: the first step takes two to six, later ones one or two")

@@ -12,6 +12,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.formula import CoordinateFormula, component_at
 from crackgrow.case.model import Body, Case, Component
+from crackgrow.case.segments import nearest_places
 from crackgrow.results.places import component_text, length_unit, lines_of, size_of, surface_text
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
@@ -327,12 +328,10 @@ def _outside(body: Body, point: Floats) -> Floats:
     best: list[tuple[float, float, Floats]] = []
     extent = float(np.ptp(body.outline, axis=0).max())
     for ring in body.rings:
-        along = np.roll(ring.points, -1, axis=0) - ring.points
-        length = np.hypot(*along.T)
-        starts, along, length = ring.points[length > 0.0], along[length > 0.0], length[length > 0.0]
-        along /= length[:, None]
-        t = np.clip(np.einsum("ij,ij->i", point - starts, along), 0.0, length)
-        distance = np.hypot(*(starts + t[:, None] * along - point).T)
+        sides = np.stack([ring.points, np.roll(ring.points, -1, axis=0)], axis=1)
+        along = sides[:, 1] - sides[:, 0]
+        along /= np.hypot(*along.T)[:, None]
+        distance = np.hypot(*(nearest_places(point, sides) - point).T)
         best.extend(zip(np.round(distance / extent, 6), np.round(np.abs(along[:, 1]), 6), along, strict=True))
     _, _, side = min(best, key=lambda item: item[:2])
     return np.array([side[1], -side[0]])

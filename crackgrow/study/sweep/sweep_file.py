@@ -49,9 +49,7 @@ class SweepFile:
     samples: Annotated[int | None, Integer(Bounds(at_least=1, at_most=MOST_RUNS)), Doc("runs of a Latin hypercube")] = (
         None
     )
-    seed: Annotated[
-        int, Integer(NOT_NEGATIVE), Doc("of the random numbers of a Latin hypercube", default=OPTIONAL)
-    ] = 0
+    seed: Annotated[int, Integer(NOT_NEGATIVE), Doc("of the random numbers of a Latin hypercube", default=OPTIONAL)] = 0
     output: Annotated[Kept, Doc("which files the runs keep")] = Kept()
     responses: Annotated[tuple[str, ...] | None, ListOf(Text()), Doc("columns of the table that the picture shows")] = (
         None
