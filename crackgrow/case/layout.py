@@ -251,7 +251,8 @@ def _place(scene: Scene) -> None:
     bodies, moves = snapped_bodies(list(scene.bodies.values()), scene.reach)
     scene.moves.extend(moves)
     for body in bodies:
-        if _is_too_fine(body, scene.tolerance):
+        shortest = np.hypot(*(body.sides[:, 1] - body.sides[:, 0]).T).min()
+        if shortest <= scene.tolerance or not body.polygon.is_valid:
             message = f"has details below the smallest length of this scene, {scene.length(scene.tolerance)}"
             scene.report.fault(("bodies", body.name, "shape"), message)
     bodies = [body for body in bodies if scene.report.sound("bodies", body.name, "shape")]
@@ -263,11 +264,6 @@ def _place(scene: Scene) -> None:
             lines = shared_lines(bodies[first], bodies[second], scene.tolerance)
             if lines:
                 scene.shared[bodies[first].name, bodies[second].name] = lines
-
-
-def _is_too_fine(body: BodyShape, tolerance: float) -> bool:
-    sides = body.sides
-    return bool(np.hypot(*(sides[:, 1] - sides[:, 0]).T).min() <= tolerance) or not body.polygon.is_valid
 
 
 def _check_overlaps(scene: Scene, bodies: list[BodyShape]) -> set[tuple[int, int]]:

@@ -72,7 +72,11 @@ def explain(name: str) -> list[Entry]:
         return [key_entry(key) for key in keys if key in exact or _is_below(key.name, name)]
     whole = [(command, file) for command, file in _files() if file.name == name]
     if whole:
-        return [e for command, file in whole for e in (file_entry(file, command), *_column_entries(file))]
+        return [
+            entry
+            for command, file in whole
+            for entry in (file_entry(file, command), *(column_entry(file, column) for column in file.columns))
+        ]
     tails = [key for key in keys if key.name.endswith(f".{name}")]
     first = [key for key in tails if not any(_repeats(key, other) for other in tails)]
     columns = [column_entry(file, column) for _, file in _files() for column in file.columns if column.name == name]
@@ -129,7 +133,3 @@ def _is_below(pattern: str, name: str) -> bool:
 def _files() -> Iterator[tuple[str, File]]:
     for command, files in FOLDERS.items():
         yield from ((command, file) for file in files)
-
-
-def _column_entries(file: File) -> list[Entry]:
-    return [column_entry(file, column) for column in file.columns]

@@ -79,7 +79,7 @@ def page(run: RunFolder) -> str:
         title=text(f"{run.summary['case']}: {run.summary['title']}"),
         style=_own_file("page.css"),
         body=body,
-        data=json_script(data, "data"),
+        data=json_script(data),
         script=_own_file("chart.js") + _own_file("page.js"),
     )
 

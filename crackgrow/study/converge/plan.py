@@ -64,7 +64,9 @@ def plan_convergence(
         file = CaseFile(case, (*overrides, f"growth.steps={steps}"))
         given = file.load()
     three = _three(file, settings)
-    own = next((setting for setting in three if _same(given, file.load(*setting.overrides))), Setting(OWN, UNWRITTEN))
+    numerics = given.resolved["numerics"]
+    same = (setting for setting in three if file.load(*setting.overrides).resolved["numerics"] == numerics)
+    own = next(same, Setting(OWN, UNWRITTEN))
     grows = given.growth is not None and given.growth.steps > 0
     if increments and not grows:
         raise CaseError([Fault("--increments", None, "", "the case does not grow: it has no increments to halve")])
@@ -91,11 +93,6 @@ def _three(file: CaseFile, names: Sequence[str]) -> tuple[Setting, ...]:
         message = f"{', '.join(names)} given; wanted: the largest error first"
         raise CaseError([Fault("--at", None, "", message)])
     return tuple(found)
-
-
-def _same(a: Case, b: Case) -> bool:
-    """Whether two cases have the same numerical settings."""
-    return a.resolved["numerics"] == b.resolved["numerics"]
 
 
 def _halved(case: Case, own: Setting) -> Setting:

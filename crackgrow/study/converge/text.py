@@ -82,7 +82,8 @@ def verdict(found: Convergence) -> str:
     error = found.largest_error(plan.own.name)
     off = f"{_words(worst)} is off by {100.0 * error:.2g} %{' of the largest K' if worst.name in MODES else ''}"
     if error <= plan.tolerance:
-        return f"{_verdict_on_paths(found)}: with {own} {off} at most, within the {within} asked for{_path_off(found)}"
+        enough = "good enough" if found.paths_good_enough else "not good enough for paths"
+        return f"{enough}: with {own} {off} at most, within the {within} asked for{_path_off(found)}"
     better = [setting for setting in plan.settings if _within(found, setting.name)]
     if better:
         return (
@@ -100,10 +101,6 @@ def _within(found: Convergence, setting: str) -> bool:
     path = found.path_of_setting(setting)
     near = path is None or path.share <= found.path_tolerance
     return near and found.largest_error(setting) <= found.plan.tolerance
-
-
-def _verdict_on_paths(found: Convergence) -> str:
-    return "good enough" if found.paths_good_enough else "not good enough for paths"
 
 
 def _path_off(found: Convergence) -> str:

@@ -80,7 +80,8 @@ def row_of(run: Run, errors: Mapping[str, float] | None = None) -> Row:
         values |= {"steps": summary["steps_done"], "n_dofs": summary["n_dofs"]["first"]}
         values |= {f"wall_{phase}": float(by_phase.get(phase, 0.0)) for phase in PHASES}
         values |= errors or {}
-        estimate = summary["error_estimate"]["energy_norm_percent"]["last" if _static(case) else "first"]
+        static = case is not None and case.growth is None  # errors are those of the last step, the last load factor
+        estimate = summary["error_estimate"]["energy_norm_percent"]["last" if static else "first"]
         values["error_estimate"] = None if estimate is None else estimate / 100.0
         values |= {"cpu_first_step": cost.cpu_steps[0], "wall_first_step": cost.wall_steps[0]}
         values |= {"cpu_step": _mean(cost.cpu_steps[1:]), "wall_step": _mean(cost.wall_steps[1:])}
@@ -123,11 +124,6 @@ def _value(mapping: Any, key: Sequence[str]) -> Any:
     for part in key:
         mapping = mapping.get(part) if isinstance(mapping, dict) else None
     return mapping
-
-
-def _static(case: Case | None) -> bool:
-    """Whether errors are those of the last step, the last load factor."""
-    return case is not None and case.growth is None
 
 
 def _mean(seconds: Sequence[float]) -> float:
