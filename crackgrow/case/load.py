@@ -21,13 +21,14 @@ from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
 from crackgrow.case.crack_sets import expand_crack_sets
 from crackgrow.case.format import CASE, DEFINITIONS, UNITS_SPEC
-from crackgrow.case.layout import Scene, place_cracks, scene_of, settle_spacing
+from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
 from crackgrow.case.overrides import apply_override
 from crackgrow.case.reader import Node, Table, parse, read_file
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Context
+from crackgrow.case.spacing import settle_spacing
 from crackgrow.case.units import Units
 
 STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
