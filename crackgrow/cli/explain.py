@@ -9,8 +9,8 @@ from crackgrow.cli.parser import Commands, add_command
 from crackgrow.errors import CaseError, Fault
 
 HELP = """\
-Say what a key of a case means, its type, unit, default and what is allowed; or what is in a file or column of the
-results. Without a name: the first keys of a case, and the files of a run.
+Say what a key of a case means, its type, unit, default and what is allowed; or what a word means that a key takes; or
+what is in a file or column of the results. Without a name: the first keys of a case, and the files of a run.
 """
 EXAMPLES = """\
 examples:
@@ -40,4 +40,6 @@ def explain_name(arguments: argparse.Namespace) -> int:
 def add(commands: Commands) -> None:
     what = "say what a key of a case, or a column of the results, means"
     command = add_command(commands, explain_name, "explain", what, (HELP, EXAMPLES))
-    command.add_argument("name", nargs="?", default="", metavar="KEY|COLUMN", help="a key, a file or a column")
+    command.add_argument(
+        "name", nargs="?", default="", metavar="KEY|COLUMN", help="a key, a word that keys take, a file or a column"
+    )

@@ -11,7 +11,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
-from matplotlib.path import Path as LinePath
 
 from crackgrow.arrays import Floats
 from crackgrow.case.features import line_length
@@ -19,6 +18,7 @@ from crackgrow.case.model import Body, Case, Crack, InSituStress, Stages
 from crackgrow.cover.squares import QUANTA
 from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label, part_labels
 from crackgrow.results.atomic import write_atomically
+from crackgrow.results.figures import body_path
 from crackgrow.results.places import component_text, extent, length_unit
 from crackgrow.results.signs import load_signs, support_signs
 from crackgrow.results.style import own_style, wrapped
@@ -79,17 +79,12 @@ def _draw_cells(axes: Axes, case: Case) -> None:
         low, high = body.outline.min(axis=0), body.outline.max(axis=0)
         near = np.all((squares.max(axis=1) > low) & (squares.min(axis=1) < high), axis=1)
         lines = PolyCollection(list(squares[near]), facecolors="none", edgecolors="0.55", linewidths=0.25, zorder=2.5)
-        lines.set_clip_path(PathPatch(_shape(body), transform=axes.transData))
+        lines.set_clip_path(PathPatch(body_path(body), transform=axes.transData))
         axes.add_collection(lines)
 
 
-def _shape(body: Body) -> LinePath:
-    closed = [LinePath(np.vstack([ring.points, ring.points[:1]]), closed=True) for ring in body.rings]
-    return LinePath.make_compound_path(*closed)
-
-
 def _draw_body(axes: Axes, body: Body, colour: str, *, named: bool) -> None:
-    axes.add_patch(PathPatch(_shape(body), facecolor=colour, edgecolor="0.2", linewidth=1.0, zorder=2))
+    axes.add_patch(PathPatch(body_path(body), facecolor=colour, edgecolor="0.2", linewidth=1.0, zorder=2))
     if named:
         low, high = body.outline.min(axis=0), body.outline.max(axis=0)
         label(axes, low + [0.12, 0.85] * (high - low), body.name, "0.35")
