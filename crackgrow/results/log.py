@@ -102,7 +102,7 @@ def told_line(result: StepResult, case: Case, K_scale: float) -> str:
     known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
     largest = max(known, key=lambda tip: float(f"{math.hypot(tip.K_I, tip.K_II):.6g}"), default=None)  # not round-off
     shown = moved or ([largest] if largest else [])
-    arrested = bool(result.tips) and not moved and n_steps is not None
+    arrested = bool(result.tips) and not moved and n_steps is not None and result.step < n_steps  # else none is to
     return ", ".join(
         [
             step_label(result.step, n_steps),
