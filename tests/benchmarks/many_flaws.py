@@ -20,12 +20,11 @@ from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import tip_site
-from crackgrow.fracture.stress_intensity import interaction_integrals
-from crackgrow.fracture.tip_stress import site_fields
 from crackgrow.run.configuration import crack_geometry
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.stiffness import stiffness_after
 from tests.benchmarks.flaw_field import kept_apart
+from tests.near_tips import interaction_integrals, site_fields
 
 SIDE = 100.0  # mm
 APART = 3.0  # mm
