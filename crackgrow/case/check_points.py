@@ -33,9 +33,7 @@ def check_points(scene: Scene) -> None:
             if np.array_equal(*point["between"]):
                 scene.report.fault((*key, "between"), "the two points are one")
         elif "crack" in point:
-            line = scene.cracks.get(point["crack"], ())
-            if knows_crack(scene, (*key, "crack"), point["crack"]) and len(line) > 1:
-                _on_lines(scene, key, point, LineString(line), f"crack '{point['crack']}'")
+            _on_crack(scene, key, point)
         elif "interface" in point:
             _on_interface(scene, key, point)
         else:
@@ -71,6 +69,12 @@ def place_in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved) 
                 scene.report.fault(key, message)
         _note(scene, key, scene.bodies[nearest].polygon, point)
         scene.holders[key] = nearest
+
+
+def _on_crack(scene: Scene, key: Path, point: Resolved) -> None:
+    name = point["crack"]
+    if knows_crack(scene, (*key, "crack"), name) and len(scene.cracks.get(name, ())) > 1:
+        _on_lines(scene, key, point, LineString(scene.cracks[name]), f"crack '{name}'")
 
 
 def _on_interface(scene: Scene, key: Path, point: Resolved) -> None:

@@ -30,16 +30,16 @@ examples:
 
 def trade(arguments: argparse.Namespace) -> int:
     """`crackgrow trade`: errors and seconds over a grid of settings."""
-    from crackgrow.study.trade.plan import plan_trade  # only now: they load the solver
+    from crackgrow.study.setting import CaseFile  # only now: they load the solver
+    from crackgrow.study.trade.plan import plan_trade
     from crackgrow.study.trade.row import trade_line
     from crackgrow.study.trade.runner import trade as trials
 
     case = load_case_file(arguments)
     folder = arguments.out or Path("outputs/trade") / case.name
     plan = plan_trade(
-        arguments.case,
+        CaseFile(arguments.case, tuple(arguments.overrides)),
         folder,
-        overrides=arguments.overrides,
         axes=arguments.axis,
         reference=arguments.reference,
         steps=arguments.steps,
