@@ -10,6 +10,7 @@ from crackgrow.case.model import (
     ContactSupport,
     Crack,
     CriticalLoad,
+    EdgePressure,
     EdgeSupport,
     EdgeTraction,
     FacePoint,
@@ -94,13 +95,15 @@ def _support(scene: Scene, index: int, support: Resolved) -> Support:
 
 
 def _load(scene: Scene, index: int, load: Resolved) -> Load:
+    if "traction" in load:
+        return made(EdgeTraction, load, region=scene.regions["loads", index, "on"])
+    if "on" in load:
+        return made(EdgePressure, load, region=scene.regions["loads", index, "on"])
     if "pressure" in load:
         return made(FluidPressure, load, surface=_surface(load))
     if "force" in load:
         key = ("loads", index, "at")
         return made(PointForce, load, body=scene.holders[key], point=scene.places[key])
-    if "traction" in load:
-        return made(EdgeTraction, load, region=scene.regions["loads", index, "on"])
     return made(Gravity, load) if "gravity" in load else made(InSituStress, load)
 
 

@@ -13,6 +13,7 @@ from crackgrow.case.model import (
     ContactSupport,
     CoulombContact,
     Crack,
+    EdgePressure,
     EdgeSupport,
     EdgeTraction,
     FacePoint,
@@ -96,6 +97,7 @@ _PRESSED: Final = Field(PAIR, "names of two bodies with an interface that is not
 LOAD: Final = OneOf(
     (
         mapping_of(EdgeTraction),
+        mapping_of(EdgePressure),
         mapping_of(Gravity),
         Mapping({"crack": Field(Text(), "name of a crack"), **_PRESSURE}),
         mapping_of(InSituStress),

@@ -20,6 +20,7 @@ from crackgrow.case.model import (
     CoulombContact,
     Crack,
     CriticalLoad,
+    EdgePressure,
     EdgeSupport,
     EdgeTraction,
     FluidPressure,
@@ -153,6 +154,8 @@ def _loads(case: Case) -> str:
             words.append(f"gravity on {load.body}{held}")
         elif isinstance(load, FluidPressure):
             words.append(f"pressure {component_text(load.pressure)} in {surface_text(load.surface)}{held}")
+        elif isinstance(load, EdgePressure):
+            words.append(f"pressure {component_text(load.pressure)} on {load.region.body}.{load.region.edge}{held}")
         elif isinstance(load, PointForce):
             words.append(f"a force at a point of {load.body}{held}")
         elif isinstance(load, InSituStress):
@@ -213,9 +216,9 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
         return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"
-    radius = ", ".join(_radii(case, growth, scale, unit))
+    radius = "".join(f", {text}" for text in _radii(case, growth, scale, unit))
     if growth.steps == 0:
-        return f"growth: none, {growth.criterion} is judged, {radius}"
+        return f"growth: none, {growth.criterion} is judged{radius}"
     steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
     law = growth.subcritical
     if law is not None:
@@ -223,7 +226,7 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
     at = growth.initiation.at
     starts = "" if at == "tips" else f", new cracks {'anywhere' if at == 'anywhere' else f'at {at}'}"
     return (
-        f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}{starts}, {radius}{memory}"
+        f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}{starts}{radius}{memory}"
     )
 
 

@@ -15,6 +15,7 @@ from crackgrow.case.model import (
     Component,
     ContactSupport,
     CoulombContact,
+    EdgePressure,
     EdgeRegion,
     EdgeSupport,
     EdgeTraction,
@@ -240,18 +241,24 @@ def _load(load: Load, placement: Placement, corners: dict[str, list[int]]) -> Lo
     if isinstance(load, EdgeTraction):
         traction = _traction(load.traction, placement)
         return replace(load, region=_region(load.region, placement, corners), traction=traction)
+    if isinstance(load, EdgePressure):
+        region = _region(load.region, placement, corners)
+        return replace(load, region=region, pressure=_pressure(load.pressure, placement))
     if isinstance(load, Gravity):
         return replace(load, acceleration=placement.vector(load.acceleration, placement.stress / placement.size))
     if isinstance(load, FluidPressure):
-        pressure = load.pressure
-        if callable(pressure):
-            return replace(load, pressure=_Sum([pressure], [placement.stress], placement))
-        return replace(load, pressure=placement.stress * pressure)
+        return replace(load, pressure=_pressure(load.pressure, placement))
     if isinstance(load, PointForce):
         force = placement.vector(load.force, placement.stress * placement.size)
         return replace(load, point=placement.points(load.point[None])[0], force=force)
     assert isinstance(load, InSituStress)
     return replace(load, stress=_stress(load.stress, placement))
+
+
+def _pressure(pressure: Component, placement: Placement) -> Component:
+    if callable(pressure):
+        return _Sum([pressure], [placement.stress], placement)
+    return placement.stress * pressure
 
 
 def _stress(stress: Stress, placement: Placement) -> Stress:
