@@ -68,13 +68,15 @@ def _support(scene: Scene, index: int, support: Resolved) -> model.Support:
 
 
 def _load(scene: Scene, index: int, load: Resolved) -> model.Load:
+    if "traction" in load:
+        return made(model.EdgeTraction, load, region=scene.regions["loads", index, "on"])
+    if "on" in load:
+        return made(model.EdgePressure, load, region=scene.regions["loads", index, "on"])
     if "pressure" in load:
         return made(model.FluidPressure, load, surface=_surface(load))
     if "force" in load:
         key = ("loads", index, "at")
         return made(model.PointForce, load, body=scene.holders[key], point=scene.places[key])
-    if "traction" in load:
-        return made(model.EdgeTraction, load, region=scene.regions["loads", index, "on"])
     return made(model.Gravity, load) if "gravity" in load else made(model.InSituStress, load)
 
 

@@ -77,6 +77,7 @@ _PRESSED: Final = Field(PAIR, "names of two bodies with an interface that is not
 LOAD: Final = OneOf(
     (
         mapping_of(model.EdgeTraction),
+        mapping_of(model.EdgePressure),
         mapping_of(model.Gravity),
         Mapping({"crack": Field(Text(), "name of a crack"), **_PRESSURE}),
         mapping_of(model.InSituStress),

@@ -132,6 +132,8 @@ def _loads(case: Case) -> str:
             words.append(f"gravity on {load.body}{held}")
         elif isinstance(load, model.FluidPressure):
             words.append(f"pressure {component_text(load.pressure)} in {surface_text(load.surface)}{held}")
+        elif isinstance(load, model.EdgePressure):
+            words.append(f"pressure {component_text(load.pressure)} on {load.region.body}.{load.region.edge}{held}")
         elif isinstance(load, model.PointForce):
             words.append(f"a force at a point of {load.body}{held}")
         elif isinstance(load, model.InSituStress):
@@ -188,18 +190,16 @@ def _growth_line(case: Case, scale: float, unit: str) -> str:
         return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"
-    radius = ", ".join(_radii(case, growth, scale, unit))
+    radius = "".join(f", {text}" for text in _radii(case, growth, scale, unit))
     if growth.steps == 0:
-        return f"growth: none, {growth.criterion} is judged, {radius}"
+        return f"growth: none, {growth.criterion} is judged{radius}"
     steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
     law = growth.subcritical
     if law is not None:
         steps += f" at most, v = {law.velocity:g} m/s (K/K_c)^{law.exponent:g}"
     at = growth.initiation.at
     starts = "" if at == "tips" else f", new cracks {'anywhere' if at == 'anywhere' else f'at {at}'}"
-    return (
-        f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}{starts}, {radius}{memory}"
-    )
+    return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}{starts}{radius}{memory}"
 
 
 def _radii(case: Case, growth: model.Growth, scale: float, unit: str) -> Iterator[str]:

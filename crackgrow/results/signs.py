@@ -18,6 +18,7 @@ from crackgrow.results.places import component_text, length_unit, lines_of, size
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it
 APART, SHEAR_APART = 0.08, 0.14  # of the scene's size: from arrow to arrow
+HOLE: Final = 3.0  # a hole is drawn on as if a scene were no larger than this times its width
 MOST_ARROWS: Final = 14  # along an edge
 SHEAR: Final = 0.5  # sine of the angle to an edge below which a traction runs along it
 SEEN: Final = 0.2  # of the longest arrow of a load: shorter ones are left out
@@ -135,7 +136,7 @@ def _edge_sign(case: Case, support: model.EdgeSupport | model.ContactSupport, si
 def _load_sign(case: Case, load: model.Load, size: float) -> Sign | None:
     held = ", held" if load.held else ""
     reach = ARROW * size
-    if isinstance(load, model.EdgeTraction):
+    if isinstance(load, model.EdgeLoad):
         return _traction(case, load, size, held)
     if isinstance(load, model.Gravity) and any(load.acceleration):
         outline = _body(case, load.body).outline
@@ -166,14 +167,17 @@ def _pressure(case: Case, load: model.FluidPressure, size: float, held: str) -> 
     return Sign(f"pressure in {surface_text(load.surface)}", tuple(marks), (words,))
 
 
-def _traction(case: Case, load: model.EdgeTraction, size: float, held: str) -> Sign | None:
+def _traction(case: Case, load: model.EdgeLoad, size: float, held: str) -> Sign | None:
     """Arrows along an edge that push on it or pull at it, or, where they only shear it, run beside it."""
+    hole, below = _hole_of(case, load.region), 0.05 * size
+    if hole is not None:
+        size = min(size, HOLE * float(np.ptp(hole, axis=0).min()))
     stretches = _stretches(case, load.region, APART * size)
+    _, middle = stretches[len(stretches) // 2]
     ends = np.concatenate([line for line, _ in stretches])
-    mean = np.array([_typical(component_at(component, ends)) for component in load.traction])
+    mean = np.array([_typical(along) for along in load.traction_at(ends, np.tile(middle, (len(ends), 1))).T])
     if not mean.any():
         return None
-    _, middle = stretches[len(stretches) // 2]
     shears = abs(float(_unit(mean) @ middle)) < SHEAR
     places = _spread(stretches, (SHEAR_APART if shears else APART) * size)
     points = [support for support in case.supports if isinstance(support, model.PointSupport)]
@@ -184,18 +188,23 @@ def _traction(case: Case, load: model.EdgeTraction, size: float, held: str) -> S
     line, outward = stretches[len(stretches) // 2]  # two loads on an edge are mostly one across and one along it
     away = AWAY * ARROW * size + (0.0 if free else gap)
     place = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0]) + away * outward
-    given = ", ".join(f"t{axis}" for axis, value in zip("xy", mean, strict=True) if value)
-    values = ", ".join(component_text(of) for of, value in zip(load.traction, mean, strict=True) if value)
-    words = Words(place, f"{given} = {values}{held}", "load", upright=abs(outward[0]) > SHEAR)
-    return Sign(f"traction on {load.region.body}.{load.region.edge}", marks, (words,))
+    if isinstance(load, model.EdgePressure):
+        what, given, values = "pressure", "p", component_text(load.pressure)
+    else:
+        what, given = "traction", ", ".join(f"t{axis}" for axis, value in zip("xy", mean, strict=True) if value)
+        values = ", ".join(component_text(of) for of, value in zip(load.traction, mean, strict=True) if value)
+    if hole is not None:
+        place = np.array([np.mean(hole[:, 0]), hole[:, 1].min() - below])
+    words = Words(place, f"{given} = {values}{held}", "load", upright=hole is None and abs(outward[0]) > SHEAR)
+    return Sign(f"{what} on {load.region.body}.{load.region.edge}", marks, (words,))
 
 
 def _traction_arrows(
-    load: model.EdgeTraction, places: Sequence[tuple[Floats, Floats]], gap: float, reach: float
+    load: model.EdgeLoad, places: Sequence[tuple[Floats, Floats]], gap: float, reach: float
 ) -> tuple[Arrow, ...]:
     """An arrow for each place and its outward direction, as long as the traction there is large."""
-    points = np.array([place for place, _ in places])
-    traction = np.column_stack([component_at(component, points) for component in load.traction])
+    points, outwards = (np.array(of) for of in zip(*places, strict=True))
+    traction = load.traction_at(points, outwards)
     strength = np.hypot(*traction.T)
     if not strength.any():
         return ()
@@ -289,6 +298,14 @@ def _straight(points: Floats) -> list[tuple[Floats, Floats]]:
     """The parts of a line (n, 2) with their right-hand normals."""
     parts = np.stack([points[:-1], points[1:]], axis=1)
     return [(part, _unit((part[1] - part[0])[::-1] * [1.0, -1.0])) for part in parts]
+
+
+def _hole_of(case: Case, region: model.EdgeRegion) -> Floats | None:
+    """The ring (n, 2) m of the hole that an edge bounds; none on an outline."""
+    outline, *holes = [ring.points for ring in _body(case, region.body).rings]
+    last = len(outline) + np.cumsum([len(hole) for hole in holes])
+    number = int(np.searchsorted(last, region.sides[0], side="right"))
+    return holes[number] if holes and region.sides[0] >= len(outline) else None
 
 
 def _stretches(case: Case, region: model.EdgeRegion, shortest: float) -> list[tuple[Floats, Floats]]:

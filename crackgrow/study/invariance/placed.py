@@ -223,18 +223,24 @@ def _load(load: model.Load, placement: Placement, corners: dict[str, list[int]])
     if isinstance(load, model.EdgeTraction):
         traction = _traction(load.traction, placement)
         return replace(load, region=_region(load.region, placement, corners), traction=traction)
+    if isinstance(load, model.EdgePressure):
+        region = _region(load.region, placement, corners)
+        return replace(load, region=region, pressure=_pressure(load.pressure, placement))
     if isinstance(load, model.Gravity):
         return replace(load, acceleration=placement.vector(load.acceleration, placement.stress / placement.size))
     if isinstance(load, model.FluidPressure):
-        pressure = load.pressure
-        if callable(pressure):
-            return replace(load, pressure=_Sum([pressure], [placement.stress], placement))
-        return replace(load, pressure=placement.stress * pressure)
+        return replace(load, pressure=_pressure(load.pressure, placement))
     if isinstance(load, model.PointForce):
         force = placement.vector(load.force, placement.stress * placement.size)
         return replace(load, point=placement.points(load.point[None])[0], force=force)
     assert isinstance(load, model.InSituStress)
     return replace(load, stress=_stress(load.stress, placement))
+
+
+def _pressure(pressure: Component, placement: Placement) -> Component:
+    if callable(pressure):
+        return _Sum([pressure], [placement.stress], placement)
+    return placement.stress * pressure
 
 
 def _stress(stress: Stress, placement: Placement) -> Stress:

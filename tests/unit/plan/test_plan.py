@@ -100,6 +100,28 @@ def test_warnings_come_before_the_run(settings: tuple[str, ...], words: str) -> 
     assert not any(words in text for text in words_of(sizes_of(load_case(CASES / "compression30.yaml"))))
 
 
+PRESSED = (
+    "{on: {edge: top}, traction: [0, -20], held: true}, {on: {edge: bottom}, traction: [0, PUSH], held: true}, "
+    "{stress: [0, -20, 0], held: true}"
+)
+WEIGHT = "{gravity: [0, -80000 m/s^2], held: true}"  # 11 MPa over the height
+
+
+@pytest.mark.parametrize(
+    ("loads", "warned"),
+    [
+        (PRESSED.replace("PUSH", "20"), False),
+        (PRESSED.replace("PUSH", "31"), True),
+        (f"{PRESSED.replace('PUSH', '31')}, {WEIGHT}", False),
+        (f"{PRESSED.replace('PUSH', '20')}, {WEIGHT}", False),
+    ],
+)
+def test_loads_that_stress_in_the_rock_or_weight_balances_leave_nothing_to_points(loads: str, warned: bool) -> None:
+    settings = ("bodies.rock.material.density=2500 kg/m^3", f"loads=[{loads}]")
+    told = words_of(sizes_of(coarse("compression30", *settings)))
+    assert any("are carried by supports at points" in text for text in told) == warned
+
+
 def test_short_cracks_are_one_warning_that_tells_the_shortest() -> None:
     second = "cracks.b={path: {center: [0, 12], length: 4, angle: 0}, contact: none}"
     lines = plan_text(coarse("compression30", "cracks.flaw.path.length=6", second)).splitlines()
