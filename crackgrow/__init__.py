@@ -1,28 +1,7 @@
 """Frictional crack growth in rock by MLS-NMM (moving least squares, numerical manifold method).
 
-The parts, from the ground up; each imports only from those above it:
-
-arrays         the types of arrays
-ragged         lists of different lengths in one array
-blas           one thread for linear algebra, while a case is solved
-vectors        cross products of vectors of the plane
-case           a YAML file becomes a checked, frozen Case in SI units
-geometry       polylines, the arrangement of lines that cuts the lattice, tolerances
-cover          lattice, manifold elements, physical patches, tips, numbering of functions
-approximation  weights, moving least squares, tip functions: value and gradient of every dof at points
-quadrature     integration rules, and the points of elements and edges
-direct         the direct solver: sparse symmetric matrices, nested dissection, the multifrontal method
-solid          elasticity: stiffness, loads, supports, the linear solve, stress
-contact        crack faces: contact points, jump, Coulomb law, the contact solvers
-fracture       tip stress, stress intensity, growth criteria, advance of a tip
-estimate       the error in the energy norm
-run            one step, and the loop over the steps
-results        tables, frames, figures and a report on disk, made from the results alone
-plan           what a case will model and cost, and a picture of it, before anything is solved
-study          what several runs tell: how far apart their crack paths are, whether a case is the same
-               in other units and places, what accuracy costs, what parameters do: one run for each combination
-api            a case solved or run from Python: arrays, tables, meshes, fields at points
-cli            the command line, the only place that prints
+The rooms of the package, from the ground up, what each holds and which file has which equation: README.md beside this
+file. Each room imports only from those before it.
 """
 
 from __future__ import annotations
@@ -94,10 +73,10 @@ _HOMES = {
 _MOVED = {
     "case": "dump_case",
     "case.json_schema": "case_schema",
+    "plan.overview": "overview",
     "plan.picture": "draw_scene",
     "plan.text": "plan_text",
     "results.animation": "find_ffmpeg write_gif write_mp4",
-    "results.overview": "overview",
     "results.render": "render",
     "results.report": "write_report",
     "results.resume": "find_resumption",

@@ -22,6 +22,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results.data_frames import RunTables, frame_of_results
 from crackgrow.results.gathered import Gathered
+from crackgrow.results.summary import Tally, peak_memory_mb, summarize
 from crackgrow.results.tables import event_rows, path_rows
 from crackgrow.results.vtk_frames import FIELDS, as_pyvista, specimen_grid
 from crackgrow.results.writer import RunWriter
@@ -221,6 +222,14 @@ class Run(_Tables):
     def reason(self) -> str:
         """Why it ended, in words."""
         return self.end.reason
+
+    @property
+    def summary(self) -> dict[str, object]:
+        """What summary.json says: the factor of safety, error estimates, events, warnings; times are without files."""
+        tally = Tally()
+        for result in self.results:
+            tally.add(result)
+        return summarize(self.case, tally, self.end, sum(tally.seconds.values()), peak_memory_mb())
 
     @property
     def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Event]]:

@@ -14,7 +14,7 @@ from crackgrow.errors import SolveError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
-from crackgrow.study.one_run import write_run
+from crackgrow.study.timed_run import write_run
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
 COARSE = ("numerics.spacing=4", "growth.steps=3", "output.frames=none", "output.figures=false")

@@ -2,8 +2,8 @@
 
 A file goes through reader (nodes that know their line), base, overrides, format (a tree of specs, which come from the
 fields of the model by way of declared, and from spellings), layout (the geometry, made of shapes and neighbours;
-regions), checks and build. `dump_case` writes a case that reads back to the same bits; mappings are the same for
-Python.
+regions), spacing, checks and build. `dump_case` writes a case that reads back to the same bits; `from_dict` and
+`to_dict` do the same in Python.
 """
 
 from crackgrow.case.dump import dump_case

@@ -2,47 +2,20 @@
 
 from __future__ import annotations
 
+from crackgrow.case import model
 from crackgrow.case.declared import made
 from crackgrow.case.layout import Scene
-from crackgrow.case.model import (
-    Body,
-    Case,
-    ContactSupport,
-    Crack,
-    CriticalLoad,
-    EdgeSupport,
-    EdgeTraction,
-    FacePoint,
-    FluidPressure,
-    Gravity,
-    HistoryPoint,
-    InSituStress,
-    Interface,
-    Load,
-    LoadHistory,
-    Loading,
-    Output,
-    PointForce,
-    PointPair,
-    PointSupport,
-    Ring,
-    RockPoint,
-    Stage,
-    Stages,
-    StrengthReduction,
-    Support,
-)
 from crackgrow.case.neighbours import shared_lines
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
 
 REDUCTION = "strength_reduction"
 
 
-def build_case(name: str, scene: Scene) -> Case:
+def build_case(name: str, scene: Scene) -> model.Case:
     """Return the case of a scene that has no faults."""
     resolved = scene.resolved
     return made(
-        Case,
+        model.Case,
         resolved,
         name=name,
         bodies=tuple(_body(scene.bodies[key], body) for key, body in resolved["bodies"].items()),
@@ -58,14 +31,15 @@ def build_case(name: str, scene: Scene) -> Case:
     )
 
 
-def _body(shape: BodyShape, body: Resolved) -> Body:
-    return made(Body, body, name=shape.name, rings=tuple(Ring(ring.points, ring.edge_names) for ring in shape.rings))
+def _body(shape: BodyShape, body: Resolved) -> model.Body:
+    rings = tuple(model.Ring(ring.points, ring.edge_names) for ring in shape.rings)
+    return made(model.Body, body, name=shape.name, rings=rings)
 
 
-def _crack(scene: Scene, name: str, crack: Resolved) -> Crack:
+def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
     tips, points = scene.tips_of(name), scene.cracks[name]
     return made(
-        Crack,
+        model.Crack,
         crack,
         name=name,
         points=points,
@@ -76,32 +50,34 @@ def _crack(scene: Scene, name: str, crack: Resolved) -> Crack:
     )
 
 
-def _interface(scene: Scene, interface: Resolved) -> Interface:
+def _interface(scene: Scene, interface: Resolved) -> model.Interface:
     first, second = interface["between"]
     lines = shared_lines(scene.bodies[first], scene.bodies[second], scene.tolerance)
-    return made(Interface, interface, lines=lines)
+    return made(model.Interface, interface, lines=lines)
 
 
-def _support(scene: Scene, index: int, support: Resolved) -> Support:
+def _support(scene: Scene, index: int, support: Resolved) -> model.Support:
     if "at" in support:
-        return made(PointSupport, support)
+        return made(model.PointSupport, support)
     region = scene.regions["supports", index, "on"]
     return (
-        made(ContactSupport, support, region=region)
+        made(model.ContactSupport, support, region=region)
         if "contact" in support
-        else made(EdgeSupport, support, region=region)
+        else made(model.EdgeSupport, support, region=region)
     )
 
 
-def _load(scene: Scene, index: int, load: Resolved) -> Load:
+def _load(scene: Scene, index: int, load: Resolved) -> model.Load:
+    if "traction" in load:
+        return made(model.EdgeTraction, load, region=scene.regions["loads", index, "on"])
+    if "on" in load:
+        return made(model.EdgePressure, load, region=scene.regions["loads", index, "on"])
     if "pressure" in load:
-        return made(FluidPressure, load, surface=_surface(load))
+        return made(model.FluidPressure, load, surface=_surface(load))
     if "force" in load:
         key = ("loads", index, "at")
-        return made(PointForce, load, body=scene.holders[key], point=scene.places[key])
-    if "traction" in load:
-        return made(EdgeTraction, load, region=scene.regions["loads", index, "on"])
-    return made(Gravity, load) if "gravity" in load else made(InSituStress, load)
+        return made(model.PointForce, load, body=scene.holders[key], point=scene.places[key])
+    return made(model.Gravity, load) if "gravity" in load else made(model.InSituStress, load)
 
 
 def _surface(item: Resolved) -> str | tuple[str, ...]:
@@ -109,44 +85,44 @@ def _surface(item: Resolved) -> str | tuple[str, ...]:
     return str(item["crack"]) if "crack" in item else tuple(item["interface"])
 
 
-def _loading(resolved: Resolved) -> Loading:
+def _loading(resolved: Resolved) -> model.Loading:
     loading = resolved["loading"]
     if isinstance(loading, str):
-        return StrengthReduction() if loading == REDUCTION else CriticalLoad()
+        return model.StrengthReduction() if loading == REDUCTION else model.CriticalLoad()
     if "stages" in loading:
         return _stages(loading["stages"], resolved["loads"])
-    return LoadHistory(tuple(loading["history"]))
+    return model.LoadHistory(tuple(loading["history"]))
 
 
-def _stages(given: list[Resolved], loads: list[Resolved]) -> Stages:
+def _stages(given: list[Resolved], loads: list[Resolved]) -> model.Stages:
     """Every stage with all that holds at its end: what it does not say is as before; what is taken out is released."""
     named = {name for stage in given for name in stage.get("loads", {})}
     own = {load["name"]: float(load["held"]) for load in loads if load.get("name") in named}
-    before = stage = Stage("", 0.0, tuple(own.items()), ())
-    stages: list[Stage] = []
+    before = stage = model.Stage("", 0.0, tuple(own.items()), ())
+    stages: list[model.Stage] = []
     for number, item in enumerate(given):
         own.update(item.get("loads", {}))
         excavate, release = item.get("excavate", []), item.get("release", float("excavate" in item))
         gone = dict(stage.excavated) | dict.fromkeys([excavate] if isinstance(excavate, str) else excavate, 0.0)
         excavated = tuple((body, max(share, release)) for body, share in gone.items())
         factor = item.get("factor", stage.factor if number else 1.0)
-        stage = Stage(item.get("name", f"stage {number}"), factor, tuple(own.items()), excavated)
+        stage = model.Stage(item.get("name", f"stage {number}"), factor, tuple(own.items()), excavated)
         stages.append(stage)
-    return Stages(before, tuple(stages))
+    return model.Stages(before, tuple(stages))
 
 
-def _output(scene: Scene, output: Resolved) -> Output:
+def _output(scene: Scene, output: Resolved) -> model.Output:
     points = tuple(_history_point(scene, name, point) for name, point in output.get("points", {}).items())
-    return made(Output, {**output, "fields": list(dict.fromkeys(output["fields"]))}, points=points)
+    return made(model.Output, {**output, "fields": list(dict.fromkeys(output["fields"]))}, points=points)
 
 
-def _history_point(scene: Scene, name: str, point: Resolved) -> HistoryPoint:
+def _history_point(scene: Scene, name: str, point: Resolved) -> model.HistoryPoint:
     key = ("output", "points", name)
     if "between" in point:
         ends = [(*key, "between", end) for end in range(2)]
         first, second = (scene.holders[end] for end in ends)
-        return PointPair(name, (first, second), frozen([scene.places[end] for end in ends]))
+        return model.PointPair(name, (first, second), frozen([scene.places[end] for end in ends]))
     place = scene.places[*key, "at"]
     if "crack" in point or "interface" in point:
-        return made(FacePoint, point, name=name, surface=_surface(point), point=place)
-    return made(RockPoint, point, name=name, body=scene.holders[*key, "at"], point=place)
+        return made(model.FacePoint, point, name=name, surface=_surface(point), point=place)
+    return made(model.RockPoint, point, name=name, body=scene.holders[*key, "at"], point=place)

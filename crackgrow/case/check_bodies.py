@@ -66,16 +66,19 @@ def check_loads(scene: Scene) -> None:
                     places = _places_in(scene.bodies[load["body"]])
                     check_formula(scene, ("loads", index, "stress", axis), component, places)
     for index, load in scene.items("loads", "pressure"):
+        if "on" in load:
+            continue
         lines = _pressed_interface(scene, index, load) if "interface" in load else _pressed_crack(scene, index, load)
         for points in lines:
             ends = np.stack([points[:-1], points[1:]], axis=1)
             check_formula(scene, ("loads", index, "pressure"), load["pressure"], sampled(ends))
-    for index, load in scene.items("loads", "traction"):
+    for index, load in scene.items("loads", "on"):
         region = scene.regions.get(("loads", index, "on"))
         if region is not None:
             points = sampled(ends_of(scene.bodies[region.body], region))
-            for axis, component in enumerate(load["traction"]):
+            for axis, component in enumerate(load.get("traction", ())):
                 check_formula(scene, ("loads", index, "traction", axis), component, points)
+            check_formula(scene, ("loads", index, "pressure"), load.get("pressure"), points)
     for index, load in scene.items("loads", "force") if scene.complete else ():
         place_in_rock(scene, ("loads", index, "at"), load["at"], load)
 

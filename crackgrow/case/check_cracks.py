@@ -10,6 +10,7 @@ from shapely import LineString, Point, Polygon
 
 from crackgrow.arrays import Floats
 from crackgrow.case.check_meetings import check_meetings, meets_itself
+from crackgrow.case.features import line_length
 from crackgrow.case.layout import SHORTEST, Scene
 from crackgrow.case.segments import common_parts
 from crackgrow.case.shapes import BodyShape
@@ -36,7 +37,7 @@ def check_cracks(scene: Scene) -> None:
         if len(points) < 2:
             _refuse(scene, name, "has no length: at least two different points are wanted")
             continue
-        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+        length = line_length(points)
         if spacing is not None and length < SHORTEST * spacing:
             limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
             _refuse(scene, name, f"length {scene.length(length)} is less than {limit}")

@@ -99,3 +99,33 @@ def _check_sizes(scene: Scene) -> None:
         else:
             told = f"asks {scene.get('growth', 'criterion')} for an averaging radius by the tension that is too large"
             scene.report.fault(key, f"{told}: {message}; max_hoop_stress needs none")
+
+
+def check_subcritical(scene: Scene) -> None:
+    """Growth below the toughness has its constants and a toughness, under loads that are given.
+
+    All tips go at once, and none starts.
+    """
+    law, report = scene.get("growth", "law"), scene.report
+    given = scene.get("growth", "subcritical") is not None
+    if law == "critical" and given:
+        report.fault(("growth", "subcritical"), "is for law: subcritical; leave it out, or give `law: subcritical`")
+    if law != "subcritical":
+        return
+    if not given and report.sound("growth", "subcritical"):
+        message = "missing: {velocity: v_max, exponent: n} of v = v_max (K/K_c)^n, for law: subcritical"
+        report.fault(("growth", "subcritical"), message)
+    advance, at = scene.get("growth", "advance"), scene.get("growth", "initiation", "at")
+    if advance not in (None, "all"):
+        message = f"{advance} given; wanted with law: subcritical: all, since every tip has its velocity"
+        report.fault(("growth", "advance"), message)
+    if at not in (None, "tips"):
+        message = f"{at} given; wanted with law: subcritical: tips. Cracks start where the criterion is met, at no time"
+        report.fault(("growth", "initiation", "at"), message)
+    if scene.get("loading") == "critical":
+        message = "critical holds a tip at K = K_c, where it is unstable; wanted with growth.law: subcritical"
+        report.fault(("loading",), f"{message}: a history of loads, or stages")
+    without = strengths(scene, with_toughness=False) if report.sound("bodies") else []
+    if without:
+        message = f"subcritical needs K over K_c, and bodies.{without[0]}.strength has no toughness; give it one"
+        report.fault(("growth", "law"), message)

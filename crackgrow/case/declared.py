@@ -80,7 +80,8 @@ def declared(cls: Any) -> tuple[Declared, ...]:
         doc = next((item for item in said if isinstance(item, Doc)), None)
         if doc is None:
             continue
-        kinds = _kinds_of(hints[part.name].__origin__)
+        hint = hints[part.name].__origin__
+        kinds = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
         field = Field(_spec_of(kinds, doc, said), doc.text, doc.default, doc.offered, doc.also)
         item = Declared(part.name, doc.key or part.name, kinds, field, doc.drawn, doc.short)
         if doc.default is AS_FIELD:
@@ -120,10 +121,6 @@ def _is_told(item: Declared, value: Any) -> bool:
     if value is None:
         return item.word_for_none is not None
     return not isinstance(item.spec, Quantity) or item.spec.bounds.hold(value)
-
-
-def _kinds_of(hint: Any) -> tuple[Any, ...]:
-    return get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
 
 
 def _spec_of(kinds: tuple[Any, ...], doc: Doc, said: tuple[Any, ...]) -> Spec:

@@ -5,28 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from crackgrow.case import model
 from crackgrow.case.base import OfFile
 from crackgrow.case.declared import keys_of, mapping_of
-from crackgrow.case.model import (
-    Body,
-    Case,
-    ContactSupport,
-    CoulombContact,
-    Crack,
-    EdgeSupport,
-    EdgeTraction,
-    FacePoint,
-    FluidPressure,
-    Gravity,
-    InSituStress,
-    Interface,
-    Material,
-    Output,
-    PointForce,
-    PointPair,
-    PointSupport,
-    RockPoint,
-)
 from crackgrow.case.outline_file import with_file_edges
 from crackgrow.case.references import Definitions
 from crackgrow.case.report import Path
@@ -57,7 +38,7 @@ EDGES: Final = Named("edge", OneOrList(Integer(NOT_NEGATIVE)))
 BODY: Final = Converted(
     Mapping(
         {
-            **keys_of(Body),
+            **keys_of(model.Body),
             "edges": Field(EDGES, "names for edges of a polygon: a number, or a list of consecutive ones", OPTIONAL),
         }
     ),
@@ -69,7 +50,7 @@ TIPS: Final = Choice(
     ("both ends", "the first point alone", "the last point alone", "it stays as it is"),
 )
 
-_CRACK_KEYS: Final = keys_of(Crack)
+_CRACK_KEYS: Final = keys_of(model.Crack)
 CRACK: Final = Mapping(
     {
         "path": _CRACK_KEYS["path"],
@@ -79,7 +60,7 @@ CRACK: Final = Mapping(
 )
 
 SUPPORT: Final = OneOf(
-    (Mapping(keys_of(PointSupport, last="body")), mapping_of(EdgeSupport), mapping_of(ContactSupport))
+    (Mapping(keys_of(model.PointSupport, last="body")), mapping_of(model.EdgeSupport), mapping_of(model.ContactSupport))
 )
 
 MINIMAL: Final = "minimal"
@@ -90,16 +71,17 @@ SUPPORTS: Final = WordOr(
     ("three constraints at points of the outline, which take no force: for loads that balance",),
 )
 
-_PRESSURE: Final = keys_of(FluidPressure)
+_PRESSURE: Final = keys_of(model.FluidPressure)
 _PRESSED: Final = Field(PAIR, "names of two bodies with an interface that is not bonded")
 
 LOAD: Final = OneOf(
     (
-        mapping_of(EdgeTraction),
-        mapping_of(Gravity),
+        mapping_of(model.EdgeTraction),
+        mapping_of(model.EdgePressure),
+        mapping_of(model.Gravity),
         Mapping({"crack": Field(Text(), "name of a crack"), **_PRESSURE}),
-        mapping_of(InSituStress),
-        mapping_of(PointForce),
+        mapping_of(model.InSituStress),
+        mapping_of(model.PointForce),
         Mapping({"interface": _PRESSED, **_PRESSURE}),
     )
 )
@@ -136,7 +118,14 @@ def _history_or_stages(value: object, path: Path, context: Context) -> object:
     return value or {"history": [1.0]}
 
 
-LOADING: Final = WordOr(("critical", "strength_reduction"), Converted(_HISTORY, _history_or_stages))
+LOADING: Final = WordOr(
+    ("critical", "strength_reduction"),
+    Converted(_HISTORY, _history_or_stages),
+    (
+        "every step finds the load factor at which the criterion of growth is just met",
+        "friction and cohesion of contact are divided by a factor until the scene fails",
+    ),
+)
 
 
 _ON_A_CRACK: Final = Field(Text(), "name of a crack: its opening and slip")
@@ -144,27 +133,27 @@ _ON_AN_INTERFACE: Final = Field(PAIR, "names of two bodies: opening and slip of 
 
 HISTORY_POINT: Final = OneOf(
     (
-        mapping_of(RockPoint),
-        Mapping({"crack": _ON_A_CRACK, **keys_of(FacePoint)}),
-        Mapping({"interface": _ON_AN_INTERFACE, **keys_of(FacePoint)}),
-        mapping_of(PointPair),
+        mapping_of(model.RockPoint),
+        Mapping({"crack": _ON_A_CRACK, **keys_of(model.FacePoint)}),
+        Mapping({"interface": _ON_AN_INTERFACE, **keys_of(model.FacePoint)}),
+        mapping_of(model.PointPair),
     )
 )
 
 OUTPUT: Final = Mapping(
     {
-        **keys_of(Output),
+        **keys_of(model.Output),
         "points": Field(
             Named("point", HISTORY_POINT), "places whose course history.csv tells, with reactions", OPTIONAL
         ),
     }
 )
 
-MATERIALS: Final = Definitions(Named("material", mapping_of(Material), at_most=200))
-LAWS: Final = Definitions(Named("law", mapping_of(CoulombContact)), words=("none", "bonded"))
+MATERIALS: Final = Definitions(Named("material", mapping_of(model.Material), at_most=200))
+LAWS: Final = Definitions(Named("law", mapping_of(model.CoulombContact)), words=("none", "bonded"))
 DEFINITIONS: Final = ("materials", "laws")  # of the case; resolved cases hold none
 
-_CASE_KEYS: Final = keys_of(Case)
+_CASE_KEYS: Final = keys_of(model.Case)
 
 CASE: Final = Mapping(
     {
@@ -176,7 +165,7 @@ CASE: Final = Mapping(
         "laws": Field(LAWS, "laws of contact that cracks, interfaces and foundations refer to by name", OPTIONAL),
         "bodies": Field(Named("body", BODY, at_most=200), "the pieces of rock"),
         "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
-        "interfaces": Field(ListOf(mapping_of(Interface)), "contact between bodies that share a boundary", []),
+        "interfaces": Field(ListOf(mapping_of(model.Interface)), "contact between bodies that share a boundary", []),
         "supports": Field(SUPPORTS, "prescribed displacements and rigid foundations", []),
         "loads": Field(ListOf(LOAD), "loads", []),
         "loading": Field(LOADING, "how the loads are applied in time", {"history": [1.0]}),

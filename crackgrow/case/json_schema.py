@@ -13,6 +13,7 @@ from copy import copy
 from dataclasses import replace
 from typing import Any, Final
 
+from crackgrow.case import schema as specs
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.base import BESIDE, OfFile
 from crackgrow.case.format import CASE
@@ -20,20 +21,6 @@ from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import OutlineFile
 from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
-from crackgrow.case.schema import (
-    BY_PARTS,
-    OPTIONAL,
-    REQUIRED,
-    Components,
-    Converted,
-    Field,
-    ListOf,
-    Mapping,
-    Named,
-    OneOf,
-    OneOrList,
-    Same,
-)
 from crackgrow.case.units import LARGEST, SMALLEST, UNITS
 
 Schema = dict[str, Any]
@@ -133,10 +120,10 @@ class _Shared:
 def _written(spec: Spec) -> Schema:
     """The schema of a spec without references."""
     match spec:
-        case Mapping(fields, at_least_one):
+        case specs.Mapping(fields, at_least_one):
             if spec.short:
                 return {"anyOf": [_written(fields[spec.short].spec), _written(replace(spec, short=""))]}
-            required = [key for key, field in fields.items() if field.default is REQUIRED]
+            required = [key for key, field in fields.items() if field.default is specs.REQUIRED]
             return {
                 "type": "object",
                 "properties": {key: _property(field) for key, field in fields.items()},
@@ -144,37 +131,36 @@ def _written(spec: Spec) -> Schema:
                 **({"required": required} if required else {}),
                 **({"minProperties": 1} if at_least_one else {}),
             }
-        case OneOf(forms):
+        case specs.OneOf(forms):
             return {"anyOf": [_written(form) for form in forms]}
-        case Converted(inner) | Definitions(inner):
+        case specs.Converted(inner) | Definitions(inner):
             return _written(inner)
         case OfFile(kind):
             return {"type": "object" if kind == "a mapping" else "string"}
         case Reference(_, where, inner):
             name = {"title": f"reference (to {where})", "type": ["string", "number"], "allOf": [_NAME]}
             return {"anyOf": [_written(inner), name]}
-        case Components(mapping):
+        case specs.Components(mapping):
             return {"anyOf": [_written(spec.listing), _written(mapping)]}
-        case Named(_, inner, at_most):
+        case specs.Named(_, inner, at_most):
             names = {"propertyNames": _NAME, "maxProperties": at_most}
             return {"type": "object", **names, "additionalProperties": _written(inner)}
-        case ListOf(inner, length, at_most):
+        case specs.ListOf(inner, length, at_most):
             sized = {"maxItems": at_most} if length is None else {"minItems": length, "maxItems": length}
             return {"type": "array", "items": _written(inner), **sized}
-        case OneOrList(inner):
-            return {"anyOf": [_written(inner), _written(ListOf(inner))]}
+        case specs.OneOrList(inner):
+            return {"anyOf": [_written(inner), _written(specs.ListOf(inner))]}
         case WordOr(words, inner, docs):
             return {"anyOf": [_written(Choice(words, docs)), _written(inner)]}
     return _scalar(spec)
 
 
-def _property(field: Field) -> Schema:
+def _property(field: specs.Field) -> Schema:
     """What a key accepts, with what an editor shows of it; beside a reference draft 7 heeds no other key."""
-    plain = field.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(field.default, Same)
     measured = isinstance(getattr(field.spec, "spec", field.spec), Quantity | Number | Integer)
     return {
         "description": f"{field.doc}: {field.spec.describe()}" if measured else field.doc,
-        **({"default": field.default} if plain else {}),
+        **field.default_value,
         "allOf": [_written(field.spec)],
     }
 

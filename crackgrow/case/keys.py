@@ -7,25 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
+from crackgrow.case import schema as specs
 from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.format import CASE
 from crackgrow.case.outline_file import OutlineFile
 from crackgrow.case.references import Definitions, Reference
 from crackgrow.case.scalars import Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
-from crackgrow.case.schema import (
-    BY_PARTS,
-    OPTIONAL,
-    REQUIRED,
-    Components,
-    Converted,
-    Field,
-    ListOf,
-    Mapping,
-    Named,
-    OneOf,
-    OneOrList,
-    Same,
-)
 from crackgrow.case.units import UNITS, Units
 
 NAME: Final = "NAME"  # stands for a name of the user's choice
@@ -74,10 +61,10 @@ def _keys(spec: Spec, before: str, known: dict[int, tuple[str, str]]) -> Iterato
             yield from _keys(inner, full + step, known)
 
 
-def _fields(spec: Spec) -> list[tuple[str, Field]]:
+def _fields(spec: Spec) -> list[tuple[str, specs.Field]]:
     """The keys of a mapping, or of all forms of one, each once; what every form takes comes last."""
-    forms = spec.forms if isinstance(spec, OneOf) else (spec,) if isinstance(spec, Mapping) else ()
-    found: dict[str, Field] = {}
+    forms = spec.forms if isinstance(spec, specs.OneOf) else (spec,) if isinstance(spec, specs.Mapping) else ()
+    found: dict[str, specs.Field] = {}
     for form in forms:
         for name, field in form.fields.items():
             if field.offered:
@@ -89,54 +76,54 @@ def _fields(spec: Spec) -> list[tuple[str, Field]]:
 
 def _core(spec: Spec) -> Spec | None:
     """The mapping inside of a spec, or None."""
-    if isinstance(spec, Components):
+    if isinstance(spec, specs.Components):
         return spec.mapping
     inner = getattr(spec, "spec", None)
-    return spec if isinstance(spec, Mapping | OneOf) else inner and _core(inner)
+    return spec if isinstance(spec, specs.Mapping | specs.OneOf) else inner and _core(inner)
 
 
 def _step(spec: Spec) -> str:
     """What stands between a key and those of the mapping inside of it."""
-    here = f".{NAME}" if isinstance(spec, Named) else f".{NUMBER}" if isinstance(spec, ListOf) else ""
+    here = f".{NAME}" if isinstance(spec, specs.Named) else f".{NUMBER}" if isinstance(spec, specs.ListOf) else ""
     return here + (_step(spec.spec) if hasattr(spec, "spec") else ".")
 
 
-def _default(field: Field) -> str:
-    if field.default is REQUIRED:
+def _default(field: specs.Field) -> str:
+    if field.default is specs.REQUIRED:
         return "required"
-    if field.default is OPTIONAL:
+    if field.default is specs.OPTIONAL:
         return "may be left out"
-    if field.default is BY_PARTS:
+    if field.default is specs.BY_PARTS:
         return "that of its keys"
-    if isinstance(field.default, Same):
+    if isinstance(field.default, specs.Same):
         return f"that of {field.default.key}"
     return json.dumps(field.default, ensure_ascii=False).replace('"', "") or "empty"
 
 
 def _value(spec: Spec) -> _Value:
     match spec:
-        case Mapping():
+        case specs.Mapping():
             return _Value("word, or mapping" if spec.short else "mapping")
-        case OneOf(forms):
+        case specs.OneOf(forms):
             return _Value("mapping", allowed=f"with {' or '.join(form.form() for form in forms)}")
-        case Converted(inner) | Definitions(inner):
+        case specs.Converted(inner) | Definitions(inner):
             return _value(inner)
         case Reference(_, where, inner):
             value = _value(inner)
             return _Value(f"{value.kind}, or a name from {where}", value.units, value.allowed)
-        case Components():
+        case specs.Components():
             listed = _value(spec.listing)
             return _Value(f"{listed.kind}, or mapping", listed.units, listed.allowed)
-        case Named(thing, inner):
+        case specs.Named(thing, inner):
             value = _value(inner)
             return _Value(f"{thing} by name", value.units, "" if _core(inner) else f"each: {value.kind}")
-        case ListOf(inner, length):
+        case specs.ListOf(inner, length):
             value = _value(inner)
             kind = f"list of {length}, each {value.kind}" if length else f"list, each {value.kind}"
             if length and len(value.kind) <= SHORT:
                 kind = f"[{', '.join([value.kind] * length)}]"
             return _Value(kind, value.units, value.allowed)
-        case OneOrList(inner):
+        case specs.OneOrList(inner):
             value = _value(inner)
             return _Value(f"{value.kind}, or list of them", value.units, value.allowed)
         case WordOr(words, inner):

@@ -11,8 +11,7 @@ import shapely
 from shapely import LineString
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing, preset_of
-from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
+from crackgrow.case.features import line_length
 from crackgrow.case.model import Cut, EdgeRegion, Move
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines
 from crackgrow.case.report import Path, Report
@@ -21,8 +20,6 @@ from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, sha
 from crackgrow.case.snapping import SNAP, size_of, snapped_bodies, snapped_cracks
 from crackgrow.case.toughness import BY_K, MODE_I, radius_of
 from crackgrow.case.units import Units
-
-SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
 
 EXACT: Final = 12  # digits of a place that the user is to write
 ENDS_WITH_TIP: Final[dict[str | None, tuple[str, ...]]] = {
@@ -182,61 +179,6 @@ def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
     return frozen(points[kept])
 
 
-def settle_spacing(scene: Scene) -> None:
-    """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds.
-
-    Cells are halved automatically where the spacing is automatic, and not at all where it is given, unless told.
-    """
-    given = scene.get("numerics", "spacing")
-    accuracy = scene.get("numerics", "accuracy")
-    if given is None:
-        return
-    if not (accuracy and scene.bodies and all(scene.report.sound(key) for key in SPACED_BY)):
-        if given == AUTO:
-            scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
-        return
-    numerics = scene.resolved["numerics"]
-    spacing, rule, refine = given, "", numerics["refine"] if isinstance(numerics["refine"], dict) else {}
-    if given == AUTO or "auto_rule" in numerics:
-        asked = {key: refine.get(key, AUTO) for key in REFINED_AT if isinstance(accuracy, str) or key == "corners"}
-        refined = [kind for key, levels in asked.items() if levels == AUTO for kind in REFINED_AT[key]]
-        spacing, rule = automatic_spacing(preset_of(accuracy), _lengths(scene), refined)
-    followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
-    rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
-    first = {"accuracy": accuracy, "spacing": spacing if followed else given}
-    halvings = dict.fromkeys(("tips", "kinks", "corners"), AUTO if followed else 0)
-    rest["refine"] = {**halvings, **refine}
-    scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
-
-
-def _lengths(scene: Scene) -> Iterator[Length]:
-    """Every length of the scene that the lattice must resolve."""
-    for name, crack in named(scene.resolved, "cracks").items():
-        points = points_of(crack["path"])
-        if line_length(points) > 0.0:
-            yield Length("crack", line_length(points), f"length of crack '{name}'")
-            kinks, parts = stretches(points)
-            if len(kinks):
-                yield Length("stretch", float(parts.min()), f"shortest part between kinks of crack '{name}'")
-    bodies = list(scene.bodies.values())
-    for body in bodies:
-        yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")
-        yield from feature_lengths(body)
-    for (first, second), lines in scene.shared.items():
-        shortest = min(line_length(line) for line in lines)
-        yield Length("support", shortest, f"interface between bodies '{first}' and '{second}'")
-    supported = [region for key, region in scene.regions.items() if key[0] == "supports"]
-    loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
-    yield from part_lengths("support", bodies, supported, "supported")
-    yield from part_lengths("load", bodies, loaded, "loaded")
-    increment = scene.get("growth", "increment")
-    if increment is not None:
-        yield Length("increment", increment, "growth.increment")
-    for body_name, key, radius in scene.averaging_radii():
-        what = ".".join(key) if body_name is None else f"averaging radius by the toughness of body '{body_name}'"
-        yield Length("radius", radius, what)
-
-
 def _place(scene: Scene) -> None:
     """Measure the scene, bring neighbours together and find out what lies where."""
     outlines = np.concatenate([body.outline for body in scene.bodies.values()])
@@ -251,7 +193,8 @@ def _place(scene: Scene) -> None:
     bodies, moves = snapped_bodies(list(scene.bodies.values()), scene.reach)
     scene.moves.extend(moves)
     for body in bodies:
-        if _is_too_fine(body, scene.tolerance):
+        shortest = np.hypot(*(body.sides[:, 1] - body.sides[:, 0]).T).min()
+        if shortest <= scene.tolerance or not body.polygon.is_valid:
             message = f"has details below the smallest length of this scene, {scene.length(scene.tolerance)}"
             scene.report.fault(("bodies", body.name, "shape"), message)
     bodies = [body for body in bodies if scene.report.sound("bodies", body.name, "shape")]
@@ -263,11 +206,6 @@ def _place(scene: Scene) -> None:
             lines = shared_lines(bodies[first], bodies[second], scene.tolerance)
             if lines:
                 scene.shared[bodies[first].name, bodies[second].name] = lines
-
-
-def _is_too_fine(body: BodyShape, tolerance: float) -> bool:
-    sides = body.sides
-    return bool(np.hypot(*(sides[:, 1] - sides[:, 0]).T).min() <= tolerance) or not body.polygon.is_valid
 
 
 def _check_overlaps(scene: Scene, bodies: list[BodyShape]) -> set[tuple[int, int]]:

@@ -16,19 +16,19 @@ from crackgrow.case.check_initiation import check_initiation
 from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_points import check_points
 from crackgrow.case.check_regions import check_regions, settle_bodies
-from crackgrow.case.check_strength import check_strength, settle_direction
-from crackgrow.case.check_subcritical import check_subcritical
+from crackgrow.case.check_strength import check_strength, check_subcritical, settle_direction
 from crackgrow.case.check_supports import check_supports
 from crackgrow.case.checks import check_counts, check_material, check_numerics
 from crackgrow.case.crack_sets import expand_crack_sets
 from crackgrow.case.format import CASE, DEFINITIONS, UNITS_SPEC
-from crackgrow.case.layout import Scene, place_cracks, scene_of, settle_spacing
+from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
 from crackgrow.case.overrides import apply_override
 from crackgrow.case.reader import Node, Table, parse, read_file
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Context
+from crackgrow.case.spacing import settle_spacing
 from crackgrow.case.units import Units
 
 STAGES: Final[tuple[Callable[[Scene], None], ...]] = (

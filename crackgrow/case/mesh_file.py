@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -35,8 +36,8 @@ CURVES: Final = {"line": (0, 1), "line3": (0, 2, 1)}
 Side = frozenset[int]  # the two nodes of a side
 
 
-class MeshError(ValueError):
-    """A mesh file that does not hold what is wanted; the message says why."""
+class ContentError(ValueError):
+    """A file that does not hold what is wanted; the message says why."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +55,7 @@ class PlaneMesh:
 
         The outline runs counter-clockwise from its lowest corner, the leftmost of these. A curve that is several parts
         of it gives as many edges: NAME-1, NAME-2 and so on. Signs that a name of a case lacks become _.
-        Raises MeshError.
+        Raises ContentError.
         """
         sides = self._rim(_group(self.regions, region, "region") if region is not None else range(len(self.surfaces)))
         named = [(_edge_name(name), found) for name, found in self.curves.items() if "=" not in name]
@@ -64,7 +65,7 @@ class PlaneMesh:
         outer = rings.pop(int(np.argmax(areas)))
         body = shapely.Polygon(self.points[outer])
         if not all(body.contains(shapely.Polygon(self.points[ring])) for ring in rings):
-            raise MeshError("is in several pieces; each body is one: give each piece a group of its own")
+            raise ContentError("is in several pieces; each body is one: give each piece a group of its own")
         if not shapely.is_ccw(shapely.LinearRing(self.points[outer])):
             outer = outer[::-1]
         low = min(range(len(outer)), key=lambda k: (self.points[outer[k], 1], self.points[outer[k], 0]))
@@ -72,13 +73,13 @@ class PlaneMesh:
         return [self.points[ring] for ring in (outer, *rings)], self._edges(outer, names)
 
     def path(self, curve: str) -> Floats:
-        """The vertices (n, 2) of a curve from end to end, in the direction of its first cell; raises MeshError."""
+        """The vertices (n, 2) of a curve from end to end, in the direction of its first cell; raises ContentError."""
         sides = list(dict.fromkeys(frozenset(side) for side in _group(self.curves, curve, "curve")))
         first = self.curves[curve][0]
         chain = _chain(sides)
         if chain is None:
             what = "branches, closes or is in several parts; a crack is a line"
-            raise MeshError(f"has a curve {quoted(curve)} that {what}")
+            raise ContentError(f"has a curve {quoted(curve)} that {what}")
         place = {node: k for k, node in enumerate(chain)}
         chain = chain if place[first[0]] < place[first[1]] else chain[::-1]
         kept = [k for k in range(1, len(chain) - 1) if not self._straight(*chain[k - 1 : k + 2])]
@@ -148,18 +149,24 @@ def _edge_name(name: str) -> str:
     return re.sub(r"^-|[^\w-]", "_", name)[:58]
 
 
-def read_mesh(file: FilePath) -> PlaneMesh:
-    """Read a mesh file; raises MeshError."""
+def checked_file(file: FilePath, most_bytes: int) -> os.stat_result:
+    """The state of a file that can be read; raises ContentError."""
     try:
         if not file.is_file():
-            raise MeshError("is no file" if file.exists() else f"does not exist in {file.parent}")
+            raise ContentError("is no file" if file.exists() else f"does not exist in {file.parent}")
         state = file.stat()
-    except MeshError:
+    except ContentError:
         raise
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        raise MeshError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    if state.st_size > MAX_BYTES:
-        raise MeshError(f"is larger than {MAX_BYTES // 2**20} MiB")
+        raise ContentError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if state.st_size > most_bytes:
+        raise ContentError(f"is larger than {most_bytes // 2**20} MiB")
+    return state
+
+
+def read_mesh(file: FilePath) -> PlaneMesh:
+    """Read a mesh file; raises ContentError."""
+    state = checked_file(file, MAX_BYTES)
     return _read(file, state.st_mtime_ns, state.st_size)
 
 
@@ -174,7 +181,7 @@ def _read(file: FilePath, changed: int, size: int) -> PlaneMesh:
             mesh = meshio.read(file)
     except (Exception, SystemExit) as error:  # of a damaged file meshio may raise anything, or end the program
         words = "" if isinstance(error, SystemExit) else f": {clean(' '.join(str(error).split()))}"
-        raise MeshError(f"cannot be read as {file.suffix.lower()[1:]}{words}") from None
+        raise ContentError(f"cannot be read as {file.suffix.lower()[1:]}{words}") from None
     return _plane(mesh)
 
 
@@ -182,15 +189,15 @@ def _plane(mesh: Any) -> PlaneMesh:
     """What is of use of a mesh of meshio's."""
     places = np.asarray(mesh.points, dtype=float)
     if not len(places) or not np.isfinite(places).all():
-        raise MeshError("has no points" if not len(places) else "has points that are not finite")
+        raise ContentError("has no points" if not len(places) else "has points that are not finite")
     if places.shape[1] == 3 and np.ptp(places[:, 2]) > SAME * _extent(places[:, :2]):
-        raise MeshError(f"is not plane: z goes from {places[:, 2].min():g} to {places[:, 2].max():g}")
+        raise ContentError(f"is not plane: z goes from {places[:, 2].min():g} to {places[:, 2].max():g}")
     solid = sorted({block.type for block in mesh.cells if block.dim == 3})
     if solid:
-        raise MeshError(f"has cells of volumes ({', '.join(solid)}); wanted: a mesh in the plane")
+        raise ContentError(f"has cells of volumes ({', '.join(solid)}); wanted: a mesh in the plane")
     strange = sorted({b.type for b in mesh.cells if b.dim in (1, 2)} - SURFACES.keys() - CURVES.keys())
     if strange:
-        raise MeshError(f"has cells of the kind {', '.join(strange)}; wanted: {', '.join((*SURFACES, *CURVES))}")
+        raise ContentError(f"has cells of the kind {', '.join(strange)}; wanted: {', '.join((*SURFACES, *CURVES))}")
     points, one = _merged(places[:, :2])
     surfaces: list[Ints] = []
     regions: dict[str, list[int]] = {}
@@ -207,7 +214,7 @@ def _plane(mesh: Any) -> PlaneMesh:
                 lines = nodes[cells].tolist()
                 curves.setdefault(name, []).extend(side for line in lines for side in pairwise(line))
     if not surfaces:
-        raise MeshError(f"has no cells of surfaces ({', '.join(SURFACES)})")
+        raise ContentError(f"has no cells of surfaces ({', '.join(SURFACES)})")
     return PlaneMesh(points, _extent(points), tuple(surfaces), regions, curves)
 
 
@@ -238,18 +245,18 @@ def _groups(mesh: Any, number: int) -> Iterator[tuple[str, Ints]]:
 
 
 def _group(groups: Mapping[str, Any], name: str, kind: str) -> Any:
-    """A group by its name, or by the number that Gmsh or another program gave it; raises MeshError."""
+    """A group by its name, or by the number that Gmsh or another program gave it; raises ContentError."""
     tags = [known for known in groups if known.endswith(f"={name}") and known.startswith(("gmsh:physical", "medit:"))]
     chosen = [known for known in (name, *tags) if known in groups]
     if not chosen:
         known = [*groups][:SHOWN] + ["..."] * (len(groups) > SHOWN)
         has = f"it has {', '.join(map(clean, known))}" if known else "it has none"
-        raise MeshError(f"has no {kind} {quoted(name)}; {has}{did_you_mean(name, groups)}")
+        raise ContentError(f"has no {kind} {quoted(name)}; {has}{did_you_mean(name, groups)}")
     return groups[chosen[0]]
 
 
 def _rings(sides: list[Side], points: Floats) -> list[list[int]]:
-    """Sides as closed lines of nodes; raises MeshError where more than two meet at a node."""
+    """Sides as closed lines of nodes; raises ContentError where more than two meet at a node."""
     at: dict[int, list[int]] = {}
     for first, second in map(sorted, sides):
         at.setdefault(first, []).append(second)
@@ -257,7 +264,7 @@ def _rings(sides: list[Side], points: Floats) -> list[list[int]]:
     for node, others in at.items():
         if len(others) != 2:
             x, y = points[node]
-            raise MeshError(f"has a region whose outline touches itself at ({x:.6g}, {y:.6g})")
+            raise ContentError(f"has a region whose outline touches itself at ({x:.6g}, {y:.6g})")
     rings, left = [], dict.fromkeys(at)
     while left:
         ring = [next(iter(left))]

@@ -116,7 +116,7 @@ def _check_balance(scene: Scene) -> None:
 
 def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, Floats]]:
     """Places (n, 2) m and forces (n, 2) N/m of a load; pressure on both faces and stress balance in themselves."""
-    if "traction" in load:
+    if "on" in load:
         region = scene.regions.get(("loads", index, "on"))
         ends = np.zeros((0, 2, 2)) if region is None else ends_of(scene.bodies[region.body], region)
         along, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
@@ -124,10 +124,15 @@ def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, 
         lengths = np.outer(np.hypot(*(ends[:, 1] - ends[:, 0]).T), 0.5 * weights).ravel()
         places = points.reshape(-1, 2)
         try:
-            traction = [component_at(component_of(part), places) for part in load["traction"]]
+            if "pressure" in load:
+                step = np.repeat(ends[:, 1] - ends[:, 0], GAUSS_POINTS, axis=0)
+                inward = np.stack([-step[:, 1], step[:, 0]]) / np.hypot(*step.T)  # rock is on the left
+                traction = component_at(component_of(load["pressure"]), places) * inward
+            else:
+                traction = np.array([component_at(component_of(part), places) for part in load["traction"]])
         except CaseError:
             return  # a formula without a value, which is told elsewhere
-        yield places, lengths[:, None] * np.stack(traction, axis=1)
+        yield places, lengths[:, None] * traction.T
     elif "gravity" in load and scene.get("bodies", load["body"], "material", "density"):
         polygon = scene.bodies[load["body"]].polygon
         mass = scene.get("bodies", load["body"], "material", "density") * polygon.area

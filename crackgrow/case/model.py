@@ -10,10 +10,12 @@ from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal
 
+import numpy as np
+
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, MOST_ASKED_FOR, PRESETS, STANDARD
 from crackgrow.case.declared import ByName, Doc
-from crackgrow.case.formula import Component, Formula, OrFormula
+from crackgrow.case.formula import Component, Formula, OrFormula, component_at
 from crackgrow.case.read_only import read_only
 from crackgrow.case.regions import EdgeRegion
 from crackgrow.case.scalars import (
@@ -208,6 +210,29 @@ class EdgeTraction:
     held: Held = False
     name: LoadName = None
 
+    def traction_at(self, places: Floats, outward: Floats) -> Floats:
+        """Traction (n, 2) Pa at places (n, 2) m of the edge with unit normals (n, 2) out of the rock."""
+        return np.stack([component_at(component, places) for component in self.traction], axis=1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgePressure:
+    """Pressure of a fluid on an edge, such as the wall of a borehole or a face below water."""
+
+    region: OnEdge
+    pressure: Annotated[
+        Component, OrFormula("stress"), Doc("pressure of a fluid on the edge")
+    ]  # Pa, positive pushes into the rock
+    held: Held = False
+    name: LoadName = None
+
+    def traction_at(self, places: Floats, outward: Floats) -> Floats:
+        """Traction (n, 2) Pa at places (n, 2) m of the edge with unit normals (n, 2) out of the rock."""
+        return -component_at(self.pressure, places)[:, None] * outward
+
+
+EdgeLoad = EdgeTraction | EdgePressure
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gravity:
@@ -261,7 +286,7 @@ class PointForce:
 
 
 Support = PointSupport | EdgeSupport | ContactSupport
-Load = EdgeTraction | Gravity | FluidPressure | InSituStress | PointForce
+Load = EdgeTraction | EdgePressure | Gravity | FluidPressure | InSituStress | PointForce
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -640,19 +665,19 @@ class Case:
     @classmethod
     def from_dict(cls, mapping: AnyMapping[str, Any], name: str = "case") -> Case:
         """The checked case of a mapping in the case format; raises CaseError with every fault."""
-        from crackgrow.case.mappings import case_from  # it stands on the classes of this module
+        from crackgrow.case.dump import case_from  # it stands on the classes of this module
 
         return case_from(mapping, name)
 
     def to_dict(self) -> dict[str, Any]:
         """The case as a mapping in the case format, as `case.yaml` of a run: SI, every default filled in."""
-        from crackgrow.case.mappings import mapping_of  # it stands on the classes of this module
+        from crackgrow.case.dump import mapping_of  # it stands on the classes of this module
 
         return mapping_of(self)
 
     def with_(self, *settings: str) -> Case:
         """The case with settings such as "numerics.spacing=1 mm"; bare numbers are in SI."""
-        from crackgrow.case.mappings import changed  # it stands on the classes of this module
+        from crackgrow.case.dump import changed  # it stands on the classes of this module
 
         return changed(self, settings)
 

@@ -17,7 +17,7 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case import mesh_file
-from crackgrow.case.mesh_file import MeshError, PlaneMesh, read_mesh
+from crackgrow.case.mesh_file import ContentError, PlaneMesh, checked_file, read_mesh
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, quoted
 from crackgrow.case.scalars import INVALID, Context, refuse
@@ -32,27 +32,23 @@ Corners = list[list[float]]  # m, not closed
 COLUMNS = ("crack", "x", "y")  # of a CSV file; others are passed over
 
 
-class OutlineError(ValueError):
-    """A file that holds no outline; the message says why."""
-
-
 def _from_csv(text: str) -> shapely.Geometry:
     """The lines of a table with a row for each vertex: rows in turn of one crack are a line."""
     rows = csv.DictReader(text.splitlines())
     missing = [name for name in COLUMNS if name not in (rows.fieldnames or ())]
     if missing:
-        raise OutlineError(f"has no column {' or '.join(missing)}; its columns are {', '.join(rows.fieldnames or ())}")
+        raise ContentError(f"has no column {' or '.join(missing)}; its columns are {', '.join(rows.fieldnames or ())}")
     lines = []
     for name, vertices in groupby(rows, key=lambda row: row["crack"]):
         try:
             points = [(float(row["x"]), float(row["y"])) for row in vertices]
         except (TypeError, ValueError):
-            raise OutlineError(f"has a vertex of {quoted(str(name))} whose x or y is no number") from None
+            raise ContentError(f"has a vertex of {quoted(str(name))} whose x or y is no number") from None
         if len(points) < 2:
-            raise OutlineError(f"has one vertex of {quoted(str(name))}, and a line has two or more")
+            raise ContentError(f"has one vertex of {quoted(str(name))}, and a line has two or more")
         lines.append(points)
     if not np.isfinite(np.concatenate([np.zeros((1, 2)), *lines])).all():
-        raise OutlineError("has a vertex whose x or y is not finite")
+        raise ContentError("has a vertex whose x or y is not finite")
     return shapely.MultiLineString(lines)
 
 
@@ -83,7 +79,7 @@ class OutlineFile:
         file = context.folder_of(node) / node.text
         try:
             if file.suffix.lower() not in self.endings:
-                raise OutlineError(f"ends in {quoted(file.suffix)}")
+                raise ContentError(f"ends in {quoted(file.suffix)}")
             if file.suffix.lower() in mesh_file.ENDINGS:
                 return read_mesh(file)
             if self.of_cracks:
@@ -91,7 +87,7 @@ class OutlineFile:
             polygon = _polygon_of(file)
             rings = [polygon.exterior, *polygon.interiors]
             return [_corners(shapely.get_coordinates(ring)[:-1], context) for ring in rings]
-        except (OutlineError, MeshError, QuantityError) as error:
+        except (ContentError, QuantityError) as error:
             context.report.fault(path, f"{quoted(node.text)} {error}; wanted: {self.describe()}")
             return INVALID
 
@@ -101,7 +97,7 @@ def _parts_of(file: FilePath) -> list[shapely.Geometry]:
     try:
         geometry = {**_READERS, **_TABLES}[file.suffix.lower()](_text_of(file))
     except (shapely.errors.ShapelyError, NotImplementedError) as error:  # NotImplementedError: curves
-        raise OutlineError(f"cannot be read as {file.suffix.lower()[1:]}: {clean(str(error))}") from None
+        raise ContentError(f"cannot be read as {file.suffix.lower()[1:]}: {clean(str(error))}") from None
     return list(shapely.get_parts(shapely.get_parts(geometry))) if geometry is not None else []
 
 
@@ -110,9 +106,9 @@ def _lines_of(file: FilePath) -> list[shapely.LineString]:
     parts = _parts_of(file)
     strange = sorted({part.geom_type for part in parts} - {"LineString"})
     if strange or not parts:
-        raise OutlineError(f"holds {', '.join(strange) or 'nothing'}")
+        raise ContentError(f"holds {', '.join(strange) or 'nothing'}")
     if len(parts) > MOST_LINES:
-        raise OutlineError(f"holds {len(parts)} lines, more than {MOST_LINES}")
+        raise ContentError(f"holds {len(parts)} lines, more than {MOST_LINES}")
     return parts
 
 
@@ -122,27 +118,22 @@ def _polygon_of(file: FilePath) -> shapely.Polygon:
     if len(parts) != 1 or parts[0].geom_type != "Polygon" or parts[0].is_empty:
         kinds = [part.geom_type for part in parts]
         found = f"{len(kinds)} shapes" if len(kinds) > 1 else kinds[0] if kinds and not parts[0].is_empty else "nothing"
-        raise OutlineError(f"holds {found}")
+        raise ContentError(f"holds {found}")
     if len(shapely.get_coordinates(parts[0])) > MOST_CORNERS:
-        raise OutlineError(f"has {len(shapely.get_coordinates(parts[0]))} corners, more than {MOST_CORNERS}")
+        raise ContentError(f"has {len(shapely.get_coordinates(parts[0]))} corners, more than {MOST_CORNERS}")
     if not parts[0].is_valid:
-        raise OutlineError(f"holds a polygon that is not valid: {clean(shapely.is_valid_reason(parts[0]))}")
+        raise ContentError(f"holds a polygon that is not valid: {clean(shapely.is_valid_reason(parts[0]))}")
     return parts[0]
 
 
 def _text_of(file: FilePath) -> str:
+    checked_file(file, MAX_BYTES)
     try:
-        if not file.is_file():
-            raise OutlineError("is no file" if file.exists() else f"does not exist in {file.parent}")
-        if file.stat().st_size > MAX_BYTES:
-            raise OutlineError(f"is larger than {MAX_BYTES // 2**20} MiB")
         return file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise OutlineError("is not a text in UTF-8") from None
-    except OutlineError:
-        raise
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        raise OutlineError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+        raise ContentError("is not a text in UTF-8") from None
+    except OSError as error:
+        raise ContentError(f"cannot be read: {error.strerror or error}") from None
 
 
 def _corners(points: Floats, context: Context) -> Corners:
@@ -203,7 +194,7 @@ def with_file_points(value: object, path: Path, context: Context) -> object:
         return INVALID
     try:
         return {"points": _corners(source.path(curve), context)}
-    except (MeshError, QuantityError) as error:
+    except (ContentError, QuantityError) as error:
         context.report.fault((*path, "curve"), f"the mesh {error}")
         return INVALID
 
@@ -220,7 +211,7 @@ def _outline_of(shape: dict[str, Any], path: Path, context: Context) -> tuple[li
     try:
         rings, edges = source.outline(region)
         corners = [_corners(ring, context) for ring in rings]
-    except (MeshError, QuantityError) as error:
+    except (ContentError, QuantityError) as error:
         context.report.fault((*path, "region" if region is not None else "file"), f"the mesh {error}")
         return None
     n_corners = sum(map(len, corners))

@@ -146,8 +146,15 @@ POSITIVE: Final = Bounds(above=0)
 NOT_NEGATIVE: Final = Bounds(at_least=0)
 
 
+class _Bounded(Spec, Protocol):
+    """A spec of numbers."""
+
+    @property
+    def bounds(self) -> Bounds: ...
+
+
 def _read_float(
-    node: Node, path: Path, context: Context, spec: Spec, bounds: Bounds, convert: Callable[[str], float], hint: str
+    node: Node, path: Path, context: Context, spec: _Bounded, convert: Callable[[str], float], hint: str = ""
 ) -> object:
     """Convert the text of a scalar and hold it to its bounds."""
     if not isinstance(node, Scalar) or node.is_null:
@@ -161,7 +168,7 @@ def _read_float(
     except QuantityError as error:
         context.report.fault(path, f"{quoted(node.text)} {error}; wanted: {spec.describe()}{hint}")
         return INVALID
-    if not bounds.hold(value):
+    if not spec.bounds.hold(value):
         context.report.fault(path, f"{quoted(node.text)} is out of range; wanted: {spec.describe()}")
         return INVALID
     return value
@@ -181,7 +188,7 @@ class Number:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the float."""
-        value = _read_float(node, path, context, self, self.bounds, parse_number, self.note)
+        value = _read_float(node, path, context, self, parse_number, self.note)
         if isinstance(value, float) and self.multiple_of and value % self.multiple_of != 0:
             return refuse(node, self.describe(), path, context)
         return value
@@ -198,7 +205,7 @@ class Integer:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the int."""
-        value = _read_float(node, path, context, self, self.bounds, parse_number, "")
+        value = _read_float(node, path, context, self, parse_number)
         if not isinstance(value, float):
             return INVALID
         return int(value) if value.is_integer() else refuse(node, self.describe(), path, context)
@@ -224,7 +231,7 @@ class Quantity:
 
         bare = f"; a bare number means {context.units.of(self.kind)}" if context.units.bare(self.kind) else ""
         hint = f" ({' | '.join(UNITS[self.kind])}{bare}){self.note}"
-        return _read_float(node, path, context, self, self.bounds, convert, hint)
+        return _read_float(node, path, context, self, convert, hint)
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,7 +252,7 @@ class Share:
                 return parse_number(number.removesuffix("%").strip(), Fraction(1, 100))
             return parse_number(number)
 
-        return _read_float(node, path, context, self, self.bounds, convert, "")
+        return _read_float(node, path, context, self, convert)
 
 
 @dataclass(frozen=True, slots=True)

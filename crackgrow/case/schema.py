@@ -40,6 +40,12 @@ class Field:
     offered: bool = True  # whether messages name the key; else the program writes it
     also: tuple[str, ...] = ()  # other spellings that are taken for the key
 
+    @property
+    def default_value(self) -> dict[str, object]:
+        """The default, under that name, if it is a plain value."""
+        plain = self.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(self.default, Same)
+        return {"default": self.default} if plain else {}
+
 
 @dataclass(frozen=True, slots=True)
 class Mapping:

@@ -77,6 +77,11 @@ def places_between(segments: Segments, pairs: Ints) -> Floats:
 
 def distances(points: Floats, segments: Floats) -> Floats:
     """Return the distances (m,) of points (m, 2) from segments (m, 2, 2)."""
+    return np.asarray(np.hypot(*(points - nearest_places(points, segments)).T), dtype=float)
+
+
+def nearest_places(points: Floats, segments: Floats) -> Floats:
+    """Return the places (m, 2) on segments (m, 2, 2) that are nearest to points (m, 2), or to one (2,)."""
     start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     t = np.clip(np.sum((points - start) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
-    return np.asarray(np.hypot(*(points - start - t[:, None] * along).T), dtype=float)
+    return np.asarray(start + t[:, None] * along, dtype=float)

@@ -177,16 +177,10 @@ def _last_edge(points: Floats, last: int) -> int:
 
 def _oriented(points: Floats, names: tuple[str, ...], *, is_hole: bool, is_arc: bool) -> DrawnRing:
     """Return the ring with rock on its left: an outline runs counter-clockwise, a hole clockwise."""
-    backwards = (_area(points) < 0) is not is_hole
+    backwards = shapely.is_ccw(shapely.LinearRing(points)) == is_hole
     if backwards:  # the first corner stays the first
         points, names = np.roll(points[::-1], 1, axis=0), names[::-1]
     return DrawnRing(frozen(points), names, frozen(points), np.arange(len(points)), backwards, is_arc)
-
-
-def _area(points: Floats) -> float:
-    """Signed area, positive if the corners run counter-clockwise."""
-    x, y = (points - points[0]).T if len(points) else (np.zeros(0), np.zeros(0))
-    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
 
 
 def _problem_of(points: Floats, names: tuple[str, ...], units: Units) -> str | None:

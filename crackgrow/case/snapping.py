@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Move
+from crackgrow.case.segments import nearest_places
 from crackgrow.case.shapes import BodyShape, DrawnRing, body_shape, frozen
 
 SNAP: Final = 1e-5  # parts of the scene's size: what comes nearer touches
@@ -241,9 +242,7 @@ def _place_on_cracks(end: _End, lines: dict[str, Floats], reach: float) -> tuple
 
 def _on_lines(point: Floats, segments: Floats, what: str, reach: float) -> tuple[Floats, str] | None:
     """The nearest place to a point on segments (n, 2, 2) within `reach` (m), the point itself if it lies on one."""
-    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-    t = np.clip(np.sum((point - start) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
-    places = start + t[:, None] * along
+    places = nearest_places(point, segments)
     distance = np.hypot(*(places - point).T)
     nearest = int(np.argmin(distance))
     if distance[nearest] > reach:

@@ -27,10 +27,17 @@ SYNONYMS: Final = {  # in small letters: the first of these that is allowed wher
 }  # fmt: skip
 
 _UCS: Final = "a uniaxial compressive strength C gives cohesion = C (1 - sin phi) / (2 cos phi), phi: friction_angle"
+_IN_SITU: Final = "stress from the start is a load: `loads: [{stress: [-12 MPa, -8 MPa, 0]}]`, [xx, yy, xy]"
+_GRAVITY: Final = "weight is a load, and needs a `density`: `loads: [{gravity: [0, -9.81 m/s^2]}]`"
+_PRESSURE: Final = "fluid pressure in a crack is a load: `loads: [{crack: NAME, pressure: 1 MPa}]`"
 _FACTOR: Final = "loads have the factors of `loading`, such as {history: [0.5, 1]}; `held: true` keeps one as it is"
 
 EXPLAINED: Final = {  # what no key stands for: a key that is allowed where it stands, and what to do instead
     "compression": ("friction_angle", _UCS), "compressive": ("friction_angle", _UCS),
     "compressive_strength": ("friction_angle", _UCS), "sigma_c": ("friction_angle", _UCS),
     "ucs": ("friction_angle", _UCS), "factor": ("held", _FACTOR), "load_factor": ("held", _FACTOR),
+    "in_situ": ("loads", _IN_SITU), "insitu": ("loads", _IN_SITU), "in_situ_stress": ("loads", _IN_SITU),
+    "initial_stress": ("loads", _IN_SITU), "prestress": ("loads", _IN_SITU), "stress": ("loads", _IN_SITU),
+    "gravity": ("loads", _GRAVITY), "weight": ("loads", _GRAVITY),
+    "pressure": ("tips", _PRESSURE), "fluid_pressure": ("tips", _PRESSURE), "p": ("tips", _PRESSURE),
 }  # fmt: skip

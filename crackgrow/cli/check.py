@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from crackgrow.cli.case_file import load_case_file
-from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
+from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out_json, say
 from crackgrow.cli.parser import Commands, add_command, takes_case
 
 HELP = """\
@@ -60,7 +59,7 @@ def check(arguments: argparse.Namespace) -> int:
             tell(line_of(row))
         record["invariance"] = [record_of(row) for row in rows]
     if arguments.json:
-        hand_out(json.dumps(record, indent=2, allow_nan=False) + "\n")
+        hand_out_json(record)
     return EXIT_DIFFERENT if any(row.verdict == "NO" for row in rows) else EXIT_DONE
 
 
@@ -71,8 +70,7 @@ def _told(lines: Iterable[str], tell: Callable[[str], None]) -> Iterator[str]:
         yield line
 
 
-def add_check(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "validate a case, say what it models and costs"
     command = takes_case(add_command(commands, check, "check", what, (HELP, EXAMPLES)))
     command.add_argument("--picture", type=_picture, metavar="FILE.png|svg", help="draw the scene, too")

@@ -5,27 +5,20 @@ from __future__ import annotations
 import argparse
 import traceback
 from collections.abc import Callable, Sequence
+from importlib import import_module
+from typing import Final
 
 import crackgrow
 from crackgrow.blas import one_thread
-from crackgrow.cli.check import add_check
-from crackgrow.cli.compare import add_compare
-from crackgrow.cli.completion import add_completion
+from crackgrow.cli import completion
 from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, write_any_character
-from crackgrow.cli.converge import add_converge
-from crackgrow.cli.explain import add_explain
-from crackgrow.cli.export import add_export
-from crackgrow.cli.list_cases import add_list
-from crackgrow.cli.new import add_new
 from crackgrow.cli.parser import Parser, grouped
-from crackgrow.cli.render import add_render
-from crackgrow.cli.report import add_report
-from crackgrow.cli.run import add_run
-from crackgrow.cli.schema import add_schema
-from crackgrow.cli.sweep import add_sweep
-from crackgrow.cli.trade import add_trade
 from crackgrow.errors import CaseError, CrackgrowError, is_out_of_memory, reason_of
 from crackgrow.results.style import pass_over_settings
+
+MODULES: Final = ("list_cases", "new", "check", "explain", "run", "report", "render", "export", "compare", "sweep",
+                  "converge", "trade", "schema")  # fmt: skip
+"""Of the commands, but for completion, which asks the parser of all others."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -65,9 +58,8 @@ def command_line() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
     commands = parser.add_subparsers(prog="crackgrow", required=True, metavar="COMMAND", help=argparse.SUPPRESS)
-    for add in (add_list, add_new, add_check, add_explain, add_run, add_report, add_render, add_export, add_compare,
-                add_sweep, add_converge, add_trade, add_schema):  # fmt: skip
-        add(commands)
-    add_completion(commands, parser)
+    for name in MODULES:
+        import_module(f"crackgrow.cli.{name}").add(commands)
+    completion.add(commands, parser)
     parser.epilog = f"{grouped(commands)}\n\n`crackgrow COMMAND --help` has the options of a command, and examples."
     return parser

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
 import crackgrow
-from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
+from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out_json, say
 from crackgrow.cli.parser import Commands, add_command
 from crackgrow.results.atomic import write_text
 
@@ -40,7 +39,7 @@ def compare(arguments: argparse.Namespace) -> int:
         columns=arguments.columns,
     )
     if arguments.json:
-        hand_out(json.dumps(comparison_record(comparison), indent=2, allow_nan=False) + "\n")
+        hand_out_json(comparison_record(comparison))
     else:
         say(comparison_text(comparison))
     if arguments.csv is not None:
@@ -48,8 +47,7 @@ def compare(arguments: argparse.Namespace) -> int:
     return EXIT_DONE if comparison.agrees else EXIT_DIFFERENT
 
 
-def add_compare(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "say how far apart the crack paths of two runs are"
     command = add_command(commands, compare, "compare", what, (HELP, EXAMPLES))
     for name in ("a", "b"):

@@ -53,7 +53,7 @@ def completion_script(parser: argparse.ArgumentParser, shell: str) -> str:
     return str(shtab.complete(parser, shell, preamble=PREAMBLE.get(shell, "")))
 
 
-def add_completion(commands: Commands, parser: argparse.ArgumentParser) -> None:
+def add(commands: Commands, parser: argparse.ArgumentParser) -> None:
     """Add the command; `parser` is the whole one, of which the scripts are made."""
 
     def completion(arguments: argparse.Namespace) -> int:

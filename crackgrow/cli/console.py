@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
+import json
 import os
 import shlex
 import sys
@@ -39,6 +40,11 @@ def hand_out(text: str, end: str = "") -> None:
         sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  (until the process ends)
         if not isinstance(error, BrokenPipeError):
             raise OutputError(f"cannot write standard output: {getattr(error, 'strerror', None) or error}") from error
+
+
+def hand_out_json(record: object) -> None:
+    """Print a record as JSON; raises OutputError."""
+    hand_out(json.dumps(record, indent=2, allow_nan=False) + "\n")
 
 
 def count(text: str) -> int:

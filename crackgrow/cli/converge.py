@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
-from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, say
+from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out_json, say
 from crackgrow.cli.parser import Commands, add_command, takes_case
 
 HELP = """\
@@ -52,14 +51,13 @@ def converge(arguments: argparse.Namespace) -> int:
             say(run_line(run))
     found = runs.end
     if arguments.json:
-        hand_out(json.dumps(convergence_record(found), indent=2, allow_nan=False) + "\n")
+        hand_out_json(convergence_record(found))
     else:
         say(f"\n{convergence_text(found)}\nresults in {folder}")
     return EXIT_DONE if found.good_enough else EXIT_DIFFERENT
 
 
-def add_converge(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "say whether a case's cells and increments are small enough"
     command = takes_case(add_command(commands, converge, "converge", what, (HELP, EXAMPLES)))
     command.add_argument(

@@ -9,14 +9,15 @@ from crackgrow.cli.parser import Commands, add_command
 from crackgrow.errors import CaseError, Fault
 
 HELP = """\
-Say what a key of a case means, its type, unit, default and what is allowed; or what is in a file or column of the
-results. Without a name: the first keys of a case, and the files of a run.
+Say what a key of a case means, its type, unit, default and what is allowed; or what a word means that a key takes; or
+what is in a file or column of the results. Without a name: the first keys of a case, and the files of a run.
 """
 EXAMPLES = """\
 examples:
   crackgrow explain numerics.spacing
   crackgrow explain cracks                 # with all keys below it
   crackgrow explain friction               # every key of that name
+  crackgrow explain loading.critical       # a word that a key takes
   crackgrow explain tips.csv
   crackgrow explain K_II
 """
@@ -36,8 +37,9 @@ def explain_name(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_explain(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "say what a key of a case, or a column of the results, means"
     command = add_command(commands, explain_name, "explain", what, (HELP, EXAMPLES))
-    command.add_argument("name", nargs="?", default="", metavar="KEY|COLUMN", help="a key, a file or a column")
+    command.add_argument(
+        "name", nargs="?", default="", metavar="KEY|COLUMN", help="a key, a word that keys take, a file or a column"
+    )

@@ -8,6 +8,7 @@ from pathlib import Path
 import crackgrow
 from crackgrow.cli.console import EXIT_DONE, say
 from crackgrow.cli.parser import Commands, add_command
+from crackgrow.results.units import aligned
 
 FORMATS = {
     "msh": "Gmsh 4.1, with bodies as physical groups and all fields",
@@ -34,9 +35,8 @@ def export(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_export(commands: Commands) -> None:
-    """Add the command and its arguments."""
-    formats = "\n".join(f"  {name:5} {words}" for name, words in FORMATS.items())
+def add(commands: Commands) -> None:
+    formats = "\n".join(aligned(FORMATS.items(), 2, "  "))
     what = "write a frame of a run as a mesh file of another program"
     command = add_command(commands, export, "export", what, (HELP, f"formats:\n{formats}\n\n{EXAMPLES}"))
     command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")

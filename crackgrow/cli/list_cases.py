@@ -12,6 +12,7 @@ from crackgrow.cli.console import EXIT_DONE, hand_out
 from crackgrow.cli.parser import Commands, add_command
 from crackgrow.cli.template import templates
 from crackgrow.errors import CaseError, Fault
+from crackgrow.results.units import aligned
 
 HELP = "List the cases of a folder with their titles, its sweeps, and the templates of `crackgrow new`."
 EXAMPLES = """\
@@ -27,7 +28,7 @@ def list_cases(arguments: argparse.Namespace) -> int:
     if arguments.folder is not None and not folder.is_dir():
         raise CaseError([Fault(str(folder), None, "", "is no folder")])
     lines = [*_listed(folder, "cases", "run"), *_listed(folder / "sweeps", "sweeps", "sweep")]
-    lines += ["templates: crackgrow new NAME --template ...", *_aligned(templates())]
+    lines += ["templates: crackgrow new NAME --template ...", *aligned(templates().items(), 2, "  ")]
     hand_out("\n".join(lines) + "\n")
     return EXIT_DONE
 
@@ -37,7 +38,7 @@ def _listed(folder: Path, what: str, command: str) -> Iterator[str]:
     files = sorted(folder.glob("*.yaml"))
     if files:
         yield f"{what} in {folder}: crackgrow {command} FILE"
-        yield from _aligned({str(file): _title(file) for file in files})
+        yield from aligned([(str(file), _title(file)) for file in files], 2, "  ")
 
 
 def _title(file: Path) -> str:
@@ -55,13 +56,7 @@ def _title(file: Path) -> str:
     return lines[0].removeprefix("#").strip() if lines and lines[0].startswith("#") else ""
 
 
-def _aligned(rows: dict[str, str]) -> list[str]:
-    width = max(len(name) for name in rows)
-    return [f"  {name:<{width}}  {words}".rstrip() for name, words in rows.items()]
-
-
-def add_list(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "list the cases that are here, and the templates"
     command = add_command(commands, list_cases, "list", what, (HELP, EXAMPLES))
     command.add_argument("folder", nargs="?", type=Path, metavar="DIR", help="a folder of cases (default: cases)")

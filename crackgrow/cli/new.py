@@ -11,6 +11,7 @@ from crackgrow.cli.console import EXIT_DONE, say
 from crackgrow.cli.parser import Commands, add_command
 from crackgrow.cli.template import MODELINE, SCHEMA_FILE, template_text, templates
 from crackgrow.errors import CaseError, Fault
+from crackgrow.results.units import aligned
 
 HELP = """\
 Write a commented case to start from, as NAME.yaml into the folder `cases` if there is one, else here; a NAME with a
@@ -65,10 +66,9 @@ def _file_of(name: str) -> Path:
     return (folder if path.parent == Path() and folder.is_dir() else path.parent) / f"{path.name}.yaml"
 
 
-def add_new(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     known = templates()
-    listed = "\n".join(f"  {name:<12} {line}" for name, line in known.items())
+    listed = "\n".join(aligned(known.items(), 2, "  "))
     texts = HELP, f"templates:\n{listed}\n\n{EXAMPLES}"
     command = add_command(commands, new, "new", "write a commented case to start from", texts)
     command.add_argument("name", metavar="NAME", help="the name of the case, or its file")

@@ -68,7 +68,8 @@ class Parser(argparse.ArgumentParser):
         option, given, value = rest[0].partition("=")
         known = list(self._option_string_actions)
         if not option.startswith("--"):
-            parted = [key for word, key, after in _triples(words) if (word, after) == ("--set", rest[0])]
+            triples = zip(words, words[1:], words[2:], strict=False)
+            parted = [key for word, key, after in triples if (word, after) == ("--set", rest[0])]
             return f"; did you mean --set {parted[0]}={rest[0]}?" if parted and "=" not in parted[0] else ""
         keys = keys_of(option.removeprefix("--")) if "--set" in known else []
         if keys:
@@ -86,10 +87,6 @@ class Parser(argparse.ArgumentParser):
         hint = f"; did you mean {meant}?" if meant else ""
         allowed = ", ".join(str(choice) for choice in action.choices)
         raise argparse.ArgumentError(action, f"{str(value)!r} is none of {allowed}{hint}")
-
-
-def _triples(words: Sequence[str]) -> Iterable[tuple[str, str, str]]:
-    return zip(words, words[1:], words[2:], strict=False)
 
 
 def keys_of(name: str) -> list[str]:

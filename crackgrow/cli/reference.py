@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -10,6 +11,7 @@ from typing import Final
 
 from crackgrow.case.keys import NAME, NUMBER, Key, case_keys
 from crackgrow.results.declarations import RUN, Column, File
+from crackgrow.results.units import aligned
 from crackgrow.study.comparison_text import CSV as COMPARE
 from crackgrow.study.converge.columns import FILES as CONVERGE
 from crackgrow.study.sweep.columns import FILES as SWEEP
@@ -28,8 +30,7 @@ class Entry:
 
     def lines(self) -> list[str]:
         """The entry for a terminal."""
-        width = max(len(label) for label in self.facts)
-        return [self.name, *(f"  {label:{width}}  {words}" for label, words in self.facts.items())]
+        return [self.name, *aligned(self.facts.items(), 2, "  ")]
 
 
 def key_entry(key: Key) -> Entry:
@@ -71,11 +72,25 @@ def explain(name: str) -> list[Entry]:
         return [key_entry(key) for key in keys if key in exact or _is_below(key.name, name)]
     whole = [(command, file) for command, file in _files() if file.name == name]
     if whole:
-        return [e for command, file in whole for e in (file_entry(file, command), *_column_entries(file))]
+        return [
+            entry
+            for command, file in whole
+            for entry in (file_entry(file, command), *(column_entry(file, column) for column in file.columns))
+        ]
     tails = [key for key in keys if key.name.endswith(f".{name}")]
     first = [key for key in tails if not any(_repeats(key, other) for other in tails)]
     columns = [column_entry(file, column) for _, file in _files() for column in file.columns if column.name == name]
-    return [*(key_entry(key) for key in first), *columns]
+    return [*(key_entry(key) for key in first), *columns] or list(_word_entries(name))
+
+
+def _word_entries(name: str) -> Iterator[Entry]:
+    """The keys that take a word, such as `critical`, or the one of them that is named before it: loading.critical."""
+    before, _, word = name.rpartition(".")
+    for key in case_keys():
+        told = re.search(rf"`{re.escape(word)}`(?:: (.*?))?(?=; `|, or |$)", key.allowed)
+        if told and not _below_a_like(key.name) and (not before or _is(key.name, before)):
+            facts = {"meaning": told[1] or "", "key": f"{key.name}: {key.doc}", "default": key.default}
+            yield Entry(f"{key.name}: {word}", {label: words for label, words in facts.items() if words})
 
 
 def nearest(name: str) -> list[str]:
@@ -118,7 +133,3 @@ def _is_below(pattern: str, name: str) -> bool:
 def _files() -> Iterator[tuple[str, File]]:
     for command, files in FOLDERS.items():
         yield from ((command, file) for file in files)
-
-
-def _column_entries(file: File) -> list[Entry]:
-    return [column_entry(file, column) for column in file.columns]

@@ -21,6 +21,7 @@ Pictures go to DIR/render/FIELD/step_NNNN.png and animation.gif (or .mp4), in pl
 examples:
   crackgrow render outputs/compression30
   crackgrow render outputs/compression30 --field displacement --warp 1 --steps 0 10-22 --size 800x1200
+  crackgrow render outputs/compression30 --field sigma_3 --range -200 0
   crackgrow render outputs/compression30 --mp4 --out pictures
 """
 VIEW_HELP = """\
@@ -38,14 +39,14 @@ MOST_PIXELS = 8000  # of a side
 def render(arguments: argparse.Namespace) -> int:
     """`crackgrow render`: pictures of the frames of a run, and an animation."""
     from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4  # only now: they load much
+    from crackgrow.results.field_picture import Look
     from crackgrow.results.render import render as drawn
 
     if arguments.animation == "mp4":
         find_ffmpeg()
     pictures = []
-    for picture in drawn(
-        arguments.folder, arguments.field, arguments.warp, arguments.steps, arguments.size, arguments.out
-    ):
+    look = Look(arguments.warp, arguments.size, arguments.range)
+    for picture in drawn(arguments.folder, arguments.field, look, arguments.steps, arguments.out):
         pictures.append(picture)
         say(str(picture))
     if len(pictures) > 1:
@@ -64,8 +65,7 @@ def view(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_render(commands: Commands) -> None:
-    """Add both commands and their arguments."""
+def add(commands: Commands) -> None:
     what = "draw the frames of a run as pictures and an animation"
     command = add_command(commands, render, "render", what, (RENDER_HELP, RENDER_EXAMPLES))
     window = add_command(commands, view, "view", "open a window on the frames of a run", (VIEW_HELP, VIEW_EXAMPLES))
@@ -75,6 +75,8 @@ def add_render(commands: Commands) -> None:
         each.add_argument("--warp", type=_warp, metavar="auto|NUMBER",
                           help="factor of the displacements (default auto: a visible one)")  # fmt: skip
     command.add_argument("--steps", type=_span, nargs="+", metavar="N|N-M", help="these steps alone (default: all)")
+    limits = "limits of the colours, in the unit of the colour bar or with one: '-20 MPa' '5 MPa'"
+    command.add_argument("--range", nargs=2, metavar=("LOW", "HIGH"), help=limits)
     command.add_argument("--size", type=_size, metavar="WxH", help="pixels (default: 1000 along the longer side)")
     choice = command.add_mutually_exclusive_group()
     for kind, words in (("gif", "animate as GIF (default)"), ("mp4", "animate as MP4, by ffmpeg")):

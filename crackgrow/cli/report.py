@@ -30,8 +30,7 @@ def report(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_report(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "write report.html of a result folder again"
     command = add_command(commands, report, "report", what, (HELP, EXAMPLES))
     command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")

@@ -184,8 +184,7 @@ def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
     return spelled("run", str(arguments.case), "--out", str(folder), *settings, *quiet, "--resume")
 
 
-def add_run(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     command = takes_case(add_command(commands, run, "run", "run a case and write its results", (HELP, EXAMPLES)))
     command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<case>)")
     command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")

@@ -35,8 +35,7 @@ def schema(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add_schema(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "print the JSON Schema of case files, for editors"
     command = add_command(commands, schema, "schema", what, (HELP, EXAMPLES))
     command.add_argument("--out", type=Path, metavar="FILE", help="write it to a file")

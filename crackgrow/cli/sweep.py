@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import crackgrow
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, count, say, spelled
 from crackgrow.cli.parser import Commands, add_command
-from crackgrow.results.log import counted
+from crackgrow.results.units import counted
 
 if TYPE_CHECKING:
     from crackgrow.study.sweep.plan import SweepPlan
@@ -72,8 +72,7 @@ def _resuming(arguments: argparse.Namespace, plan: SweepPlan) -> str:
     return spelled("sweep", str(arguments.sweep), "--out", str(plan.folder), *settings, "--resume")
 
 
-def add_sweep(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "run a case for each combination of parameters"
     command = add_command(commands, sweep, "sweep", what, (HELP, EXAMPLES))
     command.add_argument("sweep", type=Path, metavar="SWEEP.yaml", help="the sweep file")

@@ -30,16 +30,16 @@ examples:
 
 def trade(arguments: argparse.Namespace) -> int:
     """`crackgrow trade`: errors and seconds over a grid of settings."""
-    from crackgrow.study.trade.plan import plan_trade  # only now: they load the solver
+    from crackgrow.study.setting import CaseFile  # only now: they load the solver
+    from crackgrow.study.trade.plan import plan_trade
     from crackgrow.study.trade.row import trade_line
     from crackgrow.study.trade.runner import trade as trials
 
     case = load_case_file(arguments)
     folder = arguments.out or Path("outputs/trade") / case.name
     plan = plan_trade(
-        arguments.case,
+        CaseFile(arguments.case, tuple(arguments.overrides)),
         folder,
-        overrides=arguments.overrides,
         axes=arguments.axis,
         reference=arguments.reference,
         steps=arguments.steps,
@@ -55,8 +55,7 @@ def trade(arguments: argparse.Namespace) -> int:
     return EXIT_UNSOLVED if solved and not any(solved) else EXIT_DONE
 
 
-def add_trade(commands: Commands) -> None:
-    """Add the command and its arguments."""
+def add(commands: Commands) -> None:
     what = "measure what accuracy costs over a grid of settings"
     command = takes_case(add_command(commands, trade, "trade", what, (HELP, EXAMPLES)))
     command.add_argument("--axis", nargs="+", default=[], metavar="NAME=A,B,C", help="settings to vary, with values")

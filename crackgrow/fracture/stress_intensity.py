@@ -93,18 +93,6 @@ class Integrals:
         return [self._known[each] for each in wanted]
 
 
-def interaction_integrals(
-    cover: Cover,
-    materials: Sequence[PlaneElasticity],
-    u: Floats,
-    tips: Sequence[int],
-    tractions: Sequence[FaceTraction],
-    body_forces: Sequence[BodyForce | None] | None = None,
-) -> list[StressIntensity]:
-    """K_I and K_II of the `tips` of a cover, of which nothing is known yet: see `Integrals.intensities`."""
-    return Integrals(Readings(cover)).intensities(materials, u, tips, tractions, body_forces)
-
-
 def _pressed(tip: Tip, traction: FaceTraction) -> bool:
     """Whether the faces are pressed half way from a tip to the first sharp kink, if there is one."""
     corner = first_corner(tip)

@@ -92,17 +92,6 @@ def field_readings(readings: Readings, sites: Sequence[Site], radius: float | Se
     return [FieldReading(site, rule, *each) for site, rule, each in zip(sites, rules, found, strict=True)]
 
 
-def site_fields(
-    cover: Cover,
-    materials: Sequence[PlaneElasticity],
-    u: Floats,
-    sites: Sequence[Site],
-    radius: float | Sequence[float],
-) -> list[TipField]:
-    """Stress round sites of the cover within `radius` (m), one or one a site; `u` (n_dofs,) m."""
-    return fields_of(cover, materials, u, field_readings(Readings(cover), sites, radius))
-
-
 def fields_of(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, readings: Sequence[FieldReading]
 ) -> list[TipField]:

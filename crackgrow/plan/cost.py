@@ -22,6 +22,7 @@ import numpy as np
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.plan.sizes import Sizes
+from crackgrow.results.units import duration, memory_text
 
 TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact", "held N",
          "halved")  # fmt: skip
@@ -49,6 +50,23 @@ class Cost:
     def total(self) -> float:
         """Seconds of CPU of the whole run, without files and pictures."""
         return self.first_step + self.n_later * self.later_step
+
+    @property
+    def words(self) -> str:
+        """The seconds of the first step, and of the others."""
+        later = f", {duration(self.later_step, 2)} each of {self.n_later} more" if self.n_later else ""
+        return f"{duration(self.first_step, 2)} of CPU for the first step{later}"
+
+    def memory_warning(self, share: float) -> str:
+        """What to say where the run takes more than a share of the memory of this machine; empty where it does not."""
+        available = machine_memory()
+        if self.memory <= share * available:
+            return ""
+        return (
+            f"the run needs about {memory_text(self.memory)} of memory, and this machine has {memory_text(available)}: "
+            "it would be killed or stand still; use a larger numerics.spacing, a smaller specimen, or "
+            "numerics.accuracy draft"
+        )
 
 
 def estimated_cost(case: Case, sizes: Sizes) -> Cost:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any, Final
+
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, Patch, Polygon
+from matplotlib.transforms import Bbox
 
 from crackgrow.arrays import Floats
 from crackgrow.results.signs import Arrow, Sign, Strokes
@@ -14,6 +19,13 @@ LOAD = "#b2182b"
 LAW = "#762a83"
 COLOURS = {"support": "0.25", "ground": "0.25", "hatch": "0.25", "load": LOAD, "given": "#1b7837", "law": LAW}
 WIDTHS = {"ground": 1.2, "hatch": 0.6}  # points, of lines
+
+LABEL: Final = "label"  # of words that may be moved
+CLEAR: Final = 7.0  # pixels on every side of a place that words leave free
+LINE: Final = 26.0  # pixels from one place for words to the next
+_TURNS = np.arange(16) * np.pi / 8.0
+AWAY: Final = [np.zeros(2), *(n * np.array([np.cos(turn), np.sin(turn)]) for n in range(1, 9) for turn in _TURNS)]
+"""Where words may go, the nearest first, in LINEs."""
 
 _ARROW = {"shrinkA": 0.0, "shrinkB": 0.0}  # from the very tail to the very head
 
@@ -38,29 +50,32 @@ def draw_sign(axes: Axes, sign: Sign) -> None:
         label(axes, words.place, words.text, COLOURS[words.kind], rotation=90.0 if words.upright else 0.0)
 
 
-def label(
-    axes: Axes,
-    point: Floats,
-    text: str,
-    colour: str = "black",
-    ha: str = "center",
-    va: str = "center",
-    rotation: float = 0.0,
-) -> None:
-    """Small words on a white ground."""
+def label(axes: Axes, point: Floats, text: str, colour: str = "black", **looks: Any) -> None:
+    """Small words on a white ground, centred unless `looks` say otherwise; `part_labels` may move them."""
     ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
-    axes.text(
-        point[0],
-        point[1],
-        text,
-        fontsize=7.5,
-        color=colour,
-        zorder=8,
-        bbox=ground,
-        ha=ha,
-        va=va,
-        rotation=rotation,
-    )
+    looks = {"ha": "center", "va": "center", **looks}
+    axes.text(point[0], point[1], text, fontsize=7.5, color=colour, zorder=8, bbox=ground, gid=LABEL, **looks)
+
+
+def part_labels(axes: Axes, free: Floats) -> None:
+    """Move words that lie on others, or on places (n, 2) to be left free, to where there is room; a line leads back."""
+    renderer = FigureCanvasAgg(axes.get_figure(root=True)).get_renderer()
+    to_pixels, picture = axes.transData, axes.get_window_extent(renderer)
+    taken = [Bbox.from_extents(*(place - CLEAR), *(place + CLEAR)) for place in to_pixels.transform(free)]
+    for words in [text for text in axes.texts if text.get_gid() == LABEL]:
+        box = words.get_window_extent(renderer)
+        for away in AWAY:
+            there = box.translated(*(away * LINE))
+            if picture.containsx(there.x0) and picture.containsx(there.x1) and not there.count_overlaps(taken):
+                break
+        else:
+            away, there = AWAY[0], box
+        taken.append(there)
+        if away.any():
+            start = np.array(words.get_position())
+            end = to_pixels.inverted().transform(to_pixels.transform(start) + away * LINE)
+            words.set_position((float(end[0]), float(end[1])))
+            axes.plot(*np.stack([start, end], axis=1), color="0.6", linewidth=0.5, zorder=7.5)
 
 
 def beside(direction: Floats) -> str:

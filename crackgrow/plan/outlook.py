@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-
+from crackgrow.case.features import line_length
 from crackgrow.case.model import Case
-from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
+from crackgrow.plan.cost import Cost, estimated_cost
+from crackgrow.plan.overview import estimated_nodes
 from crackgrow.plan.sizes import Sizes
-from crackgrow.results.overview import estimated_nodes
-from crackgrow.results.units import duration
+from crackgrow.results.units import memory_text
 from crackgrow.run.configuration import first_cells
 from crackgrow.run.scene import make_scene
 
@@ -28,37 +27,21 @@ class Outlook:
 
     n_dofs: int
     cost: Cost
-    memory: float  # MiB that this machine has
 
     @property
     def words(self) -> str:
         """What to expect, on a line."""
-        later = f", {_seconds(self.cost.later_step)} each of {self.cost.n_later} more" if self.cost.n_later else ""
-        first = f"{_seconds(self.cost.first_step)} of CPU for the first step"
-        return f"about {_memory(self.cost.memory)} of memory, {first}{later}"
+        return f"about {memory_text(self.cost.memory)} of memory, {self.cost.words}"
 
     @property
     def needs(self) -> str:
         """How large it is, and the memory that it takes."""
-        return f"about {self.n_dofs} dofs, {_memory(self.cost.memory)} of memory"
+        return f"about {self.n_dofs} dofs, {memory_text(self.cost.memory)} of memory"
 
     @property
     def warning(self) -> str:
         """What to say where the machine has less memory than that; empty where it has enough."""
-        if self.cost.memory <= MOST_SHARE * self.memory:
-            return ""
-        return (
-            f"the run needs about {_memory(self.cost.memory)} of memory, and this machine has "
-            f"{_memory(self.memory)}: it would run out of it, or stand still; use a larger numerics.spacing"
-        )
-
-
-def _seconds(value: float) -> str:
-    return f"{value:.2g} s" if value < 90.0 else duration(value)
-
-
-def _memory(value: float) -> str:
-    return f"{value / 1024.0:.2g} GiB"
+        return self.cost.memory_warning(MOST_SHARE)
 
 
 def outlook(case: Case) -> Outlook:
@@ -74,12 +57,12 @@ def outlook(case: Case) -> Outlook:
     singular = CARRIERS_AT_A_TIP[case.numerics.gathers_tip_functions] * tips
     lines = [crack.points for crack in case.cracks if crack.contact is not None]
     lines += [line for interface in case.interfaces for line in interface.lines]
-    length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
+    length = sum(map(line_length, lines))
     points = round(length / (SPACINGS_OF_A_POINT * spacing))
     n_dofs = 2 * nodes + 8 * singular
     cells = ((spacing, uniform), (0.5 * spacing, more))
     sizes = Sizes(n_dofs, nodes, singular, tips, elements, pairs, points, 0, (), (), cells=cells)
-    return Outlook(n_dofs, estimated_cost(case, sizes), machine_memory())
+    return Outlook(n_dofs, estimated_cost(case, sizes))
 
 
 def _n_halved(case: Case) -> int:

@@ -11,14 +11,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
-from matplotlib.path import Path as LinePath
 
 from crackgrow.arrays import Floats
+from crackgrow.case.features import line_length
 from crackgrow.case.model import Body, Case, Crack, InSituStress, Stages
 from crackgrow.cover.squares import QUANTA
-from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label
+from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label, part_labels
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.overview import component_text, extent, length_unit
+from crackgrow.results.figures import body_path
+from crackgrow.results.places import component_text, extent, length_unit
 from crackgrow.results.signs import load_signs, support_signs
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.configuration import first_cells
@@ -58,6 +59,8 @@ def draw_scene(path: Path, case: Case) -> None:
             _name_crack(axes, crack, size, scale, unit, whole=len(case.cracks) <= MOST_WHOLE_NAMES)
     for sign in (*support_signs(case), *load_signs(case)):
         draw_sign(axes, sign)
+    tips = [np.stack(list(ends)) for ends in (_tips(crack).values() for crack in case.cracks) if ends]
+    part_labels(axes, np.concatenate([np.zeros((0, 2)), *tips, *(line for i in case.interfaces for line in i.lines)]))
     axes.text(0.02, 0.01, "\n".join(notes), fontsize=7.5, color=LOAD, va="bottom", zorder=8, transform=axes.transAxes)
     corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.87 * margin]), np.array([-0.87 * margin, 0.0])
     dimension(axes, low, corner, below, f"{(high - low)[0] * scale:g} {unit}")
@@ -76,17 +79,12 @@ def _draw_cells(axes: Axes, case: Case) -> None:
         low, high = body.outline.min(axis=0), body.outline.max(axis=0)
         near = np.all((squares.max(axis=1) > low) & (squares.min(axis=1) < high), axis=1)
         lines = PolyCollection(list(squares[near]), facecolors="none", edgecolors="0.55", linewidths=0.25, zorder=2.5)
-        lines.set_clip_path(PathPatch(_shape(body), transform=axes.transData))
+        lines.set_clip_path(PathPatch(body_path(body), transform=axes.transData))
         axes.add_collection(lines)
 
 
-def _shape(body: Body) -> LinePath:
-    closed = [LinePath(np.vstack([ring.points, ring.points[:1]]), closed=True) for ring in body.rings]
-    return LinePath.make_compound_path(*closed)
-
-
 def _draw_body(axes: Axes, body: Body, colour: str, *, named: bool) -> None:
-    axes.add_patch(PathPatch(_shape(body), facecolor=colour, edgecolor="0.2", linewidth=1.0, zorder=2))
+    axes.add_patch(PathPatch(body_path(body), facecolor=colour, edgecolor="0.2", linewidth=1.0, zorder=2))
     if named:
         low, high = body.outline.min(axis=0), body.outline.max(axis=0)
         label(axes, low + [0.12, 0.85] * (high - low), body.name, "0.35")
@@ -117,7 +115,7 @@ def _tips(crack: Crack) -> dict[str, Floats]:
 
 def _name_crack(axes: Axes, crack: Crack, size: float, scale: float, unit: str, *, whole: bool) -> None:
     """Say what a crack is, and which tip is which."""
-    length = float(np.hypot(*np.diff(crack.points, axis=0).T).sum()) * scale
+    length = line_length(crack.points) * scale
     law = "faces never touch" if crack.contact is None else f"μ = {crack.contact.friction:g}"
     chord = crack.points[-1] - crack.points[0]
     normal = np.array([-chord[1], chord[0]]) / max(float(np.hypot(*chord)), 1e-300)

@@ -6,11 +6,12 @@ from dataclasses import asdict
 
 from crackgrow.case.accuracy import name_of
 from crackgrow.case.model import Case
-from crackgrow.plan.cost import Cost, estimated_cost, machine_memory
+from crackgrow.plan.cost import Cost, estimated_cost
+from crackgrow.plan.overview import overview
 from crackgrow.plan.sizes import Sizes, sizes_of
 from crackgrow.results.gathered import Gathered
-from crackgrow.results.log import counted
-from crackgrow.results.overview import length_unit, overview
+from crackgrow.results.places import length_unit
+from crackgrow.results.units import counted, duration, memory_text
 from crackgrow.run.caution import Cause, Caution
 
 LARGEST_SUPPORT = 3.0  # up to which the cost was measured
@@ -80,41 +81,17 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
 
 def _cost(case: Case, cost: Cost) -> list[str]:
     implicit = " (implicit directions: three solves)" if case.growth and case.growth.direction == "implicit" else ""
-    later = f", {_seconds(cost.later_step)} each of {cost.n_later} more{implicit}" if cost.n_later else ""
-    total = f"; {_seconds(cost.total)} in all" if cost.n_later else ""
+    total = f"{implicit}; {duration(cost.total, 2)} in all" if cost.n_later else ""
     sure = "within a factor of two" if case.numerics.support <= LARGEST_SUPPORT else "a tenth of it perhaps"
     found = [
-        f"estimated cost, {sure}: {_seconds(cost.first_step)} of CPU for the first step{later}{total}, "
-        f"without files and pictures; {_memory(cost.memory)} of memory"
+        f"estimated cost, {sure}: {cost.words}{total}, without files and pictures; {memory_text(cost.memory)} of memory"
     ]
     if case.numerics.target is not None:
         found.append("that is of one solve on these cells: the first step takes two to six, later ones one or two")
     return found
 
 
-def _memory_cautions(cost: Cost) -> list[Caution]:
-    """What to say where the machine has less memory than the run takes."""
-    available = machine_memory()
-    if cost.memory <= Cause.MEMORY.limit * available:
-        return []
-    words = (
-        f"the run needs about {_memory(cost.memory)} of memory, and this machine has {_memory(available)}: it would be "
-        "killed or stand still; use a larger numerics.spacing, a smaller specimen, or numerics.accuracy draft"
-    )
-    return [Caution(Cause.MEMORY, words)]
-
-
 def _warnings(sizes: Sizes, cost: Cost) -> list[str]:
-    gathered = Gathered()
-    gathered.add(0, [*sizes.cautions, *_memory_cautions(cost)])
+    gathered, memory = Gathered(), cost.memory_warning(Cause.MEMORY.limit)
+    gathered.add(0, [*sizes.cautions, *([Caution(Cause.MEMORY, memory)] if memory else [])])
     return list(gathered.sentences(with_steps=False))
-
-
-def _seconds(value: float) -> str:
-    if value >= 90.0:
-        return f"{value / 60.0:.2g} min" if value < 5400.0 else f"{value / 3600.0:.2g} h"
-    return f"{value:.2g} s"
-
-
-def _memory(value: float) -> str:
-    return f"{value:.0f} MiB" if value < 1000.0 else f"{value / 1024.0:.2g} GiB"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -59,11 +59,15 @@ def frame_with_sigma_1(frame: Frame, step: int) -> DrawnFrame:
     return DrawnFrame(step, frame.points, frame.triangles, frame.quads, frame.displacement, sigma_1, by_point=True)
 
 
+def field_kind(field: str) -> Literal["length", "stress"] | None:
+    """What a field is measured in; None for pure numbers."""
+    return "length" if field == "displacement" else "stress" if field.startswith(("sigma_", "stress_")) else None
+
+
 def field_unit(field: str, values: Floats) -> Unit:
     """The unit in which values of a field are read easily; without a name for pure numbers."""
-    if field == "displacement":
-        return unit_of(values.tolist(), LENGTHS)
-    return unit_of(values.tolist(), STRESSES) if field.startswith(("sigma_", "stress_")) else (1.0, "")
+    units = {"length": LENGTHS, "stress": STRESSES, None: ((1.0, ""),)}
+    return unit_of(values.tolist(), units[field_kind(field)])
 
 
 def _cells(grid: pyvista.UnstructuredGrid, kind: int, n_corners: int) -> Ints:

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from dataclasses import dataclass
+from typing import Final, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,9 +21,12 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
-from crackgrow.results.drawn_frame import DrawnFrame, field_unit
+from crackgrow.case.report import quoted
+from crackgrow.case.units import QuantityError, Units, is_number, parse_number, parse_quantity
+from crackgrow.errors import CaseError, Fault
+from crackgrow.results.drawn_frame import DrawnFrame, field_kind, field_unit
 from crackgrow.results.style import own_style, wrapped
-from crackgrow.results.units import LENGTHS, unit_of
+from crackgrow.results.units import LENGTHS, Unit, unit_of
 from crackgrow.run.result import Frame
 
 LONG_SIDE = 1000  # pixels, where no size is given
@@ -48,12 +52,22 @@ Displaced = Frame | DrawnFrame
 """A mesh of triangles (t, 3) and quads (q, 4) whose points (n, 2) m are displaced."""
 
 
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What can be chosen of pictures of a field."""
+
+    warp: float | None = None  # factor of the displacements; None: a visible one
+    size: tuple[int, int] | None = None  # width and height in pixels; None: what fits the specimen
+    limits: tuple[str, str] | None = None  # of the colours, with a unit or in that of the colour bar; None: the values'
+
+
+USUAL: Final = Look()
+
+
 class FieldPictures:
     """A field on the displaced specimen, in one extent, magnification, colour scale and size for all frames.
 
     factors: load factors by step, for the captions
-    warp: factor of the displacements; None: a visible one
-    size: width and height in pixels; None: what fits the specimen
     """
 
     def __init__(
@@ -62,22 +76,25 @@ class FieldPictures:
         field: str,
         frames: Sequence[DrawnFrame],
         factors: Mapping[int, float],
-        warp: float | None = None,
-        size: tuple[int, int] | None = None,
+        look: Look = USUAL,
     ) -> None:
+        """Raises CaseError for limits that the field cannot have."""
         self.title, self.field, self.factors = title, field, factors
-        self.warp = min(displayed_magnification(frame) for frame in frames) if warp is None else warp
+        self.warp = min(displayed_magnification(frame) for frame in frames) if look.warp is None else look.warp
         values = np.concatenate([frame.values for frame in frames])
         self.unit = field_unit(field, values)
         weights = np.concatenate([areas(frame, by_point=frame.by_point) for frame in frames])
         self.norm, self.colormap = colours_of(values / self.unit[0], weights)
+        if look.limits is not None:
+            low, high = limits_of(field, look.limits, self.unit)
+            self.norm, self.colormap = Normalize(low, high), "RdBu_r" if low == -high else self.colormap
         moved = np.concatenate([self._moved(frame) for frame in frames])
         low, high = moved.min(axis=0), moved.max(axis=0)
         self.length = unit_of((high - low).tolist(), LENGTHS)
         room = MARGIN * (high - low).max()
         self.low, self.high = (low - room) / self.length[0], (high + room) / self.length[0]
         fitting = _fitting(high - low)
-        self.size = fitting if size is None else size
+        self.size = look.size or fitting
         self.dpi = LONG_SIDE / INCHES * min(self.size[0] / fitting[0], self.size[1] / fitting[1])
 
     @own_style()
@@ -209,6 +226,23 @@ def shade(axes: Axes, frame: Displaced, points: Floats, values: Floats, norm: No
     corners = np.concatenate([corners[thin], corners[~thin]])
     mesh = Triangulation(points[:, 0], points[:, 1], corners)
     return axes.tripcolor(mesh, values, shading="gouraud", cmap=colormap, norm=norm)
+
+
+def limits_of(field: str, texts: tuple[str, str], unit: Unit) -> tuple[float, float]:
+    """Limits of the colours in the unit of the colour bar, of texts such as "-20 MPa" or "-20"; raises CaseError."""
+    kind = field_kind(field)
+    found = []
+    for text in texts:
+        try:
+            bare = kind is None or is_number(text.strip())
+            found.append(parse_number(text.strip()) if bare else parse_quantity(text, kind or "", Units()) / unit[0])
+        except QuantityError as error:
+            wanted = f"a number, in {unit[1]}, or with a unit such as '{unit[1]}'" if kind else "a number"
+            raise CaseError([Fault("--range", None, "", f"{quoted(text)} {error}; wanted: {wanted}")]) from None
+    if found[0] >= found[1]:
+        message = f"{quoted(texts[0])} is not less than {quoted(texts[1])}; wanted: the lower limit first"
+        raise CaseError([Fault("--range", None, "", message)])
+    return found[0], found[1]
 
 
 def colours_of(values: Floats, weights: Floats) -> tuple[Normalize, str]:

@@ -16,13 +16,14 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as LinePath
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Case, Stages
+from crackgrow.case.model import Body, Case, Stages
 from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
 from crackgrow.results.load_point import LoadPoint
-from crackgrow.results.overview import extent, length_unit
+from crackgrow.results.places import extent, length_unit
 from crackgrow.results.style import own_style, wrapped
+from crackgrow.results.units import STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
 LONG_SIDE = 7.0  # inches
@@ -42,9 +43,7 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     low, high = extent(case)
     figure, axes = _equal_axes(low * scale, high * scale, unit)
     for body in case.bodies:
-        closed = [LinePath(np.vstack([ring.points, ring.points[:1]]) * scale, closed=True) for ring in body.rings]
-        whole = LinePath.make_compound_path(*closed)
-        axes.add_patch(PathPatch(whole, facecolor="0.94", edgecolor="0.35", linewidth=1.0))
+        axes.add_patch(PathPatch(body_path(body, scale), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
     last = max((int(crack.steps.max()) for crack in cracks), default=0)
     colours = _step_colours(max(last, 1))
     for crack in cracks:
@@ -92,7 +91,8 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     for row, face in zip(table, faces, strict=True):
         mine = owner == face.crack
         largest = max(np.abs(contact.normal_traction[mine]).max(), np.abs(contact.tangential_traction[mine]).max())
-        stress, stress_unit = (1e-6, "MPa") if largest >= 1e4 else (1.0, "Pa")
+        pascals, stress_unit = unit_of([largest], STRESSES)
+        stress = 1.0 / pascals
         for axes, values, along, label in (
             (row[0], contact.slip, face.slip * scale, f"slip [{unit}]"),
             (row[1], contact.normal_traction, face.normal_traction * stress, f"normal traction [{stress_unit}]"),
@@ -147,6 +147,12 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
         axes.grid(linewidth=0.3)
     figure.suptitle(wrapped(f"{case.title} (points: steps)", figure), fontsize=10)
     _save(path, figure)
+
+
+def body_path(body: Body, scale: float = 1.0) -> LinePath:
+    """The outline of a body and its holes, in metres times a factor."""
+    closed = [LinePath(np.vstack([ring.points, ring.points[:1]]) * scale, closed=True) for ring in body.rings]
+    return LinePath.make_compound_path(*closed)
 
 
 def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[float, float], list[str]]]:

@@ -21,6 +21,7 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.data_frames import RunTables, frame_of
+from crackgrow.results.declarations import RUN
 from crackgrow.results.units import spans_text
 
 if TYPE_CHECKING:
@@ -28,10 +29,8 @@ if TYPE_CHECKING:
     import pyvista
 
 REPORT, SUMMARY, LOG, CASE, HISTORY = "report.html", "summary.json", "run.log", "case.yaml", "history.csv"
-FILES = (CASE, SUMMARY, "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv",
-         "events.csv", HISTORY, LOG, REPORT)  # fmt: skip
-FIGURES = ("figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
-           "figures/load_curve.png")  # fmt: skip
+FILES = tuple(file.name for file in RUN if "/" not in file.name and "NAME" not in file.name)
+FIGURES = tuple(file.name for file in RUN if file.name.startswith("figures/"))
 SERIES = {
     "frames": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtu"),
     "cracks": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtp"),

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from crackgrow.results.atomic import OccupiedError, OutputError, remove_files, temporary_path
 from crackgrow.results.checkpoint_file import checkpoint_files, is_checkpoint
@@ -49,15 +48,16 @@ def earlier_files(folder: Path, case_name: str) -> list[Path]:
     Checkpoints come before the results without which they lead nowhere, the summary, which shows whose the files are,
     comes last. Raises OccupiedError where nothing shows that a run wrote them.
     """
-    summary = _own_summary(folder)
-    cases = {case_name, str((summary or {}).get("case", case_name))}
+    summary = RunFolder(folder).found_summary
+    is_own = all(key in summary for key in OWN_KEYS)
+    cases = {case_name, str(summary["case"]) if is_own else case_name}
     series = [name for case in cases for name in series_names(case) if Path(name).name == name]
     named = [folder / name for name in (*FILES, *FIGURES, *series) if name != SUMMARY]
     pieces = [path for _, path in _series_files(folder)]
     files = [*checkpoint_files(folder), *named, *map(temporary_path, [*named, folder / SUMMARY])]
     files += [*pieces, *rendered_files(folder), folder / SUMMARY]
     found = [path for path in files if path.is_symlink() or path.exists()]
-    if found and summary is None and not _is_own_without_summary(folder):
+    if found and not is_own and not _is_own_without_summary(folder):
         first = found[-1] if found[-1].name == SUMMARY else found[0]
         others = f" and {len(found) - 1} more" if len(found) > 1 else ""
         raise OccupiedError(
@@ -65,12 +65,6 @@ def earlier_files(folder: Path, case_name: str) -> list[Path]:
             "that a run wrote it; choose another folder, or remove the file if it is not needed"
         )
     return found
-
-
-def _own_summary(folder: Path) -> dict[str, Any] | None:
-    """The summary of a run in a folder; None if there is none, or one of something else."""
-    summary = RunFolder(folder).found_summary
-    return summary if all(key in summary for key in OWN_KEYS) else None
 
 
 def _is_own_without_summary(folder: Path) -> bool:

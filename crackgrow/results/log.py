@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crackgrow.results.atomic import append_text, write_text
-from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, unit_of
+from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, counted, unit_of
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.case.model import Case
@@ -69,11 +69,6 @@ def step_label(step: int, n_steps: int | None) -> str:
     return f"step {step}" if n_steps is None else f"step {step}/{n_steps}"
 
 
-def counted(n: object, thing: str) -> str:
-    """A number of things in words: "1 run", "2 runs"."""
-    return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
-
-
 def step_line(result: StepResult, n_steps: int | None) -> str:
     """One line on a solved step: dofs, contact iterations, tips that advanced and by which branch, seconds."""
     moved = [f"{tip.crack} {tip.tip} ({tip.criterion})" for tip in result.tips if tip.advanced]
@@ -107,7 +102,7 @@ def told_line(result: StepResult, case: Case, K_scale: float) -> str:
     known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
     largest = max(known, key=lambda tip: float(f"{math.hypot(tip.K_I, tip.K_II):.6g}"), default=None)  # not round-off
     shown = moved or ([largest] if largest else [])
-    arrested = bool(result.tips) and not moved and n_steps is not None
+    arrested = bool(result.tips) and not moved and n_steps is not None and result.step < n_steps  # else none is to
     return ", ".join(
         [
             step_label(result.step, n_steps),

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from crackgrow.results.gathered import Gathered
-from crackgrow.results.log import counted, event_line, largest_K, length_words, load_words, step_label, told_line
-from crackgrow.results.units import duration
+from crackgrow.results.log import event_line, largest_K, length_words, load_words, step_label, told_line
+from crackgrow.results.units import counted, duration
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.case.model import Case

@@ -9,26 +9,16 @@ from typing import Final, Literal
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case import model
 from crackgrow.case.formula import CoordinateFormula, component_at
-from crackgrow.case.model import (
-    Body,
-    Case,
-    Component,
-    ContactSupport,
-    EdgeRegion,
-    EdgeSupport,
-    EdgeTraction,
-    FluidPressure,
-    Gravity,
-    Load,
-    PointForce,
-    PointSupport,
-)
-from crackgrow.results.overview import component_text, length_unit, lines_of, size_of, surface_text
+from crackgrow.case.model import Body, Case, Component
+from crackgrow.case.segments import nearest_places
+from crackgrow.results.places import component_text, length_unit, lines_of, size_of, surface_text
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it
 APART, SHEAR_APART = 0.08, 0.14  # of the scene's size: from arrow to arrow
+HOLE: Final = 3.0  # a hole is drawn on as if a scene were no larger than this times its width
 MOST_ARROWS: Final = 14  # along an edge
 SHEAR: Final = 0.5  # sine of the angle to an edge below which a traction runs along it
 SEEN: Final = 0.2  # of the longest arrow of a load: shorter ones are left out
@@ -98,7 +88,7 @@ def support_signs(case: Case) -> Iterator[Sign]:
     """Triangles, wheels and ground of all supports, and the displacements that they prescribe."""
     size = size_of(case)
     for support in case.supports:
-        if isinstance(support, PointSupport):
+        if isinstance(support, model.PointSupport):
             roller = None in support.displacement
             marks = _triangle(support.point, _outward_at(case, support), SIGN * size, roller=roller)
             words = _given_words(case, support.displacement, support.point)
@@ -116,18 +106,18 @@ def load_signs(case: Case) -> Iterator[Sign]:
             yield sign
 
 
-def _edge_sign(case: Case, support: EdgeSupport | ContactSupport, size: float) -> Sign:
+def _edge_sign(case: Case, support: model.EdgeSupport | model.ContactSupport, size: float) -> Sign:
     """Ground or wheels along an edge."""
     stretches = _stretches(case, support.region, SIGN * size)
     marks: list[Mark] = []
     for line, outward in stretches:
-        if isinstance(support, EdgeSupport) and None in support.displacement:
+        if isinstance(support, model.EdgeSupport) and None in support.displacement:
             marks += _rollers(line, outward, 0.6 * SIGN * size)
         else:
             marks += _ground(line + 0.004 * size * outward, outward, 0.7 * SIGN * size)
     line, outward = stretches[len(stretches) // 2]
     edge = f"{support.region.body}.{support.region.edge}"
-    if isinstance(support, ContactSupport):
+    if isinstance(support, model.ContactSupport):
         place = line.mean(axis=0) + 0.075 * size * outward
         law = Words(place, f"rigid foundation, μ = {support.contact.friction:g}", "law")
         return Sign(f"rigid foundation under {edge}", tuple(marks), (law,))
@@ -143,27 +133,27 @@ def _edge_sign(case: Case, support: EdgeSupport | ContactSupport, size: float) -
     return Sign(f"held: {edge}", tuple(marks), words)
 
 
-def _load_sign(case: Case, load: Load, size: float) -> Sign | None:
+def _load_sign(case: Case, load: model.Load, size: float) -> Sign | None:
     held = ", held" if load.held else ""
     reach = ARROW * size
-    if isinstance(load, EdgeTraction):
+    if isinstance(load, model.EdgeLoad):
         return _traction(case, load, size, held)
-    if isinstance(load, Gravity) and any(load.acceleration):
+    if isinstance(load, model.Gravity) and any(load.acceleration):
         outline = _body(case, load.body).outline
         middle, way = (outline.min(axis=0) + outline.max(axis=0)) / 2, _unit(load.acceleration)
         text = f"g = {np.hypot(*load.acceleration):g} m/s²{held}"
         words = Words(middle + 1.3 * reach * way, text, "load")
         return Sign(f"gravity on {load.body}", (Arrow(middle, middle + reach * way, "load"),), (words,))
-    if isinstance(load, PointForce) and any(load.force):
+    if isinstance(load, model.PointForce) and any(load.force):
         way = reach * _unit(load.force)
         words = Words(load.point - 1.3 * way, f"F = {np.hypot(*load.force):g} N/m{held}", "load")
         return Sign(f"force on {load.body}", (Arrow(load.point - way, load.point, "load"),), (words,))
-    if isinstance(load, FluidPressure):
+    if isinstance(load, model.FluidPressure):
         return _pressure(case, load, size, held)
     return None
 
 
-def _pressure(case: Case, load: FluidPressure, size: float, held: str) -> Sign:
+def _pressure(case: Case, load: model.FluidPressure, size: float, held: str) -> Sign:
     """Arrows off both faces of a crack or an interface."""
     marks: list[Mark] = []
     lines = lines_of(case, load.surface)
@@ -177,35 +167,44 @@ def _pressure(case: Case, load: FluidPressure, size: float, held: str) -> Sign:
     return Sign(f"pressure in {surface_text(load.surface)}", tuple(marks), (words,))
 
 
-def _traction(case: Case, load: EdgeTraction, size: float, held: str) -> Sign | None:
+def _traction(case: Case, load: model.EdgeLoad, size: float, held: str) -> Sign | None:
     """Arrows along an edge that push on it or pull at it, or, where they only shear it, run beside it."""
+    hole, below = _hole_of(case, load.region), 0.05 * size
+    if hole is not None:
+        size = min(size, HOLE * float(np.ptp(hole, axis=0).min()))
     stretches = _stretches(case, load.region, APART * size)
+    _, middle = stretches[len(stretches) // 2]
     ends = np.concatenate([line for line, _ in stretches])
-    mean = np.array([_typical(component_at(component, ends)) for component in load.traction])
+    mean = np.array([_typical(along) for along in load.traction_at(ends, np.tile(middle, (len(ends), 1))).T])
     if not mean.any():
         return None
-    _, middle = stretches[len(stretches) // 2]
     shears = abs(float(_unit(mean) @ middle)) < SHEAR
     places = _spread(stretches, (SHEAR_APART if shears else APART) * size)
-    taken = [s.point + 0.8 * SIGN * size * _outward_at(case, s) for s in case.supports if isinstance(s, PointSupport)]
+    points = [support for support in case.supports if isinstance(support, model.PointSupport)]
+    taken = [support.point + 0.8 * SIGN * size * _outward_at(case, support) for support in points]
     free = [(p, o) for p, o in places if all(np.hypot(*(p - sign)) > 1.1 * SIGN * size for sign in taken)]
     gap = size * (SHEAR_GAP if shears else GAP if free else 1.7 * SIGN)  # where signs leave no room: outside of them
     marks = _traction_arrows(load, free or places, gap, ARROW * size)
     line, outward = stretches[len(stretches) // 2]  # two loads on an edge are mostly one across and one along it
     away = AWAY * ARROW * size + (0.0 if free else gap)
     place = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0]) + away * outward
-    given = ", ".join(f"t{axis}" for axis, value in zip("xy", mean, strict=True) if value)
-    values = ", ".join(component_text(of) for of, value in zip(load.traction, mean, strict=True) if value)
-    words = Words(place, f"{given} = {values}{held}", "load", upright=abs(outward[0]) > SHEAR)
-    return Sign(f"traction on {load.region.body}.{load.region.edge}", marks, (words,))
+    if isinstance(load, model.EdgePressure):
+        what, given, values = "pressure", "p", component_text(load.pressure)
+    else:
+        what, given = "traction", ", ".join(f"t{axis}" for axis, value in zip("xy", mean, strict=True) if value)
+        values = ", ".join(component_text(of) for of, value in zip(load.traction, mean, strict=True) if value)
+    if hole is not None:
+        place = np.array([np.mean(hole[:, 0]), hole[:, 1].min() - below])
+    words = Words(place, f"{given} = {values}{held}", "load", upright=hole is None and abs(outward[0]) > SHEAR)
+    return Sign(f"{what} on {load.region.body}.{load.region.edge}", marks, (words,))
 
 
 def _traction_arrows(
-    load: EdgeTraction, places: Sequence[tuple[Floats, Floats]], gap: float, reach: float
+    load: model.EdgeLoad, places: Sequence[tuple[Floats, Floats]], gap: float, reach: float
 ) -> tuple[Arrow, ...]:
     """An arrow for each place and its outward direction, as long as the traction there is large."""
-    points = np.array([place for place, _ in places])
-    traction = np.column_stack([component_at(component, points) for component in load.traction])
+    points, outwards = (np.array(of) for of in zip(*places, strict=True))
+    traction = load.traction_at(points, outwards)
     strength = np.hypot(*traction.T)
     if not strength.any():
         return ()
@@ -301,7 +300,15 @@ def _straight(points: Floats) -> list[tuple[Floats, Floats]]:
     return [(part, _unit((part[1] - part[0])[::-1] * [1.0, -1.0])) for part in parts]
 
 
-def _stretches(case: Case, region: EdgeRegion, shortest: float) -> list[tuple[Floats, Floats]]:
+def _hole_of(case: Case, region: model.EdgeRegion) -> Floats | None:
+    """The ring (n, 2) m of the hole that an edge bounds; none on an outline."""
+    outline, *holes = [ring.points for ring in _body(case, region.body).rings]
+    last = len(outline) + np.cumsum([len(hole) for hole in holes])
+    number = int(np.searchsorted(last, region.sides[0], side="right"))
+    return holes[number] if holes and region.sides[0] >= len(outline) else None
+
+
+def _stretches(case: Case, region: model.EdgeRegion, shortest: float) -> list[tuple[Floats, Floats]]:
     """Straight parts of an edge, ends (2, 2) m, with their unit normals (2,) out of the rock.
 
     Sides of an arc or another smooth edge are taken together until they are no shorter than `shortest`.
@@ -321,7 +328,7 @@ def _stretches(case: Case, region: EdgeRegion, shortest: float) -> list[tuple[Fl
     return found
 
 
-def _outward_at(case: Case, support: PointSupport) -> Floats:
+def _outward_at(case: Case, support: model.PointSupport) -> Floats:
     """Where the ground of a support at a point is: across what it holds, outside of the rock where that has a side."""
     outward = _outside(_body(case, support.body), support.point)
     held = np.array([component is not None for component in support.displacement], dtype=float)
@@ -338,12 +345,10 @@ def _outside(body: Body, point: Floats) -> Floats:
     best: list[tuple[float, float, Floats]] = []
     extent = float(np.ptp(body.outline, axis=0).max())
     for ring in body.rings:
-        along = np.roll(ring.points, -1, axis=0) - ring.points
-        length = np.hypot(*along.T)
-        starts, along, length = ring.points[length > 0.0], along[length > 0.0], length[length > 0.0]
-        along /= length[:, None]
-        t = np.clip(np.einsum("ij,ij->i", point - starts, along), 0.0, length)
-        distance = np.hypot(*(starts + t[:, None] * along - point).T)
+        sides = np.stack([ring.points, np.roll(ring.points, -1, axis=0)], axis=1)
+        along = sides[:, 1] - sides[:, 0]
+        along /= np.hypot(*along.T)[:, None]
+        distance = np.hypot(*(nearest_places(point, sides) - point).T)
         best.extend(zip(np.round(distance / extent, 6), np.round(np.abs(along[:, 1]), 6), along, strict=True))
     _, _, side = min(best, key=lambda item: item[:2])
     return np.array([side[1], -side[0]])

@@ -16,6 +16,7 @@ from typing import Any
 from crackgrow import __version__
 from crackgrow.case.model import Case
 from crackgrow.results.gathered import Gathered
+from crackgrow.results.units import or_null
 from crackgrow.run.result import Event, RunEnd, Safety, StepResult, TipResult, event_of, event_record
 
 NOTHING = 1e-3
@@ -118,31 +119,31 @@ def summarize(
         "wall_seconds": {"total": round(wall_seconds, 3), "by_phase": by_phase},
         "peak_memory_mb": round(memory, 1),
         "resumed_with_steps": list(resumed),
-        "effective_toughness_K_I": _finite(tally.effective_toughness),
+        "effective_toughness_K_I": or_null(tally.effective_toughness),
         **({} if end.safety is None else {"safety": _safety(end.safety)}),
-        **({} if math.isnan(tally.time) else {"time": _finite(tally.time)}),
+        **({} if math.isnan(tally.time) else {"time": or_null(tally.time)}),
         "worst_checks": {
-            check: {"value": _finite(value), "step": step} for check, (value, step) in tally.worst.items()
+            check: {"value": or_null(value), "step": step} for check, (value, step) in tally.worst.items()
         },
         "error_estimate": {
-            "energy_norm_percent": {"first": _finite(tally.norm_error), "last": _finite(end.norm_error)},
-            "K_percent_at_most": _finite(tally.K_error),
-            "K_percent_expected": _finite(tally.K_expected),
-            "K_spread_percent": _finite(tally.K_spread),
-            "kink_degrees_at_most": _finite(tally.kink_error),
-            "load_factor_percent_at_most": _finite(tally.load_factor_error),
-            "goal_percent_at_most": _finite(tally.goal_error),
+            "energy_norm_percent": {"first": or_null(tally.norm_error), "last": or_null(end.norm_error)},
+            "K_percent_at_most": or_null(tally.K_error),
+            "K_percent_expected": or_null(tally.K_expected),
+            "K_spread_percent": or_null(tally.K_spread),
+            "kink_degrees_at_most": or_null(tally.kink_error),
+            "load_factor_percent_at_most": or_null(tally.load_factor_error),
+            "goal_percent_at_most": or_null(tally.goal_error),
         },
         "events": [event_record(event) for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
-        "cautions": [{**record, "size": _finite(record["size"])} for record in tally.cautions.records()],
+        "cautions": [{**record, "size": or_null(record["size"])} for record in tally.cautions.records()],
     }
 
 
 def _safety(safety: Safety) -> dict[str, object]:
     """How safe a scene is; null: it does not fail."""
     return {
-        "factor": _finite(safety.factor), "fails_at": _finite(safety.fails_at), "mechanism": safety.mechanism or None
+        "factor": or_null(safety.factor), "fails_at": or_null(safety.fails_at), "mechanism": safety.mechanism or None
     }  # fmt: skip
 
 
@@ -238,10 +239,6 @@ def git_state(root: Path) -> tuple[str | None, bool | None]:
     except (OSError, subprocess.SubprocessError):
         return None, None
     return answer.removesuffix("-dirty"), answer.endswith("-dirty")
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _known(value: float) -> float:

@@ -1,9 +1,10 @@
-"""Units in which numbers are read easily."""
+"""Numbers, units and tables as people read them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
@@ -69,10 +70,38 @@ def stress_text(value: float) -> str:
     return f"{value:g} Pa" if 0.0 < abs(value) < 1e4 else f"{value / 1e6:g} MPa"
 
 
-def duration(seconds: float) -> str:
-    """A time as people say it: "12 s", "3 min 20 s", "2 h 5 min"."""
+def duration(seconds: float, digits: int = 0) -> str:
+    """A time as people say it: "12 s", "3 min 20 s", "2 h 5 min"; a short one with so many digits."""
     whole = round(seconds)
     minutes, hours = whole // 60, whole // 3600
     if hours:
         return f"{hours} h {minutes % 60} min"
-    return f"{minutes} min {whole % 60} s" if minutes else f"{whole} s"
+    if seconds >= 90.0 or (minutes and not digits):
+        return f"{minutes} min {whole % 60} s"
+    return f"{seconds:.{digits}g} s" if digits else f"{whole} s"
+
+
+def memory_text(size: float) -> str:
+    """A size (MiB) of a memory."""
+    return f"{size:.0f} MiB" if size < 1000.0 else f"{size / 1024.0:.2g} GiB"
+
+
+def counted(n: object, thing: str) -> str:
+    """A number of things in words: "1 run", "2 runs"."""
+    return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
+
+
+def or_null(value: Any) -> Any:
+    """A value as JSON can hold it: None in place of a number that is not finite."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def aligned(rows: Iterable[Sequence[str]], n_left: int, before: str = "") -> list[str]:
+    """Rows of cells as lines of one table; the first columns, which hold words, begin on the left."""
+    columns = list(zip(*rows, strict=True))
+    widths = [max(map(len, column)) for column in columns]
+    padded = [
+        [cell.ljust(width) if number < n_left else cell.rjust(width) for cell in column]
+        for number, (column, width) in enumerate(zip(columns, widths, strict=True))
+    ]
+    return [before + "  ".join(row).rstrip() for row in zip(*padded, strict=True)]

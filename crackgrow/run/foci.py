@@ -18,7 +18,7 @@ import shapely
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, preset_of
 from crackgrow.case.features import line_length, stretches
-from crackgrow.case.model import ContactSupport, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.case.model import ContactSupport, EdgeLoad, EdgeRegion, EdgeSupport, PointSupport
 from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
@@ -162,7 +162,7 @@ def _ends_of_regions(scene: Scene) -> Iterator[Floats]:
         if isinstance(support, PointSupport):
             yield scene.lattice.to_lattice(support.point)
     on_edges = (*case.supports, *case.loads)
-    regions = [part.region for part in on_edges if isinstance(part, EdgeSupport | ContactSupport | EdgeTraction)]
+    regions = [part.region for part in on_edges if isinstance(part, EdgeSupport | ContactSupport | EdgeLoad)]
     for region in regions:
         yield from _ends_within_sides(region, scene.bodies[numbers[region.body]].sides)
 

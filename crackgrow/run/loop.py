@@ -125,7 +125,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             advance = advance_tips(beginning_at, solution, leaving.sites, solve)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
             scene = scene.with_cracks(cracks)
-    done = f"all {n_steps} growth steps are done" if n_steps else "the static solve is done"
+    static = f"the static solve is done{_nearness(cracks, solution)}"
+    done = f"all {n_steps} growth steps are done" if n_steps else static
     return RunEnd("completed", done, paths_of(cracks))
 
 
@@ -201,9 +202,16 @@ def _stopped(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int
         )
         return RunEnd("arrested", f"step {step}: no tip has a velocity; {most}", paths_of(cracks))
     if largest > -np.inf:
-        most = f"the most critical is at {largest:.3g} of its strength"
-        return RunEnd("arrested", f"step {step}: no tip meets the criterion; {most}", paths_of(cracks))
+        nothing = f"step {step}: no tip meets the criterion" if step else "nothing grew: no tip meets the criterion"
+        return RunEnd("arrested", f"{nothing}{_nearness(cracks, solution)}", paths_of(cracks))
     return _without_tips(cracks, solution, step, n_pieces)
+
+
+def _nearness(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> str:
+    """How near to growth the tips are, in words; empty where there is none that can grow."""
+    largest = site_criticality(cracks, solution).max(initial=-np.inf)
+    at = f"{largest:.3g} of the strength at load factor {solution.state.factor:.4g}"
+    return f"; the most critical is at {at}" if largest > -np.inf else ""
 
 
 def _without_tips(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, n_pieces: int) -> RunEnd:

@@ -16,7 +16,7 @@ from crackgrow.case.model import (
     Case,
     ContactSupport,
     CoulombContact,
-    EdgeTraction,
+    EdgeLoad,
     FluidPressure,
     Gravity,
     InSituStress,
@@ -269,7 +269,7 @@ def without(case: Case, gone: set[str]) -> Case:
     def is_left(load: Load) -> bool:
         if isinstance(load, FluidPressure):
             return isinstance(load.surface, str) or gone.isdisjoint(load.surface)
-        return (load.region.body if isinstance(load, EdgeTraction) else load.body) not in gone
+        return (load.region.body if isinstance(load, EdgeLoad) else load.body) not in gone
 
     return replace(
         case,
@@ -329,7 +329,7 @@ def _stiffness(case: Case, bodies: tuple[str, ...]) -> float:
 def _lengths(case: Case) -> tuple[Length, ...]:
     """What the stress varies over besides cracks."""
     supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
-    loads = [load.region for load in case.loads if isinstance(load, EdgeTraction)]
+    loads = [load.region for load in case.loads if isinstance(load, EdgeLoad)]
     lengths = [length for body in case.bodies for length in feature_lengths(body)]
     lengths += part_lengths("support", case.bodies, supports, "supported")
     lengths += part_lengths("load", case.bodies, loads, "loaded")

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
 
+from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.features import line_length
 from crackgrow.case.meetings import scene_size
-from crackgrow.case.model import Crack, Gravity, PointForce, PointSupport
+from crackgrow.case.model import Case, Crack, Gravity, InSituStress, Load, PointForce, PointSupport
 from crackgrow.case.snapping import SNAP
 from crackgrow.case.toughness import BY_K, averaging_radius
 from crackgrow.contact.cell_lengths import cell_lengths
@@ -201,22 +202,34 @@ def _incompressible(scene: Scene) -> Iterator[Caution]:
 def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Loads that only points could carry: what supports at points must bear where nothing else holds the scene.
 
-    Weight is left out: who holds a heavy body at points means to.
+    Weight is left out, unless it balances the others: who holds a heavy body at points means to. Their size is that of
+    stress in the rock and that of the others, which it may balance.
     """
     case = scene.case
     if not case.supports or not all(isinstance(support, PointSupport) for support in case.supports):
         return
     for held in (True, False):
-        loads = [load for load in case.loads if load.held == held and not isinstance(load, Gravity)]
-        forces = load_vector(cover, case.bodies, loads, case.numerics.quadrature).reshape(-1, 2)
-        forces = forces[: len(cover.patch_nodes)]  # of the patches' own functions, which add up to one everywhere
-        size, arms = float(np.hypot(*forces.T).sum()), cover.patch_nodes - cover.patch_nodes.mean(axis=0)
-        turning = float((arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum())
-        extent = float(np.ptp(cover.patch_nodes, axis=0).max())
-        left = max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / extent)
+        loads = [load for load in case.loads if load.held == held]
+        stress = _forces(case, cover, [load for load in loads if isinstance(load, InSituStress)])
+        weight = _forces(case, cover, [load for load in loads if isinstance(load, Gravity)])
+        others = _forces(case, cover, [load for load in loads if not isinstance(load, InSituStress | Gravity)])
+        size = float(np.hypot(*stress.T).sum() + np.hypot(*others.T).sum())
+        left = min(_unbalanced(cover, stress + others), _unbalanced(cover, stress + others + weight))
         if left > Cause.UNBALANCED.limit * size:
             what = f"{left:.3g} N/m of the loads ({100.0 * left / size:.2g} %)"
             yield Cause.UNBALANCED.at(size=left / size, what=what)
+
+
+def _forces(case: Case, cover: Cover, loads: Sequence[Load]) -> Floats:
+    """Loads (n, 2) in N/m on the patches' own functions, which add up to one everywhere."""
+    return load_vector(cover, case.bodies, loads, case.numerics.quadrature).reshape(-1, 2)[: len(cover.patch_nodes)]
+
+
+def _unbalanced(cover: Cover, forces: Floats) -> float:
+    """The resultant (N/m) of forces (n, 2) on the patches, or what their moment is over the size of the scene."""
+    arms = cover.patch_nodes - cover.patch_nodes.mean(axis=0)
+    turning = float((arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum())
+    return max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / float(np.ptp(cover.patch_nodes, axis=0).max()))
 
 
 def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:

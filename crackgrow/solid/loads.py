@@ -9,8 +9,7 @@ import numpy as np
 
 from crackgrow.approximation.basis import values_at
 from crackgrow.arrays import Floats
-from crackgrow.case.formula import component_at
-from crackgrow.case.model import Body, EdgeTraction, Gravity, InSituStress, Load, PointForce
+from crackgrow.case.model import Body, EdgeLoad, Gravity, InSituStress, Load, PointForce
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
@@ -28,7 +27,7 @@ def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: 
 
     `n` Gauss points per direction, as for the stiffness.
     """
-    f = _edge_tractions(cover, bodies, [load for load in loads if isinstance(load, EdgeTraction)])
+    f = _edge_tractions(cover, bodies, [load for load in loads if isinstance(load, EdgeLoad)])
     for load in loads:
         if isinstance(load, Gravity):
             body = body_index(bodies, load.body)
@@ -55,8 +54,8 @@ def _at_point(cover: Cover, body: int, load: PointForce) -> Floats:
     return np.asarray(values_at(cover, at, element).values().T @ np.asarray(load.force)[None])
 
 
-def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeTraction]) -> Floats:
-    """Integral of phi t (n_functions, 2) N/m of all tractions along edges."""
+def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeLoad]) -> Floats:
+    """Integral of phi t (n_functions, 2) N/m of all tractions and pressures along edges."""
     if not loads:
         return np.zeros((cover.n_functions, 2))
     edges = edge_points(cover, bodies, [load.region for load in loads])
@@ -64,8 +63,7 @@ def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeTr
     forces = []
     for edge, load in zip(edges, loads, strict=True):
         places = cover.lattice.to_metres(edge.points)
-        traction = np.stack([component_at(component, places) for component in load.traction], axis=1)
-        forces.append(edge.lengths[:, None] * traction)
+        forces.append(edge.lengths[:, None] * load.traction_at(places, edge.outward))
     return np.asarray(values_at(cover, points, elements).values().T @ np.concatenate(forces))
 
 

@@ -84,6 +84,7 @@ class EdgePoints:
     lengths: Floats  # (n,) m
     elements: Ints  # (n,)
     s: Floats  # (n,) m, arc length from the part's start
+    outward: Floats  # (n, 2) unit normals out of the rock
 
 
 def edge_points(cover: Cover, bodies: Sequence[Body], regions: Sequence[EdgeRegion]) -> list[EdgePoints]:
@@ -100,9 +101,12 @@ def edge_points(cover: Cover, bodies: Sequence[Body], regions: Sequence[EdgeRegi
     )
     edge, points, lengths = points_on_outlines(cover, ends, elements, np.concatenate([e.edge for e in edges]))
     s = s[edge, 0] + np.hypot(*(points - ends[edge, 0]).T)
+    step = (ends[:, 1] - ends[:, 0])[edge]
+    across = np.stack([step[:, 1], -step[:, 0]], axis=1)  # rock is on the left
+    outward = across / np.maximum(np.hypot(*step.T), np.finfo(float).tiny)[:, None]  # (0, 0) where an edge is a point
     spacing, owner = cover.lattice.spacing, np.repeat(np.arange(len(edges)), [len(e.edge) for e in edges])[edge]
     return [
-        EdgePoints(points[mine], lengths[mine] * spacing, elements[edge[mine]], s[mine] * spacing)
+        EdgePoints(points[mine], lengths[mine] * spacing, elements[edge[mine]], s[mine] * spacing, outward[mine])
         for mine in (np.flatnonzero(owner == number) for number in range(len(edges)))
     ]
 

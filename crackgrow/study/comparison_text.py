@@ -7,6 +7,7 @@ from typing import Final
 
 from crackgrow.results.declarations import Column, File
 from crackgrow.results.tables import Value, csv_text
+from crackgrow.results.units import aligned
 from crackgrow.study.comparison import Comparison, Deviation, Pair, Place
 from crackgrow.study.path_files import PathSet
 
@@ -51,7 +52,8 @@ def comparison_text(comparison: Comparison) -> str:
     show = _Lengths(max(lengths, default=0.0))
     lines = [_source_line("A", comparison.a), _source_line("B", comparison.b), *_settings_lines(comparison)]
     if comparison.pairs:
-        lines += [f"lengths in {show.unit}", *aligned([HEADINGS, *(_cells(pair, show) for pair in comparison.pairs)])]
+        rows = [HEADINGS, *(_cells(pair, show) for pair in comparison.pairs)]
+        lines += [f"lengths in {show.unit}", *aligned(rows, N_WORDS)]
         lines += [line for pair in comparison.pairs for line in _remarks(pair, comparison, show)]
     lines += [f"crack {crack}: only in {name}" for crack, name in comparison.in_one_only]
     if comparison.pairs:
@@ -167,17 +169,6 @@ def _pair_values(pair: Pair) -> tuple[Value | None, ...]:
 def _place_values(place: Place) -> tuple[Value | None, ...]:
     x, y = (float(value) for value in place.point)
     return x, y, place.s, place.step
-
-
-def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return [
-        "  ".join(
-            cell.ljust(width) if column < N_WORDS else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        )
-        for row in rows
-    ]
 
 
 def _remarks(pair: Pair, comparison: Comparison, show: _Lengths) -> list[str]:

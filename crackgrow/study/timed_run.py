@@ -1,12 +1,15 @@
-"""A run in a process of its own, with its times: nothing is carried over from one to the next, one BLAS thread."""
+"""A run of a study, solved and written as `crackgrow run` does, but it tells nobody; and its times.
+
+Those are taken in a process of its own: nothing is carried over from one run to the next, one BLAS thread.
+"""
 
 from __future__ import annotations
 
 import math
 import statistics
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from crackgrow.case import load_case
@@ -14,9 +17,38 @@ from crackgrow.errors import CaseError, CrackgrowError
 from crackgrow.results.summary import peak_memory_mb
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
-from crackgrow.study.case_file import CaseFile
-from crackgrow.study.one_run import Spent, write_run
+from crackgrow.run.ending import Ending
+from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.study.processes import JobError, LostError, Processes, TimeLimitError
+from crackgrow.study.setting import CaseFile
+
+
+@dataclass(frozen=True, slots=True)
+class Spent:
+    """Seconds that steps have taken, without writing."""
+
+    cpu: list[float] = field(default_factory=list)
+    wall: list[float] = field(default_factory=list)
+
+
+def write_run(writer: RunWriter, steps: Generator[StepResult, None, RunEnd], spent: Spent | None = None) -> RunEnd:
+    """Write each step as it comes, then the end, and return it; `writer` has begun, `spent` takes the times.
+
+    Whatever a step raises goes into the summary, keeps what was solved, and passes through.
+    """
+    spent, all_steps = spent or Spent(), Ending(steps)
+    try:
+        cpu, wall = time.process_time(), time.perf_counter()
+        for result in all_steps:
+            spent.cpu.append(time.process_time() - cpu)
+            spent.wall.append(time.perf_counter() - wall)
+            writer.add(result)
+            cpu, wall = time.process_time(), time.perf_counter()
+        writer.finish(all_steps.end)
+    except Exception as error:
+        writer.break_off(error)
+        raise
+    return all_steps.end
 
 
 @dataclass(frozen=True, slots=True)

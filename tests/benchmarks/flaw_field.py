@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -48,17 +48,28 @@ def field_side(n: int) -> float:
 def field_flaws(n: int) -> list[dict[str, Any]]:
     """Paths of n flaws of 10 to 16 mm, by the recipe of cases/random_flaws.yaml."""
     rng, half_side = np.random.default_rng(SEED), field_side(n) / 2.0
+
+    def draw() -> dict[str, Any]:
+        middle = rng.uniform(-half_side, half_side, 2).round(1).tolist()
+        length, angle = round(rng.uniform(10.0, 16.0), 1), float(round(rng.uniform(0.0, 180.0)))
+        return {"center": middle, "length": length, "angle": angle}
+
+    return kept_apart(draw, n, half_side - FROM_SIDES, APART)
+
+
+def kept_apart(draw: Callable[[], dict[str, Any]], n: int, reach: float, apart: float) -> list[dict[str, Any]]:
+    """n paths of those drawn that lie within `reach` (mm) of the middle, and `apart` (mm) from each other."""
     paths: list[dict[str, Any]] = []
     lines: list[shapely.LineString] = []
     while len(paths) < n:
-        middle = rng.uniform(-half_side, half_side, 2).round(1)
-        length, angle = round(rng.uniform(10.0, 16.0), 1), float(round(rng.uniform(0.0, 180.0)))
-        half = 0.5 * length * np.array([np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))])
-        line = shapely.LineString([middle - half, middle + half])
-        inside = np.abs(shapely.get_coordinates(line)).max() <= half_side - FROM_SIDES
-        if inside and all(line.distance(other) >= APART for other in lines):
+        path = draw()
+        angle = np.deg2rad(path["angle"])
+        half = 0.5 * path["length"] * np.array([np.cos(angle), np.sin(angle)])
+        line = shapely.LineString([path["center"] - half, path["center"] + half])
+        inside = np.abs(shapely.get_coordinates(line)).max() <= reach
+        if inside and all(line.distance(other) >= apart for other in lines):
             lines.append(line)
-            paths.append({"center": middle.tolist(), "length": length, "angle": angle})
+            paths.append(path)
     return paths
 
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import shapely
 import yaml
 
 from crackgrow.case import load_case
@@ -21,11 +20,11 @@ from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import tip_site
-from crackgrow.fracture.stress_intensity import interaction_integrals
-from crackgrow.fracture.tip_stress import site_fields
 from crackgrow.run.configuration import crack_geometry
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.stiffness import stiffness_after
+from tests.benchmarks.flaw_field import kept_apart
+from tests.near_tips import interaction_integrals, site_fields
 
 SIDE = 100.0  # mm
 APART = 3.0  # mm
@@ -34,17 +33,12 @@ APART = 3.0  # mm
 def flaws(n: int) -> list[dict[str, Any]]:
     """Random flaws of 8 to 14 mm that keep apart from each other and from the outline."""
     rng = np.random.default_rng(0)
-    paths: list[dict[str, Any]] = []
-    lines: list[shapely.LineString] = []
-    while len(paths) < n:
+
+    def draw() -> dict[str, Any]:
         length, angle, centre = rng.uniform(8, 14), rng.uniform(0, 180), rng.uniform(-SIDE / 2, SIDE / 2, 2)
-        half = 0.5 * length * np.array([np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))])
-        line = shapely.LineString([centre - half, centre + half])
-        inside = np.abs(shapely.get_coordinates(line)).max() <= SIDE / 2 - APART
-        if inside and all(line.distance(other) >= APART for other in lines):
-            lines.append(line)
-            paths.append({"center": centre.tolist(), "length": length, "angle": angle})
-    return paths
+        return {"center": centre.tolist(), "length": length, "angle": angle}
+
+    return kept_apart(draw, n, SIDE / 2 - APART, APART)
 
 
 def plate(n: int) -> Case:

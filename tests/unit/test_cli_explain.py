@@ -35,6 +35,9 @@ def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys
     ("output", ["output", "output.frames", "output.fields", "output.figures", "output.report"]),
     ("paths.csv", ["paths.csv", "crack", "vertex", "x", "y", "step"]),
     ("kink_deg", ["kink_deg"]),
+    ("loading.critical", ["loading: critical"]),
+    ("in_turn", ["growth.advance: in_turn"]),
+    ("bonded", ["interfaces.N.contact: bonded"]),
 ])  # fmt: skip
 def test_names_are_found(name: str, heads: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     found = [line for line in explained(name, capsys).splitlines() if not line.startswith(" ")]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.case.mappings import case_from
+from crackgrow.case.dump import case_from
 from crackgrow.contact.coulomb import STICK
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.loading import load

@@ -1,4 +1,4 @@
-"""Cracked Brazilian disk: K_I and K_II against the series, at automatic cells and nothing else said.
+"""Cracked Brazilian disk: K_I and K_II against the series, at automatic cells and where an accuracy is asked for.
 
 Point forces P at both ends of a diameter, a central open crack of half length a at an angle to it:
 K = N P / (pi R) sqrt(pi a). N is of the series of Atkinson, Smelser, Sanchez (1982), solved by a method of its own to
@@ -28,7 +28,7 @@ supports: minimal
 loads:
   - {at: [0, 50], force: [0 N/m, -1000 N/m]}
   - {at: [0, -50], force: [0 N/m, 1000 N/m]}
-numerics: {spacing: auto}
+numerics: NUMERICS
 output: {figures: false, frames: none}
 """
 
@@ -42,10 +42,11 @@ def factors(share: float, angle: int) -> np.ndarray:
     raise KeyError((share, angle))
 
 
-def computed(share: float, angle: int, folder: Path) -> np.ndarray:
+def computed(share: float, angle: int, folder: Path, numerics: str = "{spacing: auto}") -> np.ndarray:
     """N_I and abs(N_II) (2, 2) of both tips."""
+    text = DISK.replace("LENGTH", str(100.0 * share)).replace("ANGLE", str(90 - angle)).replace("NUMERICS", numerics)
     path = folder / "disk.yaml"
-    path.write_text(DISK.replace("LENGTH", str(100.0 * share)).replace("ANGLE", str(90 - angle)), encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
     tips = crackgrow.solve(crackgrow.load_case(path)).tips[["K_I", "K_II"]].to_numpy()
     unit = FORCE / (np.pi * RADIUS) * np.sqrt(np.pi * share * RADIUS)
     return np.asarray(tips / unit * [1.0, -1.0] if angle else tips / unit)
@@ -59,7 +60,9 @@ def test_K_of_a_crack_at_an_angle_to_the_load(angle: int, tmp_path: Path) -> Non
     assert np.abs(found - exact).max() < 3e-3 * np.hypot(*exact)
 
 
-def test_K_of_a_crack_over_half_of_the_disk(tmp_path: Path) -> None:
-    """The worst of six angles: 0.34 % of K, at 5 degrees."""
-    exact = factors(0.5, 5)
-    assert np.abs(computed(0.5, 5, tmp_path) - exact).max() < 4e-3 * np.hypot(*exact)
+@pytest.mark.parametrize("angle", [0, 5, 10, 15, 20, 25])
+def test_K_of_a_crack_over_half_of_the_disk(angle: int, tmp_path: Path) -> None:
+    """Automatic cells alone are off by 0.34 % at worst (5 degrees); what is asked for is got (measured: 0.07 %)."""
+    exact = factors(0.5, angle)
+    found = computed(0.5, angle, tmp_path, "{accuracy: 0.3 %}")
+    assert np.abs(found - exact).max() < 3e-3 * np.hypot(*exact)

@@ -19,7 +19,6 @@ is all error, is within the bound at 3 mm, and at one end 1.9 times beyond it at
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -30,18 +29,12 @@ import yaml
 
 from crackgrow.case import load_case
 from crackgrow.run import grow
-from tests.verification.solutions import CASES
+from tests.verification.solutions import CASES, REFERENCES, table
 
-REFERENCES = Path(__file__).parent / "references"
 MPA = 1e6
 Truth = dict[tuple[str, str], tuple[float, float]]
 Errors = list[tuple[float, float]]
 """True error and bound of the larger component, Pa sqrt(m), tip by tip."""
-
-
-def rows(name: str) -> list[dict[str, str]]:
-    with (REFERENCES / name).open(newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def judged(folder: Path, scene: dict[str, Any], spacing: float, truth: Truth, *, signs: bool = True) -> Errors:
@@ -65,10 +58,11 @@ def shipped(name: str) -> dict[str, Any]:
 
 
 def with_wings(folder: Path, name: str, spacing: float) -> Errors:
-    points = [[float(row["x_mm"]), float(row["y_mm"])] for row in rows(f"{name}_path.csv")]
+    path = table(f"{name}_path.csv")
+    points = np.column_stack([path["x_mm"], path["y_mm"]]).tolist()
     scene = shipped("compression30")
     scene["cracks"]["flaw"]["path"] = {"points": points}
-    found = [row for row in rows("grown_K.csv") if row["scene"] == name]
+    found = [row for row in table("grown_K.csv") if row["scene"] == name]
     K = {("flaw", row["tip"]): (MPA * float(row["K_I_MPa_sqrtm"]), MPA * float(row["K_II_MPa_sqrtm"])) for row in found}
     return judged(folder, scene, spacing, K)
 
@@ -105,7 +99,7 @@ def winged(half: float, angle: float, wing: float, turn: float) -> list[list[flo
 
 
 def closed_kinks(folder: Path, spacing: float) -> Iterator[tuple[float, float]]:
-    for row in rows("closed_kink_K.csv"):
+    for row in table("closed_kink_K.csv"):
         scene = plate(winged(20.0, 45.0, 10.0, float(row["turn_deg"])), 200.0, 10.0, 4.0, 0.3)
         K = (MPA * float(row["K_I_MPa_sqrtm"]), MPA * float(row["K_II_MPa_sqrtm"]))
         yield from judged(folder, scene, spacing, {("flaw", "start"): K, ("flaw", "end"): K})
@@ -113,7 +107,7 @@ def closed_kinks(folder: Path, spacing: float) -> Iterator[tuple[float, float]]:
 
 def wings_in_a_wide_plate(folder: Path, spacing: float) -> Iterator[tuple[float, float]]:
     """Half length 1 mm in a plate of 30 mm, 1 MPa; K of the infinite plate."""
-    for row in rows("wing_K_contact.csv")[::4]:
+    for row in table("wing_K_contact.csv")[::4]:
         angle, wing = float(row["flaw_angle_from_x_deg"]), float(row["l_over_a"])
         if wing > 0.5:
             continue  # the plate is not wide enough
@@ -152,7 +146,7 @@ def test_nineteen_of_twenty_tips_of_fifty_flaws_are_within_the_bound(tmp_path: P
     tenth = 0.1 * MPA
     K = {
         (row["crack"], row["tip"]): (tenth * float(row["K_I_MPa_sqrtm"]), tenth * float(row["K_II_abs_MPa_sqrtm"]))
-        for row in rows("random_flaws_K.csv")
+        for row in table("random_flaws_K.csv")
     }
     part, ratio = covered(judged(tmp_path, scene, 3.0, K, signs=False))
     assert part >= 0.95

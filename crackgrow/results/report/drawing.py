@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
-from crackgrow.results.overview import extent
+from crackgrow.results.places import extent
 from crackgrow.results.report.markup import Markup, join, tag
 from crackgrow.results.signs import Arrow, Circle, Polygon, Sign, Strokes
 

@@ -35,16 +35,13 @@ def join(parts: Iterable[object], between: str = "") -> Markup:
 def table(caption: str, header: Sequence[str], rows: Iterable[Sequence[object]]) -> Markup:
     """A table in a box of its own that scrolls where it is too wide."""
     head = tag("tr", *(tag("th", name, scope="col") for name in header))
-    body = [tag("tr", *(_cell(cell) for cell in row)) for row in rows]
+    cells = ((tag("td", cell, class_="short" if len(str(cell)) <= SHORT else None) for cell in row) for row in rows)
+    body = [tag("tr", *row) for row in cells]
     whole = tag("table", tag("caption", caption), tag("thead", head), tag("tbody", *body))
     return tag("div", whole, class_="scroll", tabindex="0", role="region", aria_label=caption)
 
 
-def _cell(content: object) -> Markup:
-    return tag("td", content, class_="short" if len(str(content)) <= SHORT else None)
-
-
-def json_script(data: object, id_: str) -> Markup:
-    """Data for the scripts of the page; no text in it can end the element."""
+def json_script(data: object) -> Markup:
+    """Data for the scripts of the page, under the id `data`; no text in it can end the element."""
     content = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-    return Markup(f'<script type="application/json" id="{text(id_)}">{content}</script>')
+    return Markup(f'<script type="application/json" id="data">{content}</script>')

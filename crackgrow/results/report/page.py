@@ -9,7 +9,6 @@ from typing import Any
 
 from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import REPORT, RunFolder, open_run
-from crackgrow.results.log import counted
 from crackgrow.results.report.charts import charts
 from crackgrow.results.report.checks import check_rows, estimate_rows, status_badge
 from crackgrow.results.report.drawing import view_of
@@ -17,7 +16,7 @@ from crackgrow.results.report.markup import Markup, join, json_script, table, ta
 from crackgrow.results.report.pictures import pictures
 from crackgrow.results.report.scene import describe_actions, draw_scene, step_colour
 from crackgrow.results.report.step_data import contact_data, event_rows, step_words, tip_data
-from crackgrow.results.units import shown
+from crackgrow.results.units import counted, shown
 
 SHOWN_WARNINGS = 200  # of more the first ones are shown
 
@@ -80,7 +79,7 @@ def page(run: RunFolder) -> str:
         title=text(f"{run.summary['case']}: {run.summary['title']}"),
         style=_own_file("page.css"),
         body=body,
-        data=json_script(data, "data"),
+        data=json_script(data),
         script=_own_file("chart.js") + _own_file("page.js"),
     )
 

@@ -11,9 +11,7 @@ from typing import Final
 from crackgrow.case import Case
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError, Fault
-from crackgrow.study.case_file import CaseFile
-from crackgrow.study.trade.axes import accuracy_overrides
-from crackgrow.study.trade.grid import UNWRITTEN, Setting
+from crackgrow.study.setting import UNWRITTEN, CaseFile, Setting, accuracy_overrides
 
 OWN: Final = "own"
 HALF: Final = "half increments"
@@ -66,7 +64,9 @@ def plan_convergence(
         file = CaseFile(case, (*overrides, f"growth.steps={steps}"))
         given = file.load()
     three = _three(file, settings)
-    own = next((setting for setting in three if _same(given, file.load(*setting.overrides))), Setting(OWN, UNWRITTEN))
+    numerics = given.resolved["numerics"]
+    same = (setting for setting in three if file.load(*setting.overrides).resolved["numerics"] == numerics)
+    own = next(same, Setting(OWN, UNWRITTEN))
     grows = given.growth is not None and given.growth.steps > 0
     if increments and not grows:
         raise CaseError([Fault("--increments", None, "", "the case does not grow: it has no increments to halve")])
@@ -93,11 +93,6 @@ def _three(file: CaseFile, names: Sequence[str]) -> tuple[Setting, ...]:
         message = f"{', '.join(names)} given; wanted: the largest error first"
         raise CaseError([Fault("--at", None, "", message)])
     return tuple(found)
-
-
-def _same(a: Case, b: Case) -> bool:
-    """Whether two cases have the same numerical settings."""
-    return a.resolved["numerics"] == b.resolved["numerics"]
 
 
 def _halved(case: Case, own: Setting) -> Setting:

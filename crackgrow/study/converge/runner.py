@@ -14,8 +14,8 @@ from crackgrow.study.converge.findings import Convergence, Ran, findings
 from crackgrow.study.converge.plan import HALF, ConvergencePlan
 from crackgrow.study.converge.text import convergence_csv
 from crackgrow.study.folder_names import folder_name
+from crackgrow.study.setting import Setting
 from crackgrow.study.timed_run import run_in_processes
-from crackgrow.study.trade.grid import Setting
 
 DEARER = 2.5
 """CPU time of half increments over that of the same run with whole ones, about."""

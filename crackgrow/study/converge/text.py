@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from crackgrow.case.accuracy import name_of
 from crackgrow.results.tables import csv_text
-from crackgrow.study.comparison_text import aligned
+from crackgrow.results.units import aligned, or_null
 from crackgrow.study.converge.columns import FILES, RANKS, TABLE
 from crackgrow.study.converge.findings import MODES, Convergence, Quantity, Ran
 from crackgrow.study.converge.plan import ConvergencePlan
@@ -30,12 +30,12 @@ def convergence_record(found: Convergence) -> dict[str, Any]:
         "case": plan.case.name,
         "settings": dict(zip(RANKS, _names(plan), strict=True)),
         "runs": [_run_record(run) for run in found.runs],
-        "rows": [dict(zip(FILES[0].header, map(_known, _values(plan, q)), strict=True)) for q in found.quantities],
+        "rows": [dict(zip(FILES[0].header, map(or_null, _values(plan, q)), strict=True)) for q in found.quantities],
         "paths": [asdict(apart) for apart in found.paths],
         "steps_not_compared": found.left_out,
         "tolerance": plan.tolerance,
         "path_tolerance": found.path_tolerance,
-        "error": _known(found.largest_error(plan.own.name)),
+        "error": or_null(found.largest_error(plan.own.name)),
         "good_enough": found.good_enough,
         "verdict": verdict(found),
     }
@@ -47,7 +47,7 @@ def _run_record(run: Ran) -> dict[str, Any]:
         "status": run.cost.status,
         "reason": run.cost.reason,
         "n_dofs": run.n_dofs,
-        "cpu_seconds": _known(run.cost.cpu_seconds),
+        "cpu_seconds": or_null(run.cost.cpu_seconds),
         "folder": str(run.folder),
     }
 
@@ -82,7 +82,8 @@ def verdict(found: Convergence) -> str:
     error = found.largest_error(plan.own.name)
     off = f"{_words(worst)} is off by {100.0 * error:.2g} %{' of the largest K' if worst.name in MODES else ''}"
     if error <= plan.tolerance:
-        return f"{_verdict_on_paths(found)}: with {own} {off} at most, within the {within} asked for{_path_off(found)}"
+        enough = "good enough" if found.paths_good_enough else "not good enough for paths"
+        return f"{enough}: with {own} {off} at most, within the {within} asked for{_path_off(found)}"
     better = [setting for setting in plan.settings if _within(found, setting.name)]
     if better:
         return (
@@ -100,10 +101,6 @@ def _within(found: Convergence, setting: str) -> bool:
     path = found.path_of_setting(setting)
     near = path is None or path.share <= found.path_tolerance
     return near and found.largest_error(setting) <= found.plan.tolerance
-
-
-def _verdict_on_paths(found: Convergence) -> str:
-    return "good enough" if found.paths_good_enough else "not good enough for paths"
 
 
 def _path_off(found: Convergence) -> str:
@@ -139,7 +136,7 @@ def _table(found: Convergence) -> list[str]:
     heading = ["crack", "tip", "step", "quantity", *names, "order", "extrapolated", *(f"% {name}" for name in names)]
     rows = [[*_cells(quantity, names)] for quantity in quantities]
     more = len(found.quantities) - len(quantities)
-    lines = ["K in MPa sqrt(m); errors in percent of the largest K of the step", *aligned([heading, *rows])]
+    lines = ["K in MPa sqrt(m); errors in percent of the largest K of the step", *aligned([heading, *rows], 2)]
     return [*lines, *([f"and {more} more rows in {found.plan.folder / TABLE}"] if more else [])]
 
 
@@ -194,7 +191,3 @@ def _values(plan: ConvergencePlan, quantity: Quantity) -> list[str | float | int
         quantity.limit,
         *(quantity.error(name) for name in names),
     ]
-
-
-def _known(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -8,26 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case import model
 from crackgrow.case.formula import component_at
-from crackgrow.case.model import (
-    Body,
-    Case,
-    Component,
-    ContactSupport,
-    CoulombContact,
-    EdgeRegion,
-    EdgeSupport,
-    EdgeTraction,
-    FluidPressure,
-    Gravity,
-    InSituStress,
-    Interface,
-    Load,
-    PointForce,
-    PointSupport,
-    Ring,
-    Support,
-)
+from crackgrow.case.model import Body, Case, Component, EdgeRegion
 
 Pair = tuple[Component | None, Component | None]
 Stress = tuple[Component, Component, Component]
@@ -160,13 +143,13 @@ def _body(body: Body, placement: Placement) -> Body:
     )
 
 
-def _ring(ring: Ring, placement: Placement) -> Ring:
+def _ring(ring: model.Ring, placement: Placement) -> model.Ring:
     """Rock stays on the left: in the mirror the corners come in reversed order, and side i becomes n - 2 - i."""
     points = placement.points(ring.points)
     if not placement.mirrors:
-        return Ring(points, ring.edge_names)
+        return model.Ring(points, ring.edge_names)
     n = len(points)
-    return Ring(points[::-1].copy(), tuple(ring.edge_names[(n - 2 - i) % n] for i in range(n)))
+    return model.Ring(points[::-1].copy(), tuple(ring.edge_names[(n - 2 - i) % n] for i in range(n)))
 
 
 def _region(region: EdgeRegion, placement: Placement, corners: dict[str, list[int]]) -> EdgeRegion:
@@ -179,7 +162,7 @@ def _region(region: EdgeRegion, placement: Placement, corners: dict[str, list[in
     return replace(region, sides=sides[::-1].copy(), limits=1.0 - region.limits[::-1, ::-1])
 
 
-def _law(contact: CoulombContact, placement: Placement) -> CoulombContact:
+def _law(contact: model.CoulombContact, placement: Placement) -> model.CoulombContact:
     stiffness = contact.stiffness
     if stiffness is not None:
         per = placement.stress / placement.displacement
@@ -192,7 +175,7 @@ def _law(contact: CoulombContact, placement: Placement) -> CoulombContact:
     )
 
 
-def _interface(interface: Interface, placement: Placement) -> Interface:
+def _interface(interface: model.Interface, placement: Placement) -> model.Interface:
     """The first body stays on the left of the lines."""
     order = -1 if placement.mirrors else 1
     lines = tuple(placement.points(line)[::order].copy() for line in interface.lines)
@@ -200,13 +183,13 @@ def _interface(interface: Interface, placement: Placement) -> Interface:
     return replace(interface, lines=lines, contact=contact if contact == "bonded" else _law(contact, placement))
 
 
-def _support(support: Support, placement: Placement, corners: dict[str, list[int]]) -> Support:
-    if isinstance(support, ContactSupport):
-        return ContactSupport(_region(support.region, placement, corners), _law(support.contact, placement))
+def _support(support: model.Support, placement: Placement, corners: dict[str, list[int]]) -> model.Support:
+    if isinstance(support, model.ContactSupport):
+        return model.ContactSupport(_region(support.region, placement, corners), _law(support.contact, placement))
     displacement = _components(support.displacement, placement, placement.displacement)
-    if isinstance(support, PointSupport):
+    if isinstance(support, model.PointSupport):
         return replace(support, point=placement.points(support.point[None])[0], displacement=displacement)
-    return EdgeSupport(_region(support.region, placement, corners), displacement)
+    return model.EdgeSupport(_region(support.region, placement, corners), displacement)
 
 
 def _components(displacement: Pair, placement: Placement, size: float) -> Pair:
@@ -236,22 +219,28 @@ def _traction(given: tuple[Component, Component], placement: Placement) -> tuple
     return first, second
 
 
-def _load(load: Load, placement: Placement, corners: dict[str, list[int]]) -> Load:
-    if isinstance(load, EdgeTraction):
+def _load(load: model.Load, placement: Placement, corners: dict[str, list[int]]) -> model.Load:
+    if isinstance(load, model.EdgeTraction):
         traction = _traction(load.traction, placement)
         return replace(load, region=_region(load.region, placement, corners), traction=traction)
-    if isinstance(load, Gravity):
+    if isinstance(load, model.EdgePressure):
+        region = _region(load.region, placement, corners)
+        return replace(load, region=region, pressure=_pressure(load.pressure, placement))
+    if isinstance(load, model.Gravity):
         return replace(load, acceleration=placement.vector(load.acceleration, placement.stress / placement.size))
-    if isinstance(load, FluidPressure):
-        pressure = load.pressure
-        if callable(pressure):
-            return replace(load, pressure=_Sum([pressure], [placement.stress], placement))
-        return replace(load, pressure=placement.stress * pressure)
-    if isinstance(load, PointForce):
+    if isinstance(load, model.FluidPressure):
+        return replace(load, pressure=_pressure(load.pressure, placement))
+    if isinstance(load, model.PointForce):
         force = placement.vector(load.force, placement.stress * placement.size)
         return replace(load, point=placement.points(load.point[None])[0], force=force)
-    assert isinstance(load, InSituStress)
+    assert isinstance(load, model.InSituStress)
     return replace(load, stress=_stress(load.stress, placement))
+
+
+def _pressure(pressure: Component, placement: Placement) -> Component:
+    if callable(pressure):
+        return _Sum([pressure], [placement.stress], placement)
+    return placement.stress * pressure
 
 
 def _stress(stress: Stress, placement: Placement) -> Stress:

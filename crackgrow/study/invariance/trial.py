@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Literal
 
 from crackgrow.errors import CrackgrowError
+from crackgrow.results.units import or_null
 from crackgrow.study.invariance.condition import condition_estimate
 from crackgrow.study.invariance.solved import Solved
 
@@ -90,9 +91,7 @@ def line_of(row: Row) -> str:
 
 def record_of(row: Row) -> dict[str, object]:
     """A row in what JSON can hold: null where there is no number."""
-    cells = {**asdict(row), "verdict": row.verdict}
-    absent = [key for key, value in cells.items() if isinstance(value, float) and not math.isfinite(value)]
-    return cells | dict.fromkeys(absent)
+    return {key: or_null(value) for key, value in asdict(row).items()} | {"verdict": row.verdict}
 
 
 def number(value: float) -> str:

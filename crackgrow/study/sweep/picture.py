@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.folder import FINISHED
-from crackgrow.results.overview import length_unit
+from crackgrow.results.places import length_unit
 from crackgrow.results.style import own_style
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.sweep.measured import Values

@@ -61,7 +61,8 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> SweepPlan:
     names = short_names(tuple(file.parameters))
     runs, refused = [], []
     combined = combinations(file)
-    run_names = [_run_name(names, values) for values in combined]
+    shown = ([f"{name}={_shown(v)}" for name, v in zip(names, values, strict=True)] for values in combined)
+    run_names = [" ".join(words) for words in shown]
     for number, (name, words, values) in enumerate(zip(run_names, folder_names(run_names), combined, strict=True)):
         overrides = [f"{key}={value}" for key, value in zip(file.parameters, values, strict=True)]
         case, faults = _case(file, overrides)
@@ -89,10 +90,6 @@ def _shortest(key: str, others: Iterable[str]) -> str:
         if tail not in TAKEN and not any(other == tail or other.endswith(f".{tail}") for other in others):
             return tail
     return key
-
-
-def _run_name(names: Sequence[str], values: Sequence[str]) -> str:
-    return " ".join(f"{name}={_shown(value)}" for name, value in zip(names, values, strict=True))
 
 
 def _shown(value: str) -> str:

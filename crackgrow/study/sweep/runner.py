@@ -14,7 +14,7 @@ from crackgrow.results.atomic import OccupiedError, remove_files
 from crackgrow.results.folder import FINISHED, FolderError, RunFolder
 from crackgrow.results.leftovers import earlier_files
 from crackgrow.results.lock import FolderLock, LockedError
-from crackgrow.results.log import counted
+from crackgrow.results.units import counted
 from crackgrow.study.processes import Processes, Workers, as_they_end
 from crackgrow.study.sweep.job import Job, run_job
 from crackgrow.study.sweep.measured import Values, measured

@@ -5,42 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final, Literal
 
+from crackgrow.case.declared import Doc, made, mapping_of, written
 from crackgrow.case.reader import Table, read_file
 from crackgrow.case.report import Path as KeyPath
 from crackgrow.case.report import Place, Report, did_you_mean
-from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Choice, Context, Integer, Switch, Text
-from crackgrow.case.schema import BY_PARTS, OPTIONAL, Field, ListOf, Mapping
+from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Context, Integer, Text
+from crackgrow.case.schema import OPTIONAL, ListOf
 from crackgrow.case.units import Units
 from crackgrow.study.sweep.values import KeyedValues, Listed, ParameterValues, Range, ValueText
 
-DESIGNS: Final = ("grid", "zip", "latin_hypercube")
 MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
-FORMAT: Final = Mapping(
-    {
-        "base": Field(Text(), "the case file, relative to the sweep file"),
-        "parameters": Field(
-            KeyedValues(ParameterValues()), "keys of the case, each with a list of values or {from, to, n, scale}"
-        ),
-        "design": Field(Choice(DESIGNS), "how values are combined", "grid"),
-        "samples": Field(Integer(Bounds(at_least=1, at_most=MOST_RUNS)), "runs of a Latin hypercube", OPTIONAL),
-        "seed": Field(Integer(NOT_NEGATIVE), "of the random numbers of a Latin hypercube", OPTIONAL),
-        "set": Field(KeyedValues(ValueText()), "keys of the case with the values that all runs have", {}),
-        "output": Field(
-            Mapping(
-                {
-                    "frames": Field(Choice(("every_step", "first_and_last", "none")), "frames of each run", "none"),
-                    "figures": Field(Switch(), "pictures of each run", False),
-                    "report": Field(Switch(), "report.html of each run", False),
-                }
-            ),
-            "which files the runs keep",
-            BY_PARTS,
-        ),
-        "responses": Field(ListOf(Text()), "columns of the table that the picture shows", OPTIONAL),
-    }
-)
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """Which files each run keeps."""
+
+    frames: Annotated[Literal["every_step", "first_and_last", "none"], Doc("frames of each run")] = "none"
+    figures: Annotated[bool, Doc("pictures of each run")] = False
+    report: Annotated[bool, Doc("report.html of each run")] = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,14 +33,33 @@ class SweepFile:
     """A sweep file that has no faults of its own; what the case says of its values is not known yet."""
 
     path: Path
-    base: Path
-    parameters: AnyMapping[str, Listed | Range]  # by key of the case
-    design: str
-    samples: int | None
-    seed: int
-    fixed: tuple[str, ...]  # overrides that all runs have
-    responses: tuple[str, ...] | None
     places: AnyMapping[KeyPath, Place]  # of all keys
+    base: Annotated[Path, Text(), Doc("the case file, relative to the sweep file")]
+    parameters: Annotated[
+        AnyMapping[str, Listed | Range],
+        KeyedValues(ParameterValues()),
+        Doc("keys of the case, each with a list of values or {from, to, n, scale}"),
+    ]
+    settings: Annotated[
+        AnyMapping[str, str],
+        KeyedValues(ValueText()),
+        Doc("keys of the case with the values that all runs have", key="set", default={}),
+    ]
+    design: Annotated[Literal["grid", "zip", "latin_hypercube"], Doc("how values are combined")] = "grid"
+    samples: Annotated[int | None, Integer(Bounds(at_least=1, at_most=MOST_RUNS)), Doc("runs of a Latin hypercube")] = (
+        None
+    )
+    seed: Annotated[int, Integer(NOT_NEGATIVE), Doc("of the random numbers of a Latin hypercube", default=OPTIONAL)] = 0
+    output: Annotated[Kept, Doc("which files the runs keep")] = Kept()
+    responses: Annotated[tuple[str, ...] | None, ListOf(Text()), Doc("columns of the table that the picture shows")] = (
+        None
+    )
+
+    @property
+    def fixed(self) -> tuple[str, ...]:
+        """Overrides that all runs have."""
+        kept = (f"output.{key}={str(value).lower()}" for key, value in written(self.output).items())
+        return (*kept, *(f"{key}={text}" for key, text in self.settings.items()))
 
 
 def read_sweep_file(path: Path) -> SweepFile:
@@ -70,7 +74,7 @@ def read_sweep_file(path: Path) -> SweepFile:
         sweep = f"a sweep has `base: {path.name}` and `parameters`, such as cases/sweeps/angle_friction.yaml"
         report.fault((), f"this is a case, not a sweep file: `crackgrow run {path}` runs it; {sweep}", root.place)
         raise report.error()
-    values: Any = FORMAT.read(root, (), Context(report, Units(), path.parent))
+    values: Any = mapping_of(SweepFile).read(root, (), Context(report, Units(), path.parent))
     base = path.parent / values["base"] if report.sound("base") else path
     if report.sound("base"):
         _check_base(base, report)
@@ -82,20 +86,7 @@ def read_sweep_file(path: Path) -> SweepFile:
         _check_design(values, report)
     if report.faults:
         raise report.error()
-    output = values["output"]
-    kept = tuple(f"output.{key}={str(value).lower()}" for key, value in output.items())
-    responses = values.get("responses")
-    return SweepFile(
-        path=path,
-        base=base,
-        parameters=values["parameters"],
-        design=values["design"],
-        samples=values.get("samples"),
-        seed=values.get("seed", 0),
-        fixed=(*kept, *(f"{key}={text}" for key, text in values["set"].items())),
-        responses=None if responses is None else tuple(responses),
-        places=report.places,
-    )
+    return made(SweepFile, values, path=path, base=base, places=report.places)
 
 
 def _check_base(base: Path, report: Report) -> None:

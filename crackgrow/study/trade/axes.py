@@ -7,12 +7,11 @@ from typing import Final
 
 from crackgrow.case import Case
 from crackgrow.case.accuracy import STANDARD
-from crackgrow.case.declared import keys_of
-from crackgrow.case.model import ContactNumerics, ContactSupport, Numerics
+from crackgrow.case.model import ContactSupport
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.units import length_text
-from crackgrow.study.case_file import CaseFile
+from crackgrow.study.setting import CaseFile
 
 Axes = Mapping[str, tuple[str, ...]]
 
@@ -35,7 +34,6 @@ KEYS: Final[Mapping[str, str]] = {
 
 SPACINGS: Final = (2.0, 1.5, 1.0, 0.7, 0.5)  # of the automatic spacing of cells of one size at standard accuracy
 ONE_SIZE: Final = "numerics.refine={tips: 0, kinks: 0, corners: 0}"
-HALVED: Final = "numerics.refine={tips: auto, kinks: auto, corners: auto}"
 
 
 def chosen_axes(file: CaseFile, texts: Sequence[str]) -> Axes:
@@ -80,19 +78,6 @@ def default_axes(file: CaseFile, case: Case) -> Axes:
     if any(touching) or any(isinstance(support, ContactSupport) for support in case.supports):
         return {**axes, "quadrature": ("3", "4"), "contact_spacing": ("1.25", "2")}
     return {**axes, "support": ("1.5", "2", "2.5"), "quadrature": ("2", "3", "4")}
-
-
-def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:
-    """All that a preset or a target sets or counts on, given as keys, which a case's own would win over otherwise."""
-    numerics, contact = keys_of(Numerics), keys_of(ContactNumerics)
-    return (
-        f"numerics.accuracy={accuracy}",
-        "numerics.spacing=auto",
-        HALVED,
-        f"numerics.support={numerics['support'].default}",
-        f"numerics.quadrature={numerics['quadrature'].default}",
-        f"numerics.contact.spacing={contact['spacing'].default}",
-    )
 
 
 def _faults_of(file: CaseFile, name: str, value: str) -> list[Fault]:

@@ -5,25 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from crackgrow.case import Case
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError
-from crackgrow.study.case_file import CaseFile
-from crackgrow.study.trade.axes import KEYS, Axes, accuracy_overrides
+from crackgrow.study.setting import UNWRITTEN, CaseFile, Setting, accuracy_overrides
+from crackgrow.study.trade.axes import KEYS, Axes
 
 FINER = 2.0  # times: the reference's spacing below the finest that is judged
-UNWRITTEN = ("output.frames=none", "output.figures=false", "output.report=false")
-
-
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """One run of the grid."""
-
-    name: str  # "spacing=1.5 support=2", or the preset
-    overrides: tuple[str, ...]
-    preset: str = ""
 
 
 def settings_of(axes: Axes, presets: Sequence[str] = tuple(PRESETS)) -> list[Setting]:

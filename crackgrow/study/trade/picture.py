@@ -13,11 +13,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.style import own_style
 from crackgrow.study.trade.columns import ENERGY, ERRORS
 from crackgrow.study.trade.finite_elements import finite_elements
-from crackgrow.study.trade.pareto import pareto_front
 from crackgrow.study.trade.row import REFERENCE, Row
 
 TIME = "cpu_seconds"
@@ -113,3 +113,16 @@ def _legend(supports: Sequence[float]) -> list[Line2D]:
     marks.append(Line2D([], [], color="0.4", marker="x", linestyle="", label=label))
     marks.append(Line2D([], [], color="0.0", marker="o", linestyle="", label="dark: fine, light: coarse spacing"))
     return marks
+
+
+def pareto_front(cost: Floats, error: Floats) -> Ints:
+    """Numbers (k,) of the points (n,) on the front, in order of cost; points that are not finite are on none.
+
+    A point is on it if no other has at most its cost and at most its error and less of one of them. Of equal points
+    the first stands for all.
+    """
+    known = np.flatnonzero(np.isfinite(cost) & np.isfinite(error))
+    order = known[np.lexsort((error[known], cost[known]))]
+    best = np.minimum.accumulate(error[order])
+    before = np.concatenate([[np.inf], best[:-1]])
+    return np.asarray(order[error[order] < before], dtype=np.int64)

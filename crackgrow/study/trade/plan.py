@@ -11,9 +11,9 @@ from typing import Final
 from crackgrow.case import dump_case
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.atomic import write_text
-from crackgrow.study.case_file import CaseFile
+from crackgrow.study.setting import CaseFile, Setting
 from crackgrow.study.trade.axes import chosen_axes
-from crackgrow.study.trade.grid import Setting, finest, settings_of, with_length
+from crackgrow.study.trade.grid import finest, settings_of, with_length
 from crackgrow.study.trade.measures import check_results
 
 FINEST: Final = "finest"
@@ -62,10 +62,9 @@ class Plan:
 
 
 def plan_trade(
-    case: Path,
+    file: CaseFile,
     folder: Path,
     *,
-    overrides: Sequence[str] = (),
     axes: Sequence[str] = (),
     reference: Sequence[str] = (FINEST,),
     steps: int | None = None,
@@ -80,7 +79,6 @@ def plan_trade(
 
     Raises CaseError with what is wrong.
     """
-    file = CaseFile(case, tuple(overrides))
     grows = file.load().growth is not None
     if steps is not None and not (grows and steps >= 0):
         message = f"{steps} given; " + ("wanted: 0 or more" if grows else "the case has no `growth`, so no steps")

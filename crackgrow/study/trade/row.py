@@ -7,15 +7,17 @@ import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from crackgrow.case import Case
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results import tables
 from crackgrow.results.declarations import PHASES
 from crackgrow.results.folder import FINISHED, FolderError, RunFolder, table_of
+from crackgrow.study.setting import Setting
 from crackgrow.study.timed_run import Cost
+from crackgrow.study.trade.axes import KEYS
 from crackgrow.study.trade.columns import COLUMNS, ENERGY
-from crackgrow.study.trade.grid import Setting
 
 REFERENCE = "reference"  # the name of its row
 
@@ -64,7 +66,7 @@ class Run:
 def row_of(run: Run, errors: Mapping[str, float] | None = None) -> Row:
     """The row of a run with its errors, by column."""
     setting, case, cost = run.setting, run.case, run.cost
-    values: dict[str, tables.Value | None] = {
+    values: dict[str, Any] = {
         "setting": setting.name,
         "preset": setting.preset,
         **({} if case is None else _settings(case)),
@@ -78,7 +80,8 @@ def row_of(run: Run, errors: Mapping[str, float] | None = None) -> Row:
         values |= {"steps": summary["steps_done"], "n_dofs": summary["n_dofs"]["first"]}
         values |= {f"wall_{phase}": float(by_phase.get(phase, 0.0)) for phase in PHASES}
         values |= errors or {}
-        estimate = summary["error_estimate"]["energy_norm_percent"]["last" if _static(case) else "first"]
+        static = case is not None and case.growth is None  # errors are those of the last step, the last load factor
+        estimate = summary["error_estimate"]["energy_norm_percent"]["last" if static else "first"]
         values["error_estimate"] = None if estimate is None else estimate / 100.0
         values |= {"cpu_first_step": cost.cpu_steps[0], "wall_first_step": cost.wall_steps[0]}
         values |= {"cpu_step": _mean(cost.cpu_steps[1:]), "wall_step": _mean(cost.wall_steps[1:])}
@@ -111,30 +114,16 @@ def trade_line(row: Row) -> str:
     return f"{row.name:48} {row.cells['n_dofs']:>7} dofs {row.number('cpu_seconds'):8.2f} s  {shown}".rstrip()
 
 
-def _settings(case: Case) -> dict[str, tables.Value | None]:
+def _settings(case: Case) -> dict[str, Any]:
     """What the run had, whatever set it."""
-    numerics, growth = case.numerics, case.growth
-    contact = numerics.contact
-    return {
-        "accuracy": numerics.accuracy,
-        "spacing": numerics.spacing,
-        "support": numerics.support,
-        "quadrature": numerics.quadrature,
-        "contact_spacing": contact.spacing,
-        "stiffness": "rigid" if contact.stiffness is None else contact.stiffness,
-        "solver": contact.solver,
-        "tip_radius": None if growth is None else growth.tip_radius,
-        "increment": None if growth is None else growth.increment,
-        "tips": numerics.refine.tips,
-        "kinks": numerics.refine.kinks,
-        "corners": numerics.refine.corners,
-        "tip_functions": numerics.tip_functions,
-    }
+    return {axis: _value(case.resolved, key.split(".")) for axis, key in KEYS.items()}
 
 
-def _static(case: Case | None) -> bool:
-    """Whether errors are those of the last step, the last load factor."""
-    return case is not None and case.growth is None
+def _value(mapping: Any, key: Sequence[str]) -> Any:
+    """The value at a key of nested mappings; None where there is none."""
+    for part in key:
+        mapping = mapping.get(part) if isinstance(mapping, dict) else None
+    return mapping
 
 
 def _mean(seconds: Sequence[float]) -> float:

@@ -12,8 +12,9 @@ from crackgrow.results.folder import FINISHED
 from crackgrow.results.lock import FolderLock
 from crackgrow.study.energy_distance import EnergyReference
 from crackgrow.study.folder_names import folder_names
+from crackgrow.study.setting import Setting
 from crackgrow.study.timed_run import run_in_processes
-from crackgrow.study.trade.grid import FINER, Setting, case_or_none
+from crackgrow.study.trade.grid import FINER, case_or_none
 from crackgrow.study.trade.measures import check_results, errors_of
 from crackgrow.study.trade.picture import draw
 from crackgrow.study.trade.plan import Plan

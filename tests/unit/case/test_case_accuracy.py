@@ -12,7 +12,7 @@ from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.accuracy import PRESETS, REFINED_AT, automatic_spacing
 from crackgrow.case.features import Length
 from crackgrow.errors import CaseError
-from crackgrow.results.overview import overview
+from crackgrow.plan.overview import overview
 
 CASES = Path(__file__).parents[3] / "cases"
 FILE = Path(__file__).parent / "compression30.yaml"

@@ -197,6 +197,9 @@ def cracked(scene: dict[str, Any], points: list[list[float]], tips: str = "none"
     return changed(scene, cracks={"flaw": {"path": {"points": points}, "tips": tips, "contact": "none"}})
 
 
+ON_TOP = {"on": {"body": "top", "edge": "top"}}
+
+
 def two_blocks() -> dict[str, Any]:
     scene = blocks(low=rectangle(0, 0, 4, 2), top=rectangle(0, 2, 4, 2))
     return changed(scene, interfaces=joint("low top"), supports=held("low"))
@@ -462,7 +465,7 @@ def test_loads(tmp_path: Path):
         ({"interface": ["low", "low"], "pressure": 1}, "loads.0.interface", "have no interface that a fluid could"),
         ({"interface": ["top", "low"], "pressure": "y/0"}, "loads.0.pressure", "has no finite value at"),
         ({"interface": ["top", "low"], "crack": "flaw", "pressure": 1}, "loads.0.crack", "does not go with inter"),
-        ({"body": "low"}, "loads.0", "give either {on, traction} or {gravity} or {crack, pressure} or {stress}"),
+        ({"body": "low"}, "loads.0", "give either {on, traction} or {on, pressure} or {gravity} or {crack,"),
         ({"body": "low", "pressure": 1}, "loads.0.pressure", "does not go with body; give either"),
         (
             {"crack": "flwa", "pressure": 1},
@@ -472,6 +475,9 @@ def test_loads(tmp_path: Path):
         ({"crack": "flaw", "pressure": "1 m"}, "loads.0.pressure", "unit of length"),
         ({"crack": "flaw"}, "loads.0.pressure", "missing"),
         ({"crack": "flaw", "presure": 1}, "loads.0.presure", "did you mean 'pressure'?"),
+        ({**ON_TOP, "pressure": "1/(y - y)"}, "loads.0.pressure", "no finite value"),
+        ({**ON_TOP, "pressure": "1 m"}, "loads.0.pressure", "unit of length"),
+        ({**ON_TOP, "pressure": 1, "traction": [1, 0]}, "loads.0.traction", "does not go with on, pressure"),
     ],
 )
 def test_fault_of_a_load(load_item: dict[str, Any], key: str, words: str, tmp_path: Path):

@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 from crackgrow.case import Case, load_case
-from crackgrow.case.mesh_file import MeshError, read_mesh
+from crackgrow.case.mesh_file import ContentError, read_mesh
 from crackgrow.errors import CaseError
 from tests.whole_run import whole_run
 
@@ -201,7 +201,7 @@ def test_meshes_that_are_no_plane_specimens_are_refused(tmp_path: Path) -> None:
         ([*square, [3, 0, 0]], [("triangle", [[0, 1, 2], [2, 4, 5]])], r"touches itself at \(1, 1\)"),
     ]):  # fmt: skip
         meshio.write(tmp_path / f"{number}.vtu", meshio.Mesh(np.array(points, dtype=float), cells))
-        with pytest.raises(MeshError, match=words):
+        with pytest.raises(ContentError, match=words):
             read_mesh(tmp_path / f"{number}.vtu").outline(None)
 
 
@@ -209,5 +209,5 @@ def test_a_curve_that_branches_or_closes_is_no_crack(tmp_path: Path) -> None:
     mesh = plate()
     tags = [*mesh.cell_data["gmsh:physical"][:2], np.full(len(mesh.cells[2].data), 1)]
     write(moved(mesh, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}), tmp_path / "a.msh")
-    with pytest.raises(MeshError, match="has a curve 'bottom' that branches, closes or is in several parts"):
+    with pytest.raises(ContentError, match="has a curve 'bottom' that branches, closes or is in several parts"):
         read_mesh(tmp_path / "a.msh").path("bottom")

@@ -112,12 +112,20 @@ def test_minimal_supports_are_three_constraints_off_the_loads_and_cracks(tmp_pat
         [{"on": {"edge": "top"}, "traction": [1, 0]}, {"on": {"edge": "bottom"}, "traction": [-1, 0]}],  # they turn it
         [PULL[0], {**PULL[1], "held": True}],  # not at the factor 0.5
         [{"at": [0, 3], "force": [0, 5]}, {"at": [0.1, -3], "force": [0, -5]}],
+        [{"on": {"edge": edge}, "pressure": 2} for edge in ("top", "left", "right")],
     ],
 )
 def test_minimal_supports_refuse_loads_that_do_not_balance(loads: list[dict[str, Any]], tmp_path: Path):
     key, message = fault(tmp_path, plate(*loads, loading={"history": [0.5, 1]}))
     assert key == "supports"
     assert "balance" in message
+
+
+def test_pressure_all_round_balances(tmp_path: Path):
+    loads = [{"on": {"edge": edge}, "pressure": "2 + x**2"} for edge in ("top", "bottom")]
+    loads += [{"on": {"edge": edge}, "pressure": 3} for edge in ("left", "right")]
+    solution = solve(load(tmp_path, plate(*loads, numerics={"spacing": 1})))
+    assert np.abs(solution.reactions[["force_x", "force_y"]]).to_numpy().max() < 1e-9
 
 
 def test_shear_all_round_balances(tmp_path: Path):

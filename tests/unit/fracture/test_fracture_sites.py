@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from crackgrow.fracture.sites import BESIDE, Looked, Site, start_sites
-from crackgrow.fracture.tip_stress import site_fields
+from tests.near_tips import site_fields
 
 APART = 0.5
 BENT = [(2.0, 6.1), (6.05, 6.1), (8.05, 6.1 + 2.0 * np.sqrt(3.0))]  # turns by 60 degrees

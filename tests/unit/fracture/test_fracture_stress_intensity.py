@@ -11,13 +11,13 @@ import shapely
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import TipView, crack_angle, seen_from_tip
 from crackgrow.fracture.interaction import interaction
-from crackgrow.fracture.stress_intensity import interaction_integrals
 from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, SMALLEST_RADIUS, clearance, disc_round
 from crackgrow.fracture.tip_rule import tip_rule
 from crackgrow.fracture.williams import williams_displacement, williams_gradient
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
+from tests.near_tips import interaction_integrals
 
 YOUNG = 1e10
 MATERIAL = plane_elasticity(YOUNG, 0.25, "strain")

@@ -9,9 +9,10 @@ import shapely
 from crackgrow.case.model import PointSupport
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import tip_site
-from crackgrow.fracture.tip_stress import N_RADIAL, N_RAYS, TipField, site_fields
+from crackgrow.fracture.tip_stress import N_RADIAL, N_RAYS, TipField
 from crackgrow.quadrature.rules import gauss
 from crackgrow.solid.elasticity import plane_elasticity
+from tests.near_tips import site_fields
 
 POISSON = 0.25
 SHEAR_MODULUS = 1.0 / (2.0 * (1.0 + POISSON))  # of the sample's Young's modulus 1

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.plan import outlook as outlook_module
+from crackgrow.plan import cost
 from crackgrow.plan.cost import estimated_cost
 from crackgrow.plan.outlook import outlook
 from crackgrow.plan.sizes import sizes_of
@@ -48,7 +48,7 @@ def test_a_scene_that_takes_minutes_to_lay_out_is_guessed_at_once_and_warned_of(
     assert time.process_time() - began < 1.0
     assert "of CPU for the first step" in found.words
     assert " each of 22 more" in found.words
-    monkeypatch.setattr(outlook_module, "machine_memory", lambda: 8.0 * 1024.0)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 8.0 * 1024.0)
     assert outlook(case).warning.startswith("the run needs about 15 GiB of memory, and this machine has 8 GiB: ")
-    monkeypatch.setattr(outlook_module, "machine_memory", lambda: 64.0 * 1024.0)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 64.0 * 1024.0)
     assert outlook(case).warning == ""

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from crackgrow import cli
 from crackgrow.case import Case, load_case
-from crackgrow.plan import cost, text
+from crackgrow.plan import cost, glyphs
 from crackgrow.plan.cost import Cost, estimated_cost, probe
 from crackgrow.plan.picture import draw_scene
 from crackgrow.plan.sizes import Sizes, sizes_of
@@ -99,6 +100,28 @@ def test_warnings_come_before_the_run(settings: tuple[str, ...], words: str) -> 
     assert not any(words in text for text in words_of(sizes_of(load_case(CASES / "compression30.yaml"))))
 
 
+PRESSED = (
+    "{on: {edge: top}, traction: [0, -20], held: true}, {on: {edge: bottom}, traction: [0, PUSH], held: true}, "
+    "{stress: [0, -20, 0], held: true}"
+)
+WEIGHT = "{gravity: [0, -80000 m/s^2], held: true}"  # 11 MPa over the height
+
+
+@pytest.mark.parametrize(
+    ("loads", "warned"),
+    [
+        (PRESSED.replace("PUSH", "20"), False),
+        (PRESSED.replace("PUSH", "31"), True),
+        (f"{PRESSED.replace('PUSH', '31')}, {WEIGHT}", False),
+        (f"{PRESSED.replace('PUSH', '20')}, {WEIGHT}", False),
+    ],
+)
+def test_loads_that_stress_in_the_rock_or_weight_balances_leave_nothing_to_points(loads: str, warned: bool) -> None:
+    settings = ("bodies.rock.material.density=2500 kg/m^3", f"loads=[{loads}]")
+    told = words_of(sizes_of(coarse("compression30", *settings)))
+    assert any("are carried by supports at points" in text for text in told) == warned
+
+
 def test_short_cracks_are_one_warning_that_tells_the_shortest() -> None:
     second = "cracks.b={path: {center: [0, 12], length: 4, angle: 0}, contact: none}"
     lines = plan_text(coarse("compression30", "cracks.flaw.path.length=6", second)).splitlines()
@@ -110,9 +133,9 @@ def test_short_cracks_are_one_warning_that_tells_the_shortest() -> None:
 def test_more_memory_than_the_machine_has_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     case = coarse("compression30")
     needed = estimated_cost(case, sizes_of(case)).memory
-    monkeypatch.setattr(text, "machine_memory", lambda: 1.1 * needed)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 1.1 * needed)
     assert "of memory, and this machine" not in plan_text(case)
-    monkeypatch.setattr(text, "machine_memory", lambda: 0.9 * needed)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 0.9 * needed)
     assert f"needs about {needed:.0f} MiB of memory, and this machine has {0.9 * needed:.0f} MiB" in plan_text(case)
 
 
@@ -180,6 +203,17 @@ def test_the_picture_shows_what_acts(tmp_path: Path) -> None:
 def test_the_picture_says_what_is_taken_out(tmp_path: Path) -> None:
     draw_scene(tmp_path / "scene.svg", load_case(CASES / "tunnel_excavated.yaml"))
     assert "core is taken out in stage 'face near by'" in (tmp_path / "scene.svg").read_text(encoding="utf-8")
+
+
+def test_words_of_small_things_lie_beside_each_other_and_beside_what_is_left_free() -> None:
+    axes = Figure(dpi=100).add_subplot()
+    for words in ("roof: 4 m", "side: 5 m", "bonded", "start"):
+        glyphs.label(axes, np.array([0.5, 0.5]), words)
+    free = np.array([[0.5, 0.5], [0.55, 0.5]])
+    glyphs.part_labels(axes, free)
+    boxes = [words.get_window_extent() for words in axes.texts]
+    assert all(box.count_overlaps(boxes) == 1 for box in boxes)  # with itself
+    assert not any(box.contains(*place) for box in boxes for place in axes.transData.transform(free))
 
 
 @pytest.mark.parametrize("name", ["brazilian_disk", "compression30", "cyclic_friction", "flaw_and_hole"])

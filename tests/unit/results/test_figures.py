@@ -165,20 +165,24 @@ def test_steps_at_about_the_same_place_share_the_words_that_name_them() -> None:
     ]
 
 
+@pytest.mark.parametrize(("traction", "unit"), [(-2e7, "MPa"), (-5e4, "kPa")])
 def test_round_off_in_tractions_is_not_blown_up_and_the_legend_has_the_states_there_are(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    traction: float, unit: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: list[Figure] = []
     monkeypatch.setattr(figures, "_save", lambda path, figure: drawn.append(figure))
     result = make_result(1)
     n = len(result.contact.s)
-    constant = -2e7 + 10.0 * np.arange(n)
+    constant = traction * (1.0 - 5e-7 * np.arange(n))
     contact = replace(result.contact, normal_traction=constant, state=np.full(n, STICK))
-    faces = tuple(replace(face, normal_traction=np.full(len(face.s), -2e7)) for face in result.faces)
-    figures.draw_contact(tmp_path / "contact.png", make_case(), replace(result, contact=contact, faces=faces))
+    faces = tuple(replace(face, normal_traction=np.full(len(face.s), traction)) for face in result.faces)
+    tangential = replace(contact, tangential_traction=0.1 * constant)
+    faces = tuple(replace(face, tangential_traction=0.1 * face.normal_traction) for face in faces)
+    figures.draw_contact(tmp_path / "contact.png", make_case(), replace(result, contact=tangential, faces=faces))
     low, high = drawn[0].axes[1].get_ylim()
     assert low < -20.0
-    assert high > 0.0  # MPa
+    assert high > 0.0
+    assert drawn[0].axes[1].get_ylabel() == f"normal traction [{unit}]"
     legend = drawn[0].axes[0].get_legend()
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == ["stick"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,9 +14,11 @@ import pyvista
 from PIL import Image
 
 from crackgrow import cli
+from crackgrow.errors import CaseError
 from crackgrow.results import animation, field_picture, render, view
 from crackgrow.results.atomic import OutputError
 from crackgrow.results.drawn_frame import drawn_frame
+from crackgrow.results.field_picture import Look
 from crackgrow.results.folder import FolderError, RunFolder, open_run
 from tests.report_runs import make_run
 
@@ -53,14 +56,14 @@ def pixels(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
 
 
 def test_every_frame_is_drawn_in_the_size_asked_for(folder: Path, tmp_path: Path) -> None:
-    drawn = list(render.render(folder, size=(300, 420), out=tmp_path))
+    drawn = list(render.render(folder, look=Look(size=(300, 420)), out=tmp_path))
     assert drawn == [tmp_path / "sigma_1" / f"step_{step:04d}.png" for step in range(4)]
     assert {pixels(path).shape for path in drawn} == {(420, 300, 3)}
     assert all(len(np.unique(pixels(path).reshape(-1, 3), axis=0)) > 30 for path in drawn)
 
 
 def test_colour_scale_and_place_are_the_same_in_all_pictures(folder: Path, tmp_path: Path) -> None:
-    first, *_, last = (pixels(path) for path in render.render(folder, size=(600, 840), out=tmp_path))
+    first, *_, last = (pixels(path) for path in render.render(folder, look=Look(size=(600, 840)), out=tmp_path))
     bar = slice(470, 600)  # right of the specimen: its colour bar, and what that says
     np.testing.assert_array_equal(first[60:, bar], last[60:, bar])
     assert (first[60:, :470] != last[60:, :470]).any()
@@ -70,7 +73,7 @@ def test_open_cracks_show_what_is_behind(folder: Path, tmp_path: Path) -> None:
     behind = round(255 * float(field_picture.BEHIND))
 
     def share_open(warp: float) -> float:
-        *_, path = render.render(folder, warp=warp, size=(400, 560), out=tmp_path)
+        *_, path = render.render(folder, look=Look(warp=warp, size=(400, 560)), out=tmp_path)
         shown = pixels(path)[140:420, 110:230]  # the middle of the rock
         return float((shown == behind).all(axis=2).mean())
 
@@ -80,7 +83,7 @@ def test_open_cracks_show_what_is_behind(folder: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("field", ["displacement", "sigma_3", "stress_xy", "body", "energy_error"])
 def test_other_fields_are_drawn(folder: Path, tmp_path: Path, field: str) -> None:
-    (path,) = render.render(folder, field, steps=[2], size=(300, 420), out=tmp_path)
+    (path,) = render.render(folder, field, steps=[2], look=Look(size=(300, 420)), out=tmp_path)
     assert path == tmp_path / field / "step_0002.png"
     assert path.stat().st_size > 5000
 
@@ -111,10 +114,10 @@ def test_what_cells_alone_have_is_drawn_cell_by_cell(folder: Path, tmp_path: Pat
 
 
 def test_earlier_pictures_of_the_field_go_and_others_stay(folder: Path, tmp_path: Path) -> None:
-    list(render.render(folder, steps=[0, 3], size=(200, 280), out=tmp_path))
-    list(render.render(folder, "sigma_3", steps=[0], size=(200, 280), out=tmp_path))
+    list(render.render(folder, steps=[0, 3], look=Look(size=(200, 280)), out=tmp_path))
+    list(render.render(folder, "sigma_3", steps=[0], look=Look(size=(200, 280)), out=tmp_path))
     (tmp_path / "sigma_1" / "own.png").write_text("mine")
-    list(render.render(folder, steps=[1], size=(200, 280), out=tmp_path))
+    list(render.render(folder, steps=[1], look=Look(size=(200, 280)), out=tmp_path))
     left = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.png"))
     assert left == ["sigma_1/own.png", "sigma_1/step_0001.png", "sigma_3/step_0000.png"]
 
@@ -214,3 +217,25 @@ def test_render_needs_no_display(folder: Path, tmp_path: Path) -> None:
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
     assert [Path(line).name for line in done.stdout.splitlines()] == ["step_0001.png", "step_0002.png", "animation.gif"]
+
+
+@pytest.mark.parametrize(("limits", "wanted"), [(("-20", "5"), (-20.0, 5.0)), (("-20 MPa", "5000 kPa"), (-20.0, 5.0))])
+def test_limits_of_colours_are_in_the_unit_of_the_bar_or_have_one(limits: tuple[str, str], wanted: tuple[float, float]):
+    assert field_picture.limits_of("sigma_1", limits, (1e6, "MPa")) == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize(("field", "limits", "told"), [
+    ("sigma_1", ("5", "-20"), "is not less than '-20'; wanted: the lower limit first"),
+    ("sigma_1", ("0", "5 mm"), "'5 mm' has a unit of length; wanted: a number, in MPa, or with a unit such as 'MPa'"),
+    ("energy_error", ("0", "5 MPa"), "'5 MPa' is not a number; wanted: a number"),
+    ("sigma_1", ("nan", "5"), "'nan' is not finite"),
+])  # fmt: skip
+def test_limits_that_a_field_cannot_have_are_refused(field: str, limits: tuple[str, str], told: str) -> None:
+    with pytest.raises(CaseError, match=re.escape(told)):
+        field_picture.limits_of(field, limits, (1e6, "MPa"))
+
+
+def test_colours_end_at_the_limits_that_are_asked_for(folder: Path) -> None:
+    frames = [drawn_frame(open_run(folder), 2, "sigma_1")]
+    pictures = field_picture.FieldPictures("", "sigma_1", frames, {}, Look(limits=("-2 MPa", "1 MPa")))
+    assert (pictures.norm.vmin, pictures.norm.vmax) == pytest.approx((-2e6 / pictures.unit[0], 1e6 / pictures.unit[0]))

@@ -165,6 +165,17 @@ def test_growth_without_cracks_arrests(plate: Plate) -> None:
     assert len(results) == 1
 
 
+@pytest.mark.parametrize("steps", [0, 2])
+def test_a_run_whose_cracks_stay_says_how_near_to_growth_they_are(steps: int) -> None:
+    settings = ["numerics.spacing=3", f"growth.steps={steps}", "loading.history=[1e-3]"]
+    case = load_case("cases/compression30.yaml", settings)
+    (result,), end = whole_run(case)
+    nearest = max(tip.criticality for tip in result.tips)
+    assert 0.0 < nearest < 1.0
+    assert end.reason.endswith(f"; the most critical is at {nearest:.3g} of the strength at load factor 0.001")
+    assert end.reason.startswith("nothing grew: no tip meets the criterion" if steps else "the static solve is done")
+
+
 def test_cracks_without_contact_pass_through_each_other(plate: Plate) -> None:
     (free,), _ = whole_run(plate({"flaw": {**CENTRE["flaw"], "contact": "none"}}, sigma=-1.0))
     assert len(free.contact.s) == 0

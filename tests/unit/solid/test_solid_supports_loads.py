@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from crackgrow.approximation.basis import values_at
-from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.case.model import EdgePressure, EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
 from crackgrow.solid.loads import load_vector
@@ -42,6 +42,18 @@ def test_traction_on_a_part_of_an_edge_has_the_parts_resultant(build) -> None:
     region = build.edge("right", 0.24, 0.72)
     f = load_vector(sample.cover, (sample.body,), (EdgeTraction(region, (1.0, 0.0)),), 4)
     np.testing.assert_allclose(resultant(sample, f), [2.4, 0.0, -2.4 * 2.9], atol=1e-8)
+
+
+@pytest.mark.parametrize("edge", SIDES)
+def test_pressure_is_traction_into_the_rock(build, edge: str) -> None:
+    sample = build.block((6, 5), support=2.0)
+    inward = {"bottom": (0.0, 3.0), "right": (-3.0, 0.0), "top": (0.0, -3.0), "left": (3.0, 0.0)}[edge]
+    region = build.edge(edge, 0.24, 0.72)
+    f, same = (
+        load_vector(sample.cover, (sample.body,), (load,), 4)
+        for load in (EdgePressure(region, 3.0), EdgeTraction(region, inward))
+    )
+    np.testing.assert_allclose(f, same, atol=1e-14)
 
 
 def test_loads_add_up(build) -> None:

@@ -14,7 +14,6 @@ from threadpoolctl import threadpool_info
 from crackgrow import blas
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
-from crackgrow.study.one_run import write_run
 from crackgrow.study.sweep import job
 from crackgrow.study.sweep.job import Job, run_job, solve
 from crackgrow.study.sweep.measured import measured
@@ -22,6 +21,7 @@ from crackgrow.study.sweep.picture import draw, responses_of, shown_as
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
 from crackgrow.study.sweep.runner import done
 from crackgrow.study.sweep.table import SweepTable
+from crackgrow.study.timed_run import write_run
 
 FLAW = Path(__file__).parents[4] / "cases" / "compression30.yaml"
 

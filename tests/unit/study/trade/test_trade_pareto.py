@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from crackgrow.study.trade.pareto import pareto_front
+from crackgrow.study.trade.picture import pareto_front
 
 
 def beats(a: tuple[float, float], b: tuple[float, float]) -> bool:

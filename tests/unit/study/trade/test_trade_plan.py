@@ -9,7 +9,7 @@ import pytest
 from crackgrow import cli
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError
-from crackgrow.study.case_file import CaseFile
+from crackgrow.study.setting import CaseFile
 from crackgrow.study.trade.axes import chosen_axes
 from crackgrow.study.trade.grid import finest, settings_of, with_length
 from crackgrow.study.trade.plan import plan_trade
@@ -102,10 +102,10 @@ def test_bad_axes_are_told_together(file: CaseFile, texts: list[str], messages: 
 
 def test_reference_must_be_results_or_settings(tmp_path: Path):
     with pytest.raises(CaseError, match=r"is no result folder of a run: it has no case\.yaml, tips\.csv"):
-        plan_trade(COMPRESSION.path, tmp_path, reference=[str(tmp_path)])
+        plan_trade(COMPRESSION, tmp_path, reference=[str(tmp_path)])
     with pytest.raises(CaseError, match=r"numerics\.support: '2\.1' given"):
-        plan_trade(COMPRESSION.path, tmp_path, reference=["numerics.support=2.1"])
-    plan = plan_trade(COMPRESSION.path, tmp_path, reference=["numerics.spacing=1", "numerics.support=3"])
+        plan_trade(COMPRESSION, tmp_path, reference=["numerics.support=2.1"])
+    plan = plan_trade(COMPRESSION, tmp_path, reference=["numerics.spacing=1", "numerics.support=3"])
     assert plan.reference == ("numerics.spacing=1", "numerics.support=3")
 
 

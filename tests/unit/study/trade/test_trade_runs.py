@@ -13,9 +13,9 @@ from crackgrow.case import load_case
 from crackgrow.errors import CaseError, SolveError
 from crackgrow.results.declarations import PHASES
 from crackgrow.study import processes
+from crackgrow.study.setting import CaseFile, Setting
 from crackgrow.study.timed_run import Cost, median_cost, run_in_processes
 from crackgrow.study.trade.columns import COLUMNS
-from crackgrow.study.trade.grid import Setting
 from crackgrow.study.trade.plan import Plan, plan_trade
 from crackgrow.study.trade.row import Row, Run, read_rows, row_of
 from crackgrow.study.trade.runner import trade
@@ -24,10 +24,10 @@ CASES = Path(__file__).parents[4] / "cases"
 FLAW = CASES / "compression30.yaml"
 
 
-def small(folder: Path, axes: Sequence[str], **settings: object) -> Plan:
+def small(folder: Path, axes: Sequence[str], overrides: Sequence[str] = (), **settings: object) -> Plan:
     """A trade of compression30 without presets, against a spacing of 2 mm."""
     given = {"steps": 1, "reference": ["numerics.spacing=2"], **settings}
-    return plan_trade(FLAW, folder, axes=axes, presets=False, **given)  # type: ignore[arg-type]
+    return plan_trade(CaseFile(FLAW, tuple(overrides)), folder, axes=axes, presets=False, **given)  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.results.overview import estimated_nodes, overview
+from crackgrow.plan.overview import estimated_nodes, overview
 from tests.unit.case.scenes import EVERYTHING, load, rectangle, with_body
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"

@@ -8,35 +8,14 @@ from typing import Final
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Floats
+from crackgrow.case import model
 from crackgrow.case.accuracy import STANDARD, name_of
-from crackgrow.case.formula import CoordinateFormula
+from crackgrow.case.features import line_length
 from crackgrow.case.meetings import meeting_places
-from crackgrow.case.model import (
-    Body,
-    Case,
-    Component,
-    ContactSupport,
-    CoulombContact,
-    Crack,
-    CriticalLoad,
-    EdgeSupport,
-    EdgeTraction,
-    FluidPressure,
-    Gravity,
-    Growth,
-    InSituStress,
-    Interface,
-    LoadHistory,
-    PointForce,
-    PointSupport,
-    Stage,
-    Stages,
-    StrengthReduction,
-)
+from crackgrow.case.model import Case, CoulombContact, Crack
 from crackgrow.case.toughness import BY_K, averaging_radius
-from crackgrow.results.log import counted
-from crackgrow.results.units import stress_text
+from crackgrow.results.places import component_text, length_unit, surface_text
+from crackgrow.results.units import counted, stress_text
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
 SHOWN_FACTORS: Final = 12  # of longer load histories the first ones are named, and the last
@@ -85,7 +64,7 @@ def estimated_nodes(case: Case) -> int:
     return round(total / h**2)
 
 
-def _body_line(body: Body, scale: float, unit: str) -> str:
+def _body_line(body: model.Body, scale: float, unit: str) -> str:
     width, height = np.ptp(body.outline, axis=0) * scale
     material = f"E = {stress_text(body.material.young)}, nu = {body.material.poisson:g}"
     if body.material.density is not None:
@@ -99,16 +78,16 @@ def _body_line(body: Body, scale: float, unit: str) -> str:
     return f"body {body.name}: {width:g} x {height:g} {unit}{holes}, {material}; {strength}"
 
 
-def _interface_line(interface: Interface, scale: float, unit: str) -> str:
-    length = sum(float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in interface.lines) * scale
+def _interface_line(interface: model.Interface, scale: float, unit: str) -> str:
+    length = sum(map(line_length, interface.lines)) * scale
     law = "bonded" if interface.contact == "bonded" else _law(interface.contact)
     return f"interface between {' and '.join(interface.bodies)}: length {length:g} {unit}; {law}"
 
 
 def _support_lines(case: Case) -> list[str]:
-    n_points = sum(isinstance(support, PointSupport) for support in case.supports)
-    n_edges = sum(isinstance(support, EdgeSupport) for support in case.supports)
-    foundations = [support for support in case.supports if isinstance(support, ContactSupport)]
+    n_points = sum(isinstance(support, model.PointSupport) for support in case.supports)
+    n_edges = sum(isinstance(support, model.EdgeSupport) for support in case.supports)
+    foundations = [support for support in case.supports if isinstance(support, model.ContactSupport)]
     return [
         f"supports: {n_points} at points, {n_edges} on edges, {counted(len(foundations), 'rigid foundation')}",
         *(f"foundation on edge {f.region.edge} of {f.region.body}: {_law(f.contact)}" for f in foundations),
@@ -116,11 +95,11 @@ def _support_lines(case: Case) -> list[str]:
 
 
 def _loading(case: Case) -> str:
-    if isinstance(case.loading, CriticalLoad):
+    if isinstance(case.loading, model.CriticalLoad):
         return "each step at its critical load factor"
-    if isinstance(case.loading, StrengthReduction):
+    if isinstance(case.loading, model.StrengthReduction):
         return "all of them, with friction and cohesion divided by a factor until the scene fails"
-    if isinstance(case.loading, Stages):
+    if isinstance(case.loading, model.Stages):
         befores = (case.loading.before, *case.loading.stages)
         return "in stages: " + ", ".join(map(_stage_text, befores, case.loading.stages))
     factors = [f"{factor:g}" for factor in case.loading.factors]
@@ -129,7 +108,7 @@ def _loading(case: Case) -> str:
     return f"load factors {', '.join(factors)}"
 
 
-def _stage_text(before: Stage, stage: Stage) -> str:
+def _stage_text(before: model.Stage, stage: model.Stage) -> str:
     """What a stage changes."""
     released, factors = dict(before.excavated), dict(before.loads)
     words = [f"without {name}" for name, _ in stage.excavated if name not in released]
@@ -143,19 +122,21 @@ def _stage_text(before: Stage, stage: Stage) -> str:
 
 def _loads(case: Case) -> str:
     """Say which loads there are, and which of them every load factor leaves as they are."""
-    tractions = [load.held for load in case.loads if isinstance(load, EdgeTraction)]
+    tractions = [load.held for load in case.loads if isinstance(load, model.EdgeTraction)]
     words = [counted(len(tractions), "traction") + " on edges"] if tractions or not case.loads else []
     if any(tractions):
         words[0] += " (held)" if all(tractions) else f" ({sum(tractions)} held)"
     for load in case.loads:
         held = " (held)" if load.held else ""
-        if isinstance(load, Gravity):
+        if isinstance(load, model.Gravity):
             words.append(f"gravity on {load.body}{held}")
-        elif isinstance(load, FluidPressure):
+        elif isinstance(load, model.FluidPressure):
             words.append(f"pressure {component_text(load.pressure)} in {surface_text(load.surface)}{held}")
-        elif isinstance(load, PointForce):
+        elif isinstance(load, model.EdgePressure):
+            words.append(f"pressure {component_text(load.pressure)} on {load.region.body}.{load.region.edge}{held}")
+        elif isinstance(load, model.PointForce):
             words.append(f"a force at a point of {load.body}{held}")
-        elif isinstance(load, InSituStress):
+        elif isinstance(load, model.InSituStress):
             words.append(f"in-situ stress in {load.body}{held}")
     return ", ".join(words)
 
@@ -180,7 +161,7 @@ def _crack_lines(cracks: tuple[Crack, ...], scale: float, unit: str) -> list[str
     """One line for each of a few cracks; of many, a line for the rest under each law."""
     laws: dict[str, list[float]] = {}
     for crack in cracks[SHOWN_CRACKS:]:
-        laws.setdefault(_crack_law(crack), []).append(_length(crack) * scale)
+        laws.setdefault(_crack_law(crack), []).append(line_length(crack.points) * scale)
     return [_crack_line(crack, scale, unit) for crack in cracks[:SHOWN_CRACKS]] + [
         f"{counted(len(lengths), 'more crack')}: length {min(lengths):g} to {max(lengths):g} {unit}; {law}"
         for law, lengths in laws.items()
@@ -189,16 +170,12 @@ def _crack_lines(cracks: tuple[Crack, ...], scale: float, unit: str) -> list[str
 
 def _crack_line(crack: Crack, scale: float, unit: str) -> str:
     tips = [name for name, there in (("start", crack.tip_at_start), ("end", crack.tip_at_end)) if there]
-    length = f"length {_length(crack) * scale:g} {unit}"
+    length = f"length {line_length(crack.points) * scale:g} {unit}"
     return f"crack {crack.name}: {length}, tips: {' and '.join(tips) or 'none'}; {_crack_law(crack)}"
 
 
 def _crack_law(crack: Crack) -> str:
     return "faces never touch" if crack.contact is None else _law(crack.contact)
-
-
-def _length(crack: Crack) -> float:
-    return float(np.linalg.norm(np.diff(crack.points, axis=0), axis=1).sum())
 
 
 def _meetings(case: Case) -> str:
@@ -209,25 +186,23 @@ def _meetings(case: Case) -> str:
 def _growth_line(case: Case, scale: float, unit: str) -> str:
     growth = case.growth
     if growth is None:
-        n_factors = case.last_step + 1 if isinstance(case.loading, LoadHistory | Stages) else 1
+        n_factors = case.last_step + 1 if isinstance(case.loading, model.LoadHistory | model.Stages) else 1
         return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
     direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
     memory = "" if growth.unload_between_steps else ", without unloading between steps"
-    radius = ", ".join(_radii(case, growth, scale, unit))
+    radius = "".join(f", {text}" for text in _radii(case, growth, scale, unit))
     if growth.steps == 0:
-        return f"growth: none, {growth.criterion} is judged, {radius}"
+        return f"growth: none, {growth.criterion} is judged{radius}"
     steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
     law = growth.subcritical
     if law is not None:
         steps += f" at most, v = {law.velocity:g} m/s (K/K_c)^{law.exponent:g}"
     at = growth.initiation.at
     starts = "" if at == "tips" else f", new cracks {'anywhere' if at == 'anywhere' else f'at {at}'}"
-    return (
-        f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}{starts}, {radius}{memory}"
-    )
+    return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}{starts}{radius}{memory}"
 
 
-def _radii(case: Case, growth: Growth, scale: float, unit: str) -> Iterator[str]:
+def _radii(case: Case, growth: model.Growth, scale: float, unit: str) -> Iterator[str]:
     """The averaging radius that is given, and the toughness of the bodies with cracks, with the radius that follows."""
 
     def text(radius: float) -> str:
@@ -248,39 +223,3 @@ def _rule(case: Case) -> str:
     if rule is not None:
         return f" (auto, {name_of(accuracy, goal)}: {rule})"
     return "" if accuracy == STANDARD else f" (given, not that of {name_of(accuracy, goal)})"
-
-
-def extent(case: Case) -> tuple[Floats, Floats]:
-    """Lower left and upper right corner (2,) m of the box round all bodies."""
-    outlines = np.concatenate([body.outline for body in case.bodies])
-    return outlines.min(axis=0), outlines.max(axis=0)
-
-
-def size_of(case: Case) -> float:
-    """The longer side (m) of that box."""
-    low, high = extent(case)
-    return float((high - low).max())
-
-
-def length_unit(case: Case) -> tuple[float, str]:
-    """How many of the unit that suits the scene are a metre, and its name."""
-    return (1e3, "mm") if size_of(case) < 1 else (1.0, "m")
-
-
-def surface_text(surface: str | tuple[str, str]) -> str:
-    """The name of a crack, or of the surface between two bodies."""
-    return surface if isinstance(surface, str) else "/".join(surface)
-
-
-def lines_of(case: Case, surface: str | tuple[str, str]) -> list[Floats]:
-    """The lines, each (n, 2) m, of a crack or of the interface of two bodies."""
-    if isinstance(surface, str):
-        return [next(crack.points for crack in case.cracks if crack.name == surface)]
-    return list(next(pair.lines for pair in case.interfaces if set(pair.bodies) == set(surface)))
-
-
-def component_text(value: Component) -> str:
-    """A stress (Pa), or the formula that it follows."""
-    if isinstance(value, CoordinateFormula):
-        return f"{value.text[:40]} [Pa]"
-    return "by a formula" if callable(value) else stress_text(value)

@@ -1,0 +1,67 @@
+"""The automatic spacing of a scene: from the lengths that a lattice must resolve, by the preset."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing, preset_of
+from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
+from crackgrow.case.layout import Scene, named, points_of
+
+SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
+
+
+def settle_spacing(scene: Scene) -> None:
+    """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds.
+
+    Cells are halved automatically where the spacing is automatic, and not at all where it is given, unless told.
+    """
+    given = scene.get("numerics", "spacing")
+    accuracy = scene.get("numerics", "accuracy")
+    if given is None:
+        return
+    if not (accuracy and scene.bodies and all(scene.report.sound(key) for key in SPACED_BY)):
+        if given == AUTO:
+            scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
+        return
+    numerics = scene.resolved["numerics"]
+    spacing, rule, refine = given, "", numerics["refine"] if isinstance(numerics["refine"], dict) else {}
+    if given == AUTO or "auto_rule" in numerics:
+        asked = {key: refine.get(key, AUTO) for key in REFINED_AT if isinstance(accuracy, str) or key == "corners"}
+        refined = [kind for key, levels in asked.items() if levels == AUTO for kind in REFINED_AT[key]]
+        spacing, rule = automatic_spacing(preset_of(accuracy), _lengths(scene), refined)
+    followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
+    rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
+    first = {"accuracy": accuracy, "spacing": spacing if followed else given}
+    halvings = dict.fromkeys(("tips", "kinks", "corners"), AUTO if followed else 0)
+    rest["refine"] = {**halvings, **refine}
+    scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
+
+
+def _lengths(scene: Scene) -> Iterator[Length]:
+    """Every length of the scene that the lattice must resolve."""
+    for name, crack in named(scene.resolved, "cracks").items():
+        points = points_of(crack["path"])
+        if line_length(points) > 0.0:
+            yield Length("crack", line_length(points), f"length of crack '{name}'")
+            kinks, parts = stretches(points)
+            if len(kinks):
+                yield Length("stretch", float(parts.min()), f"shortest part between kinks of crack '{name}'")
+    bodies = list(scene.bodies.values())
+    for body in bodies:
+        yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")
+        yield from feature_lengths(body)
+    for (first, second), lines in scene.shared.items():
+        shortest = min(line_length(line) for line in lines)
+        yield Length("support", shortest, f"interface between bodies '{first}' and '{second}'")
+    supported = [region for key, region in scene.regions.items() if key[0] == "supports"]
+    loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
+    yield from part_lengths("support", bodies, supported, "supported")
+    yield from part_lengths("load", bodies, loaded, "loaded")
+    increment = scene.get("growth", "increment")
+    if increment is not None:
+        yield Length("increment", increment, "growth.increment")
+    for body_name, key, radius in scene.averaging_radii():
+        what = ".".join(key) if body_name is None else f"averaging radius by the toughness of body '{body_name}'"
+        yield Length("radius", radius, what)

@@ -1,0 +1,46 @@
+"""Where a case and its parts lie, and what they are called, for words and drawings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crackgrow.arrays import Floats
+from crackgrow.case.formula import CoordinateFormula
+from crackgrow.case.model import Case, Component
+from crackgrow.results.units import stress_text
+
+
+def extent(case: Case) -> tuple[Floats, Floats]:
+    """Lower left and upper right corner (2,) m of the box round all bodies."""
+    outlines = np.concatenate([body.outline for body in case.bodies])
+    return outlines.min(axis=0), outlines.max(axis=0)
+
+
+def size_of(case: Case) -> float:
+    """The longer side (m) of that box."""
+    low, high = extent(case)
+    return float((high - low).max())
+
+
+def length_unit(case: Case) -> tuple[float, str]:
+    """How many of the unit that suits the scene are a metre, and its name."""
+    return (1e3, "mm") if size_of(case) < 1 else (1.0, "m")
+
+
+def surface_text(surface: str | tuple[str, str]) -> str:
+    """The name of a crack, or of the surface between two bodies."""
+    return surface if isinstance(surface, str) else "/".join(surface)
+
+
+def lines_of(case: Case, surface: str | tuple[str, str]) -> list[Floats]:
+    """The lines, each (n, 2) m, of a crack or of the interface of two bodies."""
+    if isinstance(surface, str):
+        return [next(crack.points for crack in case.cracks if crack.name == surface)]
+    return list(next(pair.lines for pair in case.interfaces if set(pair.bodies) == set(surface)))
+
+
+def component_text(value: Component) -> str:
+    """A stress (Pa), or the formula that it follows."""
+    if isinstance(value, CoordinateFormula):
+        return f"{value.text[:40]} [Pa]"
+    return "by a formula" if callable(value) else stress_text(value)
