@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints, key_of
 from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.errors import NotSolvedError
 from crackgrow.solid.linear_solver import ConstrainedSystem
@@ -35,6 +35,9 @@ DOUBTFUL = 0.1
 
 MANY = 0.25
 """Of all loads: where more of them are to be solved for, all are."""
+
+AT_HAND = 2
+"""Compliances of some points that are kept: increments try the same ones, with those that overlap and without."""
 
 UNSYMMETRIC = 1e-2
 """A compliance of contact that is unsymmetric by more than this fraction of its largest entry is refused."""
@@ -121,12 +124,21 @@ class ContactSystem:
         return np.zeros((2 * len(self.weights), 0)) if self.loose is None else self.loose.seen_by(self.operator)
 
     def compliance(self, points: Ints, resists: Bools) -> Floats:
-        """A (2 k, 2 k) of some points (k,), elastic contact included.
+        """A (2 k, 2 k) of some points (k,), elastic contact included; not to be changed.
 
         Slip that nothing `resists` (k,) has a row of its own that no other knows of: the rock may hold it altogether.
         Raises NotSolvedError where round-off has spoilt the compliance of the rock: it comes from a symmetric matrix
         that resists (Betti).
         """
+        key, known = key_of((points, resists)), self.__dict__.setdefault("_compliances", {})
+        if key not in known:
+            while len(known) >= AT_HAND:
+                del known[next(iter(known))]
+            known[key] = self._compliance(points, resists)
+        return np.asarray(known[key])
+
+    def _compliance(self, points: Ints, resists: Bools) -> Floats:
+        """A (2 k, 2 k) as `compliance` has it, made anew."""
         k, at = len(points), np.concatenate([points, len(self.weights) + points[resists]])
         rock: Floats = self.rock[np.ix_(at, at)]
         symmetric = rock / np.tile(self.weights, 2)[at]

@@ -7,13 +7,14 @@ from crackgrow.direct.assembly import HalfMatrix, half, mirrored
 from crackgrow.direct.dissection import Places
 from crackgrow.direct.factorization import Factorization, factorize
 from crackgrow.direct.matrix import EqualElements, Part, SymmetricMatrix, blocks_of, symmetric
-from crackgrow.direct.multifrontal import Factor
+from crackgrow.direct.multifrontal import NOTHING, Kept
 
 __all__ = [
+    "NOTHING",
     "EqualElements",
-    "Factor",
     "Factorization",
     "HalfMatrix",
+    "Kept",
     "Part",
     "Places",
     "SymmetricMatrix",

@@ -11,8 +11,6 @@ multipliers are eliminated after a part of that and before the rest of it, and s
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array
 
@@ -20,7 +18,7 @@ from crackgrow.arrays import Floats
 from crackgrow.direct.dissection import Places
 from crackgrow.direct.fronts import fronts_of
 from crackgrow.direct.matrix import SymmetricMatrix, bordered
-from crackgrow.direct.multifrontal import Factor, Multifrontal
+from crackgrow.direct.multifrontal import NOTHING, Kept, Multifrontal
 from crackgrow.errors import SolveError
 
 YIELDING = 1e-7
@@ -50,9 +48,9 @@ class Factorization:
         self._responses: Floats | None = None  # (n + m, m) to unit pulls at the constraints, found when they pay
 
     @property
-    def factors(self) -> Mapping[bytes, Factor]:
+    def kept(self) -> Kept:
         """What another factorization may have in common with this one."""
-        return self._fronts.factors
+        return self._fronts.kept
 
     def solve(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k), unrefined."""
@@ -96,11 +94,11 @@ def factorize(
     matrix: SymmetricMatrix,
     constraints: csr_array,
     places: Places | None = None,
-    known: Mapping[bytes, Factor] | None = None,
+    known: Kept = NOTHING,
 ) -> Factorization:
     """Factorize `matrix` (n, n), positive semidefinite, with `constraints` (m, n); `places` of the n unknowns.
 
-    `known` are the `factors` of another one, that may be in common with this. Without places all unknowns are in one
+    `known` is what is `kept` of another one, which may be in common with this. Without places all unknowns are in one
     dense front. Raises SolveError where entries are not finite, or unknowns have no stiffness.
     """
     places = places or _at_one_place(matrix.shape[0])

@@ -38,21 +38,52 @@ class EqualElements:
         return half(k, pairs, by_component[:, :, pairs])
 
 
+@dataclass(frozen=True, eq=False)
+class Summed:
+    """A symmetric matrix (k, k) by its half, and what is asked of it again and again."""
+
+    half: csr_array  # H (k, k) with H + H' the matrix
+
+    @cached_property
+    def transposed(self) -> csc_array:
+        """H', of the same numbers."""
+        return csc_array(self.half.T)
+
+    @cached_property
+    def diagonal(self) -> Floats:
+        """The diagonal (k,) of the matrix."""
+        return np.asarray(2.0 * self.half.diagonal())
+
+    @cached_property
+    def largest(self) -> float:
+        """The largest absolute value of a term; nan where a value is none."""
+        return _largest((self.half.data, self.diagonal))
+
+    def __matmul__(self, vectors: Floats) -> Floats:
+        """The product with vectors (k,) or (k, m)."""
+        return np.asarray(self.half @ vectors + self.transposed @ vectors)
+
+    def sizes(self, vectors: Floats) -> Floats:
+        """The product of the absolute values with vectors (k,) or (k, m)."""
+        half = csr_array((np.abs(self.half.data), self.half.indices, self.half.indptr), shape=self.half.shape)
+        return np.asarray(half @ vectors + half.T @ vectors)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
     """The sum of some blocks."""
 
     key: bytes  # a hash of these blocks, and of which functions they have in common
     dofs: Ints  # (k,) the unknowns
-    half: csr_array  # H (k, k) with H + H' the sum
+    sum: Summed
 
     @property
-    def sizes(self) -> csr_array:
-        """The half of the absolute values."""
-        return csr_array((np.abs(self.half.data), self.half.indices, self.half.indptr), shape=self.half.shape)
+    def half(self) -> csr_array:
+        """H (k, k) with H + H' the sum."""
+        return self.sum.half
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Blocks:
     """The sum of symmetric matrices of some functions each."""
 
@@ -60,12 +91,36 @@ class Blocks:
     halves: tuple[HalfMatrix, ...] = ()  # block by block
     parts: tuple[Part, ...] = ()  # the sum, in parts
 
+    def weighed(self, vector: Floats) -> tuple[Floats, Floats]:
+        """The product of the sum with a vector (n,), and that of absolute values; not to be changed.
+
+        Those of the last vector are kept: a solution is held against its loads by the solver and by the step.
+        """
+        last: tuple[Floats, Floats, Floats] | None = self.__dict__.get("_last")
+        if last is None or not np.array_equal(last[0], vector):
+            last = self.__dict__["_last"] = (vector.copy(), self @ vector, self.sizes(np.abs(vector)))
+        return last[1], last[2]
+
+    def __matmul__(self, vectors: Floats) -> Floats:
+        """The product of the sum with vectors (n,) or (n, m)."""
+        total = np.zeros(vectors.shape)
+        for part in self.parts:
+            total[part.dofs] += part.sum @ vectors[part.dofs]
+        return total
+
+    def sizes(self, vectors: Floats) -> Floats:
+        """The product of the absolute values with vectors (n,) or (n, m)."""
+        total = np.zeros(vectors.shape)
+        for part in self.parts:
+            total[part.dofs] += part.sum.sizes(vectors[part.dofs])
+        return total
+
 
 def blocks_of(
     functions: Sequence[Ints], halves: Sequence[HalfMatrix], group: Ints, before: Blocks | None = None
 ) -> Blocks:
     """Blocks with their sum, a part for each `group` (blocks,); parts that the blocks `before` had are taken over."""
-    known = {} if before is None else {part.key: part.half for part in before.parts}
+    known = {} if before is None else {part.key: part.sum for part in before.parts}
     order = np.argsort(group, kind="stable")
     parts = []
     for some in np.split(order, np.flatnonzero(np.diff(group[order])) + 1) if len(group) else ():
@@ -73,11 +128,12 @@ def blocks_of(
         together, place = np.unique(np.concatenate(own), return_inverse=True)
         keys = [np.frombuffer(halves[block].key, dtype=np.uint8) for block in some.tolist()]
         key = key_of((place, *keys))
-        half = known.get(key)
-        if half is None:
+        total = known.get(key)
+        if total is None:
             local = np.split(place[None], np.cumsum([len(ids) for ids in own])[:-1], axis=1)
-            half = half_sum_of(zip(local, (halves[block] for block in some.tolist()), strict=True), len(together))
-        parts.append(Part(key, (2 * together[:, None] + np.arange(2)).ravel(), half))
+            own_halves = (halves[block] for block in some.tolist())
+            total = Summed(half_sum_of(zip(local, own_halves, strict=True), len(together)))
+        parts.append(Part(key, (2 * together[:, None] + np.arange(2)).ravel(), total))
     return Blocks(tuple(functions), tuple(halves), tuple(parts))
 
 
@@ -96,18 +152,23 @@ class SymmetricMatrix:
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product with vectors (n,) or (n, m)."""
-        return _product(self.elements, self.rest, [(part.dofs, part.half) for part in self.blocks.parts], vectors)
+        return self.blocks @ vectors + _product(self.elements, self.rest, vectors)
 
     def sizes(self, vectors: Floats) -> Floats:
         """The product of the absolute values of all terms with those of vectors (n,) or (n, m)."""
-        elements, rest = self._absolute
-        return _product(elements, rest, ((part.dofs, part.sizes) for part in self.blocks.parts), np.abs(vectors))
+        return self.blocks.sizes(np.abs(vectors)) + _product(*self._absolute, np.abs(vectors))
+
+    def weighed(self, vector: Floats) -> tuple[Floats, Floats]:
+        """The product with a vector (n,), and its `sizes`."""
+        product, sizes = self.blocks.weighed(vector)
+        others = _product(self.elements, self.rest, vector), _product(*self._absolute, np.abs(vector))
+        return product + others[0], sizes + others[1]
 
     def diagonal(self) -> Floats:
         """The diagonal (n,)."""
         total = self.rest.diagonal()
         for block in self.blocks.parts:
-            total[block.dofs] += 2.0 * block.half.diagonal()
+            total[block.dofs] += block.sum.diagonal
         for part in self.elements:
             own = part.matrix.diagonal()
             for component in (0, 1):
@@ -118,9 +179,7 @@ class SymmetricMatrix:
     def largest(self) -> float:
         """The largest absolute value of a term; nan where a value is none."""
         terms = [self.rest.data, *(part.matrix for part in self.elements)]
-        for block in self.blocks.parts:
-            terms += [block.half.data, 2.0 * block.half.diagonal()]
-        return max((float(np.abs(values).max(initial=0.0)) for values in terms), key=lambda x: (np.isnan(x), x))
+        return _largest([*terms, np.array([block.sum.largest for block in self.blocks.parts])])
 
     def with_diagonal(self, places: Ints, values: Floats) -> SymmetricMatrix:
         """The sum with a diagonal matrix that has `values` (k,) at `places` (k,)."""
@@ -149,14 +208,14 @@ class SymmetricMatrix:
         return tuple(replace(part, matrix=np.abs(part.matrix)) for part in self.elements), abs(self.rest)
 
 
-def _product(
-    elements: Sequence[EqualElements], rest: csc_array, halves: Iterable[tuple[Ints, csr_array]], vectors: Floats
-) -> Floats:
-    """The product of vectors (n,) or (n, m) with the sum of elements, of a rest, and of halves of some unknowns."""
+def _largest(terms: Iterable[Floats]) -> float:
+    """The largest absolute value of some arrays; nan where a value is none."""
+    return max((float(np.abs(values).max(initial=0.0)) for values in terms), key=lambda x: (np.isnan(x), x))
+
+
+def _product(elements: Sequence[EqualElements], rest: csc_array, vectors: Floats) -> Floats:
+    """The product of vectors (n,) or (n, m) with the sum of elements and of a rest."""
     total = np.asarray(rest @ vectors)
-    for dofs, own in halves:
-        some = vectors[dofs]
-        total[dofs] += own @ some + own.T @ some
     if not elements:
         return total
     columns = total.reshape(len(total), -1)

@@ -12,20 +12,20 @@ All dense blocks are stored by rows. LAPACK, which stores by columns, is handed 
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from scipy.linalg.blas import dgemm, dsyrk, dtrsm
-from scipy.linalg.lapack import dpotrf, dtpttr, dtrttp
+from scipy.linalg.blas import dgemm, dsyrk, dtrsm, dtrsv
+from scipy.linalg.lapack import dpotrf, dtrttp
 from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.direct.contents import Contents
+from crackgrow.direct.factor import Factor, Placed, runs
 from crackgrow.direct.fronts import Fronts
 from crackgrow.direct.matrix import SymmetricMatrix
+from crackgrow.direct.products import Reduced, products
 
 ROUND_OFF = 1e-13
 """Of its entry on the diagonal: a pivot below is what round-off has left of zero. So it is with slivers of rock between
@@ -37,83 +37,74 @@ the solution stays small instead of arbitrary. At 1e-12 such a wedge, with pivot
 -1e-6 and wrong loads; from 1e-9 to 1e-8 loads are the same to 1e-4, with residuals of 1e-10."""
 
 
+FEW_FRONTS = 7
+"""A subtree of at most so many fronts does not keep what it leaves to its parent: where that is factorized anew it is
+made again from the factors. That is more than half of all that would be kept."""
+
+
 class _NoPivotError(Exception):
     """A front has a pivot that must be replaced."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Factor:
-    """Columns of L that a front eliminates, and what it leaves to its parent."""
+class Kept:
+    """What the factorization of another matrix may have in common with one, by keys."""
 
-    diagonal: Floats  # (p, p) lower triangle
-    below: Floats  # (b, p)
-    packed: Floats  # (b (b + 1) / 2,) the rows of the lower triangle of `update`: most of what is kept
-    sizes: Floats  # (b,) what the front and those below it have put on the diagonal
-
-    @property
-    def update(self) -> Floats:
-        """What the front leaves to its parent, (b, b) lower triangle."""
-        n = len(self.sizes)
-        return np.asarray(dtpttr(n, self.packed, uplo="U")[0].T) if n else np.zeros((0, 0))
+    factors: Mapping[bytes, Factor]
+    reduced: Mapping[bytes, Reduced]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Placed:
-    """The factor of a front and the places of its unknowns."""
-
-    factor: Factor
-    start: int
-    end: int
-    signs: list[tuple[int, int]]  # the ranges of unknowns with D = -1
-    coupled: Ints  # (b,) the later unknowns that it is coupled to
-    boundary: list[tuple[int, int, int]]  # runs of it: the first unknown, begin and end in `below`
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Passed:
-    """What elimination leaves of sparse right-hand sides to later unknowns."""
-
-    columns: Ints  # (c,) the right-hand sides, ascending
-    at: Ints  # (b,) the unknowns, ascending
-    values: Floats  # (c, b)
+NOTHING = Kept({}, {})
 
 
 class Multifrontal:
     """A factorized matrix."""
 
-    def __init__(self, matrix: SymmetricMatrix, fronts: Fronts, known: Mapping[bytes, Factor] | None = None) -> None:
-        """Factorize `matrix` (n, n) by `fronts`; `known` are factors of another matrix, by their keys."""
-        contents = Contents(matrix, fronts)
-        keys = contents.keys()
-        known = {} if known is None else known
-        self.factors: dict[bytes, Factor] = {}
-        self.n_factorized = 0
+    def __init__(self, matrix: SymmetricMatrix, fronts: Fronts, known: Kept = NOTHING) -> None:
+        """Factorize `matrix` (n, n) by `fronts`; `known` is what is kept of another one."""
+        elimination = _Elimination(Contents(matrix, fronts), fronts, known.factors)
+        self.factors = elimination.factors
+        self.n_factorized = elimination.n_factorized
         self.n_fronts = fronts.n
         self._order = fronts.order
-        self._placed: list[_Placed] = []
-        sizes = zip(fronts.n_early.tolist(), fronts.n_placed.tolist(), strict=True)
-        for k, (n_early, n_placed) in enumerate(sizes):
-            start, end = fronts.starts[k : k + 2].tolist()
-            if start == end:
-                continue
-            factor = self.factors.get(keys[k]) or known.get(keys[k])
-            if factor is None:
-                late = n_early + n_placed
-                groups = [(0, n_early, -1.0), (n_early, late, 1.0), (late, end - start, -1.0)]
-                below = contents.children(k)
-                children = [(contents.local(k, fronts.boundary[c]), self.factors[keys[c]]) for c in below]
-                try:
-                    factor = _eliminated(*_assembled(contents, k, children), groups, _cholesky)
-                except _NoPivotError:
-                    factor = _eliminated(*_assembled(contents, k, children), groups, _cholesky_replacing)
-                self.n_factorized += 1
-            self.factors[keys[k]] = factor
-            signs = [(a, b) for a, b in ((0, n_early), (n_early + n_placed, end - start)) if b > a]
-            self._placed.append(_Placed(factor, start, end, signs, fronts.boundary[k], _runs(fronts.boundary[k], -1)))
+        self._placed = elimination.placed
+        self._reduced = known.reduced
+
+    @property
+    def kept(self) -> Kept:
+        """What the factorization of another matrix may take over; of products, what the last one has left."""
+        return Kept(self.factors, self._reduced)
 
     def solve(self, right: Floats) -> Floats:
         """Solution (n,) or (n, m) for the right-hand sides `right`."""
         x = np.ascontiguousarray(right.reshape(len(right), -1)[self._order])
+        if x.shape[1] == 1:
+            self._solve_one(x[:, 0])
+        else:
+            self._solve_many(x)
+        solution = np.empty_like(x)
+        solution[self._order] = x
+        return solution.reshape(right.shape)
+
+    def _solve_one(self, x: Floats) -> None:
+        """Replace a right-hand side (n,), in the order of elimination: factors are read once on each way."""
+        for placed in self._placed:
+            mine, factor = x[placed.start : placed.end], placed.factor
+            if not mine.any():
+                continue
+            mine[:] = dtrsv(factor.diagonal.T, mine, lower=0, trans=1)
+            if len(placed.coupled):
+                x[placed.coupled] -= factor.below @ mine
+            for a, b in placed.signs:
+                mine[a:b] *= -1.0
+        for placed in reversed(self._placed):
+            mine, factor = x[placed.start : placed.end], placed.factor
+            if len(placed.coupled):
+                mine -= x[placed.coupled] @ factor.below
+            mine[:] = dtrsv(factor.diagonal.T, mine, lower=0)
+
+    def _solve_many(self, x: Floats) -> None:
+        """Replace right-hand sides (n, m), in the order of elimination."""
         for placed in self._placed:
             mine, factor = x[placed.start : placed.end], placed.factor
             if not mine.any():
@@ -130,58 +121,87 @@ class Multifrontal:
                 later = x[first : first + b - a].T
                 dgemm(-1.0, later, factor.below[a:b].T, beta=1.0, c=mine.T, trans_b=1, overwrite_c=1)
             dtrsm(1.0, factor.diagonal.T, mine.T, side=1, lower=0, trans_a=1, overwrite_b=1)
-        solution = np.empty_like(x)
-        solution[self._order] = x
-        return solution.reshape(right.shape)
 
     def products(self, right: csr_array) -> Floats:
-        """R' A^-1 R (k, k), symmetric to the last bit, for sparse right-hand sides R (n, k), by elimination alone.
-
-        With A = L D L' it is Y' D Y with Y = L^-1 R. In a front only those columns are at work that have entries in its
-        subtree; what it takes off later rows goes to its parent, and Y is never held as a whole.
-        """
+        """R' A^-1 R (k, k), symmetric to the last bit, for sparse right-hand sides R (n, k), by elimination alone."""
         rows = csr_array(right[self._order])
         rows.sum_duplicates()
-        total = np.zeros((rows.shape[1], rows.shape[1]))
-        ends = [placed.end for placed in self._placed]
-        passed: dict[int, list[_Passed]] = {}
-        for number, placed in enumerate(self._placed):
-            columns, y = _gathered(placed, rows, passed.pop(number, []))
-            if not len(columns):
-                continue
-            factor, p = placed.factor, placed.end - placed.start
-            mine = np.ascontiguousarray(y[:, :p])
-            dtrsm(1.0, factor.diagonal.T, mine.T, lower=0, trans_a=1, overwrite_b=1)
-            product = mine @ mine.T
-            for a, b in placed.signs:
-                product -= 2.0 * (mine[:, a:b] @ mine[:, a:b].T)
-            total[np.ix_(columns, columns)] += product
-            if len(placed.coupled):
-                left = y[:, p:] - mine @ factor.below.T
-                parent = bisect_right(ends, int(placed.coupled[0]))
-                passed.setdefault(parent, []).append(_Passed(columns, placed.coupled, left))
+        total, self._reduced = products(self._placed, rows, self._reduced)
         return total
 
 
-def _gathered(placed: _Placed, rows: csr_array, children: list[_Passed]) -> tuple[Ints, Floats]:
-    """Right-hand sides that are at work in a front, ascending, and their entries (c, p + b) there, one a row.
+class _Elimination:
+    """The fronts of a matrix, eliminated one after the other."""
 
-    They are those of the sparse `rows` (n, k) of the front's own unknowns, and what its `children` pass on.
-    """
-    pointers = rows.indptr[placed.start : placed.end + 1]
-    entries = slice(pointers[0], pointers[-1])
-    columns = np.unique(np.concatenate([rows.indices[entries], *(child.columns for child in children)]))
-    p = placed.end - placed.start
-    y = np.zeros((len(columns), p + len(placed.coupled)))
-    if not len(columns):
-        return columns, y
-    y[np.searchsorted(columns, rows.indices[entries]), np.repeat(np.arange(p), np.diff(pointers))] = rows.data[entries]
-    for child in children:
-        mine = np.searchsorted(columns, child.columns)
-        on_boundary = p + np.searchsorted(placed.coupled, child.at)
-        for first, a, b in _runs(np.where(child.at < placed.end, child.at - placed.start, on_boundary), p):
-            y[mine, first : first + b - a] += child.values[:, a:b]
-    return columns, y
+    def __init__(self, contents: Contents, fronts: Fronts, known: Mapping[bytes, Factor]) -> None:
+        """`known` are factors of another matrix, by their keys."""
+        self.factors: dict[bytes, Factor] = {}
+        self.placed: list[Placed] = []
+        self.n_factorized = 0
+        self._contents, self._fronts = contents, fronts
+        self._keys = contents.keys()
+        self._updates: dict[int, Floats] = {}  # that fronts just eliminated leave to parents that come next
+        n_below = [1] * fronts.n  # fronts of each subtree
+        for k, key in enumerate(self._keys):
+            start, end = fronts.starts[k : k + 2].tolist()
+            if start == end:
+                continue
+            n_below[k] += sum(n_below[child] for child in contents.children(k))
+            factor = self.factors.get(key) or known.get(key)
+            if factor is None:
+                factor = self._eliminated(k, n_below[k] > FEW_FRONTS)
+                self.n_factorized += 1
+            self.factors[key] = factor
+            for child in contents.children(k):
+                self._updates.pop(child, None)
+            signs, border = [(a, b) for a, b, sign in self._groups(k) if sign < 0.0], fronts.boundary[k]
+            self.placed.append(Placed(factor, key, start, end, signs, border, runs(border, -1)))
+
+    def _groups(self, front: int) -> list[tuple[int, int, float]]:
+        """Ranges of unknowns that a front eliminates in turn, and the sign of D there."""
+        early, end = int(self._fronts.n_early[front]), int(np.diff(self._fronts.starts[front : front + 2])[0])
+        late = early + int(self._fronts.n_placed[front])
+        return [(a, b, sign) for a, b, sign in ((0, early, -1.0), (early, late, 1.0), (late, end, -1.0)) if b > a]
+
+    def _eliminated(self, front: int, keeps: bool) -> Factor:
+        """The factor of a front; what it leaves to its parent is waiting there, and is kept if it `keeps` it."""
+        groups = self._groups(front)
+        own, rest, sizes = self._assembled(front)
+        p = own.shape[1]
+        try:
+            _factorize(own, sizes[:p], groups, _cholesky)
+        except _NoPivotError:
+            own, rest, sizes = self._assembled(front)
+            _factorize(own, sizes[:p], groups, _cholesky_replacing)
+        below = own[p:]
+        _take_off(below, rest, groups)
+        for begin, end, sign in groups:
+            if sign < 0.0:
+                below[:, begin:end] *= -1.0
+        if len(below):
+            self._updates[front] = rest
+        packed = dtrttp(rest.T, uplo="U")[0] if len(below) and keeps else None
+        return Factor(own[:p], below, packed, sizes[p:])
+
+    def _assembled(self, front: int) -> tuple[Floats, Floats, Floats]:
+        """Columns (p + b, p) of a front, the rest (b, b), and what has been put on the diagonal (p + b,)."""
+        own, rest = self._contents.assembled(front)
+        sizes = np.abs(np.concatenate([own.diagonal(), rest.diagonal()]))
+        for child in self._contents.children(front):
+            at = self._contents.local(front, self._fronts.boundary[child])
+            _extend_add(own, rest, at, self._update(child))
+            sizes[at] += self.factors[self._keys[child]].sizes
+        return own, rest, sizes
+
+    def _update(self, front: int) -> Floats:
+        """What a front leaves to its parent, (b, b) lower triangle."""
+        waiting = self._updates.get(front)
+        if waiting is None:
+            waiting = self.factors[self._keys[front]].update
+        if waiting is None:
+            _, waiting, _ = self._assembled(front)
+            _take_off(self.factors[self._keys[front]].below, waiting, self._groups(front))
+        return waiting
 
 
 def _extend_add(front: Floats, rest: Floats, at: Ints, update: Floats) -> None:
@@ -190,50 +210,25 @@ def _extend_add(front: Floats, rest: Floats, at: Ints, update: Floats) -> None:
     Its columns are `front` (p + b', p) and then `rest` (b', b'). The places are few runs without gaps.
     """
     p = front.shape[1]
-    runs = _runs(at, p)
-    for index, (row, top, bottom) in enumerate(runs):
-        for column, left, right in runs[: index + 1]:
+    places = runs(at, p)
+    for index, (row, top, bottom) in enumerate(places):
+        for column, left, right in places[: index + 1]:
             block = update[top:bottom, left:right]
             target, corner = (front, (row, column)) if column < p else (rest, (row - p, column - p))
             target[corner[0] : corner[0] + bottom - top, corner[1] : corner[1] + right - left] += block
 
 
-def _runs(at: Ints, cut: int) -> list[tuple[int, int, int]]:
-    """Runs without gaps of ascending numbers `at` (b,): first number, begin and end in `at`; split at `cut`."""
-    breaks = np.flatnonzero((np.diff(at) != 1) | (at[1:] == cut)) + 1
-    ends = [0, *breaks.tolist(), len(at)]
-    return [(int(at[a]), a, b) for a, b in pairwise(ends)] if len(at) else []
+def _factorize(
+    own: Floats, sizes: Floats, groups: list[tuple[int, int, float]], cholesky: Callable[[Floats, Floats], None]
+) -> None:
+    """Replace the columns (p + b, p) of a front by L, whose rows below have the sign of D still to come.
 
-
-def _assembled(contents: Contents, front: int, children: list[tuple[Ints, Factor]]) -> tuple[Floats, Floats, Floats]:
-    """Columns (p + b, p) of a front, the rest (b, b), and what has been put on the diagonal (p + b,).
-
-    The children come with the places of their boundaries in the front.
-    """
-    own, rest = contents.assembled(front)
-    sizes = np.abs(np.concatenate([own.diagonal(), rest.diagonal()]))
-    for at, child in children:
-        _extend_add(own, rest, at, child.update)
-        sizes[at] += child.sizes
-    return own, rest, sizes
-
-
-def _eliminated(
-    own: Floats,
-    rest: Floats,
-    sizes: Floats,
-    groups: list[tuple[int, int, float]],
-    cholesky: Callable[[Floats, Floats], None],
-) -> Factor:
-    """Factor of a front from its columns (p + b, p) and the rest (b, b), both replaced.
-
-    `sizes` (p + b,) are of the entries on the diagonal, `groups` ranges of its unknowns and the sign of D there.
+    `sizes` (p,) are of the entries on the diagonal, `groups` ranges of its unknowns and the sign of D there.
     """
     p = own.shape[1]
     diagonal, below = own[:p], own[p:]
-    groups = [group for group in groups if group[1] > group[0]]
     if len(groups) == 1 and groups[0][2] > 0.0:
-        cholesky(diagonal, sizes[:p])
+        cholesky(diagonal, sizes)
     else:
         for begin, end, sign in groups:
             block, left = sign * diagonal[begin:end, begin:end], sign * diagonal[end:, begin:end]
@@ -244,13 +239,14 @@ def _eliminated(
             diagonal[begin:end, begin:end], diagonal[end:, begin:end] = block, left
     if len(below):
         dtrsm(1.0, diagonal.T, below.T, lower=0, trans_a=1, overwrite_b=1)
+
+
+def _take_off(below: Floats, rest: Floats, groups: list[tuple[int, int, float]]) -> None:
+    """Take off the `rest` (b, b) of a front what its unknowns leave there by `below` (b, p), of whatever sign."""
+    if len(below):
         for begin, end, sign in groups:
             part = np.ascontiguousarray(below[:, begin:end])
             dsyrk(-sign, part.T, 1.0, rest.T, trans=1, lower=0, overwrite_c=1)
-            if sign < 0.0:
-                below[:, begin:end] *= -1.0
-    packed = dtrttp(rest.T, uplo="U")[0] if len(below) else np.empty(0)
-    return Factor(diagonal, below, packed, sizes[p:])
 
 
 def _cholesky(matrix: Floats, sizes: Floats) -> None:

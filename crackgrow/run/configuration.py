@@ -27,7 +27,7 @@ from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.refinement import divided
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.squares import Squares
-from crackgrow.direct import SymmetricMatrix
+from crackgrow.direct import NOTHING, SymmetricMatrix
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.readings import Readings
@@ -295,8 +295,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     with timed(seconds, "factorize"):
         loose = free.held_once(matrix) if free.pieces else None
         stiff = matrix if loose is None else loose.held_in(matrix)
-        factors = None if before is None else before.contact.system.factors
-        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), factors)
+        known = NOTHING if before is None else before.contact.system.kept
+        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), known)
     weights = faces.weights * scene.lattice.spacing
     law = _law(scene, cover, faces, growing)
     solver = case.numerics.contact.solver
@@ -444,7 +444,7 @@ def _residual(
     The third are the terms that K u is the sum of at the unknown, relative as well. Where nothing is stressed all parts
     are round-off, and the terms give the size.
     """
-    internal, terms = matrix @ outcome.u, matrix.sizes(outcome.u)
+    internal, terms = matrix.weighed(outcome.u)
     reactions = contact.system.constraints.T @ outcome.multipliers
     tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
     tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)

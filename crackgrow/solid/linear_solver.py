@@ -6,13 +6,11 @@ are round-off: that takes away the effect of pivots that were replaced.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.arrays import Floats
-from crackgrow.direct import Factor, Places, SymmetricMatrix, factorize, symmetric
+from crackgrow.direct import NOTHING, Kept, Places, SymmetricMatrix, factorize, symmetric
 from crackgrow.errors import SolveError
 
 REFINEMENTS = 3
@@ -46,11 +44,11 @@ class ConstrainedSystem:
         stiffness: csc_array | SymmetricMatrix,
         constraints: csr_array,
         places: Places | None = None,
-        known: Mapping[bytes, Factor] | None = None,
+        known: Kept = NOTHING,
     ) -> None:
         """`stiffness` (n, n) Pa, `constraints` (m, n), `places` of the n unknowns.
 
-        `known` are the `factors` of another system, that may be in common with this one.
+        `known` is what is `kept` of another system, which may be in common with this one.
         """
         self.stiffness = symmetric(stiffness)
         self.constraints = constraints
@@ -58,9 +56,9 @@ class ConstrainedSystem:
         self._factorization = factorize(self.stiffness, constraints, places, known)
 
     @property
-    def factors(self) -> Mapping[bytes, Factor]:
+    def kept(self) -> Kept:
         """What another system may have in common with this one."""
-        return self._factorization.factors
+        return self._factorization.kept
 
     def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
@@ -114,8 +112,9 @@ class ConstrainedSystem:
 
     def _backward_error(self, loads: Floats, u: Floats, multipliers: Floats) -> float:
         """The largest residual, row by row relative to the sum of the absolute terms (Oettli, Prager 1964)."""
-        residual = self._residual(loads, u, multipliers)
-        terms = np.abs(loads) + self.stiffness.sizes(u) + self._share.T @ np.abs(multipliers)
+        internal, sizes = self.stiffness.weighed(u)
+        residual = loads - internal - self.constraints.T @ multipliers
+        terms = np.abs(loads) + sizes + self._share.T @ np.abs(multipliers)
         return float(np.max(np.abs(residual[terms > 0.0]) / terms[terms > 0.0], initial=0.0))
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,9 +23,9 @@ from scipy.sparse.linalg import splu
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.direct import NOTHING, Kept
 from crackgrow.direct.fronts import fronts_of
 from crackgrow.direct.matrix import SymmetricMatrix, bordered
-from crackgrow.direct.multifrontal import Factor
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.scene import make_scene
@@ -132,12 +132,12 @@ def measure(name: str, case: Case, repetitions: int, by_superlu: bool) -> None:
     """Rows of the table: from nothing, after the first crack has grown by a spacing, and by SuperLU."""
     scene = make_scene(case)
     first = assemble(scene, cracked(case))
-    rows: list[tuple[str, Configuration, Mapping[bytes, Factor]]] = [("fronts", first, {})]
+    rows: list[tuple[str, Configuration, Kept]] = [("fronts", first, NOTHING)]
     if case.cracks:
         grown = assemble(scene, cracked(case, case.numerics.spacing), first)
-        rows.append(("fronts, one tip grown", grown, first.contact.system.factors))
+        rows.append(("fronts, one tip grown", grown, first.contact.system.kept))
     if by_superlu:
-        rows.append(("SuperLU", first, {}))
+        rows.append(("SuperLU", first, NOTHING))
     for how, configuration, known in rows:
         matrix, held = configuration.matrix, configuration.held.matrix
         places, n_fronts, n_new = places_of_unknowns(configuration.cover), "", ""
@@ -146,7 +146,7 @@ def measure(name: str, case: Case, repetitions: int, by_superlu: bool) -> None:
             make = partial(BySuperLU, matrix, held)
         factorize, system = timed(make, repetitions), make()
         if isinstance(system, ConstrainedSystem):
-            n_fronts, n_new = fronts_of(places, held)[0].n, len(system.factors.keys() - known.keys())
+            n_fronts, n_new = fronts_of(places, held)[0].n, len(system.kept.factors.keys() - known.factors.keys())
         loads = tractions(configuration)
         one = timed(partial(system.solve, configuration.loads(1.0)), repetitions)
         many = timed(partial(system.solve, loads), 1)

@@ -443,14 +443,14 @@ def test_a_local_change_is_factorized_along_one_path_of_fronts(build: type[Build
     """What depends on the changed unknown is its front and those above; all else is taken over, to the last bit."""
     matrix, fronts = plate(build, 60)
     before = Multifrontal(matrix, fronts)
-    assert Multifrontal(matrix, fronts, before.factors).n_factorized == 0
+    assert Multifrontal(matrix, fronts, before.kept).n_factorized == 0
     dof = matrix.shape[0] // 3
     front = int(np.searchsorted(fronts.starts, fronts.position[dof], side="right") - 1)
     path = 0
     while front >= 0:
         front, path = int(fronts.parent[front]), path + 1
     changed = matrix.with_diagonal(np.array([dof]), np.array([0.5]))
-    after = Multifrontal(changed, fronts, before.factors)
+    after = Multifrontal(changed, fronts, before.kept)
     assert after.n_factorized == path < 0.3 * fronts.n
     x = np.random.default_rng(36).normal(size=matrix.shape[0])
     np.testing.assert_array_equal(after.solve(x), Multifrontal(changed, fronts).solve(x))
@@ -462,7 +462,7 @@ def test_all_that_a_front_holds_is_in_its_key(build: type[Build]) -> None:
     places, n = places_of_unknowns(build.block((20, 20), support=2.0).cover), matrix.shape[0]
     middle = int(np.argmin(np.abs(places.low + places.high - 24 * places.cell).sum(axis=1)))
     row = csr_array(([1.0], ([0], [middle])), shape=(1, n))
-    known = ConstrainedSystem(matrix, row, places).factors
+    known = ConstrainedSystem(matrix, row, places).kept
     stiffer = replace(matrix.elements[0], matrix=2.0 * matrix.elements[0].matrix, key=b"stiffer")
     others = (
         (replace(matrix, elements=(stiffer, *matrix.elements[1:])), row, places),
@@ -473,7 +473,7 @@ def test_all_that_a_front_holds_is_in_its_key(build: type[Build]) -> None:
     loads = matrix @ np.random.default_rng(37).normal(size=n)
     for other in others:
         taken_over, fresh = ConstrainedSystem(*other, known), ConstrainedSystem(*other)
-        assert taken_over.factors.keys() == fresh.factors.keys() != known.keys()
+        assert taken_over.kept.factors.keys() == fresh.kept.factors.keys() != known.factors.keys()
         for ours, alone in zip(taken_over.solve(loads), fresh.solve(loads), strict=True):
             np.testing.assert_array_equal(ours, alone)
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from crackgrow.contact import system
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.fracture.stress_intensity import IntegralReading
 from crackgrow.run import grow
@@ -69,6 +72,37 @@ def test_products_of_a_later_step_are_those_of_it_alone(steps: tuple[Configurati
     known = {part.key for part in first.matrix.blocks.parts}
     assert any(part.key in known for part in later.matrix.blocks.parts)
     assert any(part.key not in known for part in later.matrix.blocks.parts)
+
+
+def test_compliance_of_contact_taken_over_is_that_found_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Subtrees far from what has grown are taken over."""
+    monkeypatch.setattr(system, "FEW_NUMBERS", 0)
+    case = field_case(6, 1)
+    scene = make_scene(case)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
+    first = assemble(scene, cracks)
+    assert first.faces.n == len(first.contact.rock) // 2
+    grown, _ = advanced(cracks[3], True, Way(0.6, 4e-3), 1, scene.regions[0], (*cracks[:3], *cracks[4:]))
+    after = (*cracks[:3], grown, *cracks[4:])
+    later, alone = assemble(scene, after, first), assemble(scene, after)
+    np.testing.assert_array_equal(later.contact.rock, alone.contact.rock)
+    ours, before = later.contact.system.kept.reduced, first.contact.system.kept.reduced
+    assert ours.keys() == alone.contact.system.kept.reduced.keys()
+    assert 0 < len(ours.keys() - before.keys()) < 0.7 * len(ours)
+
+
+def test_compliance_asked_for_in_turn_is_that_of_the_points_asked_for(steps: tuple[Configuration, ...]) -> None:
+    """Few of them are kept, whatever is asked for; what is kept is not that of other points."""
+    contact = replace(steps[0].contact)
+    n = len(contact.weights)
+    for _ in range(2):
+        for first in range(5):
+            points = np.arange(first, n, 3)
+            found = contact.compliance(points, np.ones(len(points), dtype=bool))
+            at = np.concatenate([points, n + points])
+            expected = contact.rock[np.ix_(at, at)] + np.diag(contact.law.compliances[at])
+            np.testing.assert_array_equal(found, expected)
+            assert len(vars(contact)["_compliances"]) <= system.AT_HAND
 
 
 def test_a_run_gone_on_with_has_the_bits_of_one_that_was_not_broken_off() -> None:
