@@ -158,12 +158,17 @@ def _carriers(phi: Floats, patches: Ragged, enrichment: Enrichment, elements: In
     for alike in alike_columns(sizes):
         n, k, c = sizes[:, alike[0]].tolist()
         begin = first[alike]
-        some = of_element[elements[begin], None] + np.arange(c)
-        which, entry = enrichment.place.places(some.ravel())
+        which, entry = enrichment.place.places((of_element[elements[begin], None] + np.arange(c)).ravel())
+        column, share = enrichment.place.values[entry], enrichment.share[entry]
+        place = start[begin, None] + np.arange(n * c)
+        if len(column) == len(begin) * c:  # each is one patch
+            own = patches.start[begin, None, None] + k * np.arange(n)[:, None] + column.reshape(-1, 1, c)
+            found[:, place] = (phi.take(own, axis=1) * share.reshape(-1, 1, c)).reshape(-1, len(begin), n * c)
+            continue
         shares = np.zeros((len(begin), c, k))
-        shares.reshape(-1, k)[which, enrichment.place.values[entry]] = enrichment.share[entry]
+        shares.reshape(-1, k)[which, column] = share
         own = phi.take(patches.start[begin, None] + np.arange(n * k), axis=1).reshape(-1, len(begin), n, k)
-        found[:, start[begin, None] + np.arange(n * c)] = (own @ shares.swapaxes(1, 2)).reshape(-1, len(begin), n * c)
+        found[:, place] = (own @ shares.swapaxes(1, 2)).reshape(-1, len(begin), n * c)
     return found
 
 

@@ -93,6 +93,32 @@ def test_cells_to_compare_are_an_eighth_as_large_at_kinks_of_cracks_whose_cells_
     assert solution.cover.sizes.min() == 8.0 * lay_out(compared(solution), beginning(kinked).cracks)[0].sizes.min()
 
 
+@pytest.mark.parametrize("wing", [1.0, 0.2])
+def test_tips_of_short_wings_gather_their_functions(wing: float) -> None:
+    """On the cells to compare, too: else hundreds of functions reach over all cells at the kink."""
+    kinked = case(
+        "compression30", "2 %", f"cracks.flaw.path={{points: [[-4 mm, 0], [4 mm, 0], [{4 + wing} mm, {wing} mm]]}}"
+    )
+    solution = load(make_scene(kinked), beginning(kinked).cracks)
+    other = lay_out(compared(solution), beginning(kinked).cracks)[0]
+    assert solution.cover.tips[1].carriers.gathered
+    assert other.tips[1].carriers.gathered
+
+
+def test_a_jog_beside_a_tip_asks_for_no_smaller_cells_than_its_kink() -> None:
+    kinked = case("compression30", "2 %", "cracks.flaw.path={points: [[-4 mm, 0], [4 mm, 0], [4.02 mm, 0.02 mm]]}")
+    scene = make_scene(kinked)
+    cover = lay_out(scene, beginning(kinked).cracks)[0]
+    assert cover.sizes.min() == 0.5 * 0.5 ** scene.halvings.at_kinks(0)
+
+
+def test_kinks_are_halved_from_the_beginning() -> None:
+    """Though the tips of a crack that is long beside the cells ask for nothing."""
+    paths = ("[-9 mm, 0], [9 mm, 0]", "[-9 mm, 0], [9 mm, 0], [12 mm, 4 mm]")
+    scenes = [make_scene(case("compression30", "8 %", f"cracks.flaw.path={{points: [{path}]}}")) for path in paths]
+    assert [scene.halvings.cracks for scene in scenes] == [(0,), (1,)]
+
+
 def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
     """Each step is within the target, and K of some of them is not measured anew on other cells."""
     steps = list(grow(case("compression30", "3 %", "growth.steps=5")))
