@@ -45,6 +45,14 @@ class Halvings:
         tips = self.at_tips(crack)
         return tips + AT_ENDS if tips else 0
 
+    def finer_at_kinks(self, crack: int, others: Halvings) -> int:
+        """How much more often cells at kinks of a crack are halved than `others` are, all sizes counted."""
+        return self.everywhere + self.at_kinks(crack) - others.everywhere - others.at_kinks(crack)
+
+    def finer_at_tips(self, crack: int, others: Halvings) -> int:
+        """The same of cells at its tips."""
+        return self.everywhere + self.at_tips(crack) - others.everywhere - others.at_tips(crack)
+
     @property
     def doubled(self) -> Halvings:
         """Of cells all of which are twice as large."""
