@@ -73,6 +73,13 @@ def distinct(values: Ints) -> Ints:
     return np.asarray(ordered[first])
 
 
+def alike_columns(columns: Ints) -> list[Ints]:
+    """The numbers of those of `columns` (m, n) that are equal, together."""
+    order = np.lexsort(columns)
+    changes = np.any(np.diff(columns[:, order]) != 0, axis=0)
+    return np.split(order, np.flatnonzero(changes) + 1) if len(order) else []
+
+
 def places(start: Ints, rows: Ints) -> tuple[Ints, Ints]:
     """As `Ragged.places`, for lists of anything that begin at `start` (n + 1,)."""
     counts = start[rows + 1] - start[rows]

@@ -21,7 +21,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import Enrichment
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
-from crackgrow.ragged import Ragged, starts_of
+from crackgrow.ragged import Ragged, alike_columns, starts_of
 
 AT_ONCE = 12_000
 """Pairs of a point and a patch taken together: more do not fit into a cache."""
@@ -102,8 +102,12 @@ class Basis:
     def _carried(self, components: Sequence[int]) -> Floats:
         """The products X_c F_tk (components, tip functions of all points), or their derivatives."""
         w, f = self.carriers[:, :, None], self.tip.repeat(self.first.counts, axis=1)
-        found = [w[c] * f[0] + w[0] * f[c] if c else w[0] * f[0] for c in components]
-        return np.stack(found).reshape(len(found), -1)
+        found = np.empty((len(components), *f.shape[1:]))
+        for component, product in zip(components, found, strict=True):
+            np.multiply(w[component], f[0], out=product)
+            if component:
+                product += w[0] * f[component]
+        return found.reshape(len(found), -1)
 
 
 def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
@@ -126,9 +130,7 @@ def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> B
     patches, phi = _of_patches(cover, points, elements, derivatives)
     enrichment = cover.enrichment
     point, pair = enrichment.tips.places(elements)
-    pairs = Ragged(starts_of(enrichment.tips.counts[elements]), pair)
-    of_pair, carrier = enrichment.first.places(pair)
-    first = Ragged(starts_of(enrichment.first.counts[pair]), enrichment.first.values[carrier])
+    pairs, first = Ragged(starts_of(enrichment.tips.counts[elements]), pair), enrichment.first.taken(pair)
     tip = np.empty((len(phi), len(pair), N_TIP_FUNCTIONS))
     for of_tip, rows, r, t in _polar(cover, points, elements, point, pair):
         if derivatives:
@@ -136,15 +138,38 @@ def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> B
             tip[0, rows], tip[1:, rows] = value, gradient.transpose(2, 0, 1) / cover.lattice.spacing
         else:
             tip[0, rows] = tip_values(of_tip, r, t)
-    carriers = _carriers(phi, enrichment, carrier, patches.start[point[of_pair]])
-    return Basis(cover, elements, patches, phi, pairs, first, carriers, tip)
+    return Basis(cover, elements, patches, phi, pairs, first, _carriers(phi, patches, enrichment, elements), tip)
 
 
-def _carriers(phi: Floats, enrichment: Enrichment, some: Ints, begin: Ints) -> Floats:
-    """The carriers (components, n) `some` (n,), of points whose patches `begin` (n,) there in `phi`."""
-    which, entry = enrichment.place.places(some)
-    own = enrichment.share[entry] * phi.take(enrichment.place.values[entry] + begin[which], axis=1)
-    return np.asarray(np.add.reduceat(own, starts_of(enrichment.place.counts[some])[:-1], axis=1))
+def _carriers(phi: Floats, patches: Ragged, enrichment: Enrichment, elements: Ints) -> Floats:
+    """The carriers (components, q) at all points of these `elements` (n,), of the functions `phi` of their `patches`.
+
+    Shares in an element are a matrix, and points of an element mostly follow each other: runs of points that have
+    equally many points, patches and carriers are multiplied together.
+    """
+    of_element = enrichment.first.start[enrichment.tips.start]
+    counts = np.diff(of_element)[elements]
+    start = starts_of(counts)
+    found = np.empty((len(phi), start[-1]))
+    first = np.flatnonzero(np.append(True, elements[1:] != elements[:-1])[: len(elements)])
+    lengths = np.diff(np.append(first, len(elements)))
+    first, lengths = first[counts[first] > 0], lengths[counts[first] > 0]
+    sizes = np.stack([lengths, patches.counts[first], counts[first]])
+    for alike in alike_columns(sizes):
+        n, k, c = sizes[:, alike[0]].tolist()
+        begin = first[alike]
+        which, entry = enrichment.place.places((of_element[elements[begin], None] + np.arange(c)).ravel())
+        column, share = enrichment.place.values[entry], enrichment.share[entry]
+        place = start[begin, None] + np.arange(n * c)
+        if len(column) == len(begin) * c:  # each is one patch
+            own = patches.start[begin, None, None] + k * np.arange(n)[:, None] + column.reshape(-1, 1, c)
+            found[:, place] = (phi.take(own, axis=1) * share.reshape(-1, 1, c)).reshape(-1, len(begin), n * c)
+            continue
+        shares = np.zeros((len(begin), c, k))
+        shares.reshape(-1, k)[which, column] = share
+        own = phi.take(patches.start[begin, None] + np.arange(n * k), axis=1).reshape(-1, len(begin), n, k)
+        found[:, place] = (own @ shares.swapaxes(1, 2)).reshape(-1, len(begin), n * c)
+    return found
 
 
 def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> tuple[Ragged, Floats]:

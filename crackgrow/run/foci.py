@@ -20,6 +20,7 @@ from crackgrow.case.accuracy import AUTO, preset_of
 from crackgrow.case.features import line_length, stretches
 from crackgrow.case.model import ContactSupport, EdgeLoad, EdgeRegion, EdgeSupport, PointSupport
 from crackgrow.case.toughness import length_of_average
+from crackgrow.cover.gathered import STRAIGHT
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import CrackGeometry
@@ -56,7 +57,12 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     more = [0.5 ** scene.halvings.at_tips(number) for number in range(len(cracks))]
     tips = [(n, crack, crack.seen_from(end)) for n, crack in enumerate(cracks) for end in crack.tips()]
     if halvings != AUTO:
-        yield from ((shapely.Point(points[0]), more[n] * _given(scene, halvings)) for n, _, points in tips)
+        given, gather = _given(scene, halvings), scene.case.numerics.refine.tips == AUTO
+        for n, _, points in tips:
+            size = more[n] * given
+            if gather and scene.halvings.at_tips(n):
+                size = min(size, max(_gathering(points), 0.5 ** scene.halvings.at_kinks(n) * given))
+            yield shapely.Point(points[0]), size
         return
     preset, spacing = preset_of(scene.case.numerics.accuracy), scene.lattice.spacing
     others = _Others(scene, cracks)
@@ -69,6 +75,16 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         room = others.nearest(crack, points[0], size * preset.per_room) / preset.per_room
         least = line_length(points) / preset.per_rough
         yield shapely.Point(points[0]), more[number] * min(grown, max(min(size, room), least))
+
+
+def _gathering(points: Floats) -> float:
+    """The size (spacings) of cells at a tip with a kink behind it whose functions gather, on cells twice as large too.
+
+    Where the stretch between them is shorter than that, functions on every patch reach over all small cells at the
+    kink: there are ten times as many.
+    """
+    sharp, parts = stretches(points)
+    return float(parts[0]) / (2.0 * STRAIGHT) if len(sharp) else np.inf
 
 
 def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:

@@ -45,6 +45,14 @@ class Halvings:
         tips = self.at_tips(crack)
         return tips + AT_ENDS if tips else 0
 
+    def finer_at_kinks(self, crack: int, others: Halvings) -> int:
+        """How much more often cells at kinks of a crack are halved than `others` are, all sizes counted."""
+        return self.everywhere + self.at_kinks(crack) - others.everywhere - others.at_kinks(crack)
+
+    def finer_at_tips(self, crack: int, others: Halvings) -> int:
+        """The same of cells at its tips."""
+        return self.everywhere + self.at_tips(crack) - others.everywhere - others.at_tips(crack)
+
     @property
     def doubled(self) -> Halvings:
         """Of cells all of which are twice as large."""
@@ -59,10 +67,16 @@ AS_GIVEN = Halvings()
 """Cells as `numerics.refine` has them."""
 
 
-def first_halvings(target: float, spacing: float, lengths: Iterable[float]) -> Halvings:
-    """What to begin with for a target, with cracks of these lengths (m): each halving leaves half of the error."""
-    sizes = (max(UNREFINED * spacing / (length * target), 1.0) for length in lengths)
-    return Halvings(1, tuple(min(round(math.log2(size)), FIRST_HALVINGS) for size in sizes))
+def first_halvings(target: float, spacing: float, cracks: Iterable[tuple[float, bool]]) -> Halvings:
+    """What to begin with for a target, with cracks of these lengths (m) that have sharp kinks or not.
+
+    Each halving leaves half of the error. With the first one come those at kinks, without which it is no smaller.
+    """
+    found = []
+    for length, kinked in cracks:
+        size = max(UNREFINED * spacing / (length * target), 1.0)
+        found.append(min(max(round(math.log2(size)), int(kinked)), FIRST_HALVINGS))
+    return Halvings(1, tuple(found))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -63,10 +63,10 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
     """
     scene, cover = solution.configuration.scene, solution.cover
     off = {} if other is None or scene.case.numerics.goal != "K" else _differences(solution, other)
-    more = 0 if other is None else other.configuration.scene.halvings.kinks - scene.halvings.kinks - 1
     expected, bounds, all_fitted = [], [], fitted_bounds(solution)
     for tip, end, fitted in zip(cover.tips, cover.tip_ends, all_fitted, strict=True):
         worst = max((off[each] for each in off if each[0] == end[0]), default=np.nan)
+        more = 0 if other is None else _more_at_kinks(solution, other, end[0])
         if np.isnan(worst) or np.isnan(fitted):
             error, most = np.nan, fitted
         elif more in WORSE_AT_KINKS or not largest_kink(solution, tip):
@@ -87,6 +87,29 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
         compared=known,
         expected=tuple(expected),
     )
+
+
+def still_tells(solution: StepSolution, other: LoadState) -> bool:
+    """Whether a state that a solution on larger cells was held against tells the error of this one, too.
+
+    It does at kinks, while cells there are a quarter at most; what else it tells is of larger cells, and no less. Where
+    cracks have no kinks, cells at their tips have to be twice as large.
+    """
+    if other.configuration.scene.case.numerics.goal != "K" or other.factor != solution.state.factor:
+        return False
+    mine, others = (each.scene.halvings for each in (solution.configuration, other.configuration))
+    return all(
+        _more_at_kinks(solution, other, crack) in WORSE_AT_KINKS
+        if largest_kink(solution, tip)
+        else mine.finer_at_tips(crack, others) == 1
+        for tip, (crack, _) in zip(solution.cover.tips, solution.cover.tip_ends, strict=True)
+    )
+
+
+def _more_at_kinks(solution: StepSolution, other: LoadState, crack: int) -> int:
+    """How much more often cells at kinks of a crack are halved in the state to compare."""
+    mine, others = (each.scene.halvings for each in (solution.configuration, other.configuration))
+    return others.finer_at_kinks(crack, mine)
 
 
 def _differences(solution: StepSolution, other: LoadState) -> dict[End, float]:

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths
+from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
 from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
@@ -32,7 +32,6 @@ from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import BodyForce
-from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
@@ -240,8 +239,8 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     numerics, box = case.numerics, (corners.min(axis=0), corners.max(axis=0))
     halvings = AS_GIVEN
     if numerics.target is not None:
-        lengths = [float(arc_lengths(crack.points)[-1]) for crack in case.cracks]
-        halvings = first_halvings(numerics.target, numerics.spacing, lengths)
+        cracks = [(line_length(crack.points), len(stretches(crack.points)[0]) > 0) for crack in case.cracks]
+        halvings = first_halvings(numerics.target, numerics.spacing, cracks)
     lattice = place_lattice(*box, numerics.spacing * 2**halvings.everywhere, numerics.support, offset)
     scene = replace(_scene_on(case, lattice), halvings=halvings)
     return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, Stages) else scene

@@ -23,7 +23,14 @@ from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.increments import LoadState, Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load_history
-from crackgrow.run.other_cells import accuracy_of, compared, fitted_bounds, fitted_share, largest_K
+from crackgrow.run.other_cells import (
+    accuracy_of,
+    compared,
+    fitted_bounds,
+    fitted_share,
+    largest_K,
+    still_tells,
+)
 from crackgrow.run.scene import Scene
 
 MOST_ROUNDS = 4
@@ -134,15 +141,19 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     if last is not None and _holds(last, solution, grown):
         return replace(solution, accuracy=_scaled(last, largest_K(solution)))
     n_solves, seconds, before, missed, known = solution.factorizations, Counter(solution.seconds), None, "", last
+    other: LoadState | None = None
     for round_ in range(MOST_ROUNDS + 1):
-        other = _compared(ways, solution, known)
-        known = replace(accuracy_of(solution, other), grown=grown)
+        told = None if other is None or not still_tells(solution, other) else accuracy_of(solution, other)
+        if told is None or not _met(told, target, of_K):
+            other = _compared(ways, solution, known)
+            told = accuracy_of(solution, other)
+            n_solves += 1
+            if other is not None:
+                seconds.update({**other.configuration.seconds, "contact": other.seconds})
+        known = replace(told, grown=grown)
         if not of_K:
             known = replace(known, goal=goal_bound(solution, other))
-        n_solves += 1
-        if other is not None:
-            seconds.update({**other.configuration.seconds, "contact": other.seconds})
-        if max(known.shares(), default=0.0 if of_K else math.inf) <= target:
+        if _met(known, target, of_K):
             break
         wanted, missed = (
             _halved(target, known, before) if of_K else _halved_for_goal(target, solution, cracks, known, before)
@@ -162,6 +173,10 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
         seconds.update(solution.seconds)
     assert known is not None
     return replace(solution, accuracy=replace(known, missed=missed), factorizations=n_solves, seconds=dict(seconds))
+
+
+def _met(known: Accuracy, target: float, of_K: bool) -> bool:
+    return max(known.shares(), default=0.0 if of_K else math.inf) <= target
 
 
 def _solved(ways: Ways, scene: Scene, cracks: tuple[GrowingCrack, ...], before: Configuration) -> StepSolution:

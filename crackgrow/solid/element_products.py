@@ -16,7 +16,7 @@ import numpy as np
 from crackgrow.approximation.basis import Basis, basis_at, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.ragged import starts_of
+from crackgrow.ragged import alike_columns, starts_of
 from crackgrow.solid.clusters import Points
 
 
@@ -68,10 +68,8 @@ def _in_groups(
 
     The basis is (components, g, k, n).
     """
-    size = np.vstack([points.counts, size])
-    order = np.lexsort(size)
-    groups = np.split(order, np.flatnonzero(np.any(np.diff(size[:, order]) != 0, axis=0)) + 1)
-    mine = points.of_elements(order)
+    groups = alike_columns(np.vstack([points.counts, size]))
+    mine = points.of_elements(np.concatenate(groups))
     alike = [(len(group), int(points.counts[group[0]])) for group in groups]
     begin = 0
     for group, basis in zip(groups, basis_of(mine.points, mine.element).of_alike(alike), strict=True):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.ragged import by_row, from_lists, spans, starts_of
+from crackgrow.ragged import alike_columns, by_row, from_lists, spans, starts_of
 
 LISTS = [np.array([5, 7]), np.array([], dtype=np.int64), np.array([1, 2, 3]), np.array([9])]
 
@@ -39,3 +39,10 @@ def test_some_values_alone_are_kept() -> None:
 def test_spans_follow_each_other() -> None:
     np.testing.assert_array_equal(spans(np.array([4, 0, 8]), np.array([2, 0, 3])), [4, 5, 8, 9, 10])
     np.testing.assert_array_equal(starts_of(np.array([2, 0, 3])), [0, 2, 2, 5])
+
+
+def test_alike_columns_come_together() -> None:
+    columns = np.array([[2, 1, 2, 2, 1], [0, 3, 0, 1, 3]])
+    groups = alike_columns(columns)
+    assert sorted(sorted(group.tolist()) for group in groups) == [[0, 2], [1, 4], [3]]
+    assert alike_columns(np.empty((2, 0), dtype=np.int64)) == []

@@ -22,9 +22,9 @@ from crackgrow.run.caution import Cause
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import lay_out
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
-from crackgrow.run.loading import load
+from crackgrow.run.loading import load, load_to
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.other_cells import compared
+from crackgrow.run.other_cells import compared, still_tells
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.run.target import Ways, aimed, halvings_after
@@ -91,6 +91,51 @@ def test_cells_to_compare_are_an_eighth_as_large_at_kinks_of_cracks_whose_cells_
     given = replace(scene, halvings=replace(scene.halvings, cracks=(0,)))
     solution = load(given, beginning(kinked).cracks)
     assert solution.cover.sizes.min() == 8.0 * lay_out(compared(solution), beginning(kinked).cracks)[0].sizes.min()
+
+
+@pytest.mark.parametrize("wing", [1.0, 0.2])
+def test_tips_of_short_wings_gather_their_functions(wing: float) -> None:
+    """On the cells to compare, too: else hundreds of functions reach over all cells at the kink."""
+    kinked = case(
+        "compression30", "2 %", f"cracks.flaw.path={{points: [[-4 mm, 0], [4 mm, 0], [{4 + wing} mm, {wing} mm]]}}"
+    )
+    solution = load(make_scene(kinked), beginning(kinked).cracks)
+    other = lay_out(compared(solution), beginning(kinked).cracks)[0]
+    assert solution.cover.tips[1].carriers.gathered
+    assert other.tips[1].carriers.gathered
+
+
+def test_a_jog_beside_a_tip_asks_for_no_smaller_cells_than_its_kink() -> None:
+    kinked = case("compression30", "2 %", "cracks.flaw.path={points: [[-4 mm, 0], [4 mm, 0], [4.02 mm, 0.02 mm]]}")
+    scene = make_scene(kinked)
+    cover = lay_out(scene, beginning(kinked).cracks)[0]
+    assert cover.sizes.min() == 0.5 * 0.5 ** scene.halvings.at_kinks(0)
+
+
+def test_kinks_are_halved_from_the_beginning() -> None:
+    """Though the tips of a crack that is long beside the cells ask for nothing."""
+    paths = ("[-9 mm, 0], [9 mm, 0]", "[-9 mm, 0], [9 mm, 0], [12 mm, 4 mm]")
+    scenes = [make_scene(case("compression30", "8 %", f"cracks.flaw.path={{points: [{path}]}}")) for path in paths]
+    assert [scene.halvings.cracks for scene in scenes] == [(0,), (1,)]
+
+
+@pytest.mark.parametrize(
+    ("path", "tells"),
+    [("[-4 mm, 0], [2 mm, 0], [4 mm, 4 mm]", [True, True, False]), ("[-4 mm, 0], [4 mm, 0]", [True, False])],
+)
+def test_cells_to_compare_serve_smaller_cells_while_those_at_kinks_are_a_quarter(path: str, tells: list[bool]) -> None:
+    """Without kinks they are twice as large, or nothing is told by them; nor is it under another load."""
+    aim = case(
+        "compression30", "3 %", f"cracks.flaw.path={{points: [{path}]}}", "loading={history: [1]}", "growth.steps=0"
+    )
+    scene, cracks = make_scene(aim), beginning(aim).cracks
+    solutions = [
+        load(replace(scene, halvings=replace(scene.halvings, cracks=(scene.halvings.cracks[0] + n,))), cracks)
+        for n in range(len(tells))
+    ]
+    other = load_to(compared(solutions[0]), cracks, 1.0, None, None)
+    assert [still_tells(solution, other) for solution in solutions] == tells
+    assert not still_tells(solutions[0], replace(other, factor=2.0))
 
 
 def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
