@@ -25,7 +25,8 @@ from crackgrow.case import Case, load_case
 from crackgrow.run import grow
 from tests.benchmarks.paths import HERE, REFERENCES
 from tests.benchmarks.tables import number, table
-from tests.verification.test_intensity_error import MPA, rows, shipped
+from tests.verification.solutions import rows
+from tests.verification.test_intensity_error import MPA, shipped
 
 SCENES = ("young30", "grown30")
 UNIFORM = ("3 mm", "1.5 mm", "0.75 mm", "0.375 mm")

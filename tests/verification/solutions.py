@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -110,6 +111,12 @@ def jump_of(configuration: Configuration, u: Floats, s: Floats, surface: int = 0
 def table(name: str) -> NDArray[np.void]:
     """A reference table by file name; text columns are text."""
     return np.genfromtxt(REFERENCES / name, delimiter=",", names=True, encoding="utf-8", dtype=None)
+
+
+def rows(name: str) -> list[dict[str, str]]:
+    """The rows of a reference table by file name, as text by columns."""
+    with (REFERENCES / name).open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
 
 
 def relative_L2(s: Floats, found: Floats, reference: Floats) -> float:

@@ -17,7 +17,8 @@ from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
-from tests.verification.test_intensity_error import MPA, plate, rows, shipped, winged
+from tests.verification.solutions import rows
+from tests.verification.test_intensity_error import MPA, plate, shipped, winged
 
 QUIET = ["output.frames=none", "output.figures=false", "output.report=false"]
 WIDE = 200.0

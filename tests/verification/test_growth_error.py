@@ -21,7 +21,8 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
-from tests.verification.test_intensity_error import plate, rows, shipped, winged
+from tests.verification.solutions import rows
+from tests.verification.test_intensity_error import plate, shipped, winged
 
 QUIET = ["output.frames=none", "output.figures=false", "output.report=false"]
 CRITERIA = ("strength", "directional_strength", "max_hoop_stress")

@@ -16,7 +16,8 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
-from tests.verification.test_intensity_error import MPA, plate, rows, shipped, winged
+from tests.verification.solutions import rows
+from tests.verification.test_intensity_error import MPA, plate, shipped, winged
 
 
 def solved(folder: Path, scene: dict[str, Any], spacing: float, **refine: int) -> StepResult:

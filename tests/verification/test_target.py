@@ -18,7 +18,8 @@ from crackgrow.run import grow
 from crackgrow.run.caution import Cause
 from crackgrow.run.result import StepResult
 from tests.benchmarks.target_scenes import SCENES as TABLE
-from tests.verification.test_intensity_error import MPA, plate, rows, shipped, winged
+from tests.verification.solutions import rows
+from tests.verification.test_intensity_error import MPA, plate, shipped, winged
 
 Scene = tuple[dict[str, Any], list[tuple[float, float]]]
 """A scene and K of the start and the end of its flaw, Pa sqrt(m)."""

@@ -43,7 +43,7 @@ def told(*overrides: str) -> str:
         ("cracks.flaw.path.points=[[0, 0], [5, 5]]", "--set cracks.flaw.path.points: does not go with center, length, "
          "angle; give either {center, length, angle} or {points} or {file}; --set "
          "'cracks.flaw.path={points: ...}' takes"),
-        ("loads.0={on: {body: rock, edge: top}, pressure: 100}", "--set loads.0: pressure: does not go with on; give"),
+        ("loads.0={crack: flaw, pressure: 100, traction: [0, 1]}", "--set loads.0: traction: does not go with crack"),
         ("numerics.contact.stiffness=1e14 N/m^3", "rigid | a number > 0, kappa of k = kappa E / h without a unit"),
         ("bodies.rock.strength.compression=50", "strength C gives cohesion = C (1 - sin phi) / (2 cos phi)"),
         ("loads.0.factor=3", "loads have the factors of `loading`, such as {history: [0.5, 1]}"),
