@@ -13,6 +13,7 @@ on these pieces, F p = pull.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -57,7 +58,7 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
     active = active_set(problem, x[:m], problem.jump(x))
     seen: set[bytes] = set()
     n_sweeps = 5
-    as_far = max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
+    as_far = _as_far(problem)
     for iteration in range(1, max_iterations + 1):
         seen.add(active.key())
         x = solve_active(problem, active)
@@ -71,7 +72,7 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
             x[: problem.n_points] = np.minimum(x[: problem.n_points], 0.0)
             return ContactSolution(x[:m], "solved", iteration, active.states(), x[m:])
         if following.key() in seen:
-            found = _held_less_and_less(problem, x, as_far)
+            found = held_less_and_less(problem, solve_by_newton, x, [SOFT] * MOST_STEPS)
             if found is not None:
                 return replace(found, iterations=found.iterations + iteration)
             x = sweep(problem, x, n_sweeps)
@@ -90,7 +91,7 @@ def sweep(problem: ContactProblem, x: Floats, n_sweeps: int) -> Floats:
     """
     if problem.motions is not None:
         m = problem.free.size
-        held, springs = _held_by_springs(problem, x[m:])
+        held, springs = _held_by_springs(problem, x[m:], SOFT)
         p = sweep(held, x[:m], n_sweeps)
         return np.concatenate([p, x[m:] + springs @ (problem.motions.pull - problem.motions.force @ p)])
     A, n = problem.compliance, problem.n_points
@@ -113,18 +114,25 @@ def sweep(problem: ContactProblem, x: Floats, n_sweeps: int) -> Floats:
     return p
 
 
-def _held_less_and_less(problem: ContactProblem, x: Floats, as_far: float) -> ContactSolution | None:
+def held_less_and_less(
+    problem: ContactProblem,
+    solve: Callable[[ContactProblem, Floats], ContactSolution],
+    x: Floats,
+    softness: Sequence[float],
+) -> ContactSolution | None:
     """The solution with springs that let go of the pieces step by step, each held where the one before has left it.
 
-    It leads on where pieces hang on a few points, or on none: tractions then are nothing, or undecided (proximal point
-    method, Rockafellar 1976). None where there are no such pieces, and where they are not held.
+    It leads on from the unknowns `x` (2 n + l,) where pieces hang on a few points, or on none: tractions then are
+    nothing, or undecided (proximal point method, Rockafellar 1976). `softness` is that of the springs, step by step, in
+    parts of the rock's; `solve` gives the solution with them, from tractions on. None where there are no such pieces,
+    where they are not held, and where `solve` fails.
     """
     if problem.motions is None:
         return None
     m, iterations, residual = problem.free.size, 0, np.inf
-    for _ in range(MOST_STEPS):
-        held, springs = _held_by_springs(problem, x[m:])
-        solution = solve_by_newton(held, x[:m])
+    for soft in softness:
+        held, springs = _held_by_springs(problem, x[m:], soft)
+        solution = solve(held, x[:m])
         iterations += solution.iterations
         if solution.status != "solved":
             return None
@@ -133,18 +141,25 @@ def _held_less_and_less(problem: ContactProblem, x: Floats, as_far: float) -> Co
         residual = max(_change(problem, p, problem.jump(x)), problem.imbalance(x))
         if residual <= ROUND_OFF:
             break
-    return ContactSolution(p, "solved", iterations, solution.state, x[m:]) if residual <= as_far else None
+    if residual > _as_far(problem):
+        return None
+    return ContactSolution(p, "solved", iterations, solution.state, x[m:])
 
 
-def _held_by_springs(problem: ContactProblem, at: Floats) -> tuple[ContactProblem, Floats]:
+def _as_far(problem: ContactProblem) -> float:
+    """The change of tractions by `project` that another step cannot lower, relative to the largest."""
+    return max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
+
+
+def _held_by_springs(problem: ContactProblem, at: Floats, soft: float) -> tuple[ContactProblem, Floats]:
     """The problem where springs hold pieces at the amplitudes `at` (l,), and their compliance (l, l), m^2/N.
 
-    The springs are as soft as the rock: with P the projection of jumps on those of rigid motions they add SOFT A P.
+    Springs as `soft` as the rock, with P the projection of jumps on those of rigid motions, add A P.
     """
     motions = problem.motions
     assert motions is not None
     stiffness = motions.force @ motions.jump
-    softness = SOFT * float(np.median(problem.reach))
+    softness = soft * float(np.median(problem.reach))
     springs = softness * np.asarray(np.linalg.pinv(stiffness, rcond=UNSEEN, hermitian=True), dtype=np.float64)
     moved = motions.jump @ springs
     held = replace(

@@ -23,7 +23,7 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
-from crackgrow.contact.newton import solve_active, solve_by_newton
+from crackgrow.contact.newton import held_less_and_less, solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.system import ContactSystem, spoilt
 from crackgrow.errors import NotSolvedError
@@ -64,6 +64,12 @@ MOST_WEARS = 1000
 
 UNSURE = 1e-8
 """The same, left at the end, of which the outcome carries a note."""
+
+SOFTER = tuple(0.1 * 2.0**step for step in range(24))
+"""Springs that let go of pieces, in parts of the rock's compliance.
+
+With stiff ones the problem is well conditioned, and its solution is close to that with softer ones.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -311,7 +317,8 @@ def solved(
 ) -> tuple[ContactSolution, str]:
     """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
 
-    `start` (2 n + l,) are unknowns that may be close. Raises NotSolvedError where neither finds one.
+    Where neither finds one and contact alone holds pieces, springs that let go of them may lead there. `start`
+    (2 n + l,) are unknowns that may be close. Raises NotSolvedError where nothing does.
     """
     failures: list[str] = []
     for name in ("newton", "lemke") if solver == "newton" else ("lemke", "newton"):
@@ -329,10 +336,22 @@ def solved(
         failures.append(
             f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
         )
+    found = _let_go(problem, solver)
+    if found is not None:
+        return found, f"the contact problem was solved with springs that let go of pieces after {'; '.join(failures)}"
     raise NotSolvedError(
         f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
         f"try a coarser contact spacing or a softer contact stiffness{_advice(problem)}"
     )
+
+
+def _let_go(problem: ContactProblem, solver: Literal["newton", "lemke"]) -> ContactSolution | None:
+    """The solution that springs lead to which let go of pieces; None where they don't."""
+    still = np.zeros(problem.free.size + problem.n_motions)
+    try:
+        return held_less_and_less(problem, lambda held, start: solved(held, solver, start)[0], still, SOFTER)
+    except NotSolvedError:
+        return None
 
 
 def _advice(problem: ContactProblem) -> str:

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import crackgrow.contact.solve as module
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import complementarity_residual
 from crackgrow.contact.limit import least_unbalanced
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import ContactProblem, Motions
+from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 
 WEIGHT, LENGTH = 3.0, 2.0
 
@@ -104,6 +105,28 @@ def test_supports_that_hold_a_block_once_do_not_matter(friction: float, pull: tu
     one, two = solve_by_newton(problem), solve_by_newton(other)
     np.testing.assert_allclose(two.traction, one.traction, atol=1e-9)
     np.testing.assert_allclose(other.jump(two.unknowns), problem.jump(one.unknowns), atol=1e-9)
+
+
+@pytest.mark.parametrize(("friction", "pull", "cohesion"), HELD)
+def test_springs_that_let_go_lead_to_what_neither_solver_finds(
+    friction: float, pull: tuple, cohesion: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So it is with hundreds of points on pieces that cracks have cut out."""
+    problem = block_on_points(friction, pull, cohesion)
+    known = solve_by_newton(problem)
+    for name in ("solve_by_newton", "solve_by_lemke"):
+        solve = getattr(module, name)
+
+        def only_held(problem: ContactProblem, *start: np.ndarray | None, solve=solve) -> ContactSolution:
+            found = solve(problem, *start)
+            return found if problem.motions is None else replace(found, status="limit")
+
+        monkeypatch.setattr(module, name, only_held)
+    found, note = module.solved(problem, "newton")
+    assert found.status == "solved"
+    assert "springs" in note
+    assert complementarity_residual(problem, found.unknowns) < 1e-9
+    np.testing.assert_allclose(found.traction, known.traction, atol=1e-8)
 
 
 @pytest.mark.parametrize("pull", [(-3.0, 1.3, 0.0), (3.0, 0.0, 0.0), (-3.0, 0.0, 3.1)])

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import crackgrow.contact.contact_lcp as module
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.lemke import lemke
@@ -224,6 +226,21 @@ def test_one_contact_point_by_hand(free_n, free_t, friction, cohesion, p_n, p_t,
     assert solution.status == "solved"
     np.testing.assert_allclose(solution.traction, np.array([p_n, p_t]) * unit, atol=1e-12 * unit)
     assert solution.state.tolist() == [state]
+
+
+@pytest.mark.parametrize("end", ["ray", "limit"])
+@pytest.mark.parametrize("off", [0.0, 0.1])
+def test_what_counts_of_an_end_is_whether_the_law_holds(monkeypatch, end, off):
+    """Round-off makes rays of solutions of hundreds of points; where the law does not hold a ray is one."""
+
+    def ends(M, q, d, max_pivots):
+        result = lemke(M, q, d, max_pivots)
+        return replace(result, status=end, z=result.z + off, w=result.w + off)
+
+    monkeypatch.setattr(module, "lemke", ends)
+    monkeypatch.setattr(module, "solve_active", lambda problem, active: np.full(2, off - 1.0))  # no better
+    problem = ContactProblem(np.diag([2.0, 4.0]), np.array([-2.0, 8.0]), np.array([0.5]))
+    assert solve_by_lemke(problem).status == (end if off else "solved")
 
 
 def test_singular_compliance_is_refused():
