@@ -26,7 +26,7 @@ from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions
-from crackgrow.run.result import CrackFaces, CrackPath, Frame, FrameOnDemand, StepResult, TipResult
+from crackgrow.run.result import CrackFaces, CrackPath, Frame, FrameOnDemand, StartResult, StepResult, TipResult
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -85,6 +85,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         load_factor_error=100.0 * load_error(state.cracks, solution, errors),
         stress=_stress(scene, solution, faces),
         history=history([*solution.passed, solution.state]),
+        start=_start(solution, scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
 
@@ -152,6 +153,13 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error
         cell_size=cover.tips[tip].size * scene.lattice.spacing,
         velocity=nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0]),
     )
+
+
+def _start(solution: StepSolution, scene: Scene) -> StartResult | None:
+    most = max(solution.starts, key=lambda start: start.verdict.criticality, default=None)
+    if most is None:
+        return None
+    return StartResult(scene.lattice.to_metres(most.site.point), most.verdict.mode, most.verdict.criticality)
 
 
 def _law(scene: Scene) -> Subcritical | None:
