@@ -14,7 +14,7 @@ from crackgrow.case.model import Subcritical
 from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
-from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap, mean_stress, overlap_shares
@@ -156,9 +156,14 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error
 
 
 def _start(solution: StepSolution, scene: Scene) -> StartResult | None:
-    most = max(solution.starts, key=lambda start: start.verdict.criticality, default=None)
-    if most is None:
+    """The start that is the most critical; of equally critical ones that which would be chosen."""
+    criticality = np.array([start.verdict.criticality for start in solution.starts])
+    largest = criticality.max(initial=0.0)
+    if largest <= 0.0:
         return None
+    places = np.array([start.site.point for start in solution.starts])
+    first = leaving(criticality / largest, np.full(len(places), STARTS), places, "most_critical")[0]
+    most = solution.starts[first]
     return StartResult(scene.lattice.to_metres(most.site.point), most.verdict.mode, most.verdict.criticality)
 
 

@@ -265,3 +265,14 @@ def test_public_names_are_few_and_there() -> None:
 def test_importing_the_package_loads_no_numpy() -> None:
     code = "import sys, crackgrow; dir(crackgrow); sys.exit('numpy' in sys.modules or 'pandas' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0
+
+
+def test_the_start_that_a_step_tells_is_the_one_that_follows() -> None:
+    settings = ("bodies.rock.shape.holes=[{disk: {center: [8, 14], radius: 4}}]", "growth.initiation.at=outlines")
+    weak = ("cracks.flaw.tips=none", "loading=critical", "growth.steps=1", "output.report=false")
+    run = crackgrow.run_case(case("compression30", *settings, *weak))
+    first, (event,) = run.results[0], run.results[1].events
+    assert first.start is not None
+    assert event.kind == "initiation"
+    assert first.start.criticality == pytest.approx(1.0, abs=1e-6)
+    assert np.linalg.norm(np.asarray(event.point) - first.start.point) < 1e-6
