@@ -91,6 +91,7 @@ _MOVED = {
     "study.trade.row": "trade_line",
     "study.trade.runner": "trade",
 }
+_AS_THEY_WERE = ("plan_trade", "render")  # of these, what takes other arguments now: `moved` calls it in the old form
 
 
 def __getattr__(name: str) -> object:
@@ -100,6 +101,8 @@ def __getattr__(name: str) -> object:
                 if homes is _MOVED:
                     told = f"crackgrow.{name} is now in crackgrow.{home}, and will not be found here in a later version"
                     warnings.warn(told, DeprecationWarning, stacklevel=2)
+                if name in _AS_THEY_WERE:
+                    home = "moved"
                 return getattr(import_module(f"crackgrow.{home}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

@@ -76,7 +76,8 @@ def _check_critical(scene: Scene) -> None:
         report.fault(("growth", "unload_between_steps"), message)
     cracks = named(scene.resolved, "cracks")
     starts = scene.get("growth", "initiation", "at") not in (None, "tips")
-    if report.sound("cracks") and not starts and all(crack["tips"] == "none" for crack in cracks.values()):
+    sound = report.sound("cracks") and report.sound("growth", "initiation")
+    if sound and not starts and all(crack["tips"] == "none" for crack in cracks.values()):
         report.fault(("loading",), "critical needs a tip that can grow, where the criterion is judged; `tips` has none")
     if report.sound("loads") and report.sound("supports") and not _has_scaled(scene):
         message = "critical scales the loads that are not held and the prescribed displacements, and all of them are"

@@ -74,6 +74,14 @@ class CoordinateFormula:
 
     text: str  # in SI
 
+    @property
+    def scaled(self) -> tuple[float, str]:
+        """The number by which all of the formula is multiplied, such as the unit of its values, and the rest."""
+        tree = _tree(self.text)
+        if isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Mult) and isinstance(tree.left, ast.Constant):
+            return float(ast.literal_eval(tree.left)), ast.unparse(tree.right)
+        return 1.0, self.text
+
     def __call__(self, points: Floats) -> Floats:
         """Values `(n,) float` in SI at points `(n, 2) float` m.
 

@@ -221,7 +221,7 @@ class EdgePressure:
 
     region: OnEdge
     pressure: Annotated[
-        Component, OrFormula("stress"), Doc("pressure of a fluid on the edge")
+        Component, OrFormula("stress"), Doc("pressure of a fluid on the edge, or on both faces of crack or interface")
     ]  # Pa, positive pushes into the rock
     held: Held = False
     name: LoadName = None

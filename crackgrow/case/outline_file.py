@@ -37,7 +37,9 @@ def _from_csv(text: str) -> shapely.Geometry:
     rows = csv.DictReader(text.splitlines())
     missing = [name for name in COLUMNS if name not in (rows.fieldnames or ())]
     if missing:
-        raise ContentError(f"has no column {' or '.join(missing)}; its columns are {', '.join(rows.fieldnames or ())}")
+        raise ContentError(
+            f"has no column {' or '.join(missing)}; its columns are {', '.join(rows.fieldnames or ()) or 'none'}"
+        )
     lines = []
     for name, vertices in groupby(rows, key=lambda row: row["crack"]):
         try:
@@ -45,7 +47,8 @@ def _from_csv(text: str) -> shapely.Geometry:
         except (TypeError, ValueError):
             raise ContentError(f"has a vertex of {quoted(str(name))} whose x or y is no number") from None
         if len(points) < 2:
-            raise ContentError(f"has one vertex of {quoted(str(name))}, and a line has two or more")
+            told = "and a line has two or more, in rows one after the other"
+            raise ContentError(f"has one vertex of {quoted(str(name))}, {told}")
         lines.append(points)
     if not np.isfinite(np.concatenate([np.zeros((1, 2)), *lines])).all():
         raise ContentError("has a vertex whose x or y is not finite")

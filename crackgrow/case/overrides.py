@@ -8,7 +8,8 @@ from typing import Final
 from crackgrow.case.reader import MAX_DEPTH, Broken, Entry, Listing, Node, Scalar, Table, parse
 from crackgrow.case.report import Place, Report, clean, quoted
 
-WORD_OR_MAPPING: Final = (("loading",),)  # keys whose word gives way to an override of a key inside
+WORD_OR_MAPPING: Final = {("loading",): "", ("growth", "initiation"): "at"}
+"""Keys that take a word or a mapping: with an override of a key inside, the word stands for this key, or gives way."""
 
 
 def apply_override(root: Table, override: str, report: Report) -> None:
@@ -44,12 +45,14 @@ def key_parts(key: str, place: Place, report: Report) -> tuple[str, ...] | None:
 def set_value(root: Table, parts: tuple[str, ...], value: Node, place: Place, report: Report) -> None:
     """Put a value at a key of the tree, with the mappings on the way to it; a list has to hold the number."""
     node: Node = root
+    parent = root
     for depth, part in enumerate(parts):
         last = depth == len(parts) - 1
         if isinstance(node, Scalar) and parts[:depth] in WORD_OR_MAPPING:
-            node = Table({}, place)
-            root.entries[parts[0]] = Entry(place, node)
+            node = _spelt_out(node, WORD_OR_MAPPING[parts[:depth]], place)
+            parent.entries[parts[depth - 1]] = Entry(place, node)
         if isinstance(node, Table):
+            parent = node
             if last:
                 node.entries[part] = Entry(place, value)
             elif part not in node.entries:
@@ -68,6 +71,11 @@ def set_value(root: Table, parts: tuple[str, ...], value: Node, place: Place, re
             here = clean(".".join(parts[:depth]))
             report.fault(parts[: depth + 1], f"{here} is the single value {quoted(node.text)}: no key inside it", place)
             return
+
+
+def _spelt_out(word: Scalar, key: str, place: Place) -> Table:
+    """The mapping that a word stands for: of one key, or empty."""
+    return Table({key: Entry(place, word)} if key else {}, place)
 
 
 def _index(text: str, length: int) -> int | None:

@@ -30,6 +30,7 @@ _UCS: Final = "a uniaxial compressive strength C gives cohesion = C (1 - sin phi
 _IN_SITU: Final = "stress from the start is a load: `loads: [{stress: [-12 MPa, -8 MPa, 0]}]`, [xx, yy, xy]"
 _GRAVITY: Final = "weight is a load, and needs a `density`: `loads: [{gravity: [0, -9.81 m/s^2]}]`"
 _PRESSURE: Final = "fluid pressure in a crack is a load: `loads: [{crack: NAME, pressure: 1 MPa}]`"
+_EDGES: Final = "names of edges belong to the body, beside `shape`: `bodies: {NAME: {edges: {inlet: 3}}}`"
 _FACTOR: Final = "loads have the factors of `loading`, such as {history: [0.5, 1]}; `held: true` keeps one as it is"
 
 EXPLAINED: Final = {  # what no key stands for: a key that is allowed where it stands, and what to do instead
@@ -38,6 +39,6 @@ EXPLAINED: Final = {  # what no key stands for: a key that is allowed where it s
     "ucs": ("friction_angle", _UCS), "factor": ("held", _FACTOR), "load_factor": ("held", _FACTOR),
     "in_situ": ("loads", _IN_SITU), "insitu": ("loads", _IN_SITU), "in_situ_stress": ("loads", _IN_SITU),
     "initial_stress": ("loads", _IN_SITU), "prestress": ("loads", _IN_SITU), "stress": ("loads", _IN_SITU),
-    "gravity": ("loads", _GRAVITY), "weight": ("loads", _GRAVITY),
+    "edges": ("polygon", _EDGES), "gravity": ("loads", _GRAVITY), "weight": ("loads", _GRAVITY),
     "pressure": ("tips", _PRESSURE), "fluid_pressure": ("tips", _PRESSURE), "p": ("tips", _PRESSURE),
 }  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import re
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Sequence
@@ -32,6 +33,7 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         super().__init__(**{"formatter_class": argparse.RawDescriptionHelpFormatter, **settings})
         self._words: list[str] = []  # what it parses
+        self._negative_number_matcher = re.compile(r"-\.?\d")  # argparse's own takes -1e3 and -20MPa for options
 
     def parse_args(  # type: ignore[override]  # argparse has it overloaded for namespaces of other types
         self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None

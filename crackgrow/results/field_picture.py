@@ -26,7 +26,7 @@ from crackgrow.case.units import QuantityError, Units, is_number, parse_number, 
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.drawn_frame import DrawnFrame, field_kind, field_unit
 from crackgrow.results.style import own_style, wrapped
-from crackgrow.results.units import LENGTHS, Unit, unit_of
+from crackgrow.results.units import LENGTHS, Unit, factor_text, unit_of
 from crackgrow.run.result import Frame
 
 LONG_SIDE = 1000  # pixels, where no size is given
@@ -87,7 +87,7 @@ class FieldPictures:
         self.norm, self.colormap = colours_of(values / self.unit[0], weights)
         if look.limits is not None:
             low, high = limits_of(field, look.limits, self.unit)
-            self.norm, self.colormap = Normalize(low, high), "RdBu_r" if low == -high else self.colormap
+            self.norm, self.colormap = Normalize(low, high), "RdBu_r" if low == -high else "viridis"  # white is zero
         moved = np.concatenate([self._moved(frame) for frame in frames])
         low, high = moved.min(axis=0), moved.max(axis=0)
         self.length = unit_of((high - low).tolist(), LENGTHS)
@@ -120,7 +120,7 @@ class FieldPictures:
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
         bar.set_label(f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}")
         load = f", load factor {self.factors[frame.step]:.4g}" if frame.step in self.factors else ""
-        caption = f"step {frame.step}{load}, displacement x {self.warp:.3g}"
+        caption = f"step {frame.step}{load}, displacement x {factor_text(self.warp)}"
         figure.suptitle(f"{wrapped(self.title, figure)}\n{caption}", fontsize=10)
         return png_of(figure)
 

@@ -23,7 +23,7 @@ from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
 from crackgrow.results.load_point import LoadPoint
 from crackgrow.results.places import extent, length_unit
 from crackgrow.results.style import own_style, wrapped
-from crackgrow.results.units import STRESSES, unit_of
+from crackgrow.results.units import LENGTHS, STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
 LONG_SIDE = 7.0  # inches
@@ -124,26 +124,27 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
     That is how much they have grown where they have, else the slip of the surface that slips most. Points are named by
     their steps: every so many, or in a history of loads those where it turns. Raises OutputError.
     """
-    scale, unit = length_unit(case)
     factor, displacement, length = np.array([(p.factor, p.displacement, p.crack_length) for p in curve]).T
     growth = length - length[0]
-    panels = [(displacement, f"displacement of the loads [{unit}]")]
+    panels = [(displacement, "displacement of the loads")]
     if growth.any():
-        panels.append((growth, f"crack growth [{unit}]"))
+        panels.append((growth, "crack growth"))
         named = list(range(0, len(curve), -(-len(curve) // MOST_STEP_TICKS)))
     else:
-        panels.extend(_most_slip(curve, unit))
+        panels.extend(_most_slip(curve))
         turns = np.flatnonzero(np.diff(np.sign(np.diff(factor)))) + 1
         named = [0, *turns.tolist(), len(curve) - 1]
+    what_loads = "stages that are over" if isinstance(case.loading, Stages) else "load factor"
     figure = Figure(figsize=(4.6 * len(panels), 4.0), dpi=DPI, layout="constrained")
     for axes, (values, label) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
-        axes.plot(values * scale, factor, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
-        for (x, y), steps in _labels(values * scale, factor, named):
+        size, unit = unit_of(values.tolist(), LENGTHS)
+        axes.plot(values / size, factor, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
+        for (x, y), steps in _labels(values / size, factor, named):
             axes.annotate(", ".join(steps), (x, y), xytext=(4, -9), textcoords="offset points", fontsize=7)
         axes.margins(x=0.1)  # room for the words at the right end
         axes.locator_params(axis="x", nbins=5)
         axes.ticklabel_format(scilimits=(-3, 5), useOffset=False)
-        axes.set(xlabel=label, ylabel="stages that are over" if isinstance(case.loading, Stages) else "load factor")
+        axes.set(xlabel=f"{label} [{unit}]", ylabel=what_loads)
         axes.grid(linewidth=0.3)
     figure.suptitle(wrapped(f"{case.title} (points: steps)", figure), fontsize=10)
     _save(path, figure)
@@ -172,7 +173,7 @@ def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[floa
     return labels
 
 
-def _most_slip(curve: Sequence[LoadPoint], unit: str) -> list[tuple[Floats, str]]:
+def _most_slip(curve: Sequence[LoadPoint]) -> list[tuple[Floats, str]]:
     """Slip (m) step by step of the surface that slips most, and what to call it; none without slip.
 
     nan where the surface is gone with the rock beside it.
@@ -181,7 +182,7 @@ def _most_slip(curve: Sequence[LoadPoint], unit: str) -> list[tuple[Floats, str]
     largest = max(slips, key=lambda name: float(np.nanmax(np.abs(slips[name]))), default=None)
     if largest is None or not np.nan_to_num(slips[largest]).any():
         return []
-    return [(slips[largest], f"largest slip of {largest} [{unit}]")]
+    return [(slips[largest], f"largest slip of {largest}")]
 
 
 def _step_colours(last: int) -> ScalarMappable:

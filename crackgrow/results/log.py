@@ -13,6 +13,7 @@ from crackgrow.results.atomic import append_text, write_text
 from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, counted, unit_of
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
+    from crackgrow.arrays import Floats
     from crackgrow.case.model import Case
     from crackgrow.run.result import Event, StepResult, TipResult
 
@@ -78,6 +79,7 @@ def step_line(result: StepResult, n_steps: int | None) -> str:
             f"{result.n_dofs} dofs",
             counted(result.contact_iterations, "contact iteration"),
             f"advanced: {', '.join(moved)}" if moved else "no tip advanced",
+            *([] if moved else start_words(result)),
             f"{sum(result.seconds.values()):.2f} s",
         ]
     )
@@ -108,6 +110,7 @@ def told_line(result: StepResult, case: Case, K_scale: float) -> str:
             step_label(result.step, n_steps),
             load_words(case, result.load_factor),
             *(["no tip advanced"] if arrested else []),
+            *([] if moved else start_words(result)),
             *(_tip_words(tip, K_scale) for tip in shown[:MOST_TIPS]),
             *([f"{len(shown) - MOST_TIPS} more"] if len(shown) > MOST_TIPS else []),
             *length_words(result),
@@ -132,6 +135,14 @@ def _tip_words(tip: TipResult, K_scale: float) -> str:
     return f"{tip.crack} {tip.tip}{branch} K_I {' K_II '.join(values)} {unit.replace('√m', ' sqrt(m)')}"
 
 
+def start_words(result: StepResult) -> list[str]:
+    """How critical the most critical place is at which a crack may start; empty where there is none."""
+    if result.start is None:
+        return []
+    start = result.start
+    return [f"most critical start at {_at(start.point)} ({start.criterion}), criticality {start.criticality:.3g}"]
+
+
 def length_words(result: StepResult) -> list[str]:
     """How long the cracks are; empty where there are none."""
     if not result.cracks:
@@ -150,8 +161,13 @@ def _time_words(result: StepResult) -> list[str]:
 
 def event_line(event: Event) -> str:
     """One line on what a tip has met, or where a crack has started, and where that is (m)."""
-    x, y = event.point
     if event.kind == "initiation":
-        return f"step {event.step}, initiation: crack '{event.crack}' starts on {event.met} at ({x:.6g}, {y:.6g}) m"
+        return f"step {event.step}, initiation: crack '{event.crack}' starts on {event.met} at {_at(event.point)}"
     tip = f"crack '{event.crack}' ({event.tip})"
-    return f"step {event.step}, {event.kind}: {tip} reached {event.met} at ({x:.6g}, {y:.6g}) m"
+    return f"step {event.step}, {event.kind}: {tip} reached {event.met} at {_at(event.point)}"
+
+
+def _at(point: Floats) -> str:
+    """A place (2,) m in words, without the round-off of zeros."""
+    x, y = (round(float(value), 12) + 0.0 for value in point)
+    return f"({x:.6g}, {y:.6g}) m"

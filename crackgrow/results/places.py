@@ -7,7 +7,9 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.model import Case, Component
-from crackgrow.results.units import stress_text
+from crackgrow.results.units import STRESSES, stress_text
+
+LONGEST = 60  # signs of a formula that are shown
 
 
 def extent(case: Case) -> tuple[Floats, Floats]:
@@ -40,7 +42,10 @@ def lines_of(case: Case, surface: str | tuple[str, str]) -> list[Floats]:
 
 
 def component_text(value: Component) -> str:
-    """A stress (Pa), or the formula that it follows."""
+    """A stress (Pa), or the formula that it follows, with its begin alone where it is long."""
     if isinstance(value, CoordinateFormula):
-        return f"{value.text[:40]} [Pa]"
+        size, text = value.scaled
+        unit = next((name for unit, name in STRESSES if unit == size), None)
+        text, unit = (text, unit) if unit else (value.text, "Pa")
+        return f"{text if len(text) <= LONGEST else f'{text[:LONGEST]}...'} [{unit}]"
     return "by a formula" if callable(value) else stress_text(value)

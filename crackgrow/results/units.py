@@ -53,6 +53,11 @@ def spans_text(spans: Iterable[range]) -> str:
     return ", ".join(f"{span[0]} to {span[-1]}" if len(span) > 1 else str(span[0]) for span in merged(spans))
 
 
+def factor_text(factor: float) -> str:
+    """A factor to three digits, without an exponent up to a million: 5500."""
+    return f"{float(f'{factor:.3g}'):g}"
+
+
 def shown(value: float, digits: int = 4) -> str:
     """A number as a reader sees it; a dash where there is none."""
     return f"{value:.{digits}g}" if math.isfinite(value) else NO_NUMBER

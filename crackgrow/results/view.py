@@ -13,6 +13,7 @@ from crackgrow.errors import CrackgrowError
 from crackgrow.results.drawn_frame import drawn_frame, field_unit
 from crackgrow.results.field_picture import areas, colours_of, displayed_magnification
 from crackgrow.results.folder import open_run
+from crackgrow.results.units import factor_text
 
 
 class NoDisplayError(CrackgrowError):
@@ -70,7 +71,7 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
         specimen = plotter.add_mesh(grid, name="specimen", scalars=label, **looks)
         edges = grid.extract_feature_edges(feature_edges=False, manifold_edges=False, non_manifold_edges=False)
         plotter.add_mesh(edges, name="edges", color="black", line_width=1)
-        plotter.add_text(f"step {step}, displacement x {factor:.3g}", name="caption", font_size=10)
+        plotter.add_text(f"step {step}, displacement x {factor_text(factor)}", name="caption", font_size=10)
         return specimen
 
     colours = show(steps[-1]).mapper  # else the bar is that of the edges

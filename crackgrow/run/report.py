@@ -14,7 +14,7 @@ from crackgrow.case.model import Subcritical
 from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
-from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions, largest_overlap, mean_stress, overlap_shares
@@ -26,7 +26,7 @@ from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions
-from crackgrow.run.result import CrackFaces, CrackPath, Frame, FrameOnDemand, StepResult, TipResult
+from crackgrow.run.result import CrackFaces, CrackPath, Frame, FrameOnDemand, StartResult, StepResult, TipResult
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -85,6 +85,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         load_factor_error=100.0 * load_error(state.cracks, solution, errors),
         stress=_stress(scene, solution, faces),
         history=history([*solution.passed, solution.state]),
+        start=_start(solution, scene),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
 
@@ -152,6 +153,18 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error
         cell_size=cover.tips[tip].size * scene.lattice.spacing,
         velocity=nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0]),
     )
+
+
+def _start(solution: StepSolution, scene: Scene) -> StartResult | None:
+    """The start that is the most critical; of equally critical ones that which would be chosen."""
+    criticality = np.array([start.verdict.criticality for start in solution.starts])
+    largest = criticality.max(initial=0.0)
+    if largest <= 0.0:
+        return None
+    places = np.array([start.site.point for start in solution.starts])
+    first = leaving(criticality / largest, np.full(len(places), STARTS), places, "most_critical")[0]
+    most = solution.starts[first]
+    return StartResult(scene.lattice.to_metres(most.site.point), most.verdict.mode, most.verdict.criticality)
 
 
 def _law(scene: Scene) -> Subcritical | None:

@@ -70,6 +70,15 @@ class TipResult:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StartResult:
+    """The most critical place of a step at which a crack may start."""
+
+    point: Floats  # (2,) m
+    criterion: Literal["tension", "shear"]  # how a crack starts there, or would
+    criticality: float  # strength ratio: >= 1 where the criterion is met
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ContactPoints:
     """Contact points of all surfaces that have a contact law, one after the other, in order of s."""
 
@@ -233,6 +242,7 @@ class StepResult:
     load_factor_error: float = float("nan")  # percent, bound of what a critical load factor is off by; nan for others
     goal_error: float = float("nan")  # percent, bound of what `numerics.goal` is off by; nan where that is K
     time: float = float("nan")  # s, at which the cracks have come here; nan where growth takes no time
+    start: StartResult | None = None  # where cracks may start elsewhere than at tips
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 
     @property

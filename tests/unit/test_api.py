@@ -244,6 +244,19 @@ def test_a_name_that_has_moved_is_found_and_its_home_told() -> None:
         crackgrow.rendered  # noqa: B018
 
 
+@pytest.mark.filterwarnings("ignore:crackgrow.* is now in:DeprecationWarning")
+def test_what_has_moved_is_called_as_before(tmp_path: Path) -> None:
+    run = crackgrow.run_case(case("compression30", "growth.steps=0", "numerics.spacing=3"), tmp_path / "run")
+    assert run.status == "completed"
+    pictures = list(crackgrow.render(tmp_path / "run", "sigma_1", 20.0, [0], (200, 300), tmp_path / "pictures"))
+    assert [picture.name for picture in pictures] == ["step_0000.png"]
+    named = crackgrow.render(tmp_path / "run", warp=20.0, size=(200, 300), out=tmp_path / "named")
+    assert next(named).read_bytes() == pictures[0].read_bytes()
+    path = ROOT / "cases" / "compression30.yaml"
+    plan = crackgrow.plan_trade(path, tmp_path, overrides=["growth.steps=1"], presets=False)
+    assert plan.file.overrides == ("growth.steps=1",)
+
+
 def test_public_names_are_few_and_there() -> None:
     assert len(crackgrow.__all__) <= 23
     assert all(getattr(crackgrow, name) for name in crackgrow.__all__)
@@ -252,3 +265,14 @@ def test_public_names_are_few_and_there() -> None:
 def test_importing_the_package_loads_no_numpy() -> None:
     code = "import sys, crackgrow; dir(crackgrow); sys.exit('numpy' in sys.modules or 'pandas' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0
+
+
+def test_the_start_that_a_step_tells_is_the_one_that_follows() -> None:
+    settings = ("bodies.rock.shape.holes=[{disk: {center: [8, 14], radius: 4}}]", "growth.initiation.at=outlines")
+    weak = ("cracks.flaw.tips=none", "loading=critical", "growth.steps=1", "output.report=false")
+    run = crackgrow.run_case(case("compression30", *settings, *weak))
+    first, (event,) = run.results[0], run.results[1].events
+    assert first.start is not None
+    assert event.kind == "initiation"
+    assert first.start.criticality == pytest.approx(1.0, abs=1e-6)
+    assert np.linalg.norm(np.asarray(event.point) - first.start.point) < 1e-6

@@ -121,7 +121,8 @@ def test_a_table_of_vertices_is_a_set_as_the_paths_of_a_run_are(tmp_path: Path) 
     ("text", "words"),
     [
         ("x,y\n1,2\n", "has no column crack; its columns are x, y"),
-        ("", "has no column crack or x or y"),
+        ("", "has no column crack or x or y; its columns are none"),
+        ("crack,x,y\na,1,1\nb,2,2\nb,3,3\na,4,4\n", "one vertex of 'a', and a line has two or more, in rows one after"),
         ("crack,x,y\na,1,2\n", "one vertex of 'a'"),
         ("crack,x,y\na,1,two\na,3,4\n", "whose x or y is no number"),
         ("crack,x,y\na,1\na,3,4\n", "whose x or y is no number"),

@@ -39,6 +39,21 @@ def test_a_word_alone_says_where(at: str) -> None:
     assert dump_case(short) == dump_case(long)
 
 
+def test_a_word_alone_takes_an_override_of_a_key_inside() -> None:
+    short, long = (load_case(CASE, [f"{key}=outlines", f"{SPACING}=5"]) for key in ("growth.initiation", AT))
+    assert short.growth is not None
+    assert (short.growth.initiation.at, short.growth.initiation.spacing) == ("outlines", 5e-3)
+    assert dump_case(short) == dump_case(long)
+    changed = load_case(CASE, ["growth.initiation=ends", f"{AT}=outlines", f"{SPACING}=5"])
+    assert dump_case(changed) == dump_case(long)
+
+
+def test_a_place_that_is_misspelt_is_the_only_fault() -> None:
+    with pytest.raises(CaseError) as caught:
+        load_case(CASE, ["cracks.flaw.tips=none", "loading=critical", "growth.initiation=outline"])
+    assert [fault.key for fault in caught.value.faults] == [AT]
+
+
 def test_a_critical_load_needs_no_tip_where_cracks_may_start() -> None:
     no_tips = ["cracks.flaw.tips=none", "loading=critical"]
     assert load_case(CASE, [*no_tips, f"{AT}=outlines"]).growth is not None
@@ -54,7 +69,7 @@ def test_a_critical_load_needs_no_tip_where_cracks_may_start() -> None:
         (["growth.initiation=end"], AT, "did you mean 'ends'?"),
         (["growth.initiation="], "growth.initiation", "no value given; wanted: tips | ends"),
         (["growth.initiation=[ends]"], "growth.initiation", "wanted: tips | ends"),
-        (["growth.initiation=ends", f"{SPACING}=5"], SPACING, "no key inside it"),
+        (["growth.initiation=ends", f"{SPACING}=5"], SPACING, "wanted with `at: ends`: auto"),
         (["growth.initiation.where=cracks"], "growth.initiation.where", "unknown key"),
         ([f"{AT}=outlines", f"{SPACING}=0"], SPACING, "out of range"),
         ([f"{AT}=outlines", f"{SPACING}=-1 mm"], SPACING, "out of range"),

@@ -61,3 +61,12 @@ def test_what_is_a_load_here_is_said_with_an_example_that_loads(tmp_path: Path, 
     example = yaml.safe_load(message.split("`")[-2].replace("NAME", "flaw"))
     body = {"rock": {**scene["bodies"]["rock"], "material": {"young": 1000, "poisson": 0.2, "density": "2600 kg/m^3"}}}
     assert load(tmp_path, {**scene, **example, "bodies": body}).loads
+
+
+def test_names_of_edges_within_a_shape_are_said_to_belong_to_the_body(tmp_path: Path) -> None:
+    corners = [[0, 0], [10, 0], [10, 10]]
+    scene = {**with_body(rectangle(0, 0, 10, 10)), "supports": held("rock")}
+    scene["bodies"]["rock"]["shape"] = {"polygon": corners, "edges": {"inlet": 1}}
+    key, message = fault(tmp_path, scene)
+    assert key == "bodies.rock.shape.edges"
+    assert "belong to the body, beside `shape`" in message

@@ -29,6 +29,14 @@ def test_overview_names_bodies_cracks_tips_and_spacing() -> None:
     assert "interface" not in text
 
 
+def test_a_formula_is_told_in_the_unit_it_was_given_in_and_never_silently_cut() -> None:
+    text = overview(load_case(CASE, ["loads.0={on: {edge: top}, pressure: 'max(0, 10 - y/y)'}"]))
+    assert "pressure max(0, 10 - y / 0.001 / (y / 0.001)) [MPa] on rock.top" in text
+    long = " + ".join(f"{n}*x" for n in range(20))
+    shown = overview(load_case(CASE, [f"loads.0={{on: {{edge: top}}, pressure: '{long}'}}"]))
+    assert "... [MPa] on rock.top" in shown
+
+
 def test_overview_of_a_static_case_without_cracks(tmp_path: Path) -> None:
     scene = with_body(rectangle(0, 0, 4, 3))
     scene["supports"] = [{"on": {"body": "rock", "edge": "left"}, "displacement": {"x": 0, "y": 0}}]

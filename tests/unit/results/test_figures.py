@@ -111,6 +111,20 @@ def test_ticks_of_a_load_curve_do_not_overlap(size: float, tmp_path: Path, monke
         assert all(left.x1 < right.x0 for left, right in pairwise(boxes))
 
 
+@pytest.mark.parametrize(("size", "unit"), [(3e-6, "µm"), (3e-3, "mm"), (3.0, "m")])
+def test_a_load_curve_is_in_units_that_suit_its_values(
+    size: float, unit: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr(figures, "_save", lambda path, figure: drawn.append(figure))
+    curve = [LoadPoint(1.0 + k, size * (1.0 + k), 0.01 + 0.002 * k, {}) for k in range(3)]
+    figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
+    displacement, growth = drawn[0].axes
+    assert displacement.get_xlabel() == f"displacement of the loads [{unit}]"
+    assert np.asarray(displacement.lines[0].get_xdata()) == pytest.approx([3.0, 6.0, 9.0])
+    assert growth.get_xlabel() == "crack growth [mm]"
+
+
 def test_boundary_edges_are_outline_and_both_crack_faces() -> None:
     frame = make_frame()
     edges = field_picture.boundary_edges(frame)

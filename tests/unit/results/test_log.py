@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from crackgrow.results.log import told_line
+from crackgrow.results.log import step_line, told_line
+from crackgrow.run.result import StartResult
 from tests.unit.results.synthetic import make_case, make_result
 
 
@@ -16,3 +18,14 @@ def test_that_no_tip_advanced_is_told_of_steps_after_which_one_could(before_the_
     still = [tip for tip in result.tips if not tip.advanced]
     line = told_line(make_result(result.step, tips=tuple(still)), case, 0.0)
     assert ("no tip advanced" in line) is told
+
+
+def test_where_no_tip_advances_the_most_critical_start_is_told() -> None:
+    case, result = make_case(), make_result(1)
+    still = tuple(tip for tip in result.tips if not tip.advanced)
+    start = StartResult(np.array([8e-17, -0.02]), "tension", 0.8712)
+    told = "most critical start at (0, -0.02) m (tension), criticality 0.871"
+    for tips, words in (((), True), (still, True), (result.tips, not any(tip.advanced for tip in result.tips))):
+        stopped = make_result(1, tips=tips, start=start)
+        assert (told in told_line(stopped, case, 0.0)) is words
+        assert (told in step_line(stopped, 3)) is words

@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +15,14 @@ import pyvista
 from PIL import Image
 
 from crackgrow import cli
+from crackgrow.cli.command_line import command_line
 from crackgrow.errors import CaseError
 from crackgrow.results import animation, field_picture, render, view
 from crackgrow.results.atomic import OutputError
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.field_picture import Look
 from crackgrow.results.folder import FolderError, RunFolder, open_run
+from crackgrow.results.units import factor_text
 from tests.report_runs import make_run
 
 
@@ -235,7 +238,25 @@ def test_limits_that_a_field_cannot_have_are_refused(field: str, limits: tuple[s
         field_picture.limits_of(field, limits, (1e6, "MPa"))
 
 
+@pytest.mark.parametrize("limits", [("-1e1", "1e1"), ("-10MPa", "5MPa"), ("-.5", "-2e-3"), ("-20 MPa", "5 MPa")])
+def test_limits_below_zero_are_no_options(limits: tuple[str, str]) -> None:
+    assert command_line().parse_args(["render", "outputs/x", "--range", *limits]).range == list(limits)
+
+
 def test_colours_end_at_the_limits_that_are_asked_for(folder: Path) -> None:
     frames = [drawn_frame(open_run(folder), 2, "sigma_1")]
     pictures = field_picture.FieldPictures("", "sigma_1", frames, {}, Look(limits=("-2 MPa", "1 MPa")))
     assert (pictures.norm.vmin, pictures.norm.vmax) == pytest.approx((-2e6 / pictures.unit[0], 1e6 / pictures.unit[0]))
+
+
+@pytest.mark.parametrize(("limits", "signed"), [(("-2", "2"), True), (("-20", "5"), False), (("0", "5"), False)])
+def test_white_between_two_colours_is_zero(folder: Path, limits: tuple[str, str], signed: bool) -> None:
+    frames = [drawn_frame(open_run(folder), 2, "sigma_1")]
+    both = replace(frames[0], values=np.linspace(-1e7, 1e7, len(frames[0].values)))
+    pictures = field_picture.FieldPictures("", "sigma_1", [both], {}, Look(limits=limits))
+    assert (pictures.colormap == "RdBu_r") is signed
+
+
+@pytest.mark.parametrize(("factor", "text"), [(0.5, "0.5"), (18.93, "18.9"), (5502.0, "5500"), (1e5, "100000")])
+def test_magnifications_are_read_easily(factor: float, text: str) -> None:
+    assert factor_text(factor) == text
