@@ -27,8 +27,11 @@ FEW_NUMBERS = 1_000_000
 Beyond that one elimination gives the compliance alone. Measured: one load costs about the same either way.
 """
 
-ROUGH = 1e-10
-"""Jumps under some tractions that elimination misses by more, relative to the largest, are solved for, and refined."""
+ROUGH = 1e-8
+"""Jumps under some tractions that elimination misses by more, relative to the largest, are solved for, and refined.
+
+As good as contact itself is solved; measured: with 1e-10 K is the same to 1e-13 (200 flaws, four steps).
+"""
 
 DOUBTFUL = 0.1
 """Times what is rough: points whose jumps differ by more are solved for where those of others are rough."""
