@@ -10,11 +10,13 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.format import MINIMAL
-from crackgrow.case.formula import component_at, component_of
+from crackgrow.case.formula import component_of
 from crackgrow.case.layout import Scene
-from crackgrow.case.regions import ends_of
+from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction
+from crackgrow.case.regions import EdgeRegion, ends_of
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.errors import CaseError
+from crackgrow.vectors import outward_normals
 
 KEY: Final = "supports"
 BALANCED: Final = 1e-4  # of all forces together; what the loads leave over is less
@@ -118,27 +120,32 @@ def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, 
     """Places (n, 2) m and forces (n, 2) N/m of a load; pressure on both faces and stress balance in themselves."""
     if "on" in load:
         region = scene.regions.get(("loads", index, "on"))
-        ends = np.zeros((0, 2, 2)) if region is None else ends_of(scene.bodies[region.body], region)
+        if region is None:
+            return
+        ends = ends_of(scene.bodies[region.body], region)
+        outward = np.repeat(outward_normals(ends[:, 1] - ends[:, 0]), GAUSS_POINTS, axis=0)
         along, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
         points = ends[:, :1] + 0.5 * (1.0 + along)[:, None] * (ends[:, 1:] - ends[:, :1])
         lengths = np.outer(np.hypot(*(ends[:, 1] - ends[:, 0]).T), 0.5 * weights).ravel()
         places = points.reshape(-1, 2)
         try:
-            if "pressure" in load:
-                step = np.repeat(ends[:, 1] - ends[:, 0], GAUSS_POINTS, axis=0)
-                inward = np.stack([-step[:, 1], step[:, 0]]) / np.hypot(*step.T)  # rock is on the left
-                traction = component_at(component_of(load["pressure"]), places) * inward
-            else:
-                traction = np.array([component_at(component_of(part), places) for part in load["traction"]])
+            traction = _edge_load(region, load).traction_at(places, outward)
         except CaseError:
             return  # a formula without a value, which is told elsewhere
-        yield places, lengths[:, None] * traction.T
+        yield places, lengths[:, None] * traction
     elif "gravity" in load and scene.get("bodies", load["body"], "material", "density"):
         polygon = scene.bodies[load["body"]].polygon
         mass = scene.get("bodies", load["body"], "material", "density") * polygon.area
         yield shapely.get_coordinates(polygon.centroid), mass * np.array([load["gravity"]])
     elif "force" in load:
         yield np.array([load["at"]]), np.array([load["force"]])
+
+
+def _edge_load(region: EdgeRegion, load: Resolved) -> EdgeLoad:
+    if "pressure" in load:
+        return EdgePressure(region, component_of(load["pressure"]))
+    x, y = map(component_of, load["traction"])
+    return EdgeTraction(region, (x, y))
 
 
 class _Resultant:

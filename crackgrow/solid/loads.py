@@ -20,6 +20,7 @@ from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.rules import square
 from crackgrow.solid.in_situ import InSitu, across
 from crackgrow.solid.supports import body_index, edge_points
+from crackgrow.vectors import outward_normals
 
 
 def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: int) -> Floats:
@@ -77,8 +78,7 @@ def _rim_tractions(cover: Cover, body: int, stress: InSitu) -> Floats:
     mine = np.flatnonzero(outlines.body == body)
     ends, element = outlines.points[mine], outlines.element[mine]
     edge, points, length = points_on_outlines(cover, ends, element, outlines.edge[mine])
-    step = ends[:, 1] - ends[:, 0]
-    outward = np.stack([step[:, 1], -step[:, 0]], axis=1) / np.hypot(step[:, 0], step[:, 1])[:, None]
+    outward = outward_normals(ends[:, 1] - ends[:, 0])
     traction = across(stress.at(cover.lattice.to_metres(points)), outward[edge])
     forces = length[:, None] * cover.lattice.spacing * traction
     return np.asarray(values_at(cover, points, element[edge]).values().T @ forces)

@@ -20,6 +20,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import edges_of_region
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.rims import points_on_outlines
+from crackgrow.vectors import outward_normals
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,9 +102,7 @@ def edge_points(cover: Cover, bodies: Sequence[Body], regions: Sequence[EdgeRegi
     )
     edge, points, lengths = points_on_outlines(cover, ends, elements, np.concatenate([e.edge for e in edges]))
     s = s[edge, 0] + np.hypot(*(points - ends[edge, 0]).T)
-    step = (ends[:, 1] - ends[:, 0])[edge]
-    across = np.stack([step[:, 1], -step[:, 0]], axis=1)  # rock is on the left
-    outward = across / np.maximum(np.hypot(*step.T), np.finfo(float).tiny)[:, None]  # (0, 0) where an edge is a point
+    outward = outward_normals(ends[:, 1] - ends[:, 0])[edge]
     spacing, owner = cover.lattice.spacing, np.repeat(np.arange(len(edges)), [len(e.edge) for e in edges])[edge]
     return [
         EdgePoints(points[mine], lengths[mine] * spacing, elements[edge[mine]], s[mine] * spacing, outward[mine])
