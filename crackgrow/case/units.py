@@ -125,11 +125,11 @@ def parse_quantity(text: str, kind: str, units: Units) -> float:
     """
     text = text.strip()
     if is_number(text):
-        number = parse_number(text, UNITS[kind][units.of(kind)])
-        if number and not units.bare(kind):
+        value = parse_number(text, UNITS[kind][units.of(kind)])
+        if value and not units.bare(kind):
             given = f"units.length is {units.length}" + (f" and units.stress {units.stress}" if kind == "force" else "")
             raise QuantityError(f"needs a unit, such as {units.of(kind)}, where {given}")
-        return number
+        return value
     match = _QUANTITY.fullmatch(text)
     if match is None:
         raise QuantityError("is neither a number nor a number with a unit")
