@@ -265,7 +265,7 @@ def test_last_override_wins():
         ("supports.-1.at=[0, 0]", "supports.-1", "a list of 3"),
         ("title.short=3", "title.short", "single value"),
         ("cracks.flwa.contact.friction=1", "cracks.flwa", "did you mean 'flaw'"),
-        ("numerics.spacing=*a", "numerics.spacing", "aliases are not allowed"),
+        ("numerics.spacing=*a", "numerics.spacing", "no value before it has the anchor"),
         ("numerics.spacing={a: 1, a: 2}", "numerics.spacing.a", "given twice"),
         ("numerics.spacing=\x00", "numerics.spacing", "not valid YAML"),
         ("cracks.flaw.path.length=90", "cracks.flaw.path", "outside"),
