@@ -97,7 +97,7 @@ class CoulombContact:
     """
 
     friction: Annotated[float, Number(NOT_NEGATIVE), Doc("Coulomb's friction coefficient")]
-    cohesion: Annotated[float, COHESION, Doc("cohesion of the closed faces")]  # Pa
+    cohesion: Annotated[float, COHESION, Doc("cohesion of the closed faces", default=0.0)]  # Pa
     residual_friction: Annotated[
         float,
         Number(NOT_NEGATIVE),
@@ -384,6 +384,7 @@ class Growth:
                 "one tip a step, of those that have grown least",
                 "every tip that meets the criterion",
             ),
+            default="all",
         ),
     ]
     criterion: Annotated[

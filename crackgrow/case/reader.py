@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 
 import yaml
@@ -12,6 +12,7 @@ from crackgrow.case.report import Path, Place, Report, clean, quoted
 
 MAX_DEPTH = 40  # of nested lists and mappings; the format needs 7
 MAX_BYTES = 2**19  # its text takes two or three seconds to read
+MAX_COPIES = 100_000  # of values that stand for aliases
 
 _CORE = "tag:yaml.org,2002:"
 _SCALAR_TAGS = {"str", "int", "float", "bool", "null"}
@@ -152,6 +153,8 @@ class _Builder:
         self.report = report
         self.start = start
         self.line = 1
+        self.anchors: dict[str, Node] = {}  # values that aliases may stand for, once they are whole
+        self.copies = 0
         self.events: Iterator[yaml.Event] = yaml.parse(text, Loader=yaml.SafeLoader)
 
     def at(self, line: int) -> Place:
@@ -178,14 +181,39 @@ class _Builder:
             self.report.fault(path[:8], f"nested deeper than {MAX_DEPTH} levels", place)
             raise _Stop
         if isinstance(event, yaml.AliasEvent):
-            alias = clean(event.anchor or "")
-            self.report.fault(path, f"alias *{alias}: aliases are not allowed, write the value out", place)
-            return Broken(place)
+            return self.alias(event.anchor or "", path, place, depth)
         if isinstance(event, yaml.ScalarEvent):
-            return self.scalar(event, path, place)
-        if isinstance(event, yaml.SequenceStartEvent):
-            return self.checked_tag(event, "seq", path, self.listing(path, place, depth))
-        return self.checked_tag(event, "map", path, self.table(path, place, depth))
+            node = self.scalar(event, path, place)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            node = self.checked_tag(event, "seq", path, self.listing(path, place, depth))
+        else:
+            node = self.checked_tag(event, "map", path, self.table(path, place, depth))
+        if anchor := getattr(event, "anchor", None):
+            self.anchors[anchor] = node
+        return node
+
+    def alias(self, anchor: str, path: Path, place: Place, depth: int) -> Node:
+        """A value like that at the anchor; each alias has one of its own, as an override may change it."""
+        if anchor in self.anchors:
+            return self.copied(self.anchors[anchor], path, place, depth)
+        self.report.fault(path, f"alias *{clean(anchor)}: no value before it has the anchor &{clean(anchor)}", place)
+        return Broken(place)
+
+    def copied(self, node: Node, path: Path, place: Place, depth: int) -> Node:
+        self.copies += 1
+        if self.copies > MAX_COPIES or depth > MAX_DEPTH:
+            limit = f"{MAX_COPIES:,} values" if depth <= MAX_DEPTH else f"{MAX_DEPTH} levels"
+            self.report.fault(path[:8], f"aliases stand for more than {limit}", place)
+            raise _Stop
+        if isinstance(node, Listing):
+            return Listing([self.copied(item, path, place, depth + 1) for item in node.items], node.place)
+        if isinstance(node, Table):
+            entries = {
+                key: Entry(entry.place, self.copied(entry.node, path, place, depth + 1))
+                for key, entry in node.entries.items()
+            }
+            return Table(entries, node.place)
+        return replace(node)
 
     def scalar(self, event: yaml.ScalarEvent, path: Path, place: Place) -> Node:
         plain = event.style is None

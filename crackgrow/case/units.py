@@ -28,7 +28,13 @@ UNITS: dict[str, dict[str, Fraction]] = {
         "MPa sqrt(mm)": Fraction(math.sqrt(1e9)),
     },
 }
-UNITS["force"] = {"N/m": Fraction(1), "kN/m": Fraction(10**3), "MN/m": Fraction(10**6), "N/mm": Fraction(10**3)}
+UNITS["force"] = {
+    "N/m": Fraction(1),
+    "kN/m": Fraction(10**3),
+    "MN/m": Fraction(10**6),
+    "N/mm": Fraction(10**3),
+    "kN/mm": Fraction(10**6),
+}
 UNITS["velocity"] = {
     **{f"{length}/s": one for length, one in UNITS["length"].items()},
     "nm/s": Fraction(1, 10**9),
@@ -113,16 +119,17 @@ def parse_number(text: str, factor: Fraction = Fraction(1)) -> float:
 
 
 def parse_quantity(text: str, kind: str, units: Units) -> float:
-    """Return the SI value of "31", "31 mm", "10GPa" as a quantity of this kind (angles in degrees).
+    """Return the SI value of "31", "31 mm", "10GPa" as a quantity of this kind (angles in degrees). 0 needs no unit.
 
     Raises QuantityError for a text that is none, for a unit of another kind and for one that is unknown.
     """
     text = text.strip()
     if is_number(text):
-        if not units.bare(kind):
+        value = parse_number(text, UNITS[kind][units.of(kind)])
+        if value and not units.bare(kind):
             given = f"units.length is {units.length}" + (f" and units.stress {units.stress}" if kind == "force" else "")
             raise QuantityError(f"needs a unit, such as {units.of(kind)}, where {given}")
-        return parse_number(text, UNITS[kind][units.of(kind)])
+        return value
     match = _QUANTITY.fullmatch(text)
     if match is None:
         raise QuantityError("is neither a number nor a number with a unit")

@@ -173,7 +173,7 @@ def test_a_faulty_interface_is_not_missed_as_well(tmp_path: Path):
     scene = blocks(low=rectangle(0, 0, 3, 1), top=rectangle(0, 1, 3, 1))
     assert fault(tmp_path, changed(scene, interfaces=joint("low tpo")))[0] == "interfaces.0.between.1"
     assert fault(tmp_path, changed(scene, interfaces=[{"contact": LAW}]))[0] == "interfaces.0.between"
-    assert fault(tmp_path, changed(scene, interfaces=joint("low top", contact={"friction": 1})))[0].endswith("cohesion")
+    assert fault(tmp_path, changed(scene, interfaces=joint("low top", contact={"cohesion": 1})))[0].endswith("friction")
     assert fault(tmp_path, changed(scene, interfaces=3))[0] == "interfaces"
 
 
@@ -402,7 +402,7 @@ def test_foundation(tmp_path: Path):
         ({"on": {"body": "top", "edge": "bottom", "to": 1}, "contact": LAW}, ".on", "body 'top' touches body 'low'"),
         ({"on": {"body": "low", "edge": "left", "from": 1}, "contact": LAW}, ".on", "foundation of supports.0"),
         ({"on": {"body": "low", "edge": "left"}, "contact": "none"}, ".contact", "wanted: a mapping of friction"),
-        ({"on": {"body": "low", "edge": "left"}, "contact": {"friction": 1}}, ".contact.cohesion", "missing"),
+        ({"on": {"body": "low", "edge": "left"}, "contact": {"cohesion": 1}}, ".contact.friction", "missing"),
         ({"on": {"body": "low", "edge": "lft"}, "contact": LAW}, ".on.edge", "did you mean 'left'?"),
         ({"on": {"body": "low", "edge": "left"}}, "", "give either {at, displacement} or {on, displacement} or {on, c"),
         ({"contact": LAW}, ".on", "missing"),

@@ -101,7 +101,7 @@ FORMAT_FAULTS = [
     ),
     ("numerics:", "title: again\nnumerics:", "title", "given twice; the first is in line 3", "title: again"),
     ("poisson: 0.25", "poisson: 0.25\n      young: 3", "bodies.rock.material.young", "given twice", "young: 3"),
-    ("poisson: 0.25", "poisson: *nu", "bodies.rock.material.poisson", "aliases are not allowed", "*nu"),
+    ("poisson: 0.25", "poisson: *nu", "bodies.rock.material.poisson", "no value before it has the anchor", "*nu"),
     ("poisson: 0.25", "poisson: 0.25\n      <<: {a: 1}", "bodies.rock.material.<<", "merge keys", "<<"),
     ("poisson: 0.25", "poisson: !!python/name:os.system x", "bodies.rock.material.poisson", "tag", "poisson"),
     ("poisson: 0.25", "poisson: !mine 0.25", "bodies.rock.material.poisson", "tag '!mine'", "poisson"),

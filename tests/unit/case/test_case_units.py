@@ -30,6 +30,8 @@ def test_not_a_number(text: str):
     [
         ("31", "length", 0.031),
         ("31 mm", "length", 0.031),
+        ("0", "force", 0.0),  # in every unit
+        ("-2 kN/mm", "force", -2e6),
         ("31mm", "length", 0.031),
         (" 3.1 cm ", "length", 0.031),
         ("0.1 um", "length", 1e-7),
