@@ -25,7 +25,7 @@ from crackgrow.results.progress import Progress
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
-    from crackgrow.plan.outlook import Outlook
+    from crackgrow.plan.cost import Outlook
     from crackgrow.results.resume import Resumption
     from crackgrow.results.writer import RunWriter
     from crackgrow.run.result import RunEnd, StepResult
@@ -118,7 +118,7 @@ def _spare_case_file(file: Path, folder: Path) -> None:
 
 def _outlook(case: Case) -> Outlook:
     """What the run is about to take; from now on linear algebra has its work space, whatever memory is left."""
-    from crackgrow.plan.outlook import outlook  # only now: it loads numpy
+    from crackgrow.plan.cost import outlook  # only now: it loads numpy
 
     warm_up()
     return outlook(case)

@@ -1,6 +1,6 @@
 """`report.html`: one page about a run, made from the files of its folder alone, that needs no network.
 
-`folder` reads the files; `scene` and `drawing` draw the specimen, `charts`, `step_data` and `pictures` say what the
+`folder` reads the files; `scene` draws the specimen, `charts`, `step_data` and `pictures` say what the
 page shows of the steps, `checks` what to think of it, `page` puts all into one text. `chart.js` draws, `page.js` moves
 it with the slider.
 """

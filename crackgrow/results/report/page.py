@@ -11,10 +11,9 @@ from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import REPORT, RunFolder, open_run
 from crackgrow.results.report.charts import charts
 from crackgrow.results.report.checks import check_rows, estimate_rows, status_badge
-from crackgrow.results.report.drawing import view_of
 from crackgrow.results.report.markup import Markup, join, json_script, table, tag, text
 from crackgrow.results.report.pictures import pictures
-from crackgrow.results.report.scene import describe_actions, draw_scene, step_colour
+from crackgrow.results.report.scene import describe_actions, draw_scene, step_colour, view_of
 from crackgrow.results.report.step_data import contact_data, event_rows, step_words, tip_data
 from crackgrow.results.units import counted, shown
 

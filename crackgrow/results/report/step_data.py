@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from crackgrow.results.folder import RunFolder, TextTable
-from crackgrow.results.report.drawing import View
+from crackgrow.results.report.scene import View
 from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, shown, unit_of
 
 MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept

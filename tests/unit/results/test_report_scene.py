@@ -10,9 +10,8 @@ import pytest
 
 from crackgrow.case import Case, load_case
 from crackgrow.results import signs
-from crackgrow.results.report.drawing import svg_of, view_of
 from crackgrow.results.report.markup import tag, text
-from crackgrow.results.report.scene import describe_actions, step_colour
+from crackgrow.results.report.scene import describe_actions, step_colour, svg_of, view_of
 from crackgrow.results.units import LENGTHS, STRESSES, rounded, shown, unit_of
 
 CASES = Path(__file__).resolve().parents[3] / "cases"

@@ -18,8 +18,14 @@ from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
-from crackgrow.study.second_solution import SecondSolution, second_solution, unique_text
-from crackgrow.study.uniqueness import below_friction_limit, friction_limit, other_solutions
+from crackgrow.study.uniqueness import (
+    SecondSolution,
+    below_friction_limit,
+    friction_limit,
+    other_solutions,
+    second_solution,
+    unique_text,
+)
 from tests.contact_problems import smooth
 from tests.solving import solve_contact
 
@@ -287,7 +293,7 @@ def test_below_the_limit_nothing_is_searched(monkeypatch: pytest.MonkeyPatch) ->
     def searched(problem: ContactProblem, known: np.ndarray) -> None:
         raise AssertionError("other starts were tried")
 
-    monkeypatch.setattr("crackgrow.study.second_solution.other_solutions", searched)
+    monkeypatch.setattr("crackgrow.study.uniqueness.other_solutions", searched)
     contact, loads = rock_of(one_point(1.7, -1.0, 3.0))
     assert second_solution(contact, solve_contact(contact, loads, np.zeros(1))) is None
     contact, loads = rock_of(one_point(1.8, -1.0, 3.0))
@@ -357,8 +363,8 @@ def test_friction_beyond_the_bound_is_no_proof_of_a_second_solution() -> None:
 
 def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
     found = SecondSolution(0.25, np.array([2, 0]), np.array([3e-5, 1e-6]), np.array([STICK, STICK]))
-    monkeypatch.setattr("crackgrow.study.second_solution.second_solution", lambda contact, outcome: found)
-    monkeypatch.setattr("crackgrow.study.second_solution.proven_limit", lambda contact, outcome: 0.25)
+    monkeypatch.setattr("crackgrow.study.uniqueness.second_solution", lambda contact, outcome: found)
+    monkeypatch.setattr("crackgrow.study.uniqueness.proven_limit", lambda contact, outcome: 0.25)
     (told,) = told_of_the_flaw("cracks.flaw.contact.friction=0.3")
     assert "more than one solution (it is certain only where friction is below 0.25)" in told
     assert "of 'flaw', which slips, sticks, its faces moved by 3e-05 m" in told
