@@ -9,13 +9,14 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import ArrayLike
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Body, Case
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.places import extent
-from crackgrow.results.report.markup import Markup, join, tag
+from crackgrow.results.report.markup import tag
 from crackgrow.results.signs import Arrow, Circle, Polygon, Sign, Strokes, load_signs, support_signs
 
 WIDEST, HIGHEST = 320.0, 440.0  # pixels, of the specimen
@@ -80,7 +81,7 @@ def _arrow(tail: Floats, head: Floats) -> Markup:
     neck = head - HEAD[0] * along
     tip = [head, neck + HEAD[1] * across, neck - HEAD[1] * across]
     shaft = tag("path", d=line_data([tail, neck]), class_="shaft")
-    return join([shaft, tag("path", d=line_data(tip, closed=True), class_="head")])
+    return shaft + tag("path", d=line_data(tip, closed=True), class_="head")
 
 
 STEP_COLOURS = ((59, 15, 158), (156, 23, 158), (214, 80, 98), (240, 143, 54))  # from the first step to the last
