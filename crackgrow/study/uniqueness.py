@@ -30,7 +30,6 @@ from typing import Final
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.linalg.lapack import dpotrf, dpotrs
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Case, LoadHistory, Stages
@@ -47,8 +46,6 @@ from crackgrow.run.loading import load, load_history
 from crackgrow.run.scene import make_scene
 
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions
-INVERSE_ITERATIONS: Final = 10  # for an estimate of an eigenvalue
-NEARLY: Final = 0.8  # of that estimate: what the eigenvalue is proven to exceed
 LEMKE_POINTS: Final = 300  # of more, Lemke's method would cost several times what everything else of a step does
 ITERATIONS: Final = 40  # of Newton's method from a start that is but one of several
 
@@ -76,26 +73,6 @@ def friction_limit(compliance: Floats, weights: Floats) -> float:
     return float(np.sqrt(max(1.0 - gamma_sq, 0.0) / gamma_sq * uncoupled))
 
 
-def below_friction_limit(friction: float, compliance: Floats, weights: Floats) -> bool:
-    """Whether `friction` is certainly below `friction_limit`: proven by three Cholesky factorizations, or not known.
-
-    The least eigenvalue of A_nn exceeds a number if A_nn less that on its diagonal is positive definite, the largest of
-    A_tt is at most its largest sum of a row, and gamma is less than g if A with diagonal blocks g A_nn and g A_tt is.
-    """
-    n = len(weights)
-    if n == 0:
-        return True
-    A = _normalised(compliance, weights)
-    least = NEARLY * _least_eigenvalue(A[:n, :n])
-    if least <= 0.0 or dpotrf((A[:n, :n] - least * np.eye(n)).T, overwrite_a=True)[1]:
-        return False
-    largest = float(np.abs(A[n:, n:]).sum(axis=0).max())
-    g = np.sqrt(least / (least + friction**2 * largest))
-    A[:n, :n] *= g
-    A[n:, n:] *= g
-    return not dpotrf(A.T, overwrite_a=True)[1]
-
-
 def _normalised(compliance: Floats, weights: Floats) -> Floats:
     """The symmetric A (2 n, 2 n) without a unit: forces for pressures, and any size a point, the same for its rows."""
     n = len(weights)
@@ -106,18 +83,6 @@ def _normalised(compliance: Floats, weights: Floats) -> Floats:
     A += A.T.copy()
     A *= 0.5
     return A
-
-
-def _least_eigenvalue(A: Floats) -> float:
-    """An estimate from above by inverse iteration; zero where A (n, n) is not positive definite."""
-    factor, failed = dpotrf(A, lower=True)
-    if failed:
-        return 0.0
-    v = np.random.default_rng(0).normal(size=len(A))
-    for _ in range(INVERSE_ITERATIONS):
-        v /= np.linalg.norm(v)
-        previous, v = v, dpotrs(factor, v, lower=True)[0]
-    return 1.0 / float(previous @ v)
 
 
 def other_solutions(problem: ContactProblem, known: Floats) -> Iterator[Floats]:
@@ -212,13 +177,10 @@ def why_not_examined(contact: ContactSystem, outcome: ContactOutcome) -> str:
 
 def proven_limit(contact: ContactSystem, outcome: ContactOutcome) -> float | None:
     """The friction below which there is certainly one solution; None where all of it is below."""
-    problem, weights = outcome.problem, contact.weights[outcome.rows]
+    problem = outcome.problem
     assert problem is not None
-    largest = float(problem.friction.max())
-    if below_friction_limit(largest, problem.compliance, weights):
-        return None
-    limit = friction_limit(problem.compliance, weights)
-    return None if largest < limit else limit
+    limit = friction_limit(problem.compliance, contact.weights[outcome.rows])
+    return None if problem.friction.max() < limit else limit
 
 
 def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
