@@ -21,7 +21,7 @@ from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, co
 from crackgrow.cli.parser import Commands, add_command, takes_case
 from crackgrow.errors import SolveError, is_out_of_memory, reason_of
 from crackgrow.results.atomic import OccupiedError, OutputError
-from crackgrow.results.progress import Progress
+from crackgrow.results.log import Progress
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case

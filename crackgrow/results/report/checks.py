@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from crackgrow.arrays import Floats
 from crackgrow.results.folder import RunFolder
-from crackgrow.results.report.markup import tag
+from crackgrow.results.report.scene import tag
 from crackgrow.results.units import shown
 from crackgrow.run.result import CHECK_LIMITS
 

@@ -13,10 +13,8 @@ from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import REPORT, RunFolder, open_run
 from crackgrow.results.report.charts import charts
 from crackgrow.results.report.checks import check_rows, estimate_rows, status_badge
-from crackgrow.results.report.markup import tag
-from crackgrow.results.report.pictures import pictures
-from crackgrow.results.report.scene import describe_actions, draw_scene, step_colour, view_of
-from crackgrow.results.report.step_data import contact_data, event_rows, step_words, tip_data
+from crackgrow.results.report.scene import describe_actions, draw_scene, step_colour, tag, view_of
+from crackgrow.results.report.step_data import contact_data, event_rows, pictures, step_words, tip_data
 from crackgrow.results.units import counted, shown
 
 SHOWN_WARNINGS = 200  # of more the first ones are shown

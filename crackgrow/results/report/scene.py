@@ -9,15 +9,22 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from markupsafe import Markup
+from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Body, Case
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.places import extent
-from crackgrow.results.report.markup import tag
 from crackgrow.results.signs import Arrow, Circle, Polygon, Sign, Strokes, load_signs, support_signs
+
+
+def tag(name: str, *content: object, **attributes: object) -> Markup:
+    """An element; `_` in the name of an attribute is a dash, at the end of it nothing; None leaves it out."""
+    given = {key.rstrip("_").replace("_", "-"): value for key, value in attributes.items() if value is not None}
+    words = Markup("").join(Markup(' {}="{}"').format(key, value) for key, value in given.items())
+    return Markup("<{0}{1}>{2}</{0}>").format(Markup(name), words, Markup("").join(map(escape, content)))
+
 
 WIDEST, HIGHEST = 320.0, 440.0  # pixels, of the specimen
 MARGIN = 56.0  # pixels round it, for supports and loads

@@ -11,8 +11,7 @@ from markupsafe import escape
 
 from crackgrow.case import Case, load_case
 from crackgrow.results import signs
-from crackgrow.results.report.markup import tag
-from crackgrow.results.report.scene import describe_actions, step_colour, svg_of, view_of
+from crackgrow.results.report.scene import describe_actions, step_colour, svg_of, tag, view_of
 from crackgrow.results.units import LENGTHS, STRESSES, rounded, shown, unit_of
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
