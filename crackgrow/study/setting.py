@@ -6,13 +6,13 @@ import re
 import zlib
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 from crackgrow.case import Case, load_case
 from crackgrow.case.declared import keys_of
-from crackgrow.case.model import ContactNumerics, Numerics
+from crackgrow.case.model import ContactNumerics, LoadHistory, Numerics, StrengthReduction
 
 UNWRITTEN: Final = ("output.frames=none", "output.figures=false", "output.report=false")
 HALVED: Final = "numerics.refine={tips: auto, kinks: auto, corners: auto}"
@@ -37,6 +37,13 @@ class Setting:
     name: str  # "spacing=1.5 support=2", or the preset
     overrides: tuple[str, ...]
     preset: str = ""
+
+
+def under_its_loads(case: Case) -> Case:
+    """The case with the strength that it has, where it asks by how much that can be reduced."""
+    if not isinstance(case.loading, StrengthReduction):
+        return case
+    return replace(case, loading=LoadHistory(case.loading.factors))
 
 
 def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:

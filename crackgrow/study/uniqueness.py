@@ -44,6 +44,7 @@ from crackgrow.run.checkpoint import beginning
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load, load_history
 from crackgrow.run.scene import make_scene
+from crackgrow.study.setting import under_its_loads
 
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions
 LEMKE_POINTS: Final = 300  # of more, Lemke's method would cost several times what everything else of a step does
@@ -131,7 +132,7 @@ class SecondSolution:
 
 def unique_text(case: Case) -> Iterator[str]:
     """What is known of the solutions of contact at every load factor of a case, in lines. Raises as a run does."""
-    scene, cracks = make_scene(case), beginning(case).cracks
+    scene, cracks = make_scene(under_its_loads(case)), beginning(case).cracks
     history = isinstance(case.loading, LoadHistory | Stages)
     for solution in load_history(scene, cracks) if history else [load(scene, cracks)]:
         yield f"  at load factor {solution.state.factor:.6g}: {_found(solution)}"

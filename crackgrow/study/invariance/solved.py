@@ -21,6 +21,7 @@ from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.study.invariance.placed import Placement, placed, scaled
+from crackgrow.study.setting import under_its_loads
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +75,7 @@ def solved(case: Case, placement: Placement | None = None, offset: tuple[float, 
 
     Raises CrackgrowError where the program refuses it.
     """
-    quiet = replace(case, output=replace(case.output, frames="none", figures=False))
+    quiet = replace(under_its_loads(case), output=replace(case.output, frames="none", figures=False))
     growing = tuple(map(GrowingCrack.given, quiet.cracks))
     scene = make_scene(quiet, offset)
     solution = load(scene, growing)

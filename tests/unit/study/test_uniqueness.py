@@ -18,6 +18,7 @@ from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.study.invariance.solved import solved as solved_scene
 from crackgrow.study.uniqueness import (
     SecondSolution,
     friction_limit,
@@ -334,6 +335,13 @@ def test_every_load_factor_of_a_case_is_told_of() -> None:
     assert "there is no friction" in smooth_faces
     (dilating,) = told_of_the_flaw("cracks.flaw.contact.friction=0.3", "cracks.flaw.contact.dilation_angle=5")
     assert "not known: faces that dilate" in dilating
+
+
+def test_a_scene_that_asks_for_its_safety_is_examined_with_the_strength_that_it_has() -> None:
+    case = load_case(FLAW.with_name("slope_safety.yaml"), ["numerics.spacing=2"])
+    (told,) = unique_text(case)
+    assert told.startswith("  at load factor 1: ")
+    assert solved_scene(case).result.load_factor == 1.0
 
 
 def test_friction_beyond_the_bound_is_no_proof_of_a_second_solution() -> None:
