@@ -10,6 +10,8 @@ from crackgrow.case.shapes import Resolved
 
 KEY = ("loading", "stages")
 
+LOADS = ("traction", "gravity", "pressure", "stress", "force")  # the key that holds the size of a load
+
 
 def check_stages(scene: Scene) -> None:
     """Report what does not go with stages, and every fault of a single one."""
@@ -79,9 +81,6 @@ def _check_excavation(scene: Scene, key: Path, stage: Resolved, gone: dict[str, 
     for name, share in gone.items():
         gone[name] = max(share, release)
     return changes
-
-
-LOADS = ("traction", "gravity", "pressure", "stress", "force")  # the key that holds the size of a load
 
 
 def check_loading(scene: Scene) -> None:

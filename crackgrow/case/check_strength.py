@@ -10,6 +10,9 @@ from crackgrow.case.layout import Scene, named
 from crackgrow.case.model import Growth
 from crackgrow.case.toughness import BY_K
 
+MOST_PLACES = 20_000
+"""Places at which the stress is averaged in every step: each takes some hundred points."""
+
 
 def settle_direction(scene: Scene) -> None:
     """Fill in a direction that is left out: implicit where K_I and K_II decide all, else explicit."""
@@ -130,10 +133,6 @@ def check_subcritical(scene: Scene) -> None:
     if without:
         message = f"subcritical needs K over K_c, and bodies.{without[0]}.strength has no toughness; give it one"
         report.fault(("growth", "law"), message)
-
-
-MOST_PLACES = 20_000
-"""Places at which the stress is averaged in every step: each takes some hundred points."""
 
 
 def check_initiation(scene: Scene) -> None:

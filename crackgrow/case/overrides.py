@@ -14,6 +14,9 @@ from crackgrow.case.scalars import INVALID, Context, given
 WORD_OR_MAPPING: Final = {("loading",): "", ("growth", "initiation"): "at"}
 """Keys that take a word or a mapping: with an override of a key inside, the word stands for this key, or gives way."""
 
+LONGEST_CHAIN: Final = 20  # files, each of which is the base of the one before it
+BESIDE: Final = ("title", "source")  # keys that may stand beside `base`
+
 
 def apply_override(root: Table, override: str, report: Report) -> None:
     """Set one "key.path=value" into the tree; what is wrong with it goes to the report."""
@@ -85,10 +88,6 @@ def _index(text: str, length: int) -> int | None:
     if not re.fullmatch("[0-9]{1,9}", text):
         return None
     return int(text) if int(text) < length else None
-
-
-LONGEST_CHAIN: Final = 20  # files, each of which is the base of the one before it
-BESIDE: Final = ("title", "source")  # keys that may stand beside `base`
 
 
 @dataclass(frozen=True, slots=True)

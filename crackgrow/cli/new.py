@@ -22,18 +22,6 @@ MODELINE: Final = f"# yaml-language-server: $schema={SCHEMA_FILE}\n"
 _SUFFIX: Final = ".yaml"
 _FOLDER: Final = files("crackgrow.cli") / "templates"
 
-
-def templates() -> dict[str, str]:
-    """What each template is, in a line, by its name."""
-    names = sorted(file.name.removesuffix(_SUFFIX) for file in _FOLDER.iterdir() if file.name.endswith(_SUFFIX))
-    return {name: template_text(name).splitlines()[0].removeprefix("# ") for name in names}
-
-
-def template_text(name: str) -> str:
-    """The text of a template; its name must be one of `templates`."""
-    return (_FOLDER / f"{name}{_SUFFIX}").read_text(encoding="utf-8")
-
-
 HELP = """\
 Write a commented case to start from, as NAME.yaml into the folder `cases` if there is one, else here; a NAME with a
 folder or with .yaml goes where it says. What exists is never overwritten.
@@ -44,6 +32,17 @@ examples:
   crackgrow new studies/shear --template interface
   crackgrow check cases/my_slope.yaml
 """
+
+
+def templates() -> dict[str, str]:
+    """What each template is, in a line, by its name."""
+    names = sorted(file.name.removesuffix(_SUFFIX) for file in _FOLDER.iterdir() if file.name.endswith(_SUFFIX))
+    return {name: template_text(name).splitlines()[0].removeprefix("# ") for name in names}
+
+
+def template_text(name: str) -> str:
+    """The text of a template; its name must be one of `templates`."""
+    return (_FOLDER / f"{name}{_SUFFIX}").read_text(encoding="utf-8")
 
 
 def new(arguments: argparse.Namespace) -> int:

@@ -42,6 +42,12 @@ USUAL_PAIRS_HERE = 256.0  # on each element
 CONTAINER_MEMORY = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"))  # bytes
 CROWDING = 0.6  # power of the pairs that seconds grow with: supports of 1.5 to 3 in compression30 and two_flaws
 
+CARRIERS_AT_A_TIP: Final = (16, 3)  # of its functions: one for each patch, or gathered
+SPACINGS_OF_A_POINT: Final = 2.0  # along a crack, of contact points
+CUT_MORE: Final = 0.3  # of elements, where cells of several sizes meet
+MEET_MORE: Final = 0.6  # of pairs of patches on an element there
+MOST_SHARE: Final = 0.9  # of the machine's memory: others need some, too
+
 
 @dataclass(frozen=True, slots=True)
 class Cost:
@@ -149,13 +155,6 @@ def probe() -> float:
             sum(k * k for k in range(20_000))
             found.append(time.process_time() - start)
     return min(found)
-
-
-CARRIERS_AT_A_TIP: Final = (16, 3)  # of its functions: one for each patch, or gathered
-SPACINGS_OF_A_POINT: Final = 2.0  # along a crack, of contact points
-CUT_MORE: Final = 0.3  # of elements, where cells of several sizes meet
-MEET_MORE: Final = 0.6  # of pairs of patches on an element there
-MOST_SHARE: Final = 0.9  # of the machine's memory: others need some, too
 
 
 @dataclass(frozen=True, slots=True)

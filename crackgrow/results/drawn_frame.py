@@ -15,6 +15,9 @@ from crackgrow.run.result import Frame
 if TYPE_CHECKING:
     import pyvista
 
+VTK_TRIANGLE, VTK_QUAD = 5, 9  # kinds of cells
+COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")  # as they come in a frame's stress
+
 
 def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
     """Major (most tensile) and minor principal stress in the plane, each (n,), of `stress` (n, 3): xx, yy, xy."""
@@ -22,10 +25,6 @@ def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
     centre = (xx + yy) / 2
     radius = np.hypot((xx - yy) / 2, xy)
     return centre + radius, centre - radius
-
-
-VTK_TRIANGLE, VTK_QUAD = 5, 9  # kinds of cells
-COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")  # as they come in a frame's stress
 
 
 @dataclass(frozen=True, slots=True, eq=False)

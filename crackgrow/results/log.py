@@ -23,6 +23,12 @@ if TYPE_CHECKING:  # this module is on the command line's way to --version: no n
 MOST_TIPS = 3  # that a line tells of
 FIRST_LINE = re.compile(rb" *\d+\.\d\d s  crackgrow \S+, case ")
 
+BAR_WIDTH = 20
+ROOM_FOR_BAR = 60  # columns: a narrower terminal has the words alone
+MOST_WARNINGS = 8  # causes that are told at the end; run.log has all
+RECENT = 5  # steps whose mean time tells what is left: later ones are larger than the first
+CLEAR = "\x1b[K"  # the rest of a terminal's line
+
 
 def is_log(path: Path) -> bool:
     """Whether a file begins as the log of a run does."""
@@ -173,13 +179,6 @@ def _at(point: Floats) -> str:
     """A place (2,) m in words, without the round-off of zeros."""
     x, y = (round(float(value), 12) + 0.0 for value in point)
     return f"({x:.6g}, {y:.6g}) m"
-
-
-BAR_WIDTH = 20
-ROOM_FOR_BAR = 60  # columns: a narrower terminal has the words alone
-MOST_WARNINGS = 8  # causes that are told at the end; run.log has all
-RECENT = 5  # steps whose mean time tells what is left: later ones are larger than the first
-CLEAR = "\x1b[K"  # the rest of a terminal's line
 
 
 class Progress:

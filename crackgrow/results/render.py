@@ -19,6 +19,10 @@ from crackgrow.results.field_picture import USUAL, FieldPictures, Look
 from crackgrow.results.folder import open_run
 from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
 
+MILLISECONDS = 250  # that a picture is shown
+LAST_MILLISECONDS = 1500  # and the last one
+COLOURS = 128
+
 
 def render(
     folder: Path,
@@ -46,11 +50,6 @@ def render(
         path = target / picture_name(field, frame.step)
         write_bytes(path, pictures.png(frame))
         yield path
-
-
-MILLISECONDS = 250  # that a picture is shown
-LAST_MILLISECONDS = 1500  # and the last one
-COLOURS = 128
 
 
 def write_gif(path: Path, pictures: Sequence[Path]) -> None:

@@ -17,6 +17,8 @@ from crackgrow.case.model import ContactNumerics, LoadHistory, Numerics, Strengt
 UNWRITTEN: Final = ("output.frames=none", "output.figures=false", "output.report=false")
 HALVED: Final = "numerics.refine={tips: auto, kinks: auto, corners: auto}"
 
+LONGEST: Final = 120  # bytes: file systems take 255
+
 
 @dataclass(frozen=True, slots=True)
 class CaseFile:
@@ -57,9 +59,6 @@ def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:
         f"numerics.quadrature={numerics['quadrature'].default}",
         f"numerics.contact.spacing={contact['spacing'].default}",
     )
-
-
-LONGEST: Final = 120  # bytes: file systems take 255
 
 
 def folder_names(names: Iterable[str]) -> list[str]:

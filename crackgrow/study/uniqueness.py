@@ -50,6 +50,8 @@ DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest fr
 LEMKE_POINTS: Final = 300  # of more, Lemke's method would cost several times what everything else of a step does
 ITERATIONS: Final = 40  # of Newton's method from a start that is but one of several
 
+WORDS: Final = {OPEN: "is open", STICK: "sticks", SLIP: "slips"}
+
 
 def friction_limit(compliance: Floats, weights: Floats) -> float:
     """Friction below which the contact problem has exactly one solution, by the bound above; infinity uncoupled.
@@ -115,9 +117,6 @@ def _differ(problem: ContactProblem, p: Floats, q: Floats) -> bool:
     """Whether faces lie elsewhere under tractions p than under q (m,): what redundant points share is not asked."""
     change = np.abs(problem.compliance @ (p - q)).max(initial=0.0)
     return bool(change > DIFFERENT * np.abs(problem.free).max(initial=0.0))
-
-
-WORDS: Final = {OPEN: "is open", STICK: "sticks", SLIP: "slips"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

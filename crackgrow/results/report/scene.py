@@ -18,17 +18,18 @@ from crackgrow.results.folder import RunFolder
 from crackgrow.results.places import extent
 from crackgrow.results.signs import Arrow, Circle, Polygon, Sign, Strokes, load_signs, support_signs
 
+WIDEST, HIGHEST = 320.0, 440.0  # pixels, of the specimen
+MARGIN = 56.0  # pixels round it, for supports and loads
+HEAD = (7.0, 3.0)  # length and half width of an arrow's head, pixels
+
+STEP_COLOURS = ((59, 15, 158), (156, 23, 158), (214, 80, 98), (240, 143, 54))  # from the first step to the last
+
 
 def tag(name: str, *content: object, **attributes: object) -> Markup:
     """An element; `_` in the name of an attribute is a dash, at the end of it nothing; None leaves it out."""
     given = {key.rstrip("_").replace("_", "-"): value for key, value in attributes.items() if value is not None}
     words = Markup("").join(Markup(' {}="{}"').format(key, value) for key, value in given.items())
     return Markup("<{0}{1}>{2}</{0}>").format(Markup(name), words, Markup("").join(map(escape, content)))
-
-
-WIDEST, HIGHEST = 320.0, 440.0  # pixels, of the specimen
-MARGIN = 56.0  # pixels round it, for supports and loads
-HEAD = (7.0, 3.0)  # length and half width of an arrow's head, pixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,9 +90,6 @@ def _arrow(tail: Floats, head: Floats) -> Markup:
     tip = [head, neck + HEAD[1] * across, neck - HEAD[1] * across]
     shaft = tag("path", d=line_data([tail, neck]), class_="shaft")
     return shaft + tag("path", d=line_data(tip, closed=True), class_="head")
-
-
-STEP_COLOURS = ((59, 15, 158), (156, 23, 158), (214, 80, 98), (240, 143, 54))  # from the first step to the last
 
 
 def draw_scene(run: RunFolder) -> Markup:

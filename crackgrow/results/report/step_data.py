@@ -25,6 +25,12 @@ CONTACT_COLUMNS = (
     (("opening", "slip"), LENGTHS),
 )  # those in one tuple are drawn together
 
+MOST_PICTURES = 40  # of a rendered series
+MOST_PIXELS = 720  # of the longer side of those
+MOST_PIXELS_OF_FIGURES = 1400
+QUALITY = 80  # of JPEG
+MOST_BYTES = 1_500_000  # of all pictures of the page
+
 
 def tip_data(run: RunFolder, view: View) -> dict[str, Any]:
     """Rows of the table of tips by step, under a header with units, and where the tips lie in the picture.
@@ -109,13 +115,6 @@ def step_words(run: RunFolder) -> dict[int, str]:
     for step, factor, n in zip(run.solved, steps.numbers("load_factor"), steps.words("n_dofs"), strict=True):
         words[step] = f"load factor {shown(float(factor))}, {n} unknowns"
     return {place: words.get(place, "after the last advance, not solved") for place in run.places}
-
-
-MOST_PICTURES = 40  # of a rendered series
-MOST_PIXELS = 720  # of the longer side of those
-MOST_PIXELS_OF_FIGURES = 1400
-QUALITY = 80  # of JPEG
-MOST_BYTES = 1_500_000  # of all pictures of the page
 
 
 def pictures(run: RunFolder) -> list[dict[str, Any]]:

@@ -26,6 +26,14 @@ Key = frozenset[tuple[str, str, int]]
 """Crack, end and number of advances of all tips that have grown; of a crack that has started its name and zero; of a
 scene without growth the number of the step."""
 
+TURNED = 2.0
+"""K_II that is off by a part of K_I turns the direction of growth by twice that: paths may be off by so much more."""
+
+NAN = float("nan")
+MODES = ("K_I", "K_II")
+LOAD = "load_factor"
+DISPLACEMENT = "load_displacement"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tip:
@@ -74,15 +82,6 @@ def _tip(row: Mapping[str, str]) -> Tip:
         float(row[name]) for name in ("K_I", "K_II", "K_I_error", "K_II_error", "cell_size")
     )
     return Tip((K_I, K_II), max(first, second), size)
-
-
-TURNED = 2.0
-"""K_II that is off by a part of K_I turns the direction of growth by twice that: paths may be off by so much more."""
-
-NAN = float("nan")
-MODES = ("K_I", "K_II")
-LOAD = "load_factor"
-DISPLACEMENT = "load_displacement"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,6 +22,36 @@ from crackgrow.study.invariance.solved import Solved, against, balanced, everyth
 Status = Literal["solved", "warned", "refused", "crashed"]
 Verdict = Literal["yes", "said", "NO"]
 
+LATTICE_TOLERANCE = 1e-2
+
+PLACED_TOLERANCE = 1e-3
+"""In another direction polygons fall into other triangles: the noise of quadrature."""
+
+OVERALL = "K, displacement, energies, forces"
+
+TOLERANCE = 1e-8
+"""Of the same scene in other units."""
+
+COMPARED = "K, tractions, jumps, states, tip stress, criticality, energies over their units"
+
+BALANCE = 1e-9
+"""What may be missing of the equilibrium of forces and of the energy balance."""
+
+UNITS: Final = {
+    "young times 1e-10": scaled(young=1e-10),
+    "young times 1e10": scaled(young=1e10),
+    "size times 1e-5": scaled(size=1e-5),
+    "size times 1e5": scaled(size=1e5),
+    "load times 1e-10": scaled(stress=1e-10),
+    "load times 1e10": scaled(stress=1e10),
+}
+"""Modulus, size and load far up and down; strengths go with the load."""
+
+OFFSETS: Final = ((0.5, 0.5), (0.25, 0.1), (-0.37, 0.21))
+"""Of the lattice under the scene, in spacings."""
+
+PLACES: Final = {"turned by 90 degrees": turned(90.0), "mirrored": mirrored()}
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
@@ -103,37 +133,6 @@ def record_of(row: Row) -> dict[str, object]:
 def number(value: float) -> str:
     """Two digits; empty where there is no number."""
     return f"{value:.2g}" if math.isfinite(value) else ""
-
-
-LATTICE_TOLERANCE = 1e-2
-
-PLACED_TOLERANCE = 1e-3
-"""In another direction polygons fall into other triangles: the noise of quadrature."""
-
-OVERALL = "K, displacement, energies, forces"
-
-TOLERANCE = 1e-8
-"""Of the same scene in other units."""
-
-COMPARED = "K, tractions, jumps, states, tip stress, criticality, energies over their units"
-
-BALANCE = 1e-9
-"""What may be missing of the equilibrium of forces and of the energy balance."""
-
-UNITS: Final = {
-    "young times 1e-10": scaled(young=1e-10),
-    "young times 1e10": scaled(young=1e10),
-    "size times 1e-5": scaled(size=1e-5),
-    "size times 1e5": scaled(size=1e5),
-    "load times 1e-10": scaled(stress=1e-10),
-    "load times 1e10": scaled(stress=1e10),
-}
-"""Modulus, size and load far up and down; strengths go with the load."""
-
-OFFSETS: Final = ((0.5, 0.5), (0.25, 0.1), (-0.37, 0.21))
-"""Of the lattice under the scene, in spacings."""
-
-PLACES: Final = {"turned by 90 degrees": turned(90.0), "mirrored": mirrored()}
 
 
 def invariance(case: Case) -> Iterator[Row]:

@@ -60,6 +60,9 @@ FILES: Final = (
 )
 """Files of a sweep, beside the folders of its runs."""
 
+Values = dict[str, str | float | int | None]
+"""Cells of the table by column, SI; None where there is no value."""
+
 
 def tip_columns(case: Case) -> list[str]:
     """Columns of all ends that can grow."""
@@ -70,10 +73,6 @@ def tip_columns(case: Case) -> list[str]:
 def response_columns(cases: Iterable[Case]) -> list[str]:
     """All columns with numbers that runs of these cases may have."""
     return list(dict.fromkeys([*COSTS, *(name for case in cases for name in tip_columns(case))]))
-
-
-Values = dict[str, str | float | int | None]
-"""Cells of the table by column, SI; None where there is no value."""
 
 
 def measured(folder: Path) -> Values:

@@ -22,6 +22,11 @@ from crackgrow.study.sweep.sweep_file import SweepFile, read_sweep_file
 Combination = tuple[str, ...]
 """A value of each parameter, in the order of the file."""
 
+MOST_FAULTS: Final = 20  # that are told where no combination is a case
+EMPTY: Final = "none"  # in the name of a run: a value such as {}
+_WORDS: Final = re.compile(r"\w")
+_FROM_OVERRIDE: Final = "--set "
+
 
 def combinations(file: SweepFile) -> list[Combination]:
     """What is run: of a grid, the first parameter varies slowest."""
@@ -43,12 +48,6 @@ def _latin_hypercube(file: SweepFile, samples: int) -> list[Combination]:
         parts = (rng.permutation(samples) + rng.random(samples)) / samples
         columns.append(values.at(parts))
     return list(zip(*columns, strict=True))
-
-
-MOST_FAULTS: Final = 20  # that are told where no combination is a case
-EMPTY: Final = "none"  # in the name of a run: a value such as {}
-_WORDS: Final = re.compile(r"\w")
-_FROM_OVERRIDE: Final = "--set "
 
 
 @dataclass(frozen=True, slots=True, eq=False)

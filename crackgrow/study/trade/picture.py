@@ -34,20 +34,6 @@ BESIDE: Final = "grown30 at 1.5 mm"
 ABOUT_AS_MANY: Final = 2.0
 """Times as many unknowns, or as few."""
 
-
-def finite_elements(rows: Sequence[Row]) -> Floats:
-    """CPU seconds on the scale of some rows, and relative errors of K (n, 2); none where no row gives the scale."""
-    with files("crackgrow.study.trade").joinpath(TABLE).open(encoding="utf-8") as file:
-        table = list(csv.DictReader(file))
-    (beside,) = (row for row in table if row["scene"].startswith(BESIDE))
-    unlike = {abs(math.log(row.number("n_dofs") / float(beside["unknowns"]))): row for row in rows}
-    if not unlike or not min(unlike) <= math.log(ABOUT_AS_MANY):
-        return np.zeros((0, 2))
-    scale = unlike[min(unlike)].number("cpu_seconds") / float(beside["cpu_seconds"])
-    triangles = [row for row in table if "triangles" in row["elements"]]
-    return np.array([(scale * float(row["cpu_seconds"]), 0.01 * float(row["error_K_percent"])) for row in triangles])
-
-
 TIME = "cpu_seconds"
 LABELS = {
     "K_error": "K, relative",
@@ -71,6 +57,19 @@ PANEL = (4.0, 3.2)  # inches
 LEAST = 1e-12  # of the errors drawn: zero has no place on a logarithmic scale
 DPI = 130
 COLOURS = colormaps["viridis"]
+
+
+def finite_elements(rows: Sequence[Row]) -> Floats:
+    """CPU seconds on the scale of some rows, and relative errors of K (n, 2); none where no row gives the scale."""
+    with files("crackgrow.study.trade").joinpath(TABLE).open(encoding="utf-8") as file:
+        table = list(csv.DictReader(file))
+    (beside,) = (row for row in table if row["scene"].startswith(BESIDE))
+    unlike = {abs(math.log(row.number("n_dofs") / float(beside["unknowns"]))): row for row in rows}
+    if not unlike or not min(unlike) <= math.log(ABOUT_AS_MANY):
+        return np.zeros((0, 2))
+    scale = unlike[min(unlike)].number("cpu_seconds") / float(beside["cpu_seconds"])
+    triangles = [row for row in table if "triangles" in row["elements"]]
+    return np.array([(scale * float(row["cpu_seconds"]), 0.01 * float(row["error_K_percent"])) for row in triangles])
 
 
 @own_style(math=True)

@@ -45,6 +45,11 @@ KEYS: Final[Mapping[str, str]] = {
 SPACINGS: Final = (2.0, 1.5, 1.0, 0.7, 0.5)  # of the automatic spacing of cells of one size at standard accuracy
 ONE_SIZE: Final = "numerics.refine={tips: 0, kinks: 0, corners: 0}"
 
+FINER = 2.0  # times: the reference's spacing below the finest that is judged
+
+FINEST: Final = "finest"
+PLAN_FILE: Final = "plan.json"
+
 
 def chosen_axes(file: CaseFile, texts: Sequence[str]) -> Axes:
     """The axes asked for, such as "spacing=3,2,1.5", or else those that suit the case.
@@ -103,9 +108,6 @@ def _fault(name: str, message: str) -> Fault:
     return Fault("--axis", None, name, message)
 
 
-FINER = 2.0  # times: the reference's spacing below the finest that is judged
-
-
 def settings_of(axes: Axes, presets: Sequence[str] = tuple(PRESETS)) -> list[Setting]:
     """The presets, then every combination of the axes' values, the first axis varying slowest."""
     found = [Setting(f"accuracy={name}", accuracy_overrides(name), name) for name in presets]
@@ -151,10 +153,6 @@ def case_or_none(file: CaseFile, overrides: Sequence[str]) -> Case | None:
         return file.load(*overrides)
     except CaseError:
         return None
-
-
-FINEST: Final = "finest"
-PLAN_FILE: Final = "plan.json"
 
 
 @dataclass(frozen=True, slots=True)
