@@ -235,13 +235,6 @@ class Run(_Tables):
     def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Event]]:
         return self.end.cracks, self.end.events
 
-    def path(self, crack: str) -> Floats:
-        """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
-        paths = {path.name: path.points for path in self.end.cracks}
-        if crack not in paths:
-            raise KeyError(f"no crack {crack!r}; the cracks are {', '.join(paths) or 'none'}")
-        return paths[crack]
-
     def solution(self, step: int) -> Solution:
         """A step with its fields, for stress and displacement at points; raises IndexError if there is no such step.
 

@@ -57,49 +57,24 @@ class Preset:
         return float(getattr(self, f"per_{kind}"))
 
 
+_CELLS: Final = {  # by preset: draft, standard, fine
+    "per_crack": (3.0, 6.0, 12.0),
+    "per_stretch": (3.0, 12.0, 24.0),
+    "per_longer": (12.0, 100.0, 300.0),
+    "per_room": (1.0, 2.0, 4.0),
+    "per_rough": (50.0, 200.0, 600.0),
+    "per_increment": (0.5, 1.0, 2.0),
+    "per_radius": (0.25, 0.5, 1.0),
+    "per_width": (6.0, 10.0, 20.0),
+    "per_feature": (6.0, 8.0, 16.0),
+    "per_bridge": (2.0, 3.0, 6.0),
+    "per_support": (2.0, 4.0, 8.0),
+    "per_load": (1.0, 2.0, 4.0),
+}
+
 PRESETS: Final[Mapping[str, Preset]] = {
-    "draft": Preset(
-        per_crack=3.0,
-        per_stretch=3.0,
-        per_longer=12.0,
-        per_room=1.0,
-        per_rough=50.0,
-        per_increment=0.5,
-        per_radius=0.25,
-        per_width=6.0,
-        per_feature=6.0,
-        per_bridge=2.0,
-        per_support=2.0,
-        per_load=1.0,
-    ),
-    STANDARD: Preset(
-        per_crack=6.0,
-        per_stretch=12.0,
-        per_longer=100.0,
-        per_room=2.0,
-        per_rough=200.0,
-        per_increment=1.0,
-        per_radius=0.5,
-        per_width=10.0,
-        per_feature=8.0,
-        per_bridge=3.0,
-        per_support=4.0,
-        per_load=2.0,
-    ),
-    "fine": Preset(
-        per_crack=12.0,
-        per_stretch=24.0,
-        per_longer=300.0,
-        per_room=4.0,
-        per_rough=600.0,
-        per_increment=2.0,
-        per_radius=1.0,
-        per_width=20.0,
-        per_feature=16.0,
-        per_bridge=6.0,
-        per_support=8.0,
-        per_load=4.0,
-    ),
+    name: Preset(**{length: cells[number] for length, cells in _CELLS.items()})
+    for number, name in enumerate(("draft", STANDARD, "fine"))
 }
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from crackgrow.case.along import Along
 from crackgrow.case.layout import Scene, named
-from crackgrow.case.regions import FULL_CIRCLE, SAME_PLACE, Edge, edge_of, region_of
+from crackgrow.case.regions import FULL_CIRCLE, SAME_PLACE, Along, Edge, edge_of, region_of
 from crackgrow.case.report import Path, did_you_mean, quoted
 from crackgrow.case.shapes import edge_hint
 

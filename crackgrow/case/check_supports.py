@@ -1,4 +1,4 @@
-"""Whether supports stand on the bodies, and whether they hold them."""
+"""Whether supports stand on the bodies, and whether they hold them; foundations lie where no other contact does."""
 
 from __future__ import annotations
 
@@ -6,16 +6,17 @@ import math
 from itertools import pairwise
 
 import numpy as np
+import shapely
 from shapely import LineString, Point
 
 from crackgrow.arrays import Floats
 from crackgrow.case.check_regions import knows_body
 from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.layout import Scene
-from crackgrow.case.regions import ends_of
+from crackgrow.case.model import EdgeRegion
+from crackgrow.case.regions import SAME_PLACE, ends_of
 from crackgrow.case.report import Path
 from crackgrow.case.shapes import BodyShape, Resolved
-from crackgrow.errors import CaseError
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
 FREE_MOTION = 1e-8  # singular values below this, of constraints scaled by the body's size, hold nothing
@@ -95,27 +96,15 @@ def _check_formulas(scene: Scene) -> None:
 
 def check_formula(scene: Scene, key: Path, value: object, points: Floats) -> None:
     """Report a formula that has no finite value at one of some points (n, 2) m."""
-    if not isinstance(value, str):
-        return
-    try:
-        CoordinateFormula(value)(points)
-    except CaseError as error:
-        message = error.faults[0].message.partition(" (")[0]
-        place = next(point for point in points if not _has_value(value, point))
-        scene.report.fault(key, f"{message} {scene.point(place)}")
+    if isinstance(value, str):
+        _, nowhere = CoordinateFormula(value).values(points)
+        if nowhere is not None:
+            scene.report.fault(key, f"has no finite value at {scene.point(nowhere)}")
 
 
 def sampled(ends: Floats) -> Floats:
     """Places (n, 2) m along lines (k, 2, 2) m, their ends included."""
     return np.asarray(ends[:, :1] + SAMPLES[:, None] * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
-
-
-def _has_value(formula: str, point: Floats) -> bool:
-    try:
-        CoordinateFormula(formula)(point[None])
-    except CaseError:
-        return False
-    return True
 
 
 def _is_in_contact(scene: Scene, body: BodyShape) -> bool:
@@ -196,3 +185,42 @@ def _describe(scene: Scene, motion: Floats, center: Floats, scale: float) -> str
         x, y = center + np.array([-b, a]) / w * scale
         return f"rotation about {scene.point(np.where(np.abs([x, y]) < FREE_MOTION * scale, 0.0, [x, y]))}"
     return f"translation in {'x' if a else 'y'}"  # never oblique: supports hold x or y
+
+
+def check_foundations(scene: Scene) -> None:
+    """Report foundations under a boundary that two bodies share, and two foundations in one place."""
+    seen: list[tuple[int, EdgeRegion]] = []
+    for index, _ in scene.items("supports", "contact"):
+        key = ("supports", index, "on")
+        region = scene.regions.get(key)
+        if region is None:
+            continue
+        for pair in scene.shared:
+            if region.body in pair and _lies_on(scene, region, pair):
+                other = pair[1 - pair.index(region.body)]
+                message = f"a rigid foundation cannot lie where body '{region.body}' touches body '{other}'"
+                scene.report.fault(key, message)
+        for earlier, its_region in seen:
+            if _overlap(region, its_region):
+                scene.report.fault(key, f"lies partly on the foundation of supports.{earlier}")
+        seen.append((index, region))
+
+
+def _lies_on(scene: Scene, region: EdgeRegion, pair: tuple[str, str]) -> bool:
+    """Whether a part of positive length of a region lies on the boundary shared by two bodies."""
+    sides = shapely.linestrings(ends_of(scene.bodies[region.body], region))
+    shared = shapely.multilinestrings([shapely.linestrings(line) for line in scene.shared[pair]])
+    near = shared.buffer(2 * scene.tolerance)
+    # A line that only touches the shared one runs inside of the buffer for a few tolerances.
+    return bool(np.any(shapely.length(shapely.intersection(sides, near)) > 100 * scene.tolerance))
+
+
+def _overlap(first: EdgeRegion, second: EdgeRegion) -> bool:
+    """Whether two regions have a part of a side in common."""
+    if first.body != second.body:
+        return False
+    return any(
+        side == other and min(limits[1], its_limits[1]) - max(limits[0], its_limits[0]) > SAME_PLACE
+        for side, limits in zip(first.sides, first.limits, strict=True)
+        for other, its_limits in zip(second.sides, second.limits, strict=True)
+    )

@@ -145,3 +145,21 @@ def _plain(value: object, key: str) -> object:
     if value is None or isinstance(value, str | int | float):
         return value
     raise TypeError(f"{key}: {type(value).__name__} given; wanted: a number, a text, true, false, a list or a mapping")
+
+
+def read_settings(text: str) -> dict[str, str]:
+    """The settings of a case as YAML text, by dotted key; lists of numbers and words are one value."""
+    flat: dict[str, str] = {}
+
+    def put(key: str, value: Any) -> None:
+        if isinstance(value, dict) and value:
+            for name, inner in value.items():
+                put(f"{key}.{name}" if key else str(name), inner)
+        elif isinstance(value, list) and any(isinstance(inner, dict | list) for inner in value):
+            for number, inner in enumerate(value):
+                put(f"{key}.{number}", inner)
+        else:
+            flat[key] = str(value)
+
+    put("", yaml.safe_load(text))
+    return flat

@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import Final
 
 from crackgrow.case import model
-from crackgrow.case.base import OfFile
 from crackgrow.case.declared import keys_of, mapping_of
 from crackgrow.case.outline_file import with_file_edges
+from crackgrow.case.overrides import OfFile
 from crackgrow.case.references import Definitions
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Choice, Context, Integer, Number, Text, WordOr

@@ -87,14 +87,20 @@ class CoordinateFormula:
 
         Raises CaseError where the formula has no finite value.
         """
-        x, y = np.asarray(points, dtype=float).T
-        with np.errstate(all="ignore"):
-            values = np.array(np.broadcast_to(_evaluate(_tree(self.text), x, y), x.shape), dtype=float)
-        if not np.isfinite(values).all():
-            a, b = points[int(np.argmin(np.isfinite(values)))]
+        values, nowhere = self.values(points)
+        if nowhere is not None:
+            a, b = nowhere
             message = f"has no finite value at ({a:.6g} m, {b:.6g} m)"
             raise CaseError([Fault(f"formula {quoted(self.text)}", None, "", message)])
         return values
+
+    def values(self, points: Floats) -> tuple[Floats, Floats | None]:
+        """The same, finite or not, and the first of the points (2,) m where the formula has no finite value."""
+        x, y = np.asarray(points, dtype=float).T
+        with np.errstate(all="ignore"):
+            values = np.array(np.broadcast_to(_evaluate(_tree(self.text), x, y), x.shape), dtype=float)
+        finite = np.isfinite(values)
+        return values, None if finite.all() else points[int(np.argmin(finite))]
 
 
 def component_of(value: float | str) -> Component:

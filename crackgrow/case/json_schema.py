@@ -14,12 +14,12 @@ from dataclasses import replace
 from typing import Any, Final
 
 from crackgrow.case import schema as specs
-from crackgrow.case.along import LengthOrAngle
-from crackgrow.case.base import BESIDE, OfFile
 from crackgrow.case.format import CASE
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import OutlineFile
+from crackgrow.case.overrides import BESIDE, OfFile
 from crackgrow.case.references import Definitions, Reference
+from crackgrow.case.regions import LengthOrAngle
 from crackgrow.case.scalars import ANY, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
 from crackgrow.case.units import LARGEST, SMALLEST, UNITS
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from crackgrow.case import schema as specs
-from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.format import CASE
 from crackgrow.case.outline_file import OutlineFile
 from crackgrow.case.references import Definitions, Reference
+from crackgrow.case.regions import LengthOrAngle
 from crackgrow.case.scalars import Bounds, Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
 from crackgrow.case.units import UNITS, Units
 

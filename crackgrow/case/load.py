@@ -6,25 +6,21 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from crackgrow.case.base import with_base
 from crackgrow.case.build import build_case
 from crackgrow.case.check_bodies import check_interfaces, check_loads
-from crackgrow.case.check_contacts import check_contacts
 from crackgrow.case.check_cracks import check_cracks
-from crackgrow.case.check_foundations import check_foundations
-from crackgrow.case.check_initiation import check_initiation
 from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_points import check_points
 from crackgrow.case.check_regions import check_regions, settle_bodies
-from crackgrow.case.check_strength import check_strength, check_subcritical, settle_direction
-from crackgrow.case.check_supports import check_supports
-from crackgrow.case.checks import check_counts, check_material, check_numerics
+from crackgrow.case.check_strength import check_initiation, check_strength, check_subcritical, settle_direction
+from crackgrow.case.check_supports import check_foundations, check_supports
+from crackgrow.case.checks import check_contacts, check_counts, check_material, check_numerics
 from crackgrow.case.crack_sets import expand_crack_sets
 from crackgrow.case.format import CASE, DEFINITIONS, UNITS_SPEC
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
-from crackgrow.case.overrides import apply_override
+from crackgrow.case.overrides import apply_override, with_base
 from crackgrow.case.reader import Node, Table, parse, read_file
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Context

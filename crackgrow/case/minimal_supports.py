@@ -9,11 +9,11 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
+from crackgrow.case.declared import made
 from crackgrow.case.format import MINIMAL
-from crackgrow.case.formula import component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction
-from crackgrow.case.regions import EdgeRegion, ends_of
+from crackgrow.case.regions import ends_of
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.errors import CaseError
 from crackgrow.vectors import outward_normals
@@ -128,8 +128,11 @@ def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, 
         points = ends[:, :1] + 0.5 * (1.0 + along)[:, None] * (ends[:, 1:] - ends[:, :1])
         lengths = np.outer(np.hypot(*(ends[:, 1] - ends[:, 0]).T), 0.5 * weights).ravel()
         places = points.reshape(-1, 2)
+        on_edge: EdgeLoad = (
+            made(EdgePressure, load, region=region) if "pressure" in load else made(EdgeTraction, load, region=region)
+        )
         try:
-            traction = _edge_load(region, load).traction_at(places, outward)
+            traction = on_edge.traction_at(places, outward)
         except CaseError:
             return  # a formula without a value, which is told elsewhere
         yield places, lengths[:, None] * traction
@@ -139,13 +142,6 @@ def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, 
         yield shapely.get_coordinates(polygon.centroid), mass * np.array([load["gravity"]])
     elif "force" in load:
         yield np.array([load["at"]]), np.array([load["force"]])
-
-
-def _edge_load(region: EdgeRegion, load: Resolved) -> EdgeLoad:
-    if "pressure" in load:
-        return EdgePressure(region, component_of(load["pressure"]))
-    x, y = map(component_of, load["traction"])
-    return EdgeTraction(region, (x, y))
 
 
 class _Resultant:

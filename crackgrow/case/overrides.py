@@ -1,15 +1,21 @@
-"""Overrides from the command line: "numerics.spacing=1.5" set into the node tree before it is checked."""
+"""Keys set over those of a file: by the command line, "numerics.spacing=1.5", or by a file with `base` and `set`."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
+from pathlib import Path as FilePath
 from typing import Final
 
-from crackgrow.case.reader import MAX_DEPTH, Broken, Entry, Listing, Node, Scalar, Table, parse
-from crackgrow.case.report import Place, Report, clean, quoted
+from crackgrow.case.reader import MAX_DEPTH, Broken, Entry, Listing, Node, Scalar, Table, parse, read_file
+from crackgrow.case.report import Path, Place, Report, clean, did_you_mean, quoted
+from crackgrow.case.scalars import INVALID, Context, given
 
 WORD_OR_MAPPING: Final = {("loading",): "", ("growth", "initiation"): "at"}
 """Keys that take a word or a mapping: with an override of a key inside, the word stands for this key, or gives way."""
+
+LONGEST_CHAIN: Final = 20  # files, each of which is the base of the one before it
+BESIDE: Final = ("title", "source")  # keys that may stand beside `base`
 
 
 def apply_override(root: Table, override: str, report: Report) -> None:
@@ -82,3 +88,98 @@ def _index(text: str, length: int) -> int | None:
     if not re.fullmatch("[0-9]{1,9}", text):
         return None
     return int(text) if int(text) < length else None
+
+
+@dataclass(frozen=True, slots=True)
+class OfFile:
+    """A key by which a file takes from another one; what a case is made of holds it no more."""
+
+    kind: str
+
+    def describe(self) -> str:
+        return self.kind
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Refuse an override: the base has been read by then."""
+        if not isinstance(node, Broken):
+            context.report.fault(path, "stands in the case file and takes no override; write another file with a base")
+        return INVALID
+
+
+def with_base(
+    root: Table, path: FilePath, report: Report, folders: dict[str, FilePath], above: tuple[FilePath, ...] = ()
+) -> Table | None:
+    """Return what a file says together with its base, None if that cannot be told; faults go to the report.
+
+    folders: gets, by the name of each file in faults, what file names in it are relative to
+    above: the files that this one is a base of
+    """
+    folders[str(path)] = path.parent
+    if "base" not in root.entries:
+        if "set" in root.entries:
+            report.fault(("set",), "there is no `base` whose keys it could set", root.entries["set"].place)
+            del root.entries["set"]
+        return root
+    _check_keys(root, report)
+    file = _base_of(root.entries["base"].node, path, report, (*above, path))
+    if file is None:
+        return None
+    found = Report(str(file))
+    node = read_file(file, found)
+    if isinstance(node, Table):
+        node = with_base(node, file, found, folders, (*above, path))
+    elif node is not None:
+        found.fault((), "the file holds no mapping; a case is written as key: value", node.place)
+    report.take(found)
+    if not isinstance(node, Table):
+        return None
+    _change(node, root, report)
+    return node
+
+
+def _check_keys(root: Table, report: Report) -> None:
+    for key, entry in root.entries.items():
+        if key not in ("base", "set", *BESIDE):
+            message = (
+                f"beside `base` stand {', '.join(BESIDE)} and `set`; what differs is written as set: {{{key}: ...}}"
+            )
+            report.fault((key,), message, entry.place)
+
+
+def _base_of(node: Node, path: FilePath, report: Report, files: tuple[FilePath, ...]) -> FilePath | None:
+    """The file that a case is based on, None after reporting why there is none."""
+    if not isinstance(node, Scalar) or not node.text.strip() or node.is_null or "\0" in node.text:
+        report.fault(("base",), f"{given(node)} given; wanted: a case file, relative to this one", node.place)
+        return None
+    file = path.parent / node.text
+    chain = [one.resolve() for one in files]
+    if file.resolve() in chain:
+        names = " -> ".join(one.name for one in (*files[chain.index(file.resolve()) :], file))
+        report.fault(("base",), f"a case cannot be its own base: {names}", node.place)
+    elif len(files) > LONGEST_CHAIN:
+        report.fault(("base",), f"a base of a base, {len(files)} times; wanted: {LONGEST_CHAIN} at most", node.place)
+    elif not file.is_file():
+        near = did_you_mean(file.name, sorted(one.name for one in file.parent.glob("*.yaml")))
+        report.fault(("base",), f"there is no case file {file}{near}", node.place)
+    else:
+        return file
+    return None
+
+
+def _change(base: Table, root: Table, report: Report) -> None:
+    """Set into a base what a file says otherwise."""
+    for key in BESIDE:
+        if key in root.entries:
+            base.entries[key] = root.entries[key]
+    settings = root.entries.get("set")
+    if settings is None:
+        return
+    if not isinstance(settings.node, Table):
+        if not isinstance(settings.node, Broken):
+            message = f"{given(settings.node)} given; wanted: keys as --set takes them, such as growth.steps: 3"
+            report.fault(("set",), message, settings.place)
+        return
+    for key, entry in settings.node.entries.items():
+        parts = key_parts(key, entry.place, report)
+        if parts is not None:
+            set_value(base, parts, entry.node, entry.place, report)

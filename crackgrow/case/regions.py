@@ -1,4 +1,7 @@
-"""From a named edge, or a part of one, to sides of the body's rings."""
+"""From a named edge, or a part of one, to sides of the body's rings.
+
+A part begins and ends at a length on most edges, at an angle on arcs: only the edge tells which.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,11 @@ from typing import Literal
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.reader import Node, Scalar
+from crackgrow.case.report import Path, quoted
+from crackgrow.case.scalars import INVALID, Context, refuse
 from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
+from crackgrow.case.units import UNITS, QuantityError, is_number, parse_quantity
 
 FULL_CIRCLE = 360.0  # degrees
 SAME_PLACE = 1e-9  # parts of a side shorter than this part of it are none
@@ -145,3 +152,40 @@ def _piece(side: int, start: float, end: float) -> list[tuple[int, float, float]
     """Return the part of a side between two fractions, clipped and snapped to its ends; nothing if it is empty."""
     start, end = (0.0 if t <= SAME_PLACE else 1.0 if t >= 1.0 - SAME_PLACE else t for t in (start, end))
     return [(side, start, end)] if end > start else []
+
+
+@dataclass(frozen=True, slots=True)
+class Along:
+    """A place on an edge that is not known yet; a bare number can be either, the other one is None."""
+
+    length: float | None  # m
+    angle: float | None  # degrees
+
+
+@dataclass(frozen=True, slots=True)
+class LengthOrAngle:
+    """A length or an angle, a bare number in the length unit of the case or in degrees."""
+
+    def describe(self) -> str:
+        return "a length, or an angle on an arc"
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return an Along."""
+        units = f"{' | '.join((*UNITS['length'], *UNITS['angle']))}; a bare number means {context.units.length} or deg"
+        wanted = f"{self.describe()} ({units})"
+        if not isinstance(node, Scalar) or node.is_null:
+            return refuse(node, wanted, path, context)
+        text = node.text.strip()
+        if not node.plain and is_number(text):
+            context.report.fault(path, f'"{text}" in quotes is a text; write {self.describe()} without quotes')
+            return INVALID
+        values: dict[str, float | None] = {}
+        for kind in ("length", "angle"):
+            try:
+                values[kind] = parse_quantity(text, kind, context.units)
+            except QuantityError as error:
+                values[kind], reason = None, error
+        if values["length"] is None and values["angle"] is None:
+            context.report.fault(path, f"{quoted(text)} {reason}; wanted: {wanted}")
+            return INVALID
+        return Along(values["length"], values["angle"])

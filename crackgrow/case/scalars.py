@@ -146,15 +146,8 @@ POSITIVE: Final = Bounds(above=0)
 NOT_NEGATIVE: Final = Bounds(at_least=0)
 
 
-class _Bounded(Spec, Protocol):
-    """A spec of numbers."""
-
-    @property
-    def bounds(self) -> Bounds: ...
-
-
 def _read_float(
-    node: Node, path: Path, context: Context, spec: _Bounded, convert: Callable[[str], float], hint: str = ""
+    node: Node, path: Path, context: Context, spec: Measured, convert: Callable[[str], float], hint: str = ""
 ) -> object:
     """Convert the text of a scalar and hold it to its bounds."""
     if not isinstance(node, Scalar) or node.is_null:
@@ -255,6 +248,9 @@ class Share:
         return _read_float(node, path, context, self, convert)
 
 
+Measured = Number | Integer | Quantity | Share
+
+
 @dataclass(frozen=True, slots=True)
 class WordOr:
     """One of a few words, or else what another spec allows."""
@@ -272,7 +268,7 @@ class WordOr:
             return self.spec.read(node, path, context)
         if node.text in self.words:
             return node.text
-        if node.plain and is_number(node.text) and isinstance(self.spec, Number | Integer | Quantity | Share):
+        if node.plain and is_number(node.text) and isinstance(self.spec, Measured):
             return self.spec.read(node, path, context)
         if isinstance(self.spec, Quantity | Share) and node.text.strip()[:1] in _BEGIN_OF_NUMBER:
             return self.spec.read(node, path, context)

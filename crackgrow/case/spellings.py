@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from crackgrow.case.along import LengthOrAngle
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, with_file_points, without_file
+from crackgrow.case.regions import LengthOrAngle
 from crackgrow.case.scalars import POSITIVE, Quantity, Text
 from crackgrow.case.schema import OPTIONAL, Components, Converted, Field, ListOf, Mapping, OneOf
 

@@ -44,14 +44,17 @@ def check(arguments: argparse.Namespace) -> int:
         draw_scene(arguments.picture, case)
         tell(f"picture in {arguments.picture}")
     if arguments.unique:
-        from crackgrow.study.second_solution import unique_text  # only now: it loads the solver
+        from crackgrow.study.uniqueness import unique_text  # only now: it loads the solver
 
         tell("\nsolutions of the contact")
         record["unique"] = list(_told(unique_text(case), tell))
     rows = []
     if arguments.invariance:
-        from crackgrow.study.invariance.axes import invariance  # only now: they load the solver
-        from crackgrow.study.invariance.trial import line_of, record_of
+        from crackgrow.study.invariance.axes import (
+            invariance,  # only now: they load the solver
+            line_of,
+            record_of,
+        )
 
         tell("\nwhat must not change")
         for row in invariance(case):

@@ -9,8 +9,8 @@ from pathlib import Path
 import yaml
 
 from crackgrow.cli.console import EXIT_DONE, hand_out
+from crackgrow.cli.new import templates
 from crackgrow.cli.parser import Commands, add_command
-from crackgrow.cli.template import templates
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.units import aligned
 

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import argparse
 import shlex
+from importlib.resources import files
 from pathlib import Path
-from typing import TextIO
+from typing import Final, TextIO
 
 from crackgrow.cli.console import EXIT_DONE, say
 from crackgrow.cli.parser import Commands, add_command
-from crackgrow.cli.template import MODELINE, SCHEMA_FILE, template_text, templates
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.units import aligned
+
+SCHEMA_FILE: Final = "case.schema.json"
+"""What the JSON Schema is called where it lies beside cases."""
+
+MODELINE: Final = f"# yaml-language-server: $schema={SCHEMA_FILE}\n"
+"""First line of a case that tells editors where its schema is."""
+
+_SUFFIX: Final = ".yaml"
+_FOLDER: Final = files("crackgrow.cli") / "templates"
 
 HELP = """\
 Write a commented case to start from, as NAME.yaml into the folder `cases` if there is one, else here; a NAME with a
@@ -23,6 +32,17 @@ examples:
   crackgrow new studies/shear --template interface
   crackgrow check cases/my_slope.yaml
 """
+
+
+def templates() -> dict[str, str]:
+    """What each template is, in a line, by its name."""
+    names = sorted(file.name.removesuffix(_SUFFIX) for file in _FOLDER.iterdir() if file.name.endswith(_SUFFIX))
+    return {name: template_text(name).splitlines()[0].removeprefix("# ") for name in names}
+
+
+def template_text(name: str) -> str:
+    """The text of a template; its name must be one of `templates`."""
+    return (_FOLDER / f"{name}{_SUFFIX}").read_text(encoding="utf-8")
 
 
 def new(arguments: argparse.Namespace) -> int:

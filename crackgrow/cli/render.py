@@ -38,8 +38,8 @@ MOST_PIXELS = 8000  # of a side
 
 def render(arguments: argparse.Namespace) -> int:
     """`crackgrow render`: pictures of the frames of a run, and an animation."""
-    from crackgrow.results.animation import find_ffmpeg, write_gif, write_mp4  # only now: they load much
     from crackgrow.results.field_picture import Look
+    from crackgrow.results.render import find_ffmpeg, write_gif, write_mp4  # only now: they load much
     from crackgrow.results.render import render as drawn
 
     if arguments.animation == "mp4":

@@ -21,11 +21,11 @@ from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, co
 from crackgrow.cli.parser import Commands, add_command, takes_case
 from crackgrow.errors import SolveError, is_out_of_memory, reason_of
 from crackgrow.results.atomic import OccupiedError, OutputError
-from crackgrow.results.progress import Progress
+from crackgrow.results.log import Progress
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
-    from crackgrow.plan.outlook import Outlook
+    from crackgrow.plan.cost import Outlook
     from crackgrow.results.resume import Resumption
     from crackgrow.results.writer import RunWriter
     from crackgrow.run.result import RunEnd, StepResult
@@ -118,7 +118,7 @@ def _spare_case_file(file: Path, folder: Path) -> None:
 
 def _outlook(case: Case) -> Outlook:
     """What the run is about to take; from now on linear algebra has its work space, whatever memory is left."""
-    from crackgrow.plan.outlook import outlook  # only now: it loads numpy
+    from crackgrow.plan.cost import outlook  # only now: it loads numpy
 
     warm_up()
     return outlook(case)

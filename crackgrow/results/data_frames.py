@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crackgrow.arrays import Floats
 from crackgrow.results import tables
 from crackgrow.results.declarations import RUN
 from crackgrow.results.tables import Row
@@ -58,6 +59,13 @@ class RunTables:
     def paths(self) -> pd.DataFrame:
         """paths.csv: the cracks at the end, a row for each vertex (m) with the step that made it."""
         return self._frame("paths")
+
+    def path(self, crack: str) -> Floats:
+        """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
+        paths = self.paths
+        if crack not in set(paths["crack"]):
+            raise KeyError(f"no crack {crack!r}; the cracks are {', '.join(paths['crack'].unique()) or 'none'}")
+        return paths.loc[paths["crack"] == crack, ["x", "y"]].to_numpy(dtype=float)
 
     def _frame(self, name: str) -> pd.DataFrame:
         raise NotImplementedError

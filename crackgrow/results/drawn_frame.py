@@ -9,7 +9,6 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.results.folder import FolderError, RunFolder
-from crackgrow.results.stress import principal_stresses
 from crackgrow.results.units import LENGTHS, STRESSES, Unit, unit_of
 from crackgrow.run.result import Frame
 
@@ -18,6 +17,14 @@ if TYPE_CHECKING:
 
 VTK_TRIANGLE, VTK_QUAD = 5, 9  # kinds of cells
 COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")  # as they come in a frame's stress
+
+
+def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
+    """Major (most tensile) and minor principal stress in the plane, each (n,), of `stress` (n, 3): xx, yy, xy."""
+    xx, yy, xy = stress.T
+    centre = (xx + yy) / 2
+    radius = np.hypot((xx - yy) / 2, xy)
+    return centre + radius, centre - radius
 
 
 @dataclass(frozen=True, slots=True, eq=False)

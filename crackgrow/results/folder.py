@@ -178,14 +178,6 @@ class RunFolder(RunTables):
         case = load_case(self.folder / CASE)
         return replace(case, name=str(self.found_summary.get("case", case.name)))
 
-    def path(self, crack: str) -> Floats:
-        """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
-        cracks = {name: own for (name,), own in self.table("paths").by("crack").items()}
-        if crack not in cracks:
-            raise KeyError(f"no crack {crack!r}; the cracks are {', '.join(cracks) or 'none'}")
-        own = cracks[crack]
-        return np.column_stack([own.numbers("x"), own.numbers("y")])
-
     @cached_property
     def solved(self) -> list[int]:
         """Numbers of the steps that were solved, in order."""

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from crackgrow import __version__
 from crackgrow.case import dump_case
+from crackgrow.case.dump import read_settings
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case, LoadHistory, Stages
-from crackgrow.case.settings import read_settings
 from crackgrow.errors import CaseError, CrackgrowError
 from crackgrow.results.checkpoint_file import (
     DamagedError,

@@ -25,7 +25,7 @@ from vtkmodules.vtkCommonDataModel import (
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from crackgrow.results.atomic import write_atomically, write_text
-from crackgrow.results.stress import principal_stresses
+from crackgrow.results.drawn_frame import principal_stresses
 from crackgrow.run.result import CrackFaces, Frame, StepResult
 
 if TYPE_CHECKING:

@@ -19,6 +19,7 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
+from crackgrow.study.setting import under_its_loads
 
 AT_ONCE = 20000
 """Points whose stress is evaluated together, which bounds the memory."""
@@ -90,4 +91,4 @@ class EnergyReference:
 
 
 def _solved(case: Case) -> StepSolution:
-    return load(make_scene(case), beginning(case).cracks)
+    return load(make_scene(under_its_loads(case)), beginning(case).cracks)

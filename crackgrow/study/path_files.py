@@ -13,8 +13,8 @@ import numpy as np
 import yaml
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.dump import read_settings
 from crackgrow.case.report import clean, did_you_mean, quoted
-from crackgrow.case.settings import read_settings
 from crackgrow.case.units import UNITS, QuantityError, Units, parse_number, parse_quantity
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.folder import CASE, FolderError, RunFolder

@@ -1,11 +1,14 @@
 """Processes of this machine that do the jobs of a study, in the manner of concurrent.futures.
 
 Each has one thread for linear algebra, and no part in the others: one that dies, or takes too long, ends its job alone.
+A process is `python -m crackgrow.study.processes FD`, FD being its end of a pipe.
 """
 
 from __future__ import annotations
 
 import os
+import pickle
+import queue
 import subprocess
 import sys
 import tempfile
@@ -15,13 +18,14 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Final, Protocol, TypeVar
 
 from crackgrow.blas import THREAD_SETTINGS
-from crackgrow.errors import CrackgrowError
+from crackgrow.errors import CrackgrowError, reason_of
 
-CHILD: Final = "crackgrow.study.child"
+CHILD: Final = "crackgrow.study.processes"
 ROOT: Final = Path(__file__).resolve().parents[2]  # that the package is imported from
 POLL: Final = 1.0  # s, between looks at how many workers there are
 
@@ -180,3 +184,29 @@ class _Child:
             errors.seek(0)
             lines = errors.read().decode(errors="replace").strip().splitlines()
         return lines[-1] if lines else f"exit code {code}"
+
+
+def main(descriptor: int) -> None:
+    """Do what comes through the pipe, a pickled function with its arguments, and send back result and fault."""
+    pipe = Connection(descriptor)
+    jobs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(pipe, jobs), daemon=True).start()
+    while True:
+        try:
+            function, arguments = pickle.loads(jobs.get())
+            pipe.send((function(*arguments), ""))
+        except Exception as error:
+            pipe.send((None, reason_of(error)))
+
+
+def _listen(pipe: Connection, jobs: queue.SimpleQueue[bytes]) -> None:
+    """Take in jobs; end the process in the middle of one when nobody is there any more to wait for it."""
+    try:
+        while True:
+            jobs.put(pipe.recv_bytes())
+    except (EOFError, OSError):
+        os._exit(0)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

@@ -1,17 +1,23 @@
-"""A case file that a study runs, and the settings that it runs it with."""
+"""A case file that a study runs, the settings that it runs it with, and the folders that are named after them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+import zlib
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 from crackgrow.case import Case, load_case
 from crackgrow.case.declared import keys_of
-from crackgrow.case.model import ContactNumerics, Numerics
+from crackgrow.case.model import ContactNumerics, LoadHistory, Numerics, StrengthReduction
 
 UNWRITTEN: Final = ("output.frames=none", "output.figures=false", "output.report=false")
 HALVED: Final = "numerics.refine={tips: auto, kinks: auto, corners: auto}"
+
+LONGEST: Final = 120  # bytes: file systems take 255
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +41,13 @@ class Setting:
     preset: str = ""
 
 
+def under_its_loads(case: Case) -> Case:
+    """The case with the strength that it has, where it asks by how much that can be reduced."""
+    if not isinstance(case.loading, StrengthReduction):
+        return case
+    return replace(case, loading=LoadHistory(case.loading.factors))
+
+
 def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:
     """All that a preset or a target sets or counts on, given as keys, which a case's own would win over otherwise."""
     numerics, contact = keys_of(Numerics), keys_of(ContactNumerics)
@@ -46,3 +59,24 @@ def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:
         f"numerics.quadrature={numerics['quadrature'].default}",
         f"numerics.contact.spacing={contact['spacing'].default}",
     )
+
+
+def folder_names(names: Iterable[str]) -> list[str]:
+    """A folder for each run, by its name; runs whose folders would be the same are counted: `_2`, `_3`."""
+    met: Counter[str] = Counter()
+    found = []
+    for name in names:
+        folder = folder_name(name)
+        met[folder.lower()] += 1  # some file systems take capitals for the same
+        count = met[folder.lower()]
+        found.append(folder if count == 1 else f"{folder}_{count}")
+    return found
+
+
+def folder_name(name: str) -> str:
+    """Such as angle=30_friction=0.2, in letters that every file system takes; a long name ends in its checksum."""
+    words = re.sub(r"[^\w.=+-]+", "_", name).strip("_")
+    if len(words.encode()) <= LONGEST:
+        return words
+    checksum = f"_{zlib.crc32(name.encode()):08x}"
+    return words.encode()[: LONGEST - len(checksum)].decode(errors="ignore") + checksum

@@ -1,4 +1,7 @@
-"""Whether Coulomb friction leaves the contact problem with one solution.
+"""Whether Coulomb friction leaves the contact problem with one solution: `crackgrow check --unique`.
+
+The given cracks are loaded as in a run. At every load factor the bound below is compared; beyond it, other starts of
+the solvers may lead to a second solution.
 
 With a positive definite compliance the problem always has a solution: friction only dissipates, which bounds the
 tractions whatever the coefficient. Where normal and tangential jumps are coupled it may have several (Klarbring 1990):
@@ -22,24 +25,32 @@ factor. For one point that is |A_nn / A_nt| sqrt(1 - gamma^2), just below the |A
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.linalg.lapack import dpotrf, dpotrs
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import Case, LoadHistory, Stages
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import ActiveSet
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set
 from crackgrow.contact.newton import solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
+from crackgrow.contact.solve import OVERLAP, ContactOutcome
+from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import NotSolvedError
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.judging import StepSolution
+from crackgrow.run.loading import load, load_history
+from crackgrow.run.scene import make_scene
+from crackgrow.study.setting import under_its_loads
 
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions
-INVERSE_ITERATIONS: Final = 10  # for an estimate of an eigenvalue
-NEARLY: Final = 0.8  # of that estimate: what the eigenvalue is proven to exceed
 LEMKE_POINTS: Final = 300  # of more, Lemke's method would cost several times what everything else of a step does
 ITERATIONS: Final = 40  # of Newton's method from a start that is but one of several
+
+WORDS: Final = {OPEN: "is open", STICK: "sticks", SLIP: "slips"}
 
 
 def friction_limit(compliance: Floats, weights: Floats) -> float:
@@ -65,26 +76,6 @@ def friction_limit(compliance: Floats, weights: Floats) -> float:
     return float(np.sqrt(max(1.0 - gamma_sq, 0.0) / gamma_sq * uncoupled))
 
 
-def below_friction_limit(friction: float, compliance: Floats, weights: Floats) -> bool:
-    """Whether `friction` is certainly below `friction_limit`: proven by three Cholesky factorizations, or not known.
-
-    The least eigenvalue of A_nn exceeds a number if A_nn less that on its diagonal is positive definite, the largest of
-    A_tt is at most its largest sum of a row, and gamma is less than g if A with diagonal blocks g A_nn and g A_tt is.
-    """
-    n = len(weights)
-    if n == 0:
-        return True
-    A = _normalised(compliance, weights)
-    least = NEARLY * _least_eigenvalue(A[:n, :n])
-    if least <= 0.0 or dpotrf((A[:n, :n] - least * np.eye(n)).T, overwrite_a=True)[1]:
-        return False
-    largest = float(np.abs(A[n:, n:]).sum(axis=0).max())
-    g = np.sqrt(least / (least + friction**2 * largest))
-    A[:n, :n] *= g
-    A[n:, n:] *= g
-    return not dpotrf(A.T, overwrite_a=True)[1]
-
-
 def _normalised(compliance: Floats, weights: Floats) -> Floats:
     """The symmetric A (2 n, 2 n) without a unit: forces for pressures, and any size a point, the same for its rows."""
     n = len(weights)
@@ -95,18 +86,6 @@ def _normalised(compliance: Floats, weights: Floats) -> Floats:
     A += A.T.copy()
     A *= 0.5
     return A
-
-
-def _least_eigenvalue(A: Floats) -> float:
-    """An estimate from above by inverse iteration; zero where A (n, n) is not positive definite."""
-    factor, failed = dpotrf(A, lower=True)
-    if failed:
-        return 0.0
-    v = np.random.default_rng(0).normal(size=len(A))
-    for _ in range(INVERSE_ITERATIONS):
-        v /= np.linalg.norm(v)
-        previous, v = v, dpotrs(factor, v, lower=True)[0]
-    return 1.0 / float(previous @ v)
 
 
 def other_solutions(problem: ContactProblem, known: Floats) -> Iterator[Floats]:
@@ -138,3 +117,95 @@ def _differ(problem: ContactProblem, p: Floats, q: Floats) -> bool:
     """Whether faces lie elsewhere under tractions p than under q (m,): what redundant points share is not asked."""
     change = np.abs(problem.compliance @ (p - q)).max(initial=0.0)
     return bool(change > DIFFERENT * np.abs(problem.free).max(initial=0.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SecondSolution:
+    """Another state that meets the contact law under the same loads and the same memory."""
+
+    limit: float  # friction below which there is certainly none
+    points: Ints  # (k,) contact points, those whose jump changes most first
+    change: Floats  # (k,) m, how much farther or nearer the faces lie there, or how far along
+    states: Ints  # (k,) OPEN, STICK or SLIP
+
+
+def unique_text(case: Case) -> Iterator[str]:
+    """What is known of the solutions of contact at every load factor of a case, in lines. Raises as a run does."""
+    scene, cracks = make_scene(under_its_loads(case)), beginning(case).cracks
+    history = isinstance(case.loading, LoadHistory | Stages)
+    for solution in load_history(scene, cracks) if history else [load(scene, cracks)]:
+        yield f"  at load factor {solution.state.factor:.6g}: {_found(solution)}"
+
+
+def _found(solution: StepSolution) -> str:
+    """What is known of the solutions of a loaded configuration."""
+    contact, outcome = solution.contact, solution.outcome
+    why = why_not_examined(contact, outcome)
+    if why:
+        return why
+    limit = proven_limit(contact, outcome)
+    if limit is None:
+        touching = "no faces touch: " if (outcome.state == OPEN).all() else ""
+        return f"{touching}there is exactly one solution"
+    second = second_solution(contact, outcome)
+    beyond = f"it is certain only where friction is below {limit:.2g}"
+    if second is None:
+        return f"no second solution was found, which is no proof that there is none: {beyond}"
+    point = int(second.points[0])
+    x, y = solution.cover.lattice.to_metres(solution.faces.nodes.points[[point]])[0]
+    place = solution.cover.surfaces[solution.faces.surface[point]].name
+    return (
+        f"friction leaves more than one solution ({beyond}): in another one the point ({x:.4g}, {y:.4g}) m of "
+        f"'{place}', which {WORDS[int(outcome.state[point])]}, {WORDS[int(second.states[0])]}, its faces moved by "
+        f"{second.change[0]:.2g} m; apply the loads in steps (loading.history), or lower the friction there"
+    )
+
+
+def why_not_examined(contact: ContactSystem, outcome: ContactOutcome) -> str:
+    """Why nothing is to be examined, or nothing can be; empty otherwise.
+
+    The bound takes supports that hold all of the rock, and a symmetric compliance, which dilation has not.
+    """
+    if outcome.problem is None:
+        return "no faces touch: there is exactly one solution"
+    if outcome.problem.motions is not None:
+        return "not known: contact alone holds a piece of rock, which is not examined"
+    if contact.law.dilation is not None:
+        return "not known: faces that dilate are not examined"
+    return "" if outcome.problem.friction.any() else "there is no friction: there is exactly one solution"
+
+
+def proven_limit(contact: ContactSystem, outcome: ContactOutcome) -> float | None:
+    """The friction below which there is certainly one solution; None where all of it is below."""
+    problem = outcome.problem
+    assert problem is not None
+    limit = friction_limit(problem.compliance, contact.weights[outcome.rows])
+    return None if problem.friction.max() < limit else limit
+
+
+def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
+    """A second solution, if there is one and some start leads to it; None below the limit at the cost of the bound."""
+    if why_not_examined(contact, outcome):
+        return None
+    limit, problem, rows = proven_limit(contact, outcome), outcome.problem, outcome.rows
+    if limit is None or problem is None:
+        return None
+    known = np.concatenate([outcome.normal_traction[rows], outcome.tangential_traction[rows]])
+    for p in other_solutions(problem, known):
+        states = active_set(problem, p, problem.jump(p)).states()
+        whole = contact.law.breakable[rows] & ~outcome.memory.broken[rows]
+        breaks = bool((whole & (states != STICK)).any())  # then it is one of another law, with lost cohesion
+        if not breaks and not _closes_others(contact, outcome, p - known):
+            moved = problem.compliance @ (p - known)
+            change = np.hypot(*moved.reshape(2, -1))
+            order = np.argsort(-change, kind="stable")
+            return SecondSolution(limit, rows[order], change[order], states[order])
+    return None
+
+
+def _closes_others(contact: ContactSystem, outcome: ContactOutcome, change: Floats) -> bool:
+    """Whether a change (2 k,) Pa of the tractions lets points overlap that the solver did not have to deal with."""
+    rows, n = outcome.rows, len(contact.weights)
+    gap = outcome.gap - outcome.dilation - contact.rock[:n, np.concatenate([rows, n + rows])] @ change
+    gap[rows] = 0.0
+    return bool(gap.min() < -OVERLAP * np.abs(gap).max())

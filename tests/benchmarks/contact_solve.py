@@ -22,7 +22,7 @@ from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import active_set, complementarity_residual
 from crackgrow.contact.newton import first_guess, solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem
-from crackgrow.study.uniqueness import below_friction_limit, friction_limit
+from crackgrow.study.uniqueness import friction_limit
 from tests.contact_problems import crack_problem, rock_problem, with_law
 
 Floats = NDArray[np.float64]
@@ -41,7 +41,6 @@ HEAD = (
     "Newton",
     "of it one factorization",
     "law checked",
-    "one solution?",
     "all",
     "iterations",
     "bound of friction",
@@ -84,7 +83,6 @@ def measure(name: str, problem: ContactProblem, weights: Floats) -> None:
     active = active_set(problem, solution.traction, problem.jump(solution.traction))
     factorization, _ = timed(lambda: solve_active(problem, active))
     checking, violation = timed(lambda: complementarity_residual(problem, solution.traction))
-    proving, unique = timed(lambda: below_friction_limit(friction, problem.compliance, weights))
     exactly, limit = timed(lambda: friction_limit(problem.compliance, weights), 1)
     lemke, difference = "-", "-"
     if problem.n_points <= LEMKE_POINTS:
@@ -94,7 +92,6 @@ def measure(name: str, problem: ContactProblem, weights: Floats) -> None:
     cells = [name, problem.n_points, f"{friction:g}", f"{problem.cohesion.max():g}"]
     cells += [", ".join(str(k) for k in np.bincount(solution.state, minlength=3))]
     cells += [f"{ms:.1f}" for ms in (guessing, newton, factorization, checking)]
-    cells += [f"{'yes' if unique else 'not proven'} {proving:.1f}"]
     cells += [f"**{guessing + newton + checking:.0f}**", solution.iterations]
     cells += [f"{limit:.2g} ({exactly:.0f})", lemke, difference, f"{violation:.0e}"]
     print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)

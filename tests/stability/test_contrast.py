@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.study.invariance.measures import balanced
-from crackgrow.study.invariance.solved import Solved, solved
+from crackgrow.study.invariance.solved import Solved, balanced, solved
 from tests.stability.extremes.measures import contact_tractions
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from crackgrow.arrays import Floats
 from crackgrow.results.folder import RunFolder
-from crackgrow.results.report.markup import Markup, tag
+from crackgrow.results.report.scene import tag
 from crackgrow.results.units import shown
 from crackgrow.run.result import CHECK_LIMITS
 

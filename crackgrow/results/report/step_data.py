@@ -1,13 +1,20 @@
-"""What the page shows of steps: tips, tractions and jumps along the faces, which move with the slider, and events."""
+"""What the page shows of steps: tips, what is along the faces, pictures, which move with the slider, and events.
+
+Pictures are those of `crackgrow render`, or else the figures of the run.
+"""
 
 from __future__ import annotations
 
+import base64
+import io
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from crackgrow.results.folder import RunFolder, TextTable
-from crackgrow.results.report.drawing import View
+from crackgrow.results.folder import FolderError, RunFolder, TextTable
+from crackgrow.results.rendered import rendered
+from crackgrow.results.report.scene import View
 from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, shown, unit_of
 
 MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
@@ -17,6 +24,12 @@ CONTACT_COLUMNS = (
     (("normal_traction", "tangential_traction"), STRESSES),
     (("opening", "slip"), LENGTHS),
 )  # those in one tuple are drawn together
+
+MOST_PICTURES = 40  # of a rendered series
+MOST_PIXELS = 720  # of the longer side of those
+MOST_PIXELS_OF_FIGURES = 1400
+QUALITY = 80  # of JPEG
+MOST_BYTES = 1_500_000  # of all pictures of the page
 
 
 def tip_data(run: RunFolder, view: View) -> dict[str, Any]:
@@ -102,3 +115,44 @@ def step_words(run: RunFolder) -> dict[int, str]:
     for step, factor, n in zip(run.solved, steps.numbers("load_factor"), steps.words("n_dofs"), strict=True):
         words[step] = f"load factor {shown(float(factor))}, {n} unknowns"
     return {place: words.get(place, "after the last advance, not solved") for place in run.places}
+
+
+def pictures(run: RunFolder) -> list[dict[str, Any]]:
+    """Step, caption and data of each picture, in the order of the steps; those of a series at most MOST_BYTES.
+
+    Raises FolderError for one that is damaged.
+    """
+    series = rendered(run.folder)
+    for field in series:
+        return _thinned(field, series[field], run)
+    found = []
+    for name, step in (("sigma_1_first", run.solved[:1]), ("sigma_1_last", run.solved[-1:])):
+        path = run.folder / "figures" / f"{name}.png"
+        if path.is_file() and step:
+            found.append(_picture(step[0], "major principal stress", path, MOST_PIXELS_OF_FIGURES))
+    return found
+
+
+def _thinned(field: str, files: dict[int, Path], run: RunFolder) -> list[dict[str, Any]]:
+    """Evenly spaced pictures of a series, the last one among them, made small."""
+    steps = sorted(step for step in files if step in run.solved)[::-1]
+    chosen = steps[:: -(-len(steps) // MOST_PICTURES)] if steps else []
+    found = [_picture(step, field, files[step], MOST_PIXELS) for step in chosen]
+    size = sum(len(picture["uri"]) for picture in found)
+    return found[:: -(-size // MOST_BYTES)][::-1] if found else []
+
+
+def _picture(step: int, words: str, path: Path, most_pixels: int) -> dict[str, Any]:
+    """A picture as JPEG: of smooth colours PNG takes several times as much."""
+    from PIL import Image  # here: reports without pictures do not need it
+
+    try:
+        with Image.open(path) as image:
+            small = image.convert("RGB")
+    except OSError as error:
+        raise FolderError(f"{path} is damaged: {error}") from error
+    small.thumbnail((most_pixels, most_pixels))
+    data = io.BytesIO()
+    small.save(data, format="JPEG", quality=QUALITY, optimize=True)
+    uri = f"data:image/jpeg;base64,{base64.b64encode(data.getvalue()).decode()}"
+    return {"step": step, "words": words, "uri": uri}

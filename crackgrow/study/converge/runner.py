@@ -13,8 +13,7 @@ from crackgrow.study.converge.columns import TABLE
 from crackgrow.study.converge.findings import Convergence, Ran, findings
 from crackgrow.study.converge.plan import HALF, ConvergencePlan
 from crackgrow.study.converge.text import convergence_csv
-from crackgrow.study.folder_names import folder_name
-from crackgrow.study.setting import Setting
+from crackgrow.study.setting import Setting, folder_name
 from crackgrow.study.timed_run import run_in_processes
 
 DEARER = 2.5

@@ -1,20 +1,26 @@
-"""What must not change in any case, whatever it models. No reference is known."""
+"""What must not change in any case, whatever it models: trials of it, and what came of each. No reference is known."""
 
 from __future__ import annotations
 
 import functools
+import math
+import time
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory
-from crackgrow.study.invariance.measures import against, balanced, everything, overall
+from crackgrow.errors import CrackgrowError
+from crackgrow.results.units import or_null
+from crackgrow.study.invariance.condition import condition_estimate
 from crackgrow.study.invariance.placed import Placement, mirrored, moved, scaled, turned
-from crackgrow.study.invariance.solved import Solved, solved, solved_placed
-from crackgrow.study.invariance.trial import Row, Trial, evaluate
+from crackgrow.study.invariance.solved import Solved, against, balanced, everything, overall, solved, solved_placed
+
+Status = Literal["solved", "warned", "refused", "crashed"]
+Verdict = Literal["yes", "said", "NO"]
 
 LATTICE_TOLERANCE = 1e-2
 
@@ -45,6 +51,88 @@ OFFSETS: Final = ((0.5, 0.5), (0.25, 0.1), (-0.37, 0.21))
 """Of the lattice under the scene, in spacings."""
 
 PLACES: Final = {"turned by 90 degrees": turned(90.0), "mirrored": mirrored()}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """A row of the table before it is computed."""
+
+    axis: str
+    value: str
+    compared: str  # what is held against what
+    tolerance: float  # relative
+    solve: Callable[[], Solved]
+    deviation: Callable[[Solved], float]
+    plain: Callable[[], Solved]  # the scene at its usual value: its warnings are no news
+    refusable: bool = False  # whether the program may refuse it: it lies beyond what is promised
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A row of the table. `nan` where there is no number."""
+
+    axis: str
+    value: str
+    compared: str
+    deviation: float
+    tolerance: float
+    condition: float  # estimate, of the scaled stiffness
+    iterations: int  # of the contact solver; -1 where nothing was solved
+    residual: float  # relative equilibrium residual
+    status: Status  # warned: the program told the user more than at the usual value
+    refusable: bool
+    reason: str  # why it was refused, what it warned of
+    seconds: float
+
+    @property
+    def verdict(self) -> Verdict:
+        """`said`: the result is no good or there is none, and the program says so. `NO`: it does not."""
+        if self.deviation <= self.tolerance and self.status != "crashed":
+            return "yes"
+        told = self.status == "warned" or (self.status == "refused" and self.refusable)
+        return "said" if told else "NO"
+
+
+def evaluate(trial: Trial) -> Row:
+    """Compute a row; whatever is raised on the way ends this row alone."""
+    started = time.perf_counter()
+    deviation, condition, iterations, residual = math.nan, math.nan, -1, math.nan
+    status: Status
+    try:
+        solved = trial.solve()
+        iterations, residual = solved.result.contact_iterations, solved.result.residual
+        condition = condition_estimate(solved.solution.contact.system)
+        usual = trial.plain().result.warnings
+        news = [warning for warning in solved.result.warnings if warning not in usual]
+        deviation = trial.deviation(solved)
+        status, reason = ("warned" if news else "solved"), "; ".join(news)
+    except CrackgrowError as error:
+        status, reason = "refused", str(error)
+    except Exception as error:
+        status, reason = "crashed", f"{type(error).__name__}: {error}"
+    seconds = time.perf_counter() - started
+    return Row(
+        trial.axis, trial.value, trial.compared, deviation, trial.tolerance, condition, iterations, residual, status,
+        trial.refusable, " ".join(reason.split()), seconds,
+    )  # fmt: skip
+
+
+def line_of(row: Row) -> str:
+    """A row on a line of the terminal."""
+    return (
+        f"{row.verdict:4}  {row.axis:20} {row.value:28} {row.status:8} deviation {number(row.deviation):8} "
+        f"of {number(row.tolerance):8} condition {number(row.condition):8} {row.seconds:5.1f} s"
+    ).rstrip()
+
+
+def record_of(row: Row) -> dict[str, object]:
+    """A row in what JSON can hold: null where there is no number."""
+    return {key: or_null(value) for key, value in asdict(row).items()} | {"verdict": row.verdict}
+
+
+def number(value: float) -> str:
+    """Two digits; empty where there is no number."""
+    return f"{value:.2g}" if math.isfinite(value) else ""
 
 
 def invariance(case: Case) -> Iterator[Row]:

@@ -19,7 +19,7 @@ from crackgrow.results.lock import LockedError
 from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
-from crackgrow.study.sweep.measured import Values, measured
+from crackgrow.study.sweep.columns import Values, measured
 from crackgrow.study.timed_run import write_run
 
 DATA_PART: Final = 0.8  # of a worker's memory that a run's data may take: the rest is for programs and libraries

@@ -20,7 +20,7 @@ from crackgrow.results.folder import FINISHED
 from crackgrow.results.places import length_unit
 from crackgrow.results.style import own_style
 from crackgrow.study.path_files import read_paths
-from crackgrow.study.sweep.measured import Values
+from crackgrow.study.sweep.columns import Values
 from crackgrow.study.sweep.plan import Run
 from crackgrow.study.sweep.table import SweepTable
 

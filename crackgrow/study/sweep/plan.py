@@ -1,26 +1,53 @@
-"""What a sweep is going to run: every combination with its case, checked before anything starts."""
+"""What a sweep is going to run: every combination of its values with its case, checked before anything starts."""
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from crackgrow.case import Case, load_case
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import is_number
 from crackgrow.errors import CaseError, Fault
-from crackgrow.study.folder_names import folder_names
+from crackgrow.study.setting import folder_names
 from crackgrow.study.sweep.columns import TAKEN, response_columns
-from crackgrow.study.sweep.design import combinations
 from crackgrow.study.sweep.sweep_file import SweepFile, read_sweep_file
+
+Combination = tuple[str, ...]
+"""A value of each parameter, in the order of the file."""
 
 MOST_FAULTS: Final = 20  # that are told where no combination is a case
 EMPTY: Final = "none"  # in the name of a run: a value such as {}
 _WORDS: Final = re.compile(r"\w")
 _FROM_OVERRIDE: Final = "--set "
+
+
+def combinations(file: SweepFile) -> list[Combination]:
+    """What is run: of a grid, the first parameter varies slowest."""
+    if file.design == "latin_hypercube":
+        assert file.samples is not None  # the reader has seen to it
+        return _latin_hypercube(file, file.samples)
+    columns = [values.texts for values in file.parameters.values()]
+    return list(zip(*columns, strict=True)) if file.design == "zip" else list(itertools.product(*columns))
+
+
+def _latin_hypercube(file: SweepFile, samples: int) -> list[Combination]:
+    """As many runs as samples: of each parameter, every one of `samples` equal parts of its range is met once.
+
+    McKay, Beckman, Conover 1979: parts in random order, a random place in each.
+    """
+    rng = np.random.default_rng(file.seed)
+    columns = []
+    for values in file.parameters.values():
+        parts = (rng.permutation(samples) + rng.random(samples)) / samples
+        columns.append(values.at(parts))
+    return list(zip(*columns, strict=True))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

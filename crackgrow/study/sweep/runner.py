@@ -16,8 +16,8 @@ from crackgrow.results.leftovers import earlier_files
 from crackgrow.results.lock import FolderLock, LockedError
 from crackgrow.results.units import counted
 from crackgrow.study.processes import Processes, Workers, as_they_end
+from crackgrow.study.sweep.columns import Values, measured
 from crackgrow.study.sweep.job import Job, run_job
-from crackgrow.study.sweep.measured import Values, measured
 from crackgrow.study.sweep.place import ClusterError, Place
 from crackgrow.study.sweep.plan import Run, SweepPlan
 

@@ -13,8 +13,7 @@ from pyarrow import parquet
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically, write_text
 from crackgrow.results.tables import csv_text
-from crackgrow.study.sweep.columns import COSTS, ENDING, FIRST, KINDS
-from crackgrow.study.sweep.measured import Values
+from crackgrow.study.sweep.columns import COSTS, ENDING, FIRST, KINDS, Values
 from crackgrow.study.sweep.plan import Run, SweepPlan
 
 WAITING: Final = "waiting"

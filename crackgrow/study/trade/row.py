@@ -16,8 +16,8 @@ from crackgrow.results.declarations import PHASES
 from crackgrow.results.folder import FINISHED, FolderError, RunFolder, table_of
 from crackgrow.study.setting import Setting
 from crackgrow.study.timed_run import Cost
-from crackgrow.study.trade.axes import KEYS
 from crackgrow.study.trade.columns import COLUMNS, ENERGY
+from crackgrow.study.trade.plan import KEYS
 
 REFERENCE = "reference"  # the name of its row
 

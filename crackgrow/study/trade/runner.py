@@ -11,13 +11,11 @@ from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import FINISHED
 from crackgrow.results.lock import FolderLock
 from crackgrow.study.energy_distance import EnergyReference
-from crackgrow.study.folder_names import folder_names
-from crackgrow.study.setting import Setting
+from crackgrow.study.setting import Setting, folder_names
 from crackgrow.study.timed_run import run_in_processes
-from crackgrow.study.trade.grid import FINER, case_or_none
 from crackgrow.study.trade.measures import check_results, errors_of
 from crackgrow.study.trade.picture import draw
-from crackgrow.study.trade.plan import Plan
+from crackgrow.study.trade.plan import FINER, Plan, case_or_none
 from crackgrow.study.trade.row import REFERENCE, Row, Run, csv_text, read_rows, row_of
 
 TABLE, PICTURE = "trade.csv", "trade.png"

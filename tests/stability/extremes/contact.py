@@ -9,9 +9,8 @@ from math import radians, tan
 import numpy as np
 
 from crackgrow.case.checks import STIFFEST_GAUSS
-from crackgrow.study.invariance.measures import Measure, against
-from crackgrow.study.invariance.solved import Solved
-from crackgrow.study.invariance.trial import Trial
+from crackgrow.study.invariance.axes import Trial
+from crackgrow.study.invariance.solved import Measure, Solved, against
 from tests.stability.extremes.measures import K_II_against, uniform
 from tests.stability.extremes.scenes import Scenes
 

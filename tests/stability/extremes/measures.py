@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.study.invariance.measures import Measure, difference
-from crackgrow.study.invariance.solved import Solved
+from crackgrow.study.invariance.solved import Measure, Solved, difference
 
 
 def contact_tractions(found: Solved, plain: Solved) -> float:

@@ -11,11 +11,9 @@ import numpy as np
 
 from crackgrow.case.model import Case, PointSupport
 from crackgrow.run.scene import make_scene
-from crackgrow.study.invariance.axes import LATTICE_TOLERANCE, OVERALL, PLACED_TOLERANCE
-from crackgrow.study.invariance.measures import against, overall, stress_intensity
+from crackgrow.study.invariance.axes import LATTICE_TOLERANCE, OVERALL, PLACED_TOLERANCE, Trial
 from crackgrow.study.invariance.placed import Placement, mirrored, moved, placed, turned
-from crackgrow.study.invariance.solved import Solved, solved, solved_placed
-from crackgrow.study.invariance.trial import Trial
+from crackgrow.study.invariance.solved import Solved, against, overall, solved, solved_placed, stress_intensity
 from tests.stability.extremes.measures import K_II_against, uniform
 from tests.stability.extremes.scenes import COARSE, USUAL, Scenes
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE
 from crackgrow.results.atomic import write_text
-from crackgrow.study.invariance.trial import Row, Trial, evaluate, line_of
+from crackgrow.study.invariance.axes import Row, Trial, evaluate, line_of
 from tests.stability.extremes import contact, material, place, units
 from tests.stability.extremes.picture import draw
 from tests.stability.extremes.scenes import Scenes

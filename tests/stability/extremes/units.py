@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import product
 
-from crackgrow.study.invariance.axes import COMPARED, TOLERANCE
-from crackgrow.study.invariance.measures import against, everything
+from crackgrow.study.invariance.axes import COMPARED, TOLERANCE, Trial
 from crackgrow.study.invariance.placed import Placement, scaled
-from crackgrow.study.invariance.solved import solved_placed
-from crackgrow.study.invariance.trial import Trial
+from crackgrow.study.invariance.solved import against, everything, solved_placed
 from tests.stability.extremes.scenes import Scenes
 
 YOUNG, STRESS, WIDTH = 10e9, 100e6, 31e-3

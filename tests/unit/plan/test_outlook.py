@@ -9,8 +9,7 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.plan import cost
-from crackgrow.plan.cost import estimated_cost
-from crackgrow.plan.outlook import outlook
+from crackgrow.plan.cost import estimated_cost, outlook
 from crackgrow.plan.sizes import sizes_of
 
 CASES = Path(__file__).resolve().parents[3] / "cases"

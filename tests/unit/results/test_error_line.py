@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case.model import Stage, Stages
-from crackgrow.results.progress import Progress
+from crackgrow.results.log import Progress
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, summarize, summary_text
 from crackgrow.run.result import StepResult, TipResult
 from tests.unit.results.synthetic import make_case, make_end, make_result

@@ -17,7 +17,7 @@ from PIL import Image
 from crackgrow import cli
 from crackgrow.cli.command_line import command_line
 from crackgrow.errors import CaseError
-from crackgrow.results import animation, field_picture, render, view
+from crackgrow.results import field_picture, render, view
 from crackgrow.results.atomic import OutputError
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.field_picture import Look
@@ -146,7 +146,7 @@ def test_gif_shows_the_pictures_in_order(tmp_path: Path) -> None:
         Image.new("RGB", (30, 20), (shade,) * 3).save(tmp_path / f"{step}.png")
     striped = np.repeat(np.array(shades, dtype=np.uint8), 10)[None, :, None].repeat(20, axis=0).repeat(3, axis=2)
     Image.fromarray(striped).save(tmp_path / "3.png")  # the last picture, whose colours are those of all
-    animation.write_gif(tmp_path / "a.gif", [tmp_path / f"{k}.png" for k in range(4)])
+    render.write_gif(tmp_path / "a.gif", [tmp_path / f"{k}.png" for k in range(4)])
     with Image.open(tmp_path / "a.gif") as film:
         assert film.n_frames == 4  # type: ignore[attr-defined]
         assert film.info["loop"] == 0
@@ -159,17 +159,17 @@ def test_mp4_is_made_by_ffmpeg_and_refused_without(tmp_path: Path, monkeypatch: 
     Image.new("RGB", (31, 21)).save(tmp_path / "0.png")
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(OutputError, match="an MP4 needs ffmpeg, which is not found"):
-        animation.write_mp4(tmp_path / "a.mp4", [tmp_path / "0.png"])
+        render.write_mp4(tmp_path / "a.mp4", [tmp_path / "0.png"])
     program = tmp_path / "ffmpeg"  # a stand-in: writes what it is given to its last argument, or fails
     program.write_text(
         f"#!{sys.executable}\nimport sys\nframes = sys.stdin.buffer.read()\n"
         "open(sys.argv[-1], 'wb').write(frames)\nsys.exit('bad frame' if len(frames) > 1000 else 0)\n"
     )
     program.chmod(0o755)
-    animation.write_mp4(tmp_path / "a.mp4", [tmp_path / "0.png"] * 2)
+    render.write_mp4(tmp_path / "a.mp4", [tmp_path / "0.png"] * 2)
     assert (tmp_path / "a.mp4").read_bytes() == 2 * (tmp_path / "0.png").read_bytes()
     with pytest.raises(OutputError, match=r"cannot write .*b\.mp4: ffmpeg: bad frame"):
-        animation.write_mp4(tmp_path / "b.mp4", [tmp_path / "0.png"] * 50)
+        render.write_mp4(tmp_path / "b.mp4", [tmp_path / "0.png"] * 50)
     assert not (tmp_path / "b.mp4").exists()
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from crackgrow import cli
-from crackgrow.case.settings import read_settings
+from crackgrow.case.dump import read_settings
 from crackgrow.errors import CaseError
 from crackgrow.study.compare import compare_paths
 from crackgrow.study.comparison_text import CSV_COLUMNS, comparison_csv, comparison_text

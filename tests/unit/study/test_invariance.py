@@ -16,11 +16,9 @@ from crackgrow.case.model import Case, ContactSupport, EdgeTraction
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE
 from crackgrow.errors import SolveError
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.study.invariance.axes import invariance
-from crackgrow.study.invariance.measures import everything, overall
+from crackgrow.study.invariance.axes import Row, Trial, evaluate, invariance, record_of
 from crackgrow.study.invariance.placed import mirrored, moved, placed, scaled, turned
-from crackgrow.study.invariance.solved import Solved, solved
-from crackgrow.study.invariance.trial import Row, Trial, evaluate, record_of
+from crackgrow.study.invariance.solved import Solved, everything, overall, solved
 
 ROOT = Path(__file__).parents[3]
 CASES = ROOT / "cases"

@@ -18,8 +18,14 @@ from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
-from crackgrow.study.second_solution import SecondSolution, second_solution, unique_text
-from crackgrow.study.uniqueness import below_friction_limit, friction_limit, other_solutions
+from crackgrow.study.invariance.solved import solved as solved_scene
+from crackgrow.study.uniqueness import (
+    SecondSolution,
+    friction_limit,
+    other_solutions,
+    second_solution,
+    unique_text,
+)
 from tests.contact_problems import smooth
 from tests.solving import solve_contact
 
@@ -110,24 +116,6 @@ def test_without_coupling_any_friction_leaves_one_solution() -> None:
 def test_a_compliance_that_is_not_definite_has_no_limit() -> None:
     for compliance in (np.ones((2, 2)), np.array([[1.0, 2.0], [2.0, 1.0]])):
         assert friction_limit(compliance, ONE) == 0.0
-
-
-def test_what_is_proven_to_be_below_the_limit_is_below_it() -> None:
-    """The cheap proof is never wrong, and fails for little: where it knows nothing the limit is not far."""
-    shares = []
-    for seed, n in itertools.product(range(15), (1, 2, 5, 40)):
-        compliance = random_problem(n, 0.0, seed).compliance
-        limit = friction_limit(compliance, np.ones(n))
-        proven = [
-            share for share in np.linspace(0.05, 1.5, 30) if below_friction_limit(share * limit, compliance, np.ones(n))
-        ]
-        assert max(proven, default=0.0) < 1.0
-        shares.append(max(proven, default=0.0))
-    assert np.median(shares) > 0.5
-    for compliance in (np.ones((2, 2)), np.array([[1.0, 2.0], [2.0, 1.0]])):
-        assert not below_friction_limit(0.0, compliance, ONE)
-    assert below_friction_limit(1e3, np.diag([1.0, 2.0, 3.0, 4.0]), np.array([1.0, 7.0]))
-    assert below_friction_limit(1e3, np.zeros((0, 0)), np.zeros(0))
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])
@@ -287,7 +275,7 @@ def test_below_the_limit_nothing_is_searched(monkeypatch: pytest.MonkeyPatch) ->
     def searched(problem: ContactProblem, known: np.ndarray) -> None:
         raise AssertionError("other starts were tried")
 
-    monkeypatch.setattr("crackgrow.study.second_solution.other_solutions", searched)
+    monkeypatch.setattr("crackgrow.study.uniqueness.other_solutions", searched)
     contact, loads = rock_of(one_point(1.7, -1.0, 3.0))
     assert second_solution(contact, solve_contact(contact, loads, np.zeros(1))) is None
     contact, loads = rock_of(one_point(1.8, -1.0, 3.0))
@@ -349,6 +337,13 @@ def test_every_load_factor_of_a_case_is_told_of() -> None:
     assert "not known: faces that dilate" in dilating
 
 
+def test_a_scene_that_asks_for_its_safety_is_examined_with_the_strength_that_it_has() -> None:
+    case = load_case(FLAW.with_name("slope_safety.yaml"), ["numerics.spacing=2"])
+    (told,) = unique_text(case)
+    assert told.startswith("  at load factor 1: ")
+    assert solved_scene(case).result.load_factor == 1.0
+
+
 def test_friction_beyond_the_bound_is_no_proof_of_a_second_solution() -> None:
     (told,) = told_of_the_flaw("cracks.flaw.contact.friction=50")
     assert "no second solution was found, which is no proof that there is none" in told
@@ -357,8 +352,8 @@ def test_friction_beyond_the_bound_is_no_proof_of_a_second_solution() -> None:
 
 def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
     found = SecondSolution(0.25, np.array([2, 0]), np.array([3e-5, 1e-6]), np.array([STICK, STICK]))
-    monkeypatch.setattr("crackgrow.study.second_solution.second_solution", lambda contact, outcome: found)
-    monkeypatch.setattr("crackgrow.study.second_solution.proven_limit", lambda contact, outcome: 0.25)
+    monkeypatch.setattr("crackgrow.study.uniqueness.second_solution", lambda contact, outcome: found)
+    monkeypatch.setattr("crackgrow.study.uniqueness.proven_limit", lambda contact, outcome: 0.25)
     (told,) = told_of_the_flaw("cracks.flaw.contact.friction=0.3")
     assert "more than one solution (it is certain only where friction is below 0.25)" in told
     assert "of 'flaw', which slips, sticks, its faces moved by 3e-05 m" in told

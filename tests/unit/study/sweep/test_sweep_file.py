@@ -10,8 +10,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.case.model import PointSupport
 from crackgrow.errors import CaseError
-from crackgrow.study.sweep.design import combinations
-from crackgrow.study.sweep.plan import plan_sweep, short_names
+from crackgrow.study.sweep.plan import combinations, plan_sweep, short_names
 from crackgrow.study.sweep.sweep_file import SweepFile, read_sweep_file
 
 CASES = Path(__file__).parents[4] / "cases"

@@ -25,8 +25,8 @@ from crackgrow.errors import CaseError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
 from crackgrow.study.sweep import place
+from crackgrow.study.sweep.columns import Values
 from crackgrow.study.sweep.job import Job, bounded_memory, run_job
-from crackgrow.study.sweep.measured import Values
 from crackgrow.study.sweep.place import ClusterError, MissingPackageError
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
 from crackgrow.study.sweep.runner import SweepRow, sweep

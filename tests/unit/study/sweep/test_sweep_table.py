@@ -15,8 +15,8 @@ from crackgrow import blas
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
 from crackgrow.study.sweep import job
+from crackgrow.study.sweep.columns import measured
 from crackgrow.study.sweep.job import Job, run_job, solve
-from crackgrow.study.sweep.measured import measured
 from crackgrow.study.sweep.picture import draw, responses_of, shown_as
 from crackgrow.study.sweep.plan import SweepPlan, plan_sweep
 from crackgrow.study.sweep.runner import done

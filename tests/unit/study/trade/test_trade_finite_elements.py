@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from crackgrow.study.trade.columns import COLUMNS
-from crackgrow.study.trade.finite_elements import TABLE, finite_elements
+from crackgrow.study.trade.picture import TABLE, finite_elements
 from crackgrow.study.trade.row import Row
 from tests.benchmarks.paths import REFERENCES
 

@@ -10,9 +10,7 @@ from crackgrow import cli
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError
 from crackgrow.study.setting import CaseFile
-from crackgrow.study.trade.axes import chosen_axes
-from crackgrow.study.trade.grid import finest, settings_of, with_length
-from crackgrow.study.trade.plan import plan_trade
+from crackgrow.study.trade.plan import chosen_axes, finest, plan_trade, settings_of, with_length
 
 CASES = Path(__file__).parents[4] / "cases"
 COMPRESSION = CaseFile(CASES / "compression30.yaml")
