@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[2]
 READMES = (
     "README.md", "cases/README.md", "cases/PYTHON.md", "cases/GLOSSARY.md", "cases/sweeps/README.md",
     "outputs/README.md", "crackgrow/README.md", "tests/README.md", "tests/verification/README.md",
-    "tests/benchmarks/README.md", "tests/stability/README.md",
+    "tests/benchmarks/README.md", "tests/stability/README.md", "tests/experiments/README.md",
 )  # fmt: skip
 """All that is written for people, in the order in which one may read it; later ones use results of earlier ones."""
 
