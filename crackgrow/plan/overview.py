@@ -218,7 +218,7 @@ def _radii(case: Case, growth: model.Growth, scale: float, unit: str) -> Iterato
         if body.name in hosts and body.strength is not None and body.strength.shear_toughness is not None:
             radius = shear_radius(growth, body.strength)
             averages = " (not used: no tip grows in shear)" if radius is None else f" ({text(radius)})"
-            yield f"in shear {body.strength.shear_toughness / 1e6:g} MPa sqrt(m){averages}"
+            yield f"toughness in shear of '{body.name}' {body.strength.shear_toughness / 1e6:g} MPa sqrt(m){averages}"
 
 
 def _rule(case: Case) -> str:
