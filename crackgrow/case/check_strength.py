@@ -8,7 +8,7 @@ import shapely
 from crackgrow.case.declared import keys_of
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.model import Growth
-from crackgrow.case.toughness import BY_K
+from crackgrow.case.toughness import BY_K, JUDGED_ON_RAYS
 
 MOST_PLACES = 20_000
 """Places at which the stress is averaged in every step: each takes some hundred points."""
@@ -39,6 +39,7 @@ def check_strength(scene: Scene) -> None:
             message = "missing: cracks can grow in it, so it needs a strength {tension, cohesion, friction_angle}"
             report.fault(key, message)
         _check_tension(scene, name)
+        _check_shear(scene, name)
     if isinstance(scene.resolved.get("growth"), dict) and report.sound("growth", "tip_stress"):
         if report.sound("bodies"):
             _check_told_once(scene)
@@ -64,6 +65,20 @@ def _check_tension(scene: Scene, name: str) -> None:
         apex = scene.units.show(strength["cohesion"] / slope, "stress")
         message = f"above the apex of the shear strength, cohesion / tan(friction_angle) = {apex}; wanted: at most that"
         scene.report.fault(("bodies", name, "strength", "tension"), message)
+
+
+def _check_shear(scene: Scene, name: str) -> None:
+    """A toughness in shear stands for a length by the cohesion, and is for criteria that judge shear on rays."""
+    key = ("bodies", name, "strength")
+    strength, criterion = scene.get(*key), scene.get("growth", "criterion")
+    if strength is None or not scene.report.sound(*key) or "shear_toughness" not in strength:
+        return
+    if strength["cohesion"] == 0.0:
+        message = "stands for a length by the cohesion, which is 0; give a cohesion > 0, or leave it out"
+        scene.report.fault((*key, "shear_toughness"), message)
+    elif criterion not in (None, *JUDGED_ON_RAYS):
+        message = f"is for criteria that judge shear on rays from the tip; {criterion} given"
+        scene.report.fault((*key, "shear_toughness"), f"{message}; wanted: {' or '.join(sorted(JUDGED_ON_RAYS))}")
 
 
 def strengths(scene: Scene, with_toughness: bool) -> list[str]:
@@ -100,6 +115,8 @@ def _check_sizes(scene: Scene) -> None:
         message = f"{scene.length(radius)} is more than the size of the scene, {scene.length(scene.size)}"
         if name is None:
             scene.report.fault(key, f"{message}; wanted: a length of the material")
+        elif key[-1] == "shear_toughness":
+            scene.report.fault(key, f"asks for an averaging radius by the cohesion that is too large: {message}")
         else:
             told = f"asks {scene.get('growth', 'criterion')} for an averaging radius by the tension that is too large"
             scene.report.fault(key, f"{told}: {message}; max_hoop_stress needs none")

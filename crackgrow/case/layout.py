@@ -18,7 +18,7 @@ from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import segments_of
 from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
 from crackgrow.case.snapping import SNAP, size_of, snapped_bodies, snapped_cracks
-from crackgrow.case.toughness import BY_K, MODE_I, radius_of
+from crackgrow.case.toughness import BY_K, MODE_I, radius_of, shear_radius_of
 from crackgrow.case.units import Units
 
 EXACT: Final = 12  # digits of a place that the user is to write
@@ -92,17 +92,22 @@ class Scene:
         return value
 
     def averaging_radii(self) -> Iterator[tuple[str | None, tuple[str, ...], float]]:
-        """Radii (m) to average over, with their keys: the one that is given, then, with its name, that of each body
-        whose toughness is known, unless the criterion goes by K alone: it does at tips, not where cracks start."""
+        """Radii (m) to average over, with their keys: the one that is given, then, with its name, those of each body
+        whose toughnesses are known, unless the criterion goes by K alone: it does at tips, not where cracks start."""
         given, criterion = self.get("growth", "tip_stress", "radius"), self.get("growth", "criterion")
         by_K = BY_K if self.get("growth", "initiation", "at") in (None, "tips") else frozenset()
         if given is not None:
             yield None, ("growth", "tip_stress", "radius"), given
         for name in named(self.resolved, "bodies") if criterion in MODE_I.keys() - by_K else ():
-            strength = self.get("bodies", name, "strength")
-            if isinstance(strength, dict) and "toughness" in strength:
-                radius = radius_of(criterion, strength["tension"], strength["toughness"])
-                yield name, ("bodies", name, "strength", "toughness"), radius
+            key = ("bodies", name, "strength")
+            strength = self.get(*key)
+            if not isinstance(strength, dict):
+                continue
+            if "toughness" in strength:
+                yield name, (*key, "toughness"), radius_of(criterion, strength["tension"], strength["toughness"])
+            if "shear_toughness" in strength and strength["cohesion"] > 0.0:
+                radius = shear_radius_of(strength["cohesion"], strength["shear_toughness"])
+                yield name, (*key, "shear_toughness"), radius
 
     def listed(self, key: str) -> list[tuple[int, Resolved]]:
         """Return the items of a list that could be read, as a whole or in part, with their numbers."""

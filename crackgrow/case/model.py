@@ -61,6 +61,11 @@ class Strength:
         Quantity("toughness", POSITIVE),
         Doc("K_Ic, from which the averaging radius of the criterion follows"),
     ] = None  # Pa sqrt(m)
+    shear_toughness: Annotated[
+        float | None,
+        Quantity("toughness", POSITIVE),
+        Doc("K_IIc, at which tips grow in shear; left out: that by cohesion and the averaging radius"),
+    ] = None  # Pa sqrt(m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

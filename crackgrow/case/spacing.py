@@ -63,5 +63,6 @@ def _lengths(scene: Scene) -> Iterator[Length]:
     if increment is not None:
         yield Length("increment", increment, "growth.increment")
     for body_name, key, radius in scene.averaging_radii():
-        what = ".".join(key) if body_name is None else f"averaging radius by the toughness of body '{body_name}'"
+        by = key[-1].replace("_", " ")
+        what = ".".join(key) if body_name is None else f"averaging radius by the {by} of body '{body_name}'"
         yield Length("radius", radius, what)

@@ -12,7 +12,8 @@ SYNONYMS: Final = {  # in small letters: the first of these that is allowed wher
     "sigma_t": ("tension",), "t0": ("tension",), "ft": ("tension",), "tensile": ("tension",), "c": ("cohesion",),
     "c0": ("cohesion",), "phi": ("friction_angle", "friction"), "mu": ("friction",), "psi": ("dilation_angle",),
     "mu_r": ("residual_friction",), "kn": ("normal",), "ks": ("shear",), "kt": ("shear",), "dc": ("weakening_length",),
-    "k_ic": ("toughness",), "kic": ("toughness",), "frictionless": ("none",), "glued": ("bonded",),
+    "k_ic": ("toughness",), "kic": ("toughness",), "k_iic": ("shear_toughness",), "kiic": ("shear_toughness",),
+    "frictionless": ("none",), "glued": ("bonded",),
     # shapes and places
     "circle": ("disk",), "box": ("rectangle",), "square": ("rectangle",), "r": ("radius",), "w": ("width",),
     "h": ("spacing", "height"), "dip": ("angle",), "theta": ("angle",), "vertices": ("points", "polygon"),

@@ -67,8 +67,7 @@ class TipLoading:
     @property
     def none(self) -> TipLoading:
         """The same tip without any load."""
-        field = replace(self.field, rays=0.0 * self.field.rays, mean=0.0 * self.field.mean)
-        return TipLoading(field, 0.0 * self.K_I, 0.0 * self.K_II, self.radius)
+        return TipLoading(self.field.mapped(lambda stress: 0.0 * stress), 0.0 * self.K_I, 0.0 * self.K_II, self.radius)
 
     def with_K_off(self, d_I: float, d_II: float) -> TipLoading:
         """The loading where K is larger by d_I and d_II (Pa sqrt(m)), and the stress by the singular field of these.
@@ -76,19 +75,19 @@ class TipLoading:
         On a ray the average of 1 / sqrt(2 pi r) up to the radius R is 2 / sqrt(2 pi R); the rays' own average is that
         over the disc.
         """
-        field, radius = self.field, self.field.radius or self.radius
-        added = singular_stress(field.angles, field.direction) @ (d_I, d_II) * 2.0 / np.sqrt(2.0 * np.pi * radius)
-        moved = replace(field, rays=field.rays + added, mean=field.mean + added.mean(axis=0))
-        return TipLoading(moved, self.K_I + d_I, self.K_II + d_II, self.radius)
+
+        def moved(field: TipField) -> TipField:
+            scale = 2.0 / np.sqrt(2.0 * np.pi * (field.radius or self.radius))
+            added = singular_stress(field.angles, field.direction) @ (d_I, d_II) * scale
+            shear = field.shear and moved(field.shear)
+            return replace(field, rays=field.rays + added, mean=field.mean + added.mean(axis=0), shear=shear)
+
+        return TipLoading(moved(self.field), self.K_I + d_I, self.K_II + d_II, self.radius)
 
     @classmethod
     def between(cls, first: TipLoading, last: TipLoading, share: float) -> TipLoading:
         """The loading at a share of the way from one load to another where everything is linear in the load."""
-        field = replace(
-            first.field,
-            rays=first.field.rays + share * (last.field.rays - first.field.rays),
-            mean=first.field.mean + share * (last.field.mean - first.field.mean),
-        )
+        field = first.field.mapped(lambda a, b: a + share * (b - a), last.field)
         K_I, K_II = (a + share * (b - a) for a, b in ((first.K_I, last.K_I), (first.K_II, last.K_II)))
         return cls(field, K_I, K_II, first.radius)
 
@@ -142,14 +141,16 @@ def directional_strength(loading: TipLoading, limits: Strength) -> Verdict:
     """Strength on every ray from the tip: hoop tension first, then Mohr-Coulomb shear on the ray."""
     field = loading.field
     s1, s3, _ = (float(v[0]) for v in principal(field.mean[None]))
-    hoop, shear = hoop_and_shear(field, field.rays)
-    ahead = (np.abs(field.angles) <= field.half_width) & np.isfinite(hoop)
-    if not ahead.any():
+    angles, hoop, shear = _ahead(field)
+    if not len(angles):
         return Verdict(s1, s3, "tension", 0.0, 0.0)
-    angles, hoop, shear = field.angles[ahead], hoop[ahead], shear[ahead]
     tension, kink = _peak(angles, hoop / limits.tension)
-    resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * hoop
-    sliding, shear_kink = _peak(angles, _ratio(np.abs(shear), resistance))
+    if field.shear is not None:
+        toughness = _at_shear_toughness(field.shear, limits)
+        sliding, shear_kink = toughness.criticality, toughness.kink
+    else:
+        resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * hoop
+        sliding, shear_kink = _peak(angles, _ratio(np.abs(shear), resistance))
     if tension >= 1.0 or tension >= sliding:
         return Verdict(s1, s3, "tension", tension, kink)
     return Verdict(s1, s3, "shear", sliding, shear_kink)
@@ -167,6 +168,8 @@ def shear_growth(loading: TipLoading, limits: Strength) -> Verdict:
     (c + p tan(phi)) sqrt(2 pi R) / 2 straight ahead, and sooner beside it.
     """
     field = loading.field
+    if field.shear is not None:
+        return _at_shear_toughness(field.shear, limits)
     s1, s3, _ = (float(v[0]) for v in principal(field.mean[None]))
     hoop, shear = hoop_and_shear(field, field.rays)
     pressed = (np.abs(field.angles) <= field.half_width) & (hoop <= 0.0)  # nan is not
@@ -177,6 +180,22 @@ def shear_growth(loading: TipLoading, limits: Strength) -> Verdict:
     criticality, kink = _peak(angles, ratios)
     met = ratios >= 1.0
     return Verdict(s1, s3, "shear", criticality, _peak(angles[met], shear[met])[1] if met.any() else kink)
+
+
+def _at_shear_toughness(field: TipField, limits: Strength) -> Verdict:
+    """Shear at a tip whose toughness in shear is known: Mohr-Coulomb on the ray with the largest shear stress.
+
+    So mode II grows straight on (Rao et al. 2003) at K_IIc, and under a pressure p where faces have a friction mu at
+    (1 + p (tan(phi) - mu) / c) K_IIc. Where that ray is pulled by the tensile strength it opens.
+    """
+    s1, s3, _ = (float(v[0]) for v in principal(field.mean[None]))
+    angles, hoop, shear = _ahead(field)
+    if not len(angles):
+        return Verdict(s1, s3, "shear", 0.0, 0.0)
+    largest, kink = _peak(angles, np.abs(shear))
+    across = float(np.interp(kink, angles, hoop))
+    resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * across
+    return Verdict(s1, s3, "shear", float(_ratio(largest, resistance)) if across < limits.tension else 0.0, kink)
 
 
 def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
@@ -223,6 +242,13 @@ def hoop_and_shear(field: TipField, stress: Floats) -> tuple[Floats, Floats]:
     c, s = np.cos(t), np.sin(t)
     xx, yy, xy = stress.T
     return xx * s * s + yy * c * c - 2.0 * xy * s * c, (yy - xx) * s * c + xy * (c * c - s * s)
+
+
+def _ahead(field: TipField) -> tuple[Floats, Floats, Floats]:
+    """Angles (n,) of the rays that a crack may take, with their hoop stress and shear stress (n,) Pa."""
+    hoop, shear = hoop_and_shear(field, field.rays)
+    ahead = (np.abs(field.angles) <= field.half_width) & np.isfinite(hoop)
+    return field.angles[ahead], hoop[ahead], shear[ahead]
 
 
 def _ratio(load: Floats | float, resistance: Floats | float) -> Floats:

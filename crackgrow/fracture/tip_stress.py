@@ -8,8 +8,8 @@ length: for the singular field <s_yy> = 1.5279 K_I / sqrt(2 pi R) and <s_xy> = 1
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -50,6 +50,14 @@ class TipField:
     mean: Floats  # (3,) Pa: Shepard average over the disc
     half_width: float = LARGEST_KINK  # rad: no crack goes further to either side
     radius: float | None = None  # m, of the average; None: that of the criterion
+    shear: TipField | None = None  # of a tip: the same over the length of the toughness in shear, where there is one
+
+    def mapped(self, change: Callable[..., Floats], *others: TipField) -> TipField:
+        """The field with `change` of its stress, and of that of `others` at the same site."""
+        rays = change(self.rays, *(each.rays for each in others))
+        mean = change(self.mean, *(each.mean for each in others))
+        shear = self.shear and self.shear.mapped(change, *(each.shear for each in others if each.shear))
+        return replace(self, rays=rays, mean=mean, shear=shear)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,6 +84,7 @@ class FieldReading:
     rule: Rule
     functions: Ints  # (k,)
     reading: Reading
+    shear: FieldReading | None = None  # the same over the length of the toughness in shear
 
 
 def field_readings(readings: Readings, sites: Sequence[Site], radius: float | Sequence[float]) -> list[FieldReading]:
@@ -97,7 +106,12 @@ def fields_of(
 ) -> list[TipField]:
     """Stress round sites, of what is read off the displacement `u` (n_dofs,) m."""
     amplitudes = u.reshape(-1, 2)
-    return [_averaged(cover, materials[known.site.body], amplitudes[known.functions], known) for known in readings]
+
+    def field(known: FieldReading) -> TipField:
+        found = _averaged(cover, materials[known.site.body], amplitudes[known.functions], known)
+        return found if known.shear is None else replace(found, shear=field(known.shear))
+
+    return [field(known) for known in readings]
 
 
 def _rule(cover: Cover, site: Site, radius: float) -> Rule:

@@ -13,7 +13,7 @@ from crackgrow.case.accuracy import STANDARD, name_of
 from crackgrow.case.features import line_length
 from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import Case, CoulombContact, Crack
-from crackgrow.case.toughness import BY_K, averaging_radius
+from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
 from crackgrow.results.places import component_text, length_unit, surface_text
 from crackgrow.results.units import counted, stress_text
 
@@ -215,6 +215,10 @@ def _radii(case: Case, growth: model.Growth, scale: float, unit: str) -> Iterato
         if body.name in hosts and body.strength is not None and body.strength.toughness is not None:
             averages = "" if growth.criterion in BY_K else f" ({text(averaging_radius(growth, body.strength))})"
             yield f"toughness of '{body.name}' {body.strength.toughness / 1e6:g} MPa sqrt(m){averages}"
+        if body.name in hosts and body.strength is not None and body.strength.shear_toughness is not None:
+            radius = shear_radius(growth, body.strength)
+            averages = " (not used: no tip grows in shear)" if radius is None else f" ({text(radius)})"
+            yield f"toughness in shear of '{body.name}' {body.strength.shear_toughness / 1e6:g} MPa sqrt(m){averages}"
 
 
 def _rule(case: Case) -> str:

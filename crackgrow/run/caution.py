@@ -147,6 +147,12 @@ class Cause(Enum):
         "{criterion} averages over more than the field of K, and mode I growth begins at a K off by up to "
         "{percent:.2g} %; use max_hoop_stress, or a larger tension where cracks are all that breaks",
     )  # fmt: skip
+    WIDE_SHEAR = (
+        0.05, "length of the crack", "a straight crack in shear grows within 2.5 % of the toughness up to it",
+        "{place} is short beside the length that shear is averaged over by cohesion and shear_toughness, "
+        "{radius:.3g} m: it goes by the strength, too, and grows in shear at a K_II up to {percent:.2g} % below the "
+        "toughness",
+    )  # fmt: skip
     SHORT_INCREMENT = (
         1.0, "spacings", "kinks that follow closer on each other share all of their patches",
         "the increment {increment:g} m is below a spacing ({spacing:g} m): the cover does not resolve kinks that "

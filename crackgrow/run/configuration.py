@@ -246,6 +246,11 @@ class Configuration:
         some = [number for number, site in enumerate(self.sites) if scene.case.bodies[site.body].strength is not None]
         strong = [self.sites[number] for number in some]
         found = field_readings(self.readings, strong, [scene.radius_at(site) for site in strong])
+        radii = [scene.shear_radius_at(site) for site in strong]
+        sheared = [n for n, radius in enumerate(radii) if radius is not None]
+        over = field_readings(self.readings, [strong[n] for n in sheared], [radius for radius in radii if radius])
+        for n, reading in zip(sheared, over, strict=True):
+            found[n] = replace(found[n], shear=reading)
         return dict(zip(some, found, strict=True))
 
     @cached_property

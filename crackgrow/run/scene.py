@@ -25,7 +25,7 @@ from crackgrow.case.model import (
     Stage,
     Stages,
 )
-from crackgrow.case.toughness import averaging_radius, start_radius
+from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
@@ -213,6 +213,18 @@ class Scene:
         """Radius (m) over which stress is averaged at a site in such a body."""
         starts = site.kind != "tip" or site.in_shear
         return self.start_radius(site.body) if starts else self.averaging_radius(site.body)
+
+    def shear_radius_at(self, site: Site) -> float | None:
+        """The same (m) for shear at a tip that may grow in it by a toughness; None elsewhere.
+
+        Where cracks start there is no K: a wing has taken the singularity away. Over a longer length stress is larger
+        there, and a larger toughness would let them start sooner.
+        """
+        growth, strength = self.case.growth, self.case.bodies[site.body].strength
+        assert growth is not None
+        assert strength is not None
+        shears = site.in_shear or (site.kind == "tip" and growth.criterion not in BY_K)
+        return shear_radius(growth, strength) if shears else None
 
     def materials_at(self, load_factor: float) -> tuple[PlaneElasticity, ...]:
         """Materials, body by body, with their in-situ stress at a load factor."""

@@ -13,7 +13,7 @@ from crackgrow.case.features import line_length
 from crackgrow.case.meetings import scene_size
 from crackgrow.case.model import Case, Crack, Gravity, InSituStress, Load, PointForce, PointSupport
 from crackgrow.case.snapping import SNAP
-from crackgrow.case.toughness import BY_K, averaging_radius
+from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
@@ -42,7 +42,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     sizes = [tip.size for tip in cover.tips] + [largest_cell_at(cover.lattice, site.point) for site in starts]
     at_tips = max(sizes, default=1.0) * scene.lattice.spacing
     radii = [] if growth is None or growth.tip_radius is None else [growth.tip_radius]
-    radii += [radius for radius, _ in _by_toughness(scene)]
+    radii += [radius for radius, _ in (*_by_toughness(scene), *_by_shear_toughness(scene))]
     if min(radii, default=np.inf) < Cause.SMALL_RADIUS.limit * at_tips:
         yield Cause.SMALL_RADIUS.at(radius=min(radii), spacing=at_tips)
     yield from _wide_averages(scene)
@@ -83,6 +83,16 @@ def _by_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
             yield averaging_radius(case.growth, strength), crack
 
 
+def _by_shear_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
+    """Radii (m) that shear is averaged over by a toughness of its own, crack by crack."""
+    for crack, body in zip(scene.case.cracks, scene.crack_bodies, strict=True):
+        strength = scene.case.bodies[body].strength
+        if scene.case.growth is not None and strength is not None:
+            radius = shear_radius(scene.case.growth, strength)
+            if radius is not None:
+                yield radius, crack
+
+
 def _wide_averages(scene: Scene) -> Iterator[Caution]:
     """Cracks so short beside the averaging radius that the average is not that of their K."""
     for radius, crack in _by_toughness(scene):
@@ -91,6 +101,11 @@ def _wide_averages(scene: Scene) -> Iterator[Caution]:
             criterion = scene.case.growth.criterion if scene.case.growth else ""
             told = {"radius": radius, "criterion": criterion, "percent": 50.0 * share}
             yield Cause.WIDE_AVERAGE.at(f"crack '{crack.name}'", share, **told)
+    for radius, crack in _by_shear_toughness(scene):
+        share = radius / line_length(crack.points)
+        if share > Cause.WIDE_SHEAR.limit:
+            told = {"radius": radius, "percent": 100.0 * (1.0 - 1.0 / np.sqrt(1.0 + share))}
+            yield Cause.WIDE_SHEAR.at(f"crack '{crack.name}'", share, **told)
 
 
 def _short_starts(scene: Scene) -> Iterator[Caution]:

@@ -130,12 +130,16 @@ def _scaled(length: float | None, placement: Placement) -> float | None:
 def _body(body: Body, placement: Placement) -> Body:
     strength = body.strength
     if strength is not None:
-        K = strength.toughness
+        K, K_shear = (
+            None if K is None else placement.stress * float(np.sqrt(placement.size)) * K
+            for K in (strength.toughness, strength.shear_toughness)
+        )
         strength = replace(
             strength,
             tension=placement.stress * strength.tension,
             cohesion=placement.stress * strength.cohesion,
-            toughness=None if K is None else placement.stress * float(np.sqrt(placement.size)) * K,
+            toughness=K,
+            shear_toughness=K_shear,
         )
     material = replace(body.material, young=placement.young * body.material.young)
     return replace(

@@ -9,7 +9,7 @@ import pytest
 
 from crackgrow.case import Case, load_case
 from crackgrow.case.dump import dump_case
-from crackgrow.case.toughness import averaging_radius
+from crackgrow.case.toughness import averaging_radius, shear_radius
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import CaseError, Fault
 from crackgrow.run.foci import focus_of
@@ -93,6 +93,73 @@ def test_direction_that_is_given_wins(tmp_path: Path) -> None:
     case = load_case(tough(tmp_path), ["growth.criterion=max_hoop_stress", "growth.direction=explicit"])
     assert case.growth is not None
     assert case.growth.direction == "explicit"
+
+
+def sheared(folder: Path, shear_toughness: str = "0.06 MPa sqrt(m)", *edits: tuple[str, str]) -> Path:
+    """compression30 with a toughness in shear beside that in tension."""
+    return tough(folder, f"0.04 MPa sqrt(m)\n      shear_toughness: {shear_toughness}", *edits)
+
+
+def test_radius_for_shear_follows_from_cohesion_and_its_toughness(tmp_path: Path) -> None:
+    case = load_case(sheared(tmp_path))
+    growth, strength = case.growth, case.bodies[0].strength
+    assert growth is not None
+    assert strength is not None
+    radius = (2.0 * 0.06e6 / strength.cohesion) ** 2 / (2.0 * np.pi)
+    assert shear_radius(growth, strength) == pytest.approx(radius, rel=1e-14)
+    path = tmp_path / "again.yaml"
+    path.write_text(dump_case(case), encoding="utf-8")
+    assert dump_case(load_case(path)) == dump_case(case)
+    plain = load_case(tough(tmp_path)).bodies[0].strength
+    assert plain is not None
+    assert shear_radius(growth, plain) is None
+
+
+def test_no_radius_for_shear_where_nothing_starts_and_K_decides_all(tmp_path: Path) -> None:
+    path = sheared(tmp_path)
+    for at, averaged in (("tips", False), ("ends", True)):
+        case = load_case(path, ["growth.criterion=max_hoop_stress", f"growth.initiation={at}"])
+        assert case.growth is not None
+        assert case.bodies[0].strength is not None
+        assert (shear_radius(case.growth, case.bodies[0].strength) is not None) == averaged
+
+
+@pytest.mark.parametrize(
+    ("shear_toughness", "edits", "words"),
+    [
+        ("0 MPa sqrt(m)", (), "wanted: a toughness > 0"),
+        ("1.2 MPa", (), "has a unit of stress"),
+        (
+            "0.06 MPa sqrt(m)",
+            (("cohesion: 10 ", "cohesion: 0 "), ("friction_angle: 40", "friction_angle: 0")),
+            "by the cohesion, which is 0",
+        ),
+        ("0.06 MPa sqrt(m)", (("criterion: directional_strength", "criterion: strength"),), "wanted: directional"),
+        ("900 MPa sqrt(m)", (), "by the cohesion that is too large"),
+    ],
+)
+def test_faults_of_a_toughness_in_shear(
+    shear_toughness: str, edits: tuple[tuple[str, str], ...], words: str, tmp_path: Path
+) -> None:
+    path = sheared(tmp_path, shear_toughness)
+    text = path.read_text(encoding="utf-8")
+    for old, new in edits:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    path.write_text(text, encoding="utf-8")
+    found = [fault for fault in faults_of(path) if fault.key == "bodies.rock.strength.shear_toughness"]
+    assert len(found) == 1
+    assert words in found[0].message
+
+
+def test_automatic_cells_resolve_the_radius_for_shear(tmp_path: Path) -> None:
+    overrides = ["numerics.spacing=auto", "numerics.refine.tips=0", "numerics.refine.kinks=0"]
+    case = load_case(sheared(tmp_path, "0.2 MPa sqrt(m)"), overrides)
+    strength = case.bodies[0].strength
+    assert case.growth is not None
+    assert strength is not None
+    assert case.numerics.spacing == pytest.approx(2.0 * (shear_radius(case.growth, strength) or 0.0))
+    assert "shear toughness of body 'rock'" in str(case.numerics.auto_rule)
 
 
 def test_automatic_spacing_resolves_the_radius_that_is_averaged_over(tmp_path: Path) -> None:

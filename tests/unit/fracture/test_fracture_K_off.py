@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,19 @@ def test_criteria_see_a_tip_that_has_this_K(K: tuple[float, float]) -> None:
     assert by_ray.kink == pytest.approx(kink, abs=np.deg2rad(1.0))
     assert by_ray.criticality == pytest.approx(2.0 * max_hoop_stress(loading, LIMITS).criticality, rel=2e-3)
     assert set(CRITERIA) == {"strength", "directional_strength", "max_hoop_stress"}
+
+
+def test_over_another_length_for_shear_K_is_off_by_as_much() -> None:
+    """Of every loading between two as well; the average of 1 / sqrt(r) over a length falls with its square root."""
+    plain = unloaded(0.3)
+    both = replace(plain, field=replace(plain.field, radius=RADIUS, shear=replace(plain.field, radius=4.0 * RADIUS)))
+    moved = both.with_K_off(1e5, -5e4)
+    half = TipLoading.between(moved.none, moved, 0.5)
+    assert moved.field.shear is not None
+    assert half.field.shear is not None
+    np.testing.assert_allclose(moved.field.shear.rays, 0.5 * moved.field.rays, rtol=1e-12)
+    np.testing.assert_allclose(half.field.shear.rays, 0.5 * moved.field.shear.rays, rtol=1e-12)
+    np.testing.assert_allclose(half.field.shear.mean, 0.5 * moved.field.shear.mean, rtol=1e-12)
 
 
 def test_the_average_over_the_disc_is_that_of_the_singular_field() -> None:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from crackgrow.case.model import Growth, Strength
-from crackgrow.case.toughness import MODE_I, radius_of, start_radius, toughness_of
+from crackgrow.case.toughness import MODE_I, radius_of, shear_radius_of, start_radius, toughness_of
 from crackgrow.fracture.criteria import (
     CRITERIA,
     LARGEST_KINK,
     Criterion,
     TipLoading,
+    Verdict,
     directional_strength,
     hoop_and_shear,
     hoop_stress_kink,
@@ -343,6 +347,49 @@ def test_friction_makes_shear_growth_wait_for_the_pressure_but_not_turn_beyond_i
     assert found[1].criticality > 1.0
     beyond = shear_growth(near_field(0.0, 2.0 * ahead * K_II * scale, pressure=5.0 * p), WEAK_IN_SHEAR)
     assert np.rad2deg(beyond.kink) == pytest.approx(0.0, abs=DIRECTION)
+
+
+def tough_in_shear(field: TipField, part: float = 1.0) -> TipLoading:
+    """A tip whose toughness in shear stands for a length `part` times that of its field, which is all singular."""
+    return loading(replace(field, shear=field.mapped(lambda stress: stress / np.sqrt(part))))
+
+
+@pytest.mark.parametrize("judge", [shear_growth, directional_strength])
+@pytest.mark.parametrize("pressure", [0.0, 0.1, 1.0])
+@pytest.mark.parametrize(("friction", "phi"), [(0.0, 0.0), (0.0, 32.0), (0.6, 32.0), (0.9, 32.0)])
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_shear_grows_straight_on_at_its_toughness_and_what_pressure_adds(
+    sense: float, friction: float, phi: float, pressure: float, judge: Callable[[TipLoading, Strength], Verdict]
+) -> None:
+    """Faces that slide under a pressure p leave the shear stress mu p ahead of the tip, the rock bears p tan(phi)."""
+    K_IIc = 0.5 * 0.58 * np.sqrt(2.0 * np.pi * RADIUS)
+    limits = Strength(tension=1e3, cohesion=0.58, friction_angle=phi, shear_toughness=K_IIc)
+    assert shear_radius_of(limits.cohesion, K_IIc) == pytest.approx(RADIUS)
+    K_II = sense * K_IIc * (1.0 + pressure * (np.tan(np.deg2rad(phi)) - friction) / limits.cohesion)
+    field = near_field(0.0, K_II, pressure=pressure).field
+    slides = field.mapped(lambda stress: stress + sense * friction * pressure * np.array([0.0, 0.0, 1.0]))
+    verdict = judge(tough_in_shear(slides), limits)
+    assert verdict.mode == "shear"
+    assert verdict.criticality == pytest.approx(1.0, rel=RAYS)
+    assert np.rad2deg(verdict.kink) == pytest.approx(0.0, abs=DIRECTION)
+
+
+def test_a_tip_that_opens_does_not_grow_in_shear() -> None:
+    """K_I turns the ray with the largest shear stress to where it is pulled beyond the tensile strength."""
+    limits = Strength(tension=0.35, cohesion=1e-3, friction_angle=30.0)
+    assert shear_growth(tough_in_shear(near_field(1.0, 1.0).field), limits).criticality == 0.0
+    assert shear_growth(tough_in_shear(near_field(-1.0, 1.0).field), limits).criticality > 1.0
+
+
+@pytest.mark.parametrize("part", [0.25, 1.0, 9.0])
+def test_a_toughness_in_shear_leaves_tension_alone(part: float) -> None:
+    """Without friction the load of shear rises with it, which is the square root of the length."""
+    plain = near_field(0.0, 1.0)
+    for limits in (WEAK_IN_TENSION, replace(WEAK_IN_SHEAR, friction_angle=0.0)):
+        one, both = (directional_strength(each, limits) for each in (plain, tough_in_shear(plain.field, part)))
+        assert both.mode == one.mode
+        scale = 1.0 if one.mode == "tension" else np.sqrt(part)
+        assert one.criticality == pytest.approx(scale * both.criticality, rel=1e-12)
 
 
 @pytest.mark.parametrize("direction", np.deg2rad([31.0, 145.0, -100.0]))

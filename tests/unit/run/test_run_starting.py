@@ -127,6 +127,22 @@ def test_ends_of_a_flaw_start_one_crack_each_and_equal_ones_together() -> None:
     np.testing.assert_allclose(one - centre, centre - other, atol=1e-3 * np.hypot(*(ends[1] - ends[0])))
 
 
+def test_a_toughness_in_shear_is_for_tips_not_for_starts() -> None:
+    """What starts goes by the strength; whether a crack that has started in shear goes on so, by the toughness."""
+    settings = [*SECOND, "growth.criterion=directional_strength", "bodies.rock.strength.tension=0.7"]
+    started, in_shear = [], []
+    for key in ((), ("bodies.rock.strength.shear_toughness=0.1 MPa sqrt(m)",)):
+        every = [*settings, "growth.steps=4", "loading={history: [0.03]}", *key]
+        results, _ = whole_run(load_case(CASES / "compression30.yaml", every))
+        events = [event for result in results for event in result.events if event.kind == "initiation"]
+        started.append([(event.step, event.met, *event.point) for event in events])
+        grown = [tip for result in results for tip in result.tips if tip.advanced]
+        in_shear.append({tip.crack for tip in grown if tip.criterion == "shear"})
+    assert started[0] == started[1]
+    assert {met for _, met, *_ in started[0]} == {"crack 'flaw' (shear)"}
+    assert in_shear == [{"new1", "new2"}, set()]
+
+
 def test_a_new_crack_is_broken_from_the_start_and_has_the_friction_of_its_parent() -> None:
     case = load_case(CASES / "compression30.yaml", [*SECOND, "cracks.flaw.contact.cohesion=0.01"])
     results, _ = whole_run(case)
