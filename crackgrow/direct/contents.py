@@ -86,8 +86,9 @@ class Contents:
             numbers = functions.astype(np.int64)
             places.append(_places(numbers[:, part.first], numbers[:, part.second], p, b).ravel())
             terms.append(part.terms[part.kind[part.starts[front] : part.starts[front + 1]]].ravel())
-        sums = np.bincount(np.concatenate(places), np.concatenate(terms), (p + b) * p + b * b)
-        total = np.asarray(sums, dtype=np.float64)  # where nothing is, there are integers
+        at, total = np.concatenate(places), np.zeros((p + b) * p + b * b)
+        if len(at):  # else the sums would be whole numbers
+            total = np.bincount(at, np.concatenate(terms), len(total)).astype(np.float64, copy=False)
         own = total[: (p + b) * p].copy()  # it is kept, the rest is not
         for block, local in zip(self._blocks.of_front.of(front).tolist(), self._of_blocks[front], strict=True):
             _add_block(own, self._blocks.blocks.halves[block], local, p)
