@@ -62,13 +62,10 @@ class Factorization:
         n, m = len(loads), len(wanted)
         if m == 0:
             return self._fronts.solve(loads), wanted
-        right = np.concatenate([loads + self._constraints.T @ (self._rho[:, None] * wanted), wanted])
+        push = loads + self._constraints.T @ (self._rho[:, None] * wanted)
+        solution = self._fronts.solve(np.concatenate([push, wanted]))
         if self._responses is None and m <= max(FEW_CONSTRAINTS, loads.shape[1]):  # else one solve each is cheaper
-            pulls = np.concatenate([np.zeros((n, m)), np.eye(m)])
-            found = self._fronts.solve(np.hstack([right, pulls]))  # all at once: factors are read once
-            solution, self._responses = np.split(found, [loads.shape[1]], axis=1)
-        else:
-            solution = self._fronts.solve(right)
+            self._responses = self._pulled(np.eye(m))
         for _ in range(HARDENINGS):
             missing = wanted - self._constraints @ solution[:n]
             if np.all(np.abs(missing) <= SMALLEST * (self._share @ np.abs(solution[:n]) + np.abs(wanted))):

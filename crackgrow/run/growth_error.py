@@ -34,7 +34,8 @@ Judged = list[list[tuple[TipLoading, Verdict]]]
 def judged_when_off(solution: StepSolution, errors: Errors) -> Judged:
     """Each tip where K is off as far as it may be; nothing where that is not known."""
     configuration, found = solution.configuration, []
-    for site, state, error in zip(configuration.sites, solution.tips, errors, strict=False):  # tips are the first sites
+    tips = configuration.sites[: len(solution.tips)]
+    for site, state, error in zip(tips, solution.tips, errors, strict=True):
         moved = _moved(state.loading, error) if state.verdict is not None else ()
         found.append([(loading, verdict(configuration.scene, site, loading)) for loading in moved])
     return found
