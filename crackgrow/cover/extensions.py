@@ -69,24 +69,24 @@ def _extended(lattice: Lattice, segments: Floats, least: Floats) -> Iterator[Flo
         for segment, length, direction in zip(segments, least.tolist(), directions, strict=True)
     ]
     pieces = cut_in_pieces(np.stack([segments[:, 1], far], axis=1), lattice.tiles.squares)
-    ends = np.split(pieces.ends[:, 1], np.searchsorted(pieces.segment, np.arange(1, len(segments))))
-    for segment, direction, length, own in zip(segments, directions, least.tolist(), ends, strict=True):
-        yield _extension(lattice, segment[1], direction, length, own) if len(own) else None
+    first, points = np.searchsorted(pieces.segment, np.arange(1, len(segments))), pieces.ends[:, 1]
+    ends, on_sides = (np.split(each, first) for each in (points, _at_corners(lattice, points)))
+    for segment, direction, length, *own in zip(segments, directions, least.tolist(), ends, on_sides, strict=True):
+        yield _extension(segment[1], direction, length, *own) if len(own[0]) else None
 
 
-def _extension(lattice: Lattice, start: Floats, direction: Floats, least: float, ends: Floats) -> Floats | None:
+def _extension(start: Floats, direction: Floats, least: float, ends: Floats, on_sides: Floats) -> Floats | None:
     """The straight extension from a point (2,) to the first side of a tile further than `least` from it.
 
-    It crosses sides at `ends` (k, 2). Where the lattice ends before, to its last tile; None if there is none. It comes
-    in pieces (n, 2, 2) that end on sides of tiles exactly, and on the corners of tiles that it only just misses, since
-    a speck would be cut off there.
+    It crosses sides at `ends` (k, 2), or at the corners beside them, which are `on_sides` (k, 2) then. Where the
+    lattice ends before, to its last tile; None if there is none. It comes in pieces (n, 2, 2) that end on sides of
+    tiles exactly, and on the corners of tiles that it only just misses, since a speck would be cut off there.
     """
     length = (ends - start) @ direction
     if not (length > ON_LINE).any():
         return None
     last = int(np.argmax(length > max(least, ON_LINE))) if length[-1] > max(least, ON_LINE) else len(length) - 1
-    on_sides = [_at_corner(lattice, end) for end in ends[: last + 1][length[: last + 1] > ON_LINE]]
-    places = [start, *on_sides]
+    places = [start, *on_sides[: last + 1][length[: last + 1] > ON_LINE]]
     return np.array([pair for pair in pairwise(places) if (pair[0] != pair[1]).any()]).reshape(-1, 2, 2)
 
 
@@ -98,11 +98,16 @@ def _to_edge(lattice: Lattice, start: Floats, direction: Floats) -> float:
     return max(float(distance.min()), 0.0)
 
 
-def _at_corner(lattice: Lattice, point: Floats) -> Floats:
-    """A corner of a tile that touches a point (2,), if one is within rounding of it; else the point itself."""
-    tiles = lattice.tiles.squares
-    around = tiles.around(point[None])[0]
-    around = around[around >= 0]
-    corners = lattice.tiling.points[lattice.tiling.ring.taken(around).values]
-    distance = np.abs(corners - point).max(axis=1)
-    return corners[np.argmin(distance)] if distance.min() < TOUCH else point
+def _at_corners(lattice: Lattice, points: Floats) -> Floats:
+    """Corners of tiles that touch points (n, 2), where one is within rounding of them; else the points themselves."""
+    around = lattice.tiles.squares.around(points)
+    point, column = np.nonzero(around >= 0)
+    which, place = lattice.tiling.ring.places(around[point, column])
+    owner, corners = point[which], lattice.tiling.points[lattice.tiling.ring.values[place]]
+    distance = np.abs(corners - points[owner]).max(axis=1)
+    nearest = np.lexsort((distance, owner))
+    nearest = nearest[np.diff(owner[nearest], prepend=-1) > 0]
+    nearest = nearest[distance[nearest] < TOUCH]
+    found = points.copy()
+    found[owner[nearest]] = corners[nearest]
+    return found

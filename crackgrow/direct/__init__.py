@@ -6,7 +6,7 @@ What is named here is its door, all that other packages use of it.
 from crackgrow.direct.assembly import HalfMatrix, half, mirrored
 from crackgrow.direct.dissection import Places
 from crackgrow.direct.factorization import Factorization, factorize
-from crackgrow.direct.matrix import EqualElements, Part, SymmetricMatrix, blocks_of, symmetric
+from crackgrow.direct.matrix import EqualElements, SymmetricMatrix, blocks_of, symmetric
 from crackgrow.direct.multifrontal import NOTHING, Kept
 
 __all__ = [
@@ -15,7 +15,6 @@ __all__ = [
     "Factorization",
     "HalfMatrix",
     "Kept",
-    "Part",
     "Places",
     "SymmetricMatrix",
     "blocks_of",

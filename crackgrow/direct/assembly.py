@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array, csr_array, get_index_dtype
 
 from crackgrow.arrays import Floats, Ints, key_of
 
@@ -49,20 +49,22 @@ def sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> csc_ar
 
 def half_sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> csr_array:
     """H (2 n_functions, 2 n_functions) with H + H' the sum of matrices, as `sum_of` has them."""
-    none = np.empty(0, dtype=np.int64)
+    none = np.empty(0, dtype=np.int32)
     functions, counts, seconds, entries = [none], [none], [none], [np.empty((2, 0, 2))]
-    for ids, part in parts:
-        n_places = len(ids)
+    for places, part in parts:
+        n_places, ids = len(places), places.astype(np.int32)  # short numbers: products read and hold less
         functions.append(ids.ravel())
         counts.append(np.tile(part.counts, n_places))
         seconds.append(ids[:, part.second].ravel())
         entries.append(np.tile(part.entries, (1, n_places, 1)) if n_places > 1 else part.entries)
     row, second = np.concatenate(functions), np.concatenate(seconds)
     ends = np.append(0, np.cumsum(np.tile(np.concatenate(counts), 2)))
+    ends = ends.astype(get_index_dtype(maxval=2 * int(ends[-1])))
     pairs = np.concatenate(entries, axis=1).view(np.complex128).ravel()  # both components of the second function
     halves = csr_array((pairs, np.tile(second, 2), ends), shape=(2 * len(row), n_functions))
     rows = np.concatenate([2 * row, 2 * row + 1])
-    place = csr_array((np.ones(len(rows)), rows, np.arange(len(rows) + 1)), shape=(len(rows), 2 * n_functions))
+    each = np.arange(len(rows) + 1, dtype=rows.dtype)
+    place = csr_array((np.ones(len(rows)), rows, each), shape=(len(rows), 2 * n_functions))
     total = csr_array(place.T @ halves)
     columns = (2 * total.indices[:, None] + np.arange(2, dtype=total.indices.dtype)).ravel()
     return csr_array((total.data.view(np.float64), columns, 2 * total.indptr), shape=(2 * n_functions, 2 * n_functions))

@@ -86,14 +86,13 @@ class Contents:
             numbers = functions.astype(np.int64)
             places.append(_places(numbers[:, part.first], numbers[:, part.second], p, b).ravel())
             terms.append(part.terms[part.kind[part.starts[front] : part.starts[front + 1]]].ravel())
+        at, total = np.concatenate(places), np.zeros((p + b) * p + b * b)
+        if len(at):  # else the sums would be whole numbers
+            total = np.bincount(at, np.concatenate(terms), len(total)).astype(np.float64, copy=False)
+        own = total[: (p + b) * p].copy()  # it is kept, the rest is not
         for block, local in zip(self._blocks.of_front.of(front).tolist(), self._of_blocks[front], strict=True):
-            at, entries = _of_block(self._blocks.blocks.halves[block], local, p, b)
-            places.append(at)
-            terms.append(entries)
-        sums = np.bincount(np.concatenate(places), np.concatenate(terms), (p + b) * p + b * b)
-        total = np.asarray(sums, dtype=np.float64)  # where nothing is, there are integers
-        own = total[: (p + b) * p].reshape(p + b, p).copy()  # it is kept, the rest is not
-        return own, total[(p + b) * p :].reshape(b, b)
+            _add_block(own, self._blocks.blocks.halves[block], local, p)
+        return own.reshape(p + b, p), total[(p + b) * p :].reshape(b, b)
 
     def keys(self) -> list[bytes]:
         """The key of every front."""
@@ -166,24 +165,26 @@ def _at_fronts(blocks: Blocks, fronts: Fronts) -> _Blocks:
     return _Blocks(blocks, tuple(np.split(position, np.cumsum(counts)[:-1])), by_row(at, block, fronts.n))
 
 
-def _of_block(half: HalfMatrix, numbers: Int32s, p: int, b: int) -> tuple[Ints, Floats]:
-    """Places (4 q,) in a front of what it takes of a block, and the entries there; `numbers` (k,) are those in it.
+def _add_block(own: Floats, half: HalfMatrix, numbers: Int32s, p: int) -> None:
+    """Add to the p columns of a front (its rows times p,) what it takes of a block; `numbers` (k,) are those in it.
 
-    It takes the pairs of functions of which it eliminates the first one. Raises ValueError where it has no place for
-    the second one.
+    It takes the pairs of functions of which it eliminates the first one, to the lower triangle; a function with itself
+    has both. Raises ValueError where it has no place for the second one.
     """
-    first = np.repeat(np.arange(len(half.counts)), half.counts)
-    one, other = numbers[first], numbers[half.second]
-    lower, upper = np.minimum(one, other), np.maximum(one, other)
-    own = np.where(lower >= 0, lower, upper)
-    mine = np.flatnonzero((lower != EARLIER) & (own >= 0) & (own < p))
-    mine = mine[upper[mine] != EARLIER]
-    if len(mine) and lower[mine].min() == OUTSIDE:
+    role = np.where(numbers == EARLIER, -2, (numbers >= 0) & (numbers < p)).astype(np.int8)
+    mine = np.flatnonzero(role.repeat(half.counts) + role[half.second] > 0)
+    one, other = numbers.repeat(half.counts)[mine].astype(np.int64), numbers[half.second[mine]]
+    if len(mine) and min(one.min(), other.min()) == OUTSIDE:
         raise ValueError(FAR_APART)
-    first, second = first[mine], half.second[mine]
-    places = _places(one[mine].astype(np.int64), other[mine].astype(np.int64), p, b)
-    entries = half.entries[:, mine].transpose(1, 0, 2) * np.where(first == second, 2.0, 1.0)[:, None, None]
-    return places.ravel(), entries.ravel()
+    lower = one >= other
+    at = np.where(lower, one * p + other, other * p + one)
+    by_first, by_second = np.where(lower, p, 1), np.where(lower, 1, p)
+    entries = half.entries.take(mine, axis=1)
+    entries[:, np.flatnonzero(one == other)] *= 2.0
+    own[at] += entries[0, :, 0]
+    own[at + by_second] += entries[0, :, 1]
+    own[at + by_first] += entries[1, :, 0]
+    own[at + (p + 1)] += entries[1, :, 1]
 
 
 def _sorted(elements: Sequence[EqualElements], fronts: Fronts) -> list[_Elements]:

@@ -52,6 +52,11 @@ class Factorization:
         """What another factorization may have in common with this one."""
         return self._fronts.kept
 
+    def hand_over(self) -> None:
+        """Solve no more: the factorization that comes next is the last to need what is kept."""
+        self._fronts.hand_over()
+        self._responses = None
+
     def solve(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k), unrefined."""
         n, m = len(loads), len(wanted)

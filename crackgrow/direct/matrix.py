@@ -59,6 +59,22 @@ class Summed:
         """The largest absolute value of a term; nan where a value is none."""
         return _largest((self.half.data, self.diagonal))
 
+    def met(self, sizes: Floats, share: float) -> Floats:
+        """(k,) the largest of `sizes` (k,) that unknowns meet whose own is below `share` of all; zero for the others.
+
+        An unknown meets those that it has an entry with. Not to be changed: what was found for the last sizes is kept.
+        """
+        last: tuple[float, Floats, Floats] | None = self.__dict__.get("_met")
+        if last is None or last[0] != share or not np.array_equal(last[1], sizes):
+            found, some = np.zeros(len(sizes)), sizes < share * sizes.max()
+            if some.any():
+                row, column = np.repeat(np.arange(len(sizes)), np.diff(self.half.indptr)), self.half.indices
+                for one, other in ((row, column), (column, row)):
+                    at = np.flatnonzero(some[one])
+                    np.maximum.at(found, one[at], sizes[other[at]])
+            last = self.__dict__["_met"] = (share, sizes, found)
+        return last[2]
+
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product with vectors (k,) or (k, m)."""
         return np.asarray(self.half @ vectors + self.transposed @ vectors)

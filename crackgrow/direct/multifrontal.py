@@ -12,7 +12,7 @@ All dense blocks are stored by rows. LAPACK, which stores by columns, is handed 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,9 +37,10 @@ the solution stays small instead of arbitrary. At 1e-12 such a wedge, with pivot
 -1e-6 and wrong loads; from 1e-9 to 1e-8 loads are the same to 1e-4, with residuals of 1e-10."""
 
 
-FEW_FRONTS = 7
+FEW_FRONTS = 15
 """A subtree of at most so many fronts does not keep what it leaves to its parent: where that is factorized anew it is
-made again from the factors. That is more than half of all that would be kept."""
+made again from the factors. With 50 flaws 43 MB are kept then; with seven 87 MB, and a step factorizes a tenth faster.
+"""
 
 
 class _NoPivotError(Exception):
@@ -50,8 +51,9 @@ class _NoPivotError(Exception):
 class Kept:
     """What the factorization of another matrix may have in common with one, by keys."""
 
-    factors: Mapping[bytes, Factor]
-    reduced: Mapping[bytes, Reduced]
+    factors: dict[bytes, Factor]
+    reduced: dict[bytes, Reduced]
+    handed_over: bool = False  # whoever takes over from it lets go of all else before it makes its own
 
 
 NOTHING = Kept({}, {})
@@ -62,18 +64,28 @@ class Multifrontal:
 
     def __init__(self, matrix: SymmetricMatrix, fronts: Fronts, known: Kept = NOTHING) -> None:
         """Factorize `matrix` (n, n) by `fronts`; `known` is what is kept of another one."""
-        elimination = _Elimination(Contents(matrix, fronts), fronts, known.factors)
+        elimination = _Elimination(Contents(matrix, fronts), fronts, known)
         self.factors = elimination.factors
         self.n_factorized = elimination.n_factorized
         self.n_fronts = fronts.n
         self._order = fronts.order
-        self._placed = elimination.placed
+        self._placed: list[Placed] | None = elimination.placed  # None: it is handed over
         self._reduced = known.reduced
 
     @property
     def kept(self) -> Kept:
         """What the factorization of another matrix may take over; of products, what the last one has left."""
-        return Kept(self.factors, self._reduced)
+        return Kept(self.factors, self._reduced, handed_over=self._placed is None)
+
+    def hand_over(self) -> None:
+        """Solve no more: the factorization that comes next is the last to need what is kept."""
+        self._placed = None
+
+    @property
+    def _fronts(self) -> list[Placed]:
+        if self._placed is None:
+            raise RuntimeError("the factors are handed over: nothing can be solved with them any more")
+        return self._placed
 
     def solve(self, right: Floats) -> Floats:
         """Solution (n,) or (n, m) for the right-hand sides `right`."""
@@ -88,7 +100,7 @@ class Multifrontal:
 
     def _solve_one(self, x: Floats) -> None:
         """Replace a right-hand side (n,), in the order of elimination: factors are read once on each way."""
-        for placed in self._placed:
+        for placed in self._fronts:
             mine, factor = x[placed.start : placed.end], placed.factor
             if not mine.any():
                 continue
@@ -97,7 +109,7 @@ class Multifrontal:
                 x[placed.coupled] -= factor.below @ mine
             for a, b in placed.signs:
                 mine[a:b] *= -1.0
-        for placed in reversed(self._placed):
+        for placed in reversed(self._fronts):
             mine, factor = x[placed.start : placed.end], placed.factor
             if len(placed.coupled):
                 mine -= x[placed.coupled] @ factor.below
@@ -105,7 +117,7 @@ class Multifrontal:
 
     def _solve_many(self, x: Floats) -> None:
         """Replace right-hand sides (n, m), in the order of elimination."""
-        for placed in self._placed:
+        for placed in self._fronts:
             mine, factor = x[placed.start : placed.end], placed.factor
             if not mine.any():
                 continue
@@ -115,7 +127,7 @@ class Multifrontal:
                 dgemm(-1.0, mine.T, factor.below[a:b].T, beta=1.0, c=later, overwrite_c=1)
             for a, b in placed.signs:
                 mine[a:b] *= -1.0
-        for placed in reversed(self._placed):
+        for placed in reversed(self._fronts):
             mine, factor = x[placed.start : placed.end], placed.factor
             for first, a, b in placed.boundary:
                 later = x[first : first + b - a].T
@@ -126,20 +138,23 @@ class Multifrontal:
         """R' A^-1 R (k, k), symmetric to the last bit, for sparse right-hand sides R (n, k), by elimination alone."""
         rows = csr_array(right[self._order])
         rows.sum_duplicates()
-        total, self._reduced = products(self._placed, rows, self._reduced)
+        total, self._reduced = products(self._fronts, rows, self._reduced)
         return total
 
 
 class _Elimination:
     """The fronts of a matrix, eliminated one after the other."""
 
-    def __init__(self, contents: Contents, fronts: Fronts, known: Mapping[bytes, Factor]) -> None:
-        """`known` are factors of another matrix, by their keys."""
+    def __init__(self, contents: Contents, fronts: Fronts, known: Kept) -> None:
+        """`known` is what is kept of another matrix."""
         self.factors: dict[bytes, Factor] = {}
         self.placed: list[Placed] = []
         self.n_factorized = 0
         self._contents, self._fronts = contents, fronts
         self._keys = contents.keys()
+        if known.handed_over:
+            for key in known.factors.keys() - set(self._keys):
+                del known.factors[key]
         self._updates: dict[int, Floats] = {}  # that fronts just eliminated leave to parents that come next
         n_below = [1] * fronts.n  # fronts of each subtree
         for k, key in enumerate(self._keys):
@@ -147,7 +162,7 @@ class _Elimination:
             if start == end:
                 continue
             n_below[k] += sum(n_below[child] for child in contents.children(k))
-            factor = self.factors.get(key) or known.get(key)
+            factor = self.factors.get(key) or known.factors.get(key)
             if factor is None:
                 factor = self._eliminated(k, n_below[k] > FEW_FRONTS)
                 self.n_factorized += 1

@@ -17,7 +17,7 @@ import numpy as np
 
 from crackgrow.case.model import CriticalLoad
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.criteria import TipLoading, hoop_stress_kink
+from crackgrow.fracture.criteria import TipLoading, Verdict, hoop_stress_kink
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.judging import StepSolution, verdict
 
@@ -27,33 +27,45 @@ CORNERS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 Errors = Sequence[tuple[float, float]]
 """Bounds (Pa sqrt(m)) of the errors of K_I and K_II, tip by tip."""
 
+Judged = list[list[tuple[TipLoading, Verdict]]]
+"""Loadings and what the criterion says of them, tip by tip."""
 
-def kink_errors(solution: StepSolution, errors: Errors) -> list[float]:
-    """What the direction of growth may be off by (rad), tip by tip; nan without growth, or where K is not known."""
-    growth = solution.configuration.scene.case.growth
-    found = []
-    for tip, state in enumerate(solution.tips):
-        if state.verdict is None or growth is None:
-            found.append(NAN)
-            continue
-        moved = list(_moved(solution, tip, errors[tip]))
-        if growth.direction == "implicit" and state.verdict.mode == "tension":
-            kink, others = hoop_stress_kink(*state.K), [hoop_stress_kink(each.K_I, each.K_II) for each in moved]
-        else:
-            kink, others = state.verdict.kink, [_judged(solution, tip, each)[1] for each in moved]
-        found.append(max((abs(other - kink) for other in others), default=NAN))
+
+def judged_when_off(solution: StepSolution, errors: Errors) -> Judged:
+    """Each tip where K is off as far as it may be; nothing where that is not known."""
+    configuration, found = solution.configuration, []
+    tips = configuration.sites[: len(solution.tips)]
+    for site, state, error in zip(tips, solution.tips, errors, strict=True):
+        moved = _moved(state.loading, error) if state.verdict is not None else ()
+        found.append([(loading, verdict(configuration.scene, site, loading)) for loading in moved])
     return found
 
 
-def load_error(cracks: Sequence[GrowingCrack], solution: StepSolution, errors: Errors) -> float:
+def kink_errors(solution: StepSolution, off: Judged) -> list[float]:
+    """What the direction of growth may be off by (rad), tip by tip; nan without growth, or where K is not known."""
+    growth = solution.configuration.scene.case.growth
+    found = []
+    for state, others in zip(solution.tips, off, strict=True):
+        if state.verdict is None or growth is None:
+            found.append(NAN)
+            continue
+        if growth.direction == "implicit" and state.verdict.mode == "tension":
+            kink, kinks = hoop_stress_kink(*state.K), [hoop_stress_kink(each.K_I, each.K_II) for each, _ in others]
+        else:
+            kink, kinks = state.verdict.kink, [says.kink for _, says in others]
+        found.append(max((abs(other - kink) for other in kinks), default=NAN))
+    return found
+
+
+def load_error(cracks: Sequence[GrowingCrack], solution: StepSolution, off: Judged) -> float:
     """What the critical load factor may be off by, over itself; nan where no tip of known K sets the load."""
     if not isinstance(solution.configuration.scene.case.loading, CriticalLoad) or NEVER_CRITICAL in solution.notes:
         return NAN
     found, least, most = 0.0, 0.0, 0.0
-    for tip, (state, (crack, at_end)) in enumerate(zip(solution.tips, solution.cover.tip_ends, strict=True)):
+    for state, (crack, at_end), others in zip(solution.tips, solution.cover.tip_ends, off, strict=True):
         if state.verdict is None or not cracks[crack].can_grow(at_end):
             continue
-        own = [_judged(solution, tip, each)[0] for each in _moved(solution, tip, errors[tip])]
+        own = [says.criticality for _, says in others]
         if not own:
             return NAN
         found, least, most = (
@@ -70,16 +82,8 @@ def _range(criticality: float, others: Sequence[float]) -> tuple[float, float, f
     return criticality, min(others), max(others)
 
 
-def _moved(solution: StepSolution, tip: int, error: tuple[float, float]) -> Iterator[TipLoading]:
+def _moved(loading: TipLoading | None, error: tuple[float, float]) -> Iterator[TipLoading]:
     """The loading of a tip where K is off as far as it may be; nothing where that is not known."""
-    loading = solution.tips[tip].loading
     if loading is None or not np.isfinite((*error, loading.K_I, loading.K_II)).all():
         return
     yield from (loading.with_K_off(first * error[0], second * error[1]) for first, second in CORNERS)
-
-
-def _judged(solution: StepSolution, tip: int, loading: TipLoading) -> tuple[float, float]:
-    """Criticality and kink (rad) of a tip under another loading."""
-    configuration = solution.configuration
-    found = verdict(configuration.scene, configuration.sites[tip], loading)
-    return found.criticality, found.kink

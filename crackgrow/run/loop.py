@@ -97,6 +97,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
     before: StepSolution | None = None
     leaving, time = none_leaves(cracks), begun.time
     for step in range(begun.step, n_steps + 1):
+        if known is None and before is not None:
+            before.contact.system.hand_over()  # this load alone takes over from it: memory holds the factors once
         try:
             solution = known or load(scene, cracks, before)
         except FreePieceError as error:

@@ -21,7 +21,7 @@ from crackgrow.run.cautions import cautions, largest_overlap, mean_stress, overl
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
-from crackgrow.run.growth_error import kink_errors, load_error
+from crackgrow.run.growth_error import judged_when_off, kink_errors, load_error
 from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
@@ -44,7 +44,8 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     contact, faces = along_surfaces(solution, scene)
     known = solution.accuracy
     errors = intensity_errors(scene, solution, faces) if known is None else [(bound, bound) for bound in known.bounds]
-    kinks = np.rad2deg(kink_errors(solution, errors)).tolist()
+    off = judged_when_off(solution, errors)
+    kinks = np.rad2deg(kink_errors(solution, off)).tolist()
     expected = [float("nan")] * len(errors) if known is None else known.expected
     tips = tuple(
         replace(_tip(solution, tip, tip in chosen, scene, error), kink_error_deg=kink, K_error_expected=off)
@@ -82,7 +83,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         norm_error=error.relative if error else float("nan"),
         time=float("nan") if _law(scene) is None else state.time,
         goal_error=float("nan") if known is None else 100.0 * known.goal,
-        load_factor_error=100.0 * load_error(state.cracks, solution, errors),
+        load_factor_error=100.0 * load_error(state.cracks, solution, off),
         stress=_stress(scene, solution, faces),
         history=history([*solution.passed, solution.state]),
         start=_start(solution, scene),

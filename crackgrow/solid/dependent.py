@@ -13,8 +13,8 @@ from scipy.linalg.lapack import dpstrf
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
-from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.direct import Part, SymmetricMatrix, mirrored
+from crackgrow.arrays import Floats, Ints
+from crackgrow.direct import SymmetricMatrix, mirrored
 
 SMALL = 1e-3
 """Functions with less than this part of the largest stiffness of those that they meet see a corner of their patch
@@ -32,10 +32,7 @@ def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
     diagonal = matrix.diagonal()
     met = np.zeros(len(diagonal))
     for part in matrix.blocks.parts:
-        own = diagonal[part.dofs]
-        may_be = own < SMALL * own.max()
-        if may_be.any():
-            _meet(met, part, own, may_be)
+        met[part.dofs] = np.maximum(met[part.dofs], part.sum.met(diagonal[part.dofs], SMALL))
     small = np.flatnonzero(diagonal < SMALL * met)
     if len(small) == 0:
         return matrix
@@ -43,14 +40,6 @@ def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
     block = _among(matrix, small)
     held = small[_dependent(block, scale)]
     return matrix.with_diagonal(held, diagonal[held]) if len(held) else matrix
-
-
-def _meet(met: Floats, part: Part, own: Floats, some: Bools) -> None:
-    """Raise what `some` (k,) of the unknowns of a part have `met` (n,) to the entries `own` (k,) of those they meet."""
-    row, column = np.repeat(np.arange(len(own)), np.diff(part.half.indptr)), part.half.indices
-    for one, other in ((row, column), (column, row)):
-        at = np.flatnonzero(some[one])
-        np.maximum.at(met, part.dofs[one[at]], own[other[at]])
 
 
 def _among(matrix: SymmetricMatrix, some: Ints) -> csc_array:

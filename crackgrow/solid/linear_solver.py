@@ -60,6 +60,10 @@ class ConstrainedSystem:
         """What another system may have in common with this one."""
         return self._factorization.kept
 
+    def hand_over(self) -> None:
+        """Solve no more: the system that comes next is the last to need what is kept."""
+        self._factorization.hand_over()
+
     def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
 

@@ -50,8 +50,8 @@ def _of_tip(tip: Tip, middle: Ints, reach: Ints) -> tuple[Ints, Ints]:
     No box of several patches has the middle of one patch: boxes are known by their middles.
     """
     begin = np.searchsorted(tip.carriers.number, np.arange(tip.carriers.n))
-    low = np.minimum.reduceat((middle - reach)[tip.patches], begin)
-    high = np.maximum.reduceat((middle + reach)[tip.patches], begin)
+    middle, reach = middle[tip.patches], reach[tip.patches]
+    low, high = np.minimum.reduceat(middle - reach, begin), np.maximum.reduceat(middle + reach, begin)
     several = np.diff(begin, append=len(tip.patches)) > 1
     high[:, 0] += several & ((low + high)[:, 0] % 2 == 0)
     return np.repeat(low, N_TIP_FUNCTIONS, axis=0), np.repeat(high, N_TIP_FUNCTIONS, axis=0)

@@ -32,6 +32,24 @@ def changed(matrix: SymmetricMatrix, dof: int) -> SymmetricMatrix:
     return matrix.with_diagonal(np.array([dof]), np.array([0.5]))
 
 
+def test_factors_handed_over_are_held_once(rock: tuple[SymmetricMatrix, Fronts]) -> None:
+    """What the next factorization does not take over is let go of, and nothing is solved with the rest."""
+    matrix, fronts = rock
+    later = changed(matrix, matrix.shape[0] // 3)
+    before, alone = Multifrontal(matrix, fronts), Multifrontal(later, fronts)
+    known = before.kept.factors
+    assert known.keys() - alone.factors.keys()
+    before.hand_over()
+    after = Multifrontal(later, fronts, before.kept)
+    assert 0 < after.n_factorized < alone.n_factorized
+    assert known.keys() < after.factors.keys()
+    assert all(after.factors[key] is factor for key, factor in known.items())
+    load = np.random.default_rng(1).normal(size=matrix.shape[0])
+    np.testing.assert_array_equal(after.solve(load), alone.solve(load))
+    with pytest.raises(RuntimeError, match="handed over"):
+        before.solve(load)
+
+
 def right_hand_sides(n: int, rows: Ints) -> csr_array:
     """One of each of some rows, and of the one after it."""
     k = len(rows)

@@ -10,7 +10,7 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.run.checkpoint import beginning
-from crackgrow.run.growth_error import kink_errors, load_error
+from crackgrow.run.growth_error import Judged, judged_when_off, kink_errors, load_error
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.loop import grow
@@ -27,17 +27,18 @@ def solved(*settings: str) -> StepSolution:
     return load(make_scene(case), beginning(case).cracks)
 
 
-def errors_of(solution: StepSolution, of_I: float, of_II: float) -> list[tuple[float, float]]:
+def off_by(solution: StepSolution, of_I: float, of_II: float) -> Judged:
+    """What the criterion says where K_I and K_II are off by these parts of the largest K_I."""
     largest = max(tip.K[0] for tip in solution.tips)
-    return [(of_I * largest, of_II * largest) for _ in solution.tips]
+    return judged_when_off(solution, [(of_I * largest, of_II * largest) for _ in solution.tips])
 
 
 def test_a_load_that_is_critical_by_K_I_is_off_by_as_much() -> None:
     solution = solved(*PULLED, "loading=critical")
     cracks = beginning(solution.configuration.scene.case).cracks
     assert solution.steepness == pytest.approx(1.0, rel=1e-6)
-    assert load_error(cracks, solution, errors_of(solution, 0.02, 0.0)) == pytest.approx(0.02, rel=1e-3)
-    assert load_error(cracks, solution, errors_of(solution, 0.0, 0.0)) == pytest.approx(0.0, abs=1e-9)
+    assert load_error(cracks, solution, off_by(solution, 0.02, 0.0)) == pytest.approx(0.02, rel=1e-3)
+    assert load_error(cracks, solution, off_by(solution, 0.0, 0.0)) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_where_a_held_load_does_half_the_work_the_load_factor_is_off_by_twice_as_much() -> None:
@@ -53,39 +54,38 @@ def test_where_a_held_load_does_half_the_work_the_load_factor_is_off_by_twice_as
     solution = load(make_scene(case), beginning(case).cracks)
     assert solution.state.factor == pytest.approx(0.5 * critical, rel=1e-6)
     assert solution.steepness == pytest.approx(0.5, rel=1e-4)
-    found = load_error(beginning(case).cracks, solution, errors_of(solution, 0.02, 0.0))
+    found = load_error(beginning(case).cracks, solution, off_by(solution, 0.02, 0.0))
     assert found == pytest.approx(0.04, rel=1e-3)
 
 
 def test_a_tip_in_pure_mode_I_turns_by_twice_the_part_of_shear() -> None:
     solution = solved(*PULLED)
-    np.testing.assert_allclose(kink_errors(solution, errors_of(solution, 0.0, 0.01)), 0.02, rtol=1e-2)
+    np.testing.assert_allclose(kink_errors(solution, off_by(solution, 0.0, 0.01)), 0.02, rtol=1e-2)
 
 
 def test_the_direction_without_shear_is_judged_by_the_hoop_stress_whatever_the_criterion() -> None:
     explicit, implicit = (solved(*PULLED, f"growth.direction={way}") for way in ("explicit", "implicit"))
-    errors = errors_of(explicit, 0.01, 0.02)
-    assert kink_errors(explicit, errors) == kink_errors(implicit, errors)
+    assert kink_errors(explicit, off_by(explicit, 0.01, 0.02)) == kink_errors(implicit, off_by(implicit, 0.01, 0.02))
 
 
 def test_a_tip_that_goes_on_in_shear_is_judged_by_its_criterion_however_others_turn() -> None:
     explicit, implicit = (solved(*PULLED, f"growth.direction={way}") for way in ("explicit", "implicit"))
-    errors = errors_of(explicit, 0.01, 0.02)
     found = []
     for solution in (explicit, implicit):
         verdicts = [replace(tip.verdict, mode="shear", kink=0.5) for tip in solution.tips if tip.verdict is not None]
         tips = [replace(tip, verdict=verdict) for tip, verdict in zip(solution.tips, verdicts, strict=True)]
-        found.append(kink_errors(replace(solution, tips=tips), errors))
+        in_shear = replace(solution, tips=tips)
+        found.append(kink_errors(in_shear, off_by(in_shear, 0.01, 0.02)))
     assert found[0] == found[1]
     np.testing.assert_allclose(found[0], 0.5, rtol=0, atol=0.1)
 
 
 def test_what_is_not_known_is_not_told() -> None:
     solution = solved(*PULLED, "loading=critical")
-    unknown = [(np.nan, np.nan)] * 2
+    unknown = judged_when_off(solution, [(np.nan, np.nan)] * 2)
     cracks = beginning(solution.configuration.scene.case).cracks
     assert np.isnan(kink_errors(solution, unknown)).all()
     assert np.isnan(load_error(cracks, solution, unknown))
-    assert np.isnan(load_error(cracks, replace(solution, steepness=np.inf), errors_of(solution, 0.1, 0.1))) is np.False_
+    assert np.isnan(load_error(cracks, replace(solution, steepness=np.inf), off_by(solution, 0.1, 0.1))) is np.False_
     static = next(grow(load_case(CASES / "edge_tension.yaml", QUIET)))
     assert np.isnan([static.load_factor_error, static.tips[0].kink_error_deg]).all()

@@ -12,6 +12,7 @@ from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.fracture.stress_intensity import IntegralReading
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.loop import solved_steps
 from crackgrow.run.scene import make_scene
 from tests.benchmarks.flaw_field import field_case
 
@@ -116,3 +117,11 @@ def test_a_run_gone_on_with_has_the_bits_of_one_that_was_not_broken_off() -> Non
         assert ours.load_factor == before.load_factor
         for tip, other in zip(ours.tips, before.tips, strict=True):
             assert (tip.K_I, tip.K_II, tip.criticality) == (other.K_I, other.K_II, other.criticality)
+
+
+def test_a_run_holds_the_factors_of_its_last_step_alone() -> None:
+    first, last = (solution.contact.system for _, solution in list(solved_steps(field_case(6, 1))))
+    assert not last.kept.handed_over
+    assert first.kept.factors.keys() < last.kept.factors.keys()
+    with pytest.raises(RuntimeError, match="handed over"):
+        first.solve(np.zeros(first.stiffness.shape[0]))
