@@ -13,6 +13,7 @@ from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.aimed_history import aimed_history
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import BeforeAdvance, advance_tips
@@ -21,11 +22,12 @@ from crackgrow.run.increments import Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.leaving import lapse, leaves, none_leaves, site_criticality
 from crackgrow.run.loading import load, load_again, load_history, load_to
+from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.report import paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene, scene_at_end
 from crackgrow.run.strength_reduction import strength_reduction
-from crackgrow.run.target import Ways, aimed, aimed_history, halvings_after
+from crackgrow.run.target import Ways, aimed
 from crackgrow.solid.rigid_modes import all_pieces
 
 

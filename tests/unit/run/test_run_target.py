@@ -24,10 +24,11 @@ from crackgrow.run.configuration import lay_out
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
 from crackgrow.run.loading import load, load_to
 from crackgrow.run.loop import solved_steps
+from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.other_cells import compared, still_tells
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.run.target import Ways, aimed, halvings_after
+from crackgrow.run.target import Ways, aimed
 
 CASES = Path(__file__).parents[3] / "cases"
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
