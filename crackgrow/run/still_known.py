@@ -15,7 +15,13 @@ from crackgrow.run.other_cells import fitted_bounds, fitted_share, largest_K
 from crackgrow.run.scene import Scene
 
 GROWN = 2.0
-"""What is known of the error holds until what was added to a crack is so many times as long, or B so much of K."""
+"""What is known of the error holds until what was added to a crack is over so many times as long, or B so much of K.
+
+It still does at just so many times, as where increments are alike.
+"""
+
+ROUND_OFF = 1e-9
+"""Of a length: sums of increments are better."""
 
 
 def lengths_grown(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[float, ...]:
@@ -27,7 +33,7 @@ def lengths_grown(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[float
 def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> bool:
     """Whether what was known of the step before is good enough for this one, in which cracks have `grown`."""
     same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.configuration.scene.halvings
-    if not same or any(now > GROWN * then for now, then in zip(grown, last.grown, strict=True)):
+    if not same or any(now > (1.0 + ROUND_OFF) * GROWN * then for now, then in zip(grown, last.grown, strict=True)):
         return False
     return fitted_share(solution, fitted_bounds(solution)) <= GROWN * last.fitted
 

@@ -28,6 +28,7 @@ from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.other_cells import compared, still_tells
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import make_scene
+from crackgrow.run.still_known import holds
 from crackgrow.run.target import Ways, aimed
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -144,6 +145,15 @@ def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
     steps = list(grow(case("compression30", "3 %", "growth.steps=5")))
     assert max(max(shares(step)) for step in steps) <= 0.03 + 1e-12
     assert sum(step.factorizations == 1 for step in steps) >= 1
+
+
+def test_what_is_known_holds_at_twice_the_length_whatever_round_off_makes_of_it() -> None:
+    """Increments are alike, so that cracks have grown by twice as much just so, but for the sum of lengths."""
+    _, solution = next(solved_steps(case("compression30", "3 %", "growth.steps=0")))
+    assert solution.accuracy is not None
+    last = replace(solution.accuracy, grown=(3.0e-3,))
+    grown = [(times * 3.0e-3,) for times in (2.0 - 1e-14, 2.0, 2.0 + 1e-14, 2.01)]
+    assert [holds(last, solution, lengths) for lengths in grown] == [True, True, True, False]
 
 
 @pytest.mark.parametrize(
