@@ -18,8 +18,6 @@ def check_stages(scene: Scene) -> None:
     if scene.get("growth", "unload_between_steps") is False:
         message = "false given; wanted with stages: true. Every step goes through all stages from the unloaded state"
         report.fault(("growth", "unload_between_steps"), message)
-    if isinstance(scene.get("numerics", "accuracy"), float):
-        report.fault(("numerics", "accuracy"), "an error of K is no target of a run in stages; wanted: a name")
     gone: dict[str, float] = {}
     for number, stage in enumerate(stages):
         key: Path = (*KEY, number)

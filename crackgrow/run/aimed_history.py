@@ -1,11 +1,10 @@
-"""A history of loads on cells that meet a target at each of them: the same loads in turn on several lattices."""
+"""Loads in turn, or stages, on cells that meet a target at each of them: the same history on several lattices."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from crackgrow.case.model import LoadHistory
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration
@@ -18,7 +17,7 @@ from crackgrow.run.target import Ways, aimed
 
 
 class _History:
-    """The loads of a history one after the other on the cells of a scene."""
+    """The loads of a history, or its stages, one after the other on the cells of a scene."""
 
     def __init__(
         self,
@@ -43,16 +42,15 @@ class _History:
 def aimed_history(
     scene: Scene, cracks: tuple[GrowingCrack, ...], first: int, origin: Origin | None, known: Accuracy | None
 ) -> Iterator[StepSolution]:
-    """The cracks at every factor of the case's history, from number `first` on, on cells that meet the target there.
+    """The cracks at every factor of the case's history, or after every stage, on cells that meet the target there.
 
-    Where they are halved all loads before are gone through again. `known` is what was measured at the first.
+    From number `first` on. Where cells are halved all loads before are gone through again: contact remembers them, and
+    rock is taken out on the cells that it was loaded on. `known` is what was measured at the first.
     """
-    loading = scene.case.loading
-    assert isinstance(loading, LoadHistory)
     if known is not None:
-        scene = replace(scene, halvings=known.halvings)
+        scene = scene.with_halvings(known.halvings)
     pair = _Pair(_History(scene, cracks, first, origin), cracks)
-    for number in range(first, len(loading.factors)):
+    for number in range(first, scene.case.n_loads):
         pair.number = number
         solution = pair.fine.at(number)
         if number == first and known is not None:

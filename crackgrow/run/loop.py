@@ -110,7 +110,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
                 raise
             return RunEnd("failed", f"step {step}: {error}", paths_of(cracks), events)
         solution = _on_target(cracks, solution, before)
-        scene = replace(scene, halvings=halvings_after(solution))
+        scene = scene.with_halvings(halvings_after(solution))
         n_pieces = n_pieces or len(all_pieces(solution.cover))
         taken, solution = lapse(leaving, cracks, solution)
         time += taken
@@ -135,7 +135,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
 def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
     """The solution of a step that was solved before; the search for its direction of growth is not repeated."""
     if begun.accuracy is not None:
-        scene = replace(scene, halvings=begun.accuracy.halvings)
+        scene = scene.with_halvings(begun.accuracy.halvings)
     solution = load_again(scene, begun.cracks, origin)
     return replace(solution, factorizations=begun.factorizations, notes=begun.notes, accuracy=begun.accuracy)
 
@@ -157,6 +157,8 @@ def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSo
     chosen = np.empty(0, dtype=np.int64)
     histories = load_history if scene.case.numerics.target is None else partial(aimed_history, known=begun.accuracy)
     for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin), begun.step):
+        if step == begun.step and begun.origin is not None:  # it was solved before
+            solution = replace(solution, factorizations=begun.factorizations)
         result = _reported(scene, RunState(step, cracks), solution, chosen)
         yield result, solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"

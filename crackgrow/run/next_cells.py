@@ -74,7 +74,7 @@ def _for_goal(
     if before is None or not now.goal > STUCK * before.goal:
         at_cracks = tuple(min(n + more, MOST_LEVELS) for n in halvings.cracks)
         wanted = replace(halvings, cracks=at_cracks, corners=min(halvings.corners + more, MOST_LEVELS))
-        cells = lay_out(replace(scene, halvings=wanted), cracks)[0].lattice.cells
+        cells = lay_out(scene.with_halvings(wanted), cracks)[0].lattice.cells
         if not cells.equal(solution.cover.lattice.cells):
             return wanted, ""
     return replace(halvings, everywhere=halvings.everywhere + 1), ""

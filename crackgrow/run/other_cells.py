@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -53,7 +52,7 @@ def compared(solution: StepSolution) -> Scene:
     room = MOST_LEVELS + math.log2(float(solution.cover.sizes.min()))
     more = max((times for times in WORSE_AT_KINKS if times <= room), default=0)
     finer = more and scene.case.numerics.goal == "K"
-    return replace(scene, halvings=halvings.compared(more) if finer else halvings.doubled)
+    return scene.with_halvings(halvings.compared(more) if finer else halvings.doubled)
 
 
 def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:

@@ -25,9 +25,12 @@ ROUND_OFF = 1e-9
 
 
 def lengths_grown(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[float, ...]:
-    """What has been added to each crack, m."""
-    pairs = zip(cracks, scene.case.cracks, strict=True)
-    return tuple(float(arc_lengths(now.crack.points)[-1] - arc_lengths(given.points)[-1]) for now, given in pairs)
+    """What has been added to each crack, m: to one that has started in the run all of it."""
+    found = []
+    for now, given in zip(cracks, scene.case.cracks, strict=True):
+        began = arc_lengths(given.points)[-1] if now.steps.min() == 0 else 0.0
+        found.append(float(arc_lengths(now.crack.points)[-1] - began))
+    return tuple(found)
 
 
 def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> bool:

@@ -49,8 +49,8 @@ def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, 
     scene = solution.configuration.scene
     grown = lengths_grown(scene, cracks)
     if scene.case.numerics.goal == "K" and not any(math.isfinite(tip.intensity.K_I) for tip in solution.tips):
-        why = "K is not known at any tip" if solution.tips else "" if any(grown) else "no crack has a tip"
-        return replace(solution, accuracy=replace(accuracy_of(solution, None), grown=grown, missed=why))
+        known = accuracy_of(solution, None)
+        return replace(solution, accuracy=replace(known, grown=grown, missed=_without_K(solution, grown)))
     if last is not None and holds(last, solution, grown):
         return replace(solution, accuracy=carried_over(last, solution))
     return _in_rounds(solution, cracks, ways, _Comparison(ways, last, grown))
@@ -71,7 +71,7 @@ def _in_rounds(
             break
         before = known
         try:
-            scene = replace(solution.configuration.scene, halvings=wanted)
+            scene = solution.configuration.scene.with_halvings(wanted)
             solution = _solved(ways, scene, cracks, solution.configuration)
         except (GeometryError, SolveError) as error:
             missed = f"smaller cells are not to be had: {error}"
@@ -132,6 +132,17 @@ class _Comparison:
             return None
         self.seconds.update({**state.configuration.seconds, "contact": state.seconds})
         return state
+
+
+def _without_K(solution: StepSolution, grown: tuple[float, ...]) -> str:
+    """Why K is not known; nothing where cracks have grown until no tip was left."""
+    if solution.tips:
+        return "K is not known at any tip"
+    if any(grown):
+        return ""
+    growth = solution.configuration.scene.case.growth
+    waits = growth is not None and growth.initiation.at != "tips"
+    return f"no crack has a tip{' yet' if waits else ''}"
 
 
 def _met(known: Accuracy, solution: StepSolution) -> bool:

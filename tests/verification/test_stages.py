@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
@@ -390,3 +391,40 @@ def test_forces_balance_while_benches_go_with_what_holds_them(tmp_path: Path) ->
     assert np.isnan([result.history.values[-1][slip] for result in results[2:]]).all()
     assert max(result.energy.error for result in results) < 1e-6
     draw_load_curve(tmp_path / "curve.png", load_case(path), [load_point(result) for result in results])
+
+
+SLIPPERY = "cracks: {a: {path: {points: [[3, 1], [5.5, 2.2]]}, contact: {friction: 0, cohesion: 0}}}"
+JUDGED = (
+    "growth={criterion: max_hoop_stress, advance: all, steps: 0, increment: 0.5}",
+    "bodies.rock.strength={tension: 5, cohesion: 20, friction_angle: 40, toughness: 1 MPa sqrt(m)}",
+)
+
+
+def aimed(folder: Path, target: float, loading: str = ONE_STAGE) -> Case:
+    return tunnel(folder, loading, SPACING=f"auto, accuracy: {target}", CRACKS=SLIPPERY)
+
+
+def K_of(step: StepResult) -> Floats:
+    """K_I and K_II (n, 2) of all tips, Pa sqrt(m)."""
+    return np.array([(tip.K_I, tip.K_II) for tip in step.tips])
+
+
+def test_a_target_holds_at_the_end_of_stages(tmp_path: Path) -> None:
+    """Without friction K is what it would be had the hole always been there. With growth the last stage is judged."""
+    exact = K_of(next(grow(aimed(tmp_path, 0.01, "{}"))))
+    steps = list(grow(aimed(tmp_path, 0.03)))
+    judged = next(grow(load_case(tmp_path / "tunnel.yaml", JUDGED)))
+    for step in (*steps, judged):
+        bounds = [max(tip.K_I_error, tip.K_II_error) for tip in step.tips]
+        assert max(bounds) <= 0.03 * np.hypot(*K_of(step).T).max()
+    for step in (steps[1], judged):
+        assert np.hypot(*(K_of(step) - exact).T).max() <= 0.03 * np.hypot(*exact.T).max()
+    assert np.hypot(*(K_of(steps[0]) - exact).T).max() > 0.1 * np.hypot(*exact.T).max()
+
+
+def test_a_target_in_stages_goes_on_to_the_same_bits(tmp_path: Path) -> None:
+    case = aimed(tmp_path, 0.03)
+    whole = list(grow(case))
+    rest = list(grow(case, whole[1].checkpoint))
+    assert np.array_equal(K_of(rest[0]), K_of(whole[1]))
+    assert rest[0].factorizations == whole[1].factorizations
