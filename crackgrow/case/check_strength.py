@@ -165,9 +165,6 @@ def check_initiation(scene: Scene) -> None:
         scene.report.fault((*key, "spacing"), f"{message}; wanted with `at: {at}`: auto, or `at: outlines | anywhere`")
     if at == "tips":
         return
-    if isinstance(scene.get("numerics", "accuracy"), float):
-        message = "a target of the error of K is met crack by crack, of those that are given; wanted: tips"
-        scene.report.fault((*key, "at"), f"{message}, or a name in numerics.accuracy")
     if at in ("ends", "cracks"):
         return
     bodies = named(scene.resolved, "bodies")

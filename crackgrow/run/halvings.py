@@ -72,11 +72,17 @@ def first_halvings(target: float, spacing: float, cracks: Iterable[tuple[float, 
 
     Each halving leaves half of the error. With the first one come those at kinks, without which it is no smaller.
     """
-    found = []
-    for length, kinked in cracks:
-        size = max(UNREFINED * spacing / (length * target), 1.0)
-        found.append(min(max(round(math.log2(size)), int(kinked)), FIRST_HALVINGS))
-    return Halvings(1, tuple(found))
+    return Halvings(1, tuple(_at_first(target, spacing, *crack) for crack in cracks))
+
+
+def with_started(halvings: Halvings, target: float, spacing: float, lengths: Iterable[float]) -> Halvings:
+    """The same with cracks that start, of these lengths (m)."""
+    return replace(halvings, cracks=(*halvings.cracks, *(_at_first(target, spacing, each, False) for each in lengths)))
+
+
+def _at_first(target: float, spacing: float, length: float, kinked: bool) -> int:
+    size = max(UNREFINED * spacing / (length * target), 1.0)
+    return min(max(round(math.log2(size)), int(kinked)), FIRST_HALVINGS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -42,10 +42,12 @@ def load_to(
     before: StepSolution | None,
     like: Configuration | None,
 ) -> LoadState:
-    """The state at a load factor that `load` would give with it as the critical one, or the last of the history.
+    """The state at a load factor that `load` would give with it as the critical one, or the last of several.
 
     `like` is a configuration that may have parts in common with this one. Raises as `load` does.
     """
+    if isinstance(scene.case.loading, Stages):
+        return through_stages(scene, cracks).state
     configuration = assemble(scene, cracks, like)
     origin = _origin(configuration, before)
     if origin.start is not None:

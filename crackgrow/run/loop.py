@@ -13,6 +13,7 @@ from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.aimed_history import aimed_history
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import BeforeAdvance, advance_tips
@@ -21,11 +22,12 @@ from crackgrow.run.increments import Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.leaving import lapse, leaves, none_leaves, site_criticality
 from crackgrow.run.loading import load, load_again, load_history, load_to
+from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.report import paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene, scene_at_end
 from crackgrow.run.strength_reduction import strength_reduction
-from crackgrow.run.target import Ways, aimed, aimed_history, halvings_after
+from crackgrow.run.target import Ways, aimed
 from crackgrow.solid.rigid_modes import all_pieces
 
 
@@ -110,7 +112,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
                 raise
             return RunEnd("failed", f"step {step}: {error}", paths_of(cracks), events)
         solution = _on_target(cracks, solution, before)
-        scene = replace(scene, halvings=halvings_after(solution))
+        scene = scene.with_halvings(halvings_after(solution))
         n_pieces = n_pieces or len(all_pieces(solution.cover))
         taken, solution = lapse(leaving, cracks, solution)
         time += taken
@@ -135,7 +137,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
 def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
     """The solution of a step that was solved before; the search for its direction of growth is not repeated."""
     if begun.accuracy is not None:
-        scene = replace(scene, halvings=begun.accuracy.halvings)
+        scene = scene.with_halvings(begun.accuracy.halvings)
     solution = load_again(scene, begun.cracks, origin)
     return replace(solution, factorizations=begun.factorizations, notes=begun.notes, accuracy=begun.accuracy)
 
@@ -157,6 +159,8 @@ def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSo
     chosen = np.empty(0, dtype=np.int64)
     histories = load_history if scene.case.numerics.target is None else partial(aimed_history, known=begun.accuracy)
     for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin), begun.step):
+        if step == begun.step and begun.origin is not None:  # it was solved before
+            solution = replace(solution, factorizations=begun.factorizations)
         result = _reported(scene, RunState(step, cracks), solution, chosen)
         yield result, solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"

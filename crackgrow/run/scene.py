@@ -32,7 +32,7 @@ from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import BodyForce
-from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings
+from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings, with_started
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.supports import body_index
@@ -176,7 +176,10 @@ class Scene:
         return stress
 
     def with_cracks(self, growing: Sequence[GrowingCrack]) -> Scene:
-        """The scene with what has started since the case was made: a new crack has the fluid of the one it is on."""
+        """The scene with what has started since the case was made: a new crack has the fluid of the one it is on.
+
+        For a target its cells are small by what has started of it.
+        """
         case, n = self.case, len(self.case.cracks)
         new = growing[n:]
         if not new:
@@ -188,12 +191,21 @@ class Scene:
             loads += [replace(load, surface=growing_crack.crack.name) for load in fluids]
         cracks = [growing_crack.crack for growing_crack in new]
         laws = [SurfaceLaw("crack", c.contact, False, _stiffness(case, (c.body,))) for c in cracks]
+        halvings, numerics = self.halvings, case.numerics
+        if numerics.target is not None:
+            lengths = (line_length(crack.points) for crack in cracks)
+            halvings = with_started(halvings, numerics.target, numerics.spacing, lengths)
         return replace(
             self,
+            halvings=halvings,
             case=replace(case, cracks=(*case.cracks, *cracks), loads=tuple(loads)),
             crack_bodies=(*self.crack_bodies, *(body_index(case.bodies, crack.body) for crack in cracks)),
             laws=(*self.laws[:n], *laws, *self.laws[n:]),
         )
+
+    def with_halvings(self, halvings: Halvings) -> Scene:
+        """The scene on other cells, with the rock that is gone."""
+        return replace(self, halvings=halvings, whole=self.whole and self.whole.with_halvings(halvings))
 
     def averaging_radius(self, body: int) -> float:
         """Radius (m) of the criterion in a body that has a strength, of a case with growth."""

@@ -34,8 +34,9 @@ def load_stages(
 ) -> Iterator[StepSolution]:
     """The cracks at the end of every stage of the case, in turn, from number `first` on, whose `origin` is given.
 
-    Raises GeometryError or SolveError where a stage has no state.
+    `scene` may be that of any stage. Raises GeometryError or SolveError where a stage has no state.
     """
+    scene = scene.at_start.with_cracks(cracks)
     assert isinstance(scene.case.loading, Stages)
     state: LoadState | None = None
     for number in range(first, len(scene.case.loading.stages)):

@@ -6,16 +6,18 @@ stress there did, and when all of that is released the rest is what it would be 
 
 from __future__ import annotations
 
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.figures import draw_load_curve
 from crackgrow.results.load_point import load_point
 from crackgrow.results.summary import K_error
@@ -23,6 +25,8 @@ from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
+from crackgrow.run.scene import make_scene
+from crackgrow.run.stages import through_stages
 from crackgrow.solid.recovery import stress_at
 from tests.whole_run import whole_run
 
@@ -390,3 +394,54 @@ def test_forces_balance_while_benches_go_with_what_holds_them(tmp_path: Path) ->
     assert np.isnan([result.history.values[-1][slip] for result in results[2:]]).all()
     assert max(result.energy.error for result in results) < 1e-6
     draw_load_curve(tmp_path / "curve.png", load_case(path), [load_point(result) for result in results])
+
+
+SQUARE = {"disk: {center: [0, 0], radius: 2}": "rectangle: {center: [0, 0], width: 4, height: 4}"}
+SLIPPERY = "cracks: {a: {path: {points: [[3, 1], [5.5, 2.2]]}, contact: {friction: 0, cohesion: 0}}}"
+JUDGED = (
+    "growth={criterion: max_hoop_stress, advance: all, steps: 0, increment: 0.5}",
+    "bodies.rock.strength={tension: 5, cohesion: 20, friction_angle: 40, toughness: 1 MPa sqrt(m)}",
+)
+
+
+@pytest.mark.parametrize("accuracy", ["draft", "0.1"])
+def test_a_crack_that_starts_after_stages_is_as_one_that_was_given(accuracy: str, tmp_path: Path) -> None:
+    """Its cells are those of all rock, though some is gone."""
+    given = "  b: {path: {points: [[-3, 1], [-5, 2]]}, contact: {friction: 0.1, cohesion: 0}}"
+    cracks = (
+        f"cracks:\n  a: {{path: {{points: [[3, 1], [5.5, 2.2]]}}, contact: {{friction: 0.1, cohesion: 0}}}}\n{given}"
+    )
+    tunnel(tmp_path, ONE_STAGE, SPACING=f"1, accuracy: {accuracy}", CRACKS=cracks, **SQUARE)
+    case = load_case(tmp_path / "tunnel.yaml", [JUDGED[0].replace("steps: 0", "steps: 1"), JUDGED[1]])
+    both = tuple(map(GrowingCrack.given, case.cracks))
+    started = replace(both[1], steps=np.ones(2, dtype=np.int64))
+    alone = make_scene(replace(case, cracks=case.cracks[:1]))
+    halvings = alone.with_cracks(both).halvings
+    known = [tip.K for tip in through_stages(make_scene(case).with_halvings(halvings), both).tips]
+    assert [tip.K for tip in through_stages(alone, (both[0], started)).tips] == known
+
+
+def aimed(folder: Path, accuracy: float | str, loading: str = ONE_STAGE) -> Case:
+    return tunnel(folder, loading, SPACING=f"auto, accuracy: {accuracy}", CRACKS=SLIPPERY)
+
+
+def K_of(step: StepResult) -> Floats:
+    """K_I and K_II (n, 2) of all tips, Pa sqrt(m)."""
+    return np.array([(tip.K_I, tip.K_II) for tip in step.tips])
+
+
+def test_a_target_holds_at_the_end_of_stages(tmp_path: Path) -> None:
+    """Without friction K is what it would be had the hole always been there. With growth the last stage is judged."""
+    exact = K_of(next(grow(aimed(tmp_path, "fine", "{}"))))
+    case, target = aimed(tmp_path, 0.03), 0.03
+    steps = list(grow(case))
+    judged = next(grow(load_case(tmp_path / "tunnel.yaml", JUDGED)))
+    for step in (*steps, judged):
+        bounds = [max(tip.K_I_error, tip.K_II_error) for tip in step.tips]
+        assert max(bounds) <= target * np.hypot(*K_of(step).T).max()
+    for step in (steps[1], judged):
+        assert np.hypot(*(K_of(step) - exact).T).max() <= target * np.hypot(*exact.T).max()
+    assert np.hypot(*(K_of(steps[0]) - exact).T).max() > 2.0 * target * np.hypot(*exact.T).max()
+    again = next(grow(case, steps[1].checkpoint))
+    assert np.array_equal(K_of(again), K_of(steps[1]))
+    assert again.factorizations == steps[1].factorizations

@@ -94,7 +94,7 @@ def test_fault_of_a_stage(stages: list[dict[str, Any]], key: str, words: str, tm
             "loading.stages.1.excavate",
             "crack 'flaw' lies in body 'top'",
         ),
-        ({"numerics": {"spacing": 0.5, "accuracy": 0.01}}, "numerics.accuracy", "no target of a run in stages"),
+        ({"numerics": {"spacing": 0.5, "accuracy": 0.01}}, "numerics.goal", "no crack has a tip"),
         ({"loads": [{"body": "low", "stress": [0, 0, 0], "name": ""}]}, "loads.0.name", "text"),
     ],
 )

@@ -19,18 +19,33 @@ from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.run import grow
 from crackgrow.run import target as target_file
 from crackgrow.run.caution import Cause
-from crackgrow.run.checkpoint import beginning
+from crackgrow.run.checkpoint import beginning, restored
 from crackgrow.run.configuration import lay_out
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
+from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load, load_to
 from crackgrow.run.loop import solved_steps
+from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.other_cells import compared, still_tells
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.run.target import Ways, aimed, halvings_after
+from crackgrow.run.still_known import holds
+from crackgrow.run.target import Ways, aimed
+from tests.unit.run.test_run_starting import SQUARE, plate
 
 CASES = Path(__file__).parents[3] / "cases"
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
+
+
+SHEARED = (
+    "growth.steps=2",
+    "growth.increment=2",
+    "growth.advance=all",
+    "growth.initiation=ends",
+    "cracks.flaw.contact.friction=0.3",
+    "bodies.rock.strength.cohesion=0.6",
+)
+"""Shear cracks start at the ends of a flaw, beside its wings."""
 
 
 def case(name: str, target: str, *settings: str) -> Case:
@@ -145,11 +160,21 @@ def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
     assert sum(step.factorizations == 1 for step in steps) >= 1
 
 
+def test_what_is_known_holds_at_twice_the_length_whatever_round_off_makes_of_it() -> None:
+    """Increments are alike, so that cracks have grown by twice as much just so, but for the sum of lengths."""
+    _, solution = next(solved_steps(case("compression30", "3 %", "growth.steps=0")))
+    assert solution.accuracy is not None
+    last = replace(solution.accuracy, grown=(3.0e-3,))
+    grown = [(times * 3.0e-3,) for times in (2.0 - 1e-14, 2.0, 2.0 + 1e-14, 2.01)]
+    assert [holds(last, solution, lengths) for lengths in grown] == [True, True, True, False]
+
+
 @pytest.mark.parametrize(
     "settings",
     [
         ("growth.steps=2",),
         ("growth.steps=2", "growth.unload_between_steps=false", "cracks.flaw.contact.friction=0.3"),
+        SHEARED,
     ],
 )
 def test_a_run_that_was_broken_off_goes_on_to_the_same_bits(settings: tuple[str, ...]) -> None:
@@ -164,6 +189,41 @@ def test_a_run_that_was_broken_off_goes_on_to_the_same_bits(settings: tuple[str,
         [getattr(tip, name) for tip in step.tips for name in columns] for step in whole[1:]
     ]
     assert [step.factorizations for step in rest] == [step.factorizations for step in whole[1:]]
+
+
+def true_error(aim: Case, step: StepResult, solution: StepSolution) -> float:
+    """Of K, over the largest: against cells of a quarter of the size at all tips."""
+    assert step.checkpoint is not None
+    scene, cracks = solution.configuration.scene, restored(aim, step.checkpoint).cracks
+    halvings = replace(scene.halvings, cracks=tuple(n + 2 for n in scene.halvings.cracks))
+    finer = np.array([tip.K for tip in load(scene.with_halvings(halvings), cracks).tips])
+    off = finer - [(tip.K_I, tip.K_II) for tip in step.tips]
+    return float(np.hypot(*off.T).max() / np.hypot(*finer.T).max())
+
+
+def test_cracks_that_start_meet_the_target() -> None:
+    """Their cells are small by their own length, and K of all tips is held against other cells when they start."""
+    aim = case("compression30", "3 %", *SHEARED)
+    steps = list(solved_steps(aim))
+    step, solution = steps[-1]
+    assert [event.kind for event in step.events] == ["initiation", "initiation"]
+    assert len(step.tips) == 4
+    assert step.factorizations > 1
+    assert told(step) == []
+    assert max(max(shares(each)) for each, _ in steps) <= 0.03
+    assert true_error(aim, step, solution) <= 0.03
+
+
+def test_where_nothing_has_started_yet_K_is_told_to_be_missing(tmp_path: Path) -> None:
+    """The first crack then meets the target."""
+    settings = ("numerics.accuracy=3 %", "numerics.spacing=auto", "growth.steps=1")
+    aim = plate(tmp_path, SQUARE, "anywhere", *settings)
+    first, (step, solution) = solved_steps(aim)
+    (words,) = told(first[0])
+    assert words.endswith("no crack has a tip yet")
+    assert told(step) == []
+    assert max(shares(step)) <= 0.03
+    assert true_error(aim, step, solution) <= 0.03
 
 
 def test_every_load_of_a_history_meets_the_target() -> None:

@@ -1,0 +1,100 @@
+"""Which cells come next for a target: halved at the cracks that are off by more, or joined where K is far better.
+
+The goal's bound is of all cracks; where it is off by more cells are halved at all of them and at corners. What does not
+fall with the cells there is halved everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from crackgrow.cover.refinement import MOST_LEVELS
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run.configuration import lay_out
+from crackgrow.run.halvings import Accuracy, Halvings
+from crackgrow.run.judging import StepSolution
+
+MOST_AT_ONCE = 3
+"""Halvings in one round."""
+
+FAR_BELOW = 1.0 / 6.0
+"""Of the target: cells of a crack with less are joined, once a step."""
+
+STUCK = 0.8
+"""An error of which this is left does not come from the cells at the crack: all are halved."""
+
+
+def halvings_next(
+    solution: StepSolution, cracks: tuple[GrowingCrack, ...], now: Accuracy, before: Accuracy | None
+) -> tuple[Halvings | None, str]:
+    """The cells to try for a step that misses its target; None and why, where there are none.
+
+    `now` is what is known on the cells of a solution, `before` on those that were tried before.
+    """
+    if solution.configuration.scene.case.numerics.goal == "K":
+        wanted, why = _for_K(solution, now, before)
+    else:
+        wanted, why = _for_goal(solution, cracks, now, before)
+    if wanted is not None and solution.cover.sizes.min() <= 0.5**MOST_LEVELS:
+        return None, f"cells are halved {MOST_LEVELS} times already, which is the most"
+    return wanted, why
+
+
+def halvings_after(solution: StepSolution) -> Halvings:
+    """The cells that the step after a solution begins with."""
+    scene, accuracy = solution.configuration.scene, solution.accuracy
+    halvings, target = scene.halvings, scene.case.numerics.target
+    if target is None or accuracy is None or scene.case.numerics.goal != "K":
+        return halvings
+    fewer = []
+    for crack, n in enumerate(halvings.cracks):
+        shares = accuracy.shares(crack)
+        joined = bool(shares) and max(shares) < FAR_BELOW * target
+        fewer.append(max(n - joined, 0))
+    return replace(halvings, cracks=tuple(fewer))
+
+
+def _target(solution: StepSolution) -> float:
+    target = solution.configuration.scene.case.numerics.target
+    assert target is not None  # else no cells are chosen
+    return target
+
+
+def _for_goal(
+    solution: StepSolution, cracks: tuple[GrowingCrack, ...], now: Accuracy, before: Accuracy | None
+) -> tuple[Halvings | None, str]:
+    """Of another goal than K: at all cracks and corners, or everywhere where that does not help."""
+    if math.isinf(now.goal):
+        return None, "it is nothing: no cells can be chosen by it"
+    if math.isnan(now.goal):
+        return None, "there is no solution on cells twice as large to hold it against"
+    halvings, scene = now.halvings, solution.configuration.scene
+    more = math.ceil(math.log2(min(now.goal / _target(solution), 2.0**MOST_AT_ONCE)))
+    if before is None or not now.goal > STUCK * before.goal:
+        at_cracks = tuple(min(n + more, MOST_LEVELS) for n in halvings.cracks)
+        wanted = replace(halvings, cracks=at_cracks, corners=min(halvings.corners + more, MOST_LEVELS))
+        cells = lay_out(scene.with_halvings(wanted), cracks)[0].lattice.cells
+        if not cells.equal(solution.cover.lattice.cells):
+            return wanted, ""
+    return replace(halvings, everywhere=halvings.everywhere + 1), ""
+
+
+def _for_K(solution: StepSolution, now: Accuracy, before: Accuracy | None) -> tuple[Halvings | None, str]:
+    """Crack by crack, or everywhere where that does not help."""
+    if before is not None and min(now.shares(), default=0.0) >= 1.0:
+        return None, "K is nothing beside what it is off by, as where faces stick: no cells can be chosen by it"
+    halvings = now.halvings
+    cracks = []
+    for crack, n in enumerate(halvings.cracks):
+        share = max(now.shares(crack), default=0.0)
+        at_once = MOST_AT_ONCE if n else 1  # the first one comes with those at kinks
+        more = math.ceil(math.log2(min(max(share / _target(solution), 1.0), 2.0**at_once)))
+        cracks.append(min(n + more, MOST_LEVELS))
+    worst = [max(known.shares()) for known in (now, before) if known is not None]
+    wanted = replace(halvings, cracks=tuple(cracks))
+    if wanted != halvings and not (len(worst) == 2 and worst[0] > STUCK * worst[1]):
+        return wanted, ""
+    if halvings.everywhere >= MOST_LEVELS:
+        return None, f"all cells are halved {MOST_LEVELS} times already"
+    return replace(halvings, everywhere=halvings.everywhere + 1), ""
