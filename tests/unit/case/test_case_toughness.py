@@ -10,7 +10,7 @@ import pytest
 
 from crackgrow.case import Case, load_case
 from crackgrow.case.dump import dump_case
-from crackgrow.case.toughness import averaging_radius, shear_radius
+from crackgrow.case.toughness import averaging_radius, length_of_average, shear_radius
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import CaseError, Fault
 from crackgrow.run.foci import focus_of
@@ -186,6 +186,19 @@ def test_cells_at_tips_resolve_the_radius_that_is_averaged_over(criterion: str, 
     focus = focus_of(scene, [CrackGeometry("flaw", scene.lattice.to_lattice(case.cracks[0].points), True, True)])
     finest = float(focus.size.min(initial=1.0)) * case.numerics.spacing
     assert (finest <= 2.0 * radius_of(case) * (1.0 + 1e-9)) == halved
+
+
+@pytest.mark.parametrize("length", ["growth.tip_stress.radius=1", "bodies.rock.strength.toughness=0.04 MPa sqrt(m)"])
+def test_cells_at_tips_resolve_the_radius_for_shear(length: str, tmp_path: Path) -> None:
+    """Whether the one for tension is given or follows from a toughness."""
+    path = edited(tmp_path, ("tension: 0.5", "shear_toughness: 0.1 MPa sqrt(m)\n      tension: 0.5"), (RADIUS, "#"))
+    case = load_case(path, ["numerics.spacing=auto", "growth.steps=1", length])
+    growth, strength = case.growth, case.bodies[0].strength
+    assert growth is not None
+    assert strength is not None
+    radius = shear_radius(growth, strength)
+    assert radius is not None
+    assert length_of_average(growth, strength) == radius < averaging_radius(growth, strength)
 
 
 @pytest.mark.parametrize(
