@@ -64,10 +64,12 @@ def goes_by_K(growth: Growth) -> bool:
 
 def length_of_average(growth: Growth, strength: Strength | None) -> float:
     """The radius (m) that cells at a tip are to resolve; infinite where K_I and K_II are all that counts."""
-    if strength is not None and strength.toughness is not None:
-        shear = shear_radius(growth, strength) or np.inf
-        return np.inf if goes_by_K(growth) else min(start_radius(growth, strength), shear)
-    return np.inf if growth.tip_radius is None else growth.tip_radius
+    own = np.inf if growth.tip_radius is None else growth.tip_radius
+    if strength is None:
+        return own
+    if strength.toughness is not None:
+        own = np.inf if goes_by_K(growth) else start_radius(growth, strength)
+    return min(own, shear_radius(growth, strength) or np.inf)
 
 
 def radius_of(criterion: str, tension: float, toughness: float) -> float:

@@ -64,13 +64,13 @@ class Factorization:
             return self._fronts.solve(loads), wanted
         push = loads + self._constraints.T @ (self._rho[:, None] * wanted)
         solution = self._fronts.solve(np.concatenate([push, wanted]))
-        if self._responses is None and m <= max(FEW_CONSTRAINTS, loads.shape[1]):  # else one solve each is cheaper
-            self._responses = self._pulled(np.eye(m))
+        few = m <= max(FEW_CONSTRAINTS, loads.shape[1])  # else one solve each is cheaper, whatever is known already
+        responses = self._responses_of(m) if few else None
         for _ in range(HARDENINGS):
             missing = wanted - self._constraints @ solution[:n]
             if np.all(np.abs(missing) <= SMALLEST * (self._share @ np.abs(solution[:n]) + np.abs(wanted))):
                 break
-            solution += self._pulled(missing) if self._responses is None else self._responses @ missing
+            solution += self._pulled(missing) if responses is None else responses @ missing
         return solution[:n], solution[n:]
 
     def compliance(self, rows: csr_array) -> Floats | None:
@@ -89,6 +89,12 @@ class Factorization:
             pulls -= self._yielding[:, None] * (multipliers + of_pulls @ pulls) + pulls
         taken_away = multipliers.T @ pulls
         return np.asarray(compliance + 0.5 * (taken_away + taken_away.T))
+
+    def _responses_of(self, m: int) -> Floats:
+        """Displacements and multipliers (n + m, m) to unit pulls at the constraints, found when they pay."""
+        if self._responses is None:
+            self._responses = self._pulled(np.eye(m))
+        return self._responses
 
     def _pulled(self, missing: Floats) -> Floats:
         """Displacements and multipliers (n + m, k) that add `missing` (m, k) to C u but for the yielding."""

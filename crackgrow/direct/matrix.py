@@ -7,8 +7,8 @@ some functions each; of their sum one half is formed, part by part: a part whose
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -38,11 +38,26 @@ class EqualElements:
         return half(k, pairs, by_component[:, :, pairs])
 
 
+@dataclass(slots=True, eq=False)
+class _Last:
+    """The last answer, which is given again while the question is the same; not to be changed."""
+
+    last: tuple[Floats, tuple[Floats, ...]] | None = None  # the question (k,) and what it was answered
+
+    def to(self, question: Floats, find: Callable[[], tuple[Floats, ...]]) -> tuple[Floats, ...]:
+        """The answer to a question, which `find` finds."""
+        last = self.last
+        if last is None or not np.array_equal(last[0], question):
+            last = self.last = (question.copy(), find())
+        return last[1]
+
+
 @dataclass(frozen=True, eq=False)
 class Summed:
     """A symmetric matrix (k, k) by its half, and what is asked of it again and again."""
 
     half: csr_array  # H (k, k) with H + H' the matrix
+    _met: _Last = field(default_factory=_Last, init=False, repr=False)
 
     @cached_property
     def transposed(self) -> csc_array:
@@ -62,18 +77,19 @@ class Summed:
     def met(self, sizes: Floats, share: float) -> Floats:
         """(k,) the largest of `sizes` (k,) that unknowns meet whose own is below `share` of all; zero for the others.
 
-        An unknown meets those that it has an entry with. Not to be changed: what was found for the last sizes is kept.
+        An unknown meets those that it has an entry with. Not to be changed: what was found last is kept.
         """
-        last: tuple[float, Floats, Floats] | None = self.__dict__.get("_met")
-        if last is None or last[0] != share or not np.array_equal(last[1], sizes):
-            found, some = np.zeros(len(sizes)), sizes < share * sizes.max()
-            if some.any():
-                row, column = np.repeat(np.arange(len(sizes)), np.diff(self.half.indptr)), self.half.indices
-                for one, other in ((row, column), (column, row)):
-                    at = np.flatnonzero(some[one])
-                    np.maximum.at(found, one[at], sizes[other[at]])
-            last = self.__dict__["_met"] = (share, sizes, found)
-        return last[2]
+        (found,) = self._met.to(np.append(sizes, share), lambda: (self._largest_met(sizes, share),))
+        return found
+
+    def _largest_met(self, sizes: Floats, share: float) -> Floats:
+        found, some = np.zeros(len(sizes)), sizes < share * sizes.max()
+        if some.any():
+            row, column = np.repeat(np.arange(len(sizes)), np.diff(self.half.indptr)), self.half.indices
+            for one, other in ((row, column), (column, row)):
+                at = np.flatnonzero(some[one])
+                np.maximum.at(found, one[at], sizes[other[at]])
+        return found
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product with vectors (k,) or (k, m)."""
@@ -106,16 +122,15 @@ class Blocks:
     functions: tuple[Ints, ...] = ()  # block by block (k,)
     halves: tuple[HalfMatrix, ...] = ()  # block by block
     parts: tuple[Part, ...] = ()  # the sum, in parts
+    _weighed: _Last = field(default_factory=_Last, init=False, repr=False)
 
     def weighed(self, vector: Floats) -> tuple[Floats, Floats]:
         """The product of the sum with a vector (n,), and that of absolute values; not to be changed.
 
         Those of the last vector are kept: a solution is held against its loads by the solver and by the step.
         """
-        last: tuple[Floats, Floats, Floats] | None = self.__dict__.get("_last")
-        if last is None or not np.array_equal(last[0], vector):
-            last = self.__dict__["_last"] = (vector.copy(), self @ vector, self.sizes(np.abs(vector)))
-        return last[1], last[2]
+        product, sizes = self._weighed.to(vector, lambda: (self @ vector, self.sizes(np.abs(vector))))
+        return product, sizes
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product of the sum with vectors (n,) or (n, m)."""

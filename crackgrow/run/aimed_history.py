@@ -69,9 +69,11 @@ class _Pair:
     number: int = 0  # of the load
 
     def solve(self, scene: Scene, like: Configuration) -> StepSolution:
-        """The solution on other cells."""
-        self.fine = _History(scene, self.cracks, like=like)
-        return self.fine.at(self.number)
+        """The solution on other cells. Where there is none the next loads go on with the cells of now."""
+        finer = _History(scene, self.cracks, like=like)
+        solution = finer.at(self.number)
+        self.fine = finer
+        return solution
 
     def state_on_others(self, scene: Scene, _: float, like: Configuration) -> LoadState:
         """The state on the cells to compare."""

@@ -48,8 +48,8 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     kinks = np.rad2deg(kink_errors(solution, off)).tolist()
     expected = [float("nan")] * len(errors) if known is None else known.expected
     tips = tuple(
-        replace(_tip(solution, tip, tip in chosen, scene, error), kink_error_deg=kink, K_error_expected=off)
-        for tip, (error, kink, off) in enumerate(zip(errors, kinks, expected, strict=True))
+        replace(_tip(solution, tip, tip in chosen, scene, error), kink_error_deg=kink, K_error_expected=likely)
+        for tip, (error, kink, likely) in enumerate(zip(errors, kinks, expected, strict=True))
     )
     shares = overlap_shares(scene, solution, faces)
     error = estimated_error(solution) if state.step == 0 else None

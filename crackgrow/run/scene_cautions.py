@@ -95,12 +95,14 @@ def _by_shear_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
 
 def _wide_averages(scene: Scene) -> Iterator[Caution]:
     """Cracks so short beside the averaging radius that the average is not that of their K."""
+    criterion = scene.case.growth.criterion if scene.case.growth else ""
     for radius, crack in _by_toughness(scene):
         share = radius / line_length(crack.points)
         if share > Cause.WIDE_AVERAGE.limit:
-            criterion = scene.case.growth.criterion if scene.case.growth else ""
             told = {"radius": radius, "criterion": criterion, "percent": 50.0 * share}
             yield Cause.WIDE_AVERAGE.at(f"crack '{crack.name}'", share, **told)
+    if criterion in BY_K:
+        return  # the given cracks go on in tension alone
     for radius, crack in _by_shear_toughness(scene):
         share = radius / line_length(crack.points)
         if share > Cause.WIDE_SHEAR.limit:

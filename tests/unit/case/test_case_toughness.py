@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from crackgrow.case import Case, load_case
 from crackgrow.case.dump import dump_case
-from crackgrow.case.toughness import averaging_radius, shear_radius
+from crackgrow.case.toughness import averaging_radius, length_of_average, shear_radius
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import CaseError, Fault
 from crackgrow.run.foci import focus_of
@@ -36,9 +37,9 @@ def tough(folder: Path, toughness: str = "0.04 MPa sqrt(m)", *edits: tuple[str, 
     return edited(folder, ("tension: 0.5", f"toughness: {toughness}\n      tension: 0.5"), (RADIUS, "#"), *edits)
 
 
-def faults_of(path: Path) -> tuple[Fault, ...]:
+def faults_of(path: Path, settings: Sequence[str] = ()) -> tuple[Fault, ...]:
     with pytest.raises(CaseError) as caught:
-        load_case(path)
+        load_case(path, settings)
     return caught.value.faults
 
 
@@ -115,13 +116,18 @@ def test_radius_for_shear_follows_from_cohesion_and_its_toughness(tmp_path: Path
     assert shear_radius(growth, plain) is None
 
 
-def test_no_radius_for_shear_where_nothing_starts_and_K_decides_all(tmp_path: Path) -> None:
-    path = sheared(tmp_path)
-    for at, averaged in (("tips", False), ("ends", True)):
-        case = load_case(path, ["growth.criterion=max_hoop_stress", f"growth.initiation={at}"])
-        assert case.growth is not None
-        assert case.bodies[0].strength is not None
-        assert (shear_radius(case.growth, case.bodies[0].strength) is not None) == averaged
+def test_toughness_in_shear_is_refused_where_nothing_starts_and_K_decides_all(tmp_path: Path) -> None:
+    """Tips would grow in tension alone, as if it was not there."""
+    path, by_K = sheared(tmp_path), "growth.criterion=max_hoop_stress"
+    for settings in ([by_K], [by_K, "growth.initiation=tips"]):
+        (fault,) = faults_of(path, settings)
+        assert fault.key == "bodies.rock.strength.shear_toughness"
+        assert "unless cracks start in shear" in fault.message
+        assert "give growth.initiation: ends" in fault.message
+    case = load_case(path, [by_K, "growth.initiation=ends"])
+    assert case.growth is not None
+    assert case.bodies[0].strength is not None
+    assert shear_radius(case.growth, case.bodies[0].strength) is not None
 
 
 @pytest.mark.parametrize(
@@ -180,6 +186,19 @@ def test_cells_at_tips_resolve_the_radius_that_is_averaged_over(criterion: str, 
     focus = focus_of(scene, [CrackGeometry("flaw", scene.lattice.to_lattice(case.cracks[0].points), True, True)])
     finest = float(focus.size.min(initial=1.0)) * case.numerics.spacing
     assert (finest <= 2.0 * radius_of(case) * (1.0 + 1e-9)) == halved
+
+
+@pytest.mark.parametrize("length", ["growth.tip_stress.radius=1", "bodies.rock.strength.toughness=0.04 MPa sqrt(m)"])
+def test_cells_at_tips_resolve_the_radius_for_shear(length: str, tmp_path: Path) -> None:
+    """Whether the one for tension is given or follows from a toughness."""
+    path = edited(tmp_path, ("tension: 0.5", "shear_toughness: 0.1 MPa sqrt(m)\n      tension: 0.5"), (RADIUS, "#"))
+    case = load_case(path, ["numerics.spacing=auto", "growth.steps=1", length])
+    growth, strength = case.growth, case.bodies[0].strength
+    assert growth is not None
+    assert strength is not None
+    radius = shear_radius(growth, strength)
+    assert radius is not None
+    assert length_of_average(growth, strength) == radius < averaging_radius(growth, strength)
 
 
 @pytest.mark.parametrize(

@@ -322,14 +322,20 @@ def test_a_stress_that_jumps_past_the_strength_is_told(cohesion: str, told: int)
     assert all(jump.size > 1.5 and "jumps to" in jump.words for jump in jumps)
 
 
-@pytest.mark.parametrize(("share", "warned"), [(0.045, False), (0.055, True)])
-def test_a_crack_that_is_short_beside_the_length_for_shear_is_warned_of(share: float, warned: bool) -> None:
-    """K_II is 1 / sqrt(1 + R / L) of the toughness, 2.4 % below it at the limit."""
+@pytest.mark.parametrize(
+    ("criterion", "share", "warned"),
+    [("directional_strength", 0.045, False), ("directional_strength", 0.055, True), ("max_hoop_stress", 0.055, False)],
+)
+def test_a_crack_that_is_short_beside_the_length_for_shear_is_warned_of(
+    criterion: str, share: float, warned: bool
+) -> None:
+    """K_II is 1 / sqrt(1 + R / L) of the toughness, 2.4 % below it at the limit; where K decides flaws never shear."""
     scene = make_scene(load_case(CASES / "compression30.yaml"))
     flaw, rock = scene.case.cracks[0], scene.case.bodies[0]
     assert rock.strength is not None
     radius = share * line_length(flaw.points)
     toughness = 0.5 * rock.strength.cohesion * np.sqrt(2.0 * np.pi * radius) / 1e6
-    settings = ["numerics.spacing=3", f"bodies.rock.strength.shear_toughness={toughness} MPa sqrt(m)"]
+    settings = ["numerics.spacing=3", f"growth.criterion={criterion}", "growth.initiation=ends"]
+    settings += [f"bodies.rock.strength.shear_toughness={toughness} MPa sqrt(m)"]
     told = [caution for caution in first_step("compression30", *settings).cautions if caution.cause is Cause.WIDE_SHEAR]
     assert [caution.place for caution in told] == ["crack 'flaw'"] * warned

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -16,7 +17,9 @@ from crackgrow.case.model import Case
 from crackgrow.cover.refinement import MOST_LEVELS
 from crackgrow.errors import SolveError
 from crackgrow.fracture.stress_intensity import StressIntensity
+from crackgrow.run import aimed_history as aimed_history_file
 from crackgrow.run import grow
+from crackgrow.run import scene as scene_file
 from crackgrow.run import target as target_file
 from crackgrow.run.caution import Cause
 from crackgrow.run.checkpoint import beginning, restored
@@ -28,7 +31,7 @@ from crackgrow.run.loop import solved_steps
 from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.other_cells import compared, still_tells
 from crackgrow.run.result import Checkpoint, StepResult
-from crackgrow.run.scene import make_scene
+from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.still_known import holds
 from crackgrow.run.target import Ways, aimed
 from tests.unit.run.test_run_starting import SQUARE, plate
@@ -264,6 +267,25 @@ def test_a_target_that_takes_too_many_unknowns_ends_with_what_was_reached(monkey
     assert "within 0.1 %" in words
     assert "at most 100 " in words
     assert f"is within {100.0 * max(shares(step)):.2g} %" in words
+
+
+def test_loads_go_on_with_their_cells_where_smaller_ones_have_no_solution(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the first load; contact of the others is that of the history on those cells."""
+    first = Halvings(1, (0,))
+    monkeypatch.setattr(scene_file, "first_halvings", lambda *_: first)
+    found = aimed_history_file.load_history
+
+    def only_on_the_first(scene: Scene, *rest: Any, **more: Any) -> Iterator[StepSolution]:
+        if scene.halvings.cracks != first.cracks:
+            raise SolveError("not solved")
+        yield from found(scene, *rest, **more)
+
+    monkeypatch.setattr(aimed_history_file, "load_history", only_on_the_first)
+    steps = list(grow(case("cyclic_friction", "0.1 %", "loading.history=[0.5, 1.0]")))
+    assert [step.load_factor for step in steps] == [0.5, 1.0]
+    for step in steps:
+        (words,) = told(step)
+        assert "smaller cells are not to be had: not solved" in words
 
 
 def test_a_target_that_cells_halved_to_the_least_miss_ends_and_says_so() -> None:

@@ -74,6 +74,19 @@ def test_singular_stiffness_is_held_by_constraints() -> None:
     np.testing.assert_allclose(m, [1.0], rtol=1e-11)
 
 
+@pytest.mark.parametrize("n_constraints", [3, 20])
+def test_bits_of_a_solution_do_not_depend_on_what_was_solved_for_before(n_constraints: int) -> None:
+    """Few constraints and many: responses to all of them pay where they are few, or fewer than the loads."""
+    constraints = rows(*({k: 1.0, k + 1: 0.3} for k in range(n_constraints)))
+    rng = np.random.default_rng(47)
+    loads, many = rng.normal(size=N), rng.normal(size=(N, N))
+    system = ConstrainedSystem(definite(48), constraints)
+    alone = system.solve(loads)
+    system.solve(many)
+    for after, before in zip(system.solve(loads), alone, strict=True):
+        np.testing.assert_array_equal(after, before)
+
+
 def test_repeated_constraints_that_agree_are_fine() -> None:
     constraints = rows({0: 1.0}, {0: 1.0}, {0: 2.0, 3: 1.0}, {3: 1.0})
     loads = np.zeros(N)
