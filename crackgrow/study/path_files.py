@@ -244,7 +244,7 @@ class _CsvReader:
         # what starts in the run is a segment at once, where a tip adds one vertex
         if with_steps and ((len(first) < 2 and steps.min() > 0) or first[-1] - first[0] >= len(first)):
             told = "its vertices of step 0, the given crack, must be there and follow each other"
-            self._fault(rows.line, key, f"{told}; of a crack that started in a run so must two or more of its first step")
+            self._fault(rows.line, key, f"{told}; so must two or more of its first step, of one that a run started")
             return None
         return line
 
