@@ -52,11 +52,14 @@ def nearest(text: str, allowed: Iterable[str]) -> str | None:
 def did_you_mean(text: str, allowed: Iterable[str]) -> str:
     """Return "; did you mean 'x'?" for the nearest of the allowed words, what to do instead, or nothing."""
     allowed = list(allowed)
-    key, instead = EXPLAINED.get(text.lower(), ("", ""))
-    if key in allowed:
-        return f"; {instead}"
     word = nearest(text, allowed)
-    return f"; did you mean '{word}'?" if word else ""
+    return explained(text, allowed) or (f"; did you mean '{word}'?" if word else "")
+
+
+def explained(text: str, allowed: Iterable[str]) -> str:
+    """Return "; what to do instead" of a word that no allowed one stands for, or nothing."""
+    key, instead = EXPLAINED.get(text.lower(), ("", ""))
+    return f"; {instead}" if key in allowed else ""
 
 
 @dataclass(slots=True)

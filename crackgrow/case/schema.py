@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from crackgrow.case.reader import Entry, Listing, Node, Scalar, Table
-from crackgrow.case.report import Path, did_you_mean, dotted, nearest, quoted
+from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest, quoted
 from crackgrow.case.scalars import INVALID, Context, Spec, refuse
 
 _NAME = re.compile(r"\w[\w-]{0,63}")
@@ -116,7 +116,7 @@ class Mapping:
         else:
             for key, entry in unknown:
                 free = [known for known in self.offered() if known not in node.entries]
-                hint = self._plural(key) or self._inner_key(key) or did_you_mean(key, free)
+                hint = self._plural(key) or explained(key, free) or self._inner_key(key) or did_you_mean(key, free)
                 hint = hint or did_you_mean(key, self.offered())
                 message = f"unknown key; allowed: {', '.join(self.offered())}{hint}"
                 context.report.fault((*path, key), message, entry.place)

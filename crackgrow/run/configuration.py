@@ -196,6 +196,12 @@ class Configuration:
         motion = np.zeros(len(units.pull)) if states.solution is None else states.solution.motion
         return np.asarray(found + units.pull.T @ motion)
 
+    def conjugate_terms(self, factor: float, holding: float, states: PointStates) -> Floats:
+        """(3,): sizes of what `conjugates` sums up, which is nothing beside them where contact holds all in place."""
+        units, share = self._units, self.shares(factor, holding)
+        forces = np.tile(self.contact.weights, 2) * states.tractions
+        return np.asarray(np.abs(units.conjugates @ share) + np.abs(units.jumps.T @ forces))
+
     def equilibrium(
         self, factor: float, memory: ContactMemory | None, holding: float = 1.0, states: PointStates | None = None
     ) -> Equilibrium:

@@ -276,12 +276,13 @@ def _strain(state: LoadState) -> tuple[float, float]:
 
     u K u = u'(f - C'm - G'W p): the work of all that acts on the rock.
     """
-    contact, states = state.configuration.contact, state.states
-    loads = state.conjugates * state.configuration.shares(state.factor, state.holding)
+    contact, states, at = state.configuration.contact, state.states, (state.factor, state.holding)
+    shares = state.configuration.shares(*at)
+    loads, sizes = state.conjugates * shares, state.configuration.conjugate_terms(*at, states) * np.abs(shares)
     jumps = np.concatenate([states.gap + states.dilation, states.slip])
     elastic = contact.law.compliances * states.tractions
     tractions = np.tile(contact.weights, 2) * states.tractions
-    terms = float(np.abs(loads).sum() + np.abs(tractions * jumps).sum())
+    terms = float(np.maximum(np.abs(loads), sizes).sum() + np.abs(tractions * jumps).sum())
     return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)), ROUND_OFF * terms
 
 

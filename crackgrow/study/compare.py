@@ -124,7 +124,7 @@ def _chosen(a: PathSet, b: PathSet, crack: str | None) -> tuple[dict[str, str], 
 
 
 def _pairs(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> list[Pair]:
-    """The given crack and the tips that have grown, or the whole path where a file doesn't tell them apart."""
+    """The crack as it began and the tips that have grown, or the whole path where a file doesn't tell them apart."""
     if a.steps is None or b.steps is None:
         return [_partial(name, a, b, tip)]
     pairs = []
@@ -143,17 +143,16 @@ def _pairs(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> list[Pair]:
 
 
 def _given(line: PathLine) -> PathLine:
-    """The vertices of step 0."""
-    steps = _steps(line)
-    return PathLine(line.points[steps == 0], steps[steps == 0])
+    """The crack as it began."""
+    return PathLine(line.points[line.first], _steps(line)[line.first])
 
 
 def _wing(line: PathLine, tip: Tip) -> PathLine:
     """What has grown at a tip, from its root, the end of the given crack, outward; the root alone if nothing has."""
-    steps, points = _steps(line), line.points
+    steps, points, first = _steps(line), line.points, line.first
     if tip == "start":
-        steps, points = steps[::-1], points[::-1]
-    root = int(np.flatnonzero(steps == 0)[-1])
+        steps, points, first = steps[::-1], points[::-1], first[::-1]
+    root = int(np.flatnonzero(first)[-1])
     return PathLine(points[root:], steps[root:])
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.dump import read_settings
 from crackgrow.case.report import clean, did_you_mean, quoted
 from crackgrow.case.units import UNITS, QuantityError, Units, parse_number, parse_quantity
@@ -30,6 +30,12 @@ class PathLine:
 
     points: Floats  # (n, 2) m, from start to end
     steps: Ints | None  # (n,) the step whose advance made the vertex, 0 for the given crack; None if not told
+
+    @property
+    def first(self) -> Bools:
+        """Which vertices (n,) are those of the crack as it began: given, or started by a run in a later step."""
+        steps = np.zeros(len(self.points), dtype=np.int64) if self.steps is None else self.steps
+        return np.asarray(steps == steps.min())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -232,12 +238,15 @@ class _CsvReader:
         if not 2 <= len(points) <= MOST_VERTICES:
             self._fault(rows.line, key, f"has {len(points)} different points; allowed are 2 to {MOST_VERTICES} a crack")
             return None
-        given = np.flatnonzero(steps == 0)
-        if with_steps and (len(given) == 0 or given[-1] - given[0] >= len(given)):
-            self._fault(rows.line, key, "its vertices of step 0, the given crack, must be there and follow each other")
-            return None
         points.flags.writeable = steps.flags.writeable = False
-        return PathLine(points, steps if with_steps else None)
+        line = PathLine(points, steps if with_steps else None)
+        first = np.flatnonzero(line.first)
+        # what starts in the run is a segment at once, where a tip adds one vertex
+        if with_steps and ((len(first) < 2 and steps.min() > 0) or first[-1] - first[0] >= len(first)):
+            told = "its vertices of step 0, the given crack, must be there and follow each other"
+            self._fault(rows.line, key, f"{told}; so must two or more of its first step, of one that a run started")
+            return None
+        return line
 
     def _fault(self, line: int, key: str, message: str) -> None:
         self._faults.append(Fault(self._source, line, key, message))

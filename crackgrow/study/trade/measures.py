@@ -23,6 +23,8 @@ from crackgrow.study.trade.columns import ERRORS
 FILES = ("case.yaml", "tips.csv", "paths.csv", "contact.csv", "steps.csv")
 NEGLIGIBLE = 1e-3  # of the largest K, slip or traction: a part of the reference below it has no relative error
 
+SAME_PLACE = 1e-9  # of a surface's length: less than contact points are apart
+
 
 def check_results(folder: Path) -> None:
     """Raise CaseError where a folder lacks what a reference needs."""
@@ -93,10 +95,26 @@ def _along(points: TextTable) -> tuple[Floats, Floats]:
 
 
 def _interpolated(s: Floats, s_known: Floats, values: Floats) -> Floats:
-    """Values (n, k) at places (n,) between known ones, cubic and monotone; constant beyond the first and the last."""
-    if len(s_known) == 1:
-        return np.tile(values, (len(s), 1))
-    return np.asarray(PchipInterpolator(s_known, values)(np.clip(s, s_known[0], s_known[-1])))
+    """Values (n, k) at places (n,) between known ones, cubic and monotone; constant beyond the first and the last.
+
+    At a kink of the surface two known points lie at one place, one for each side: values jump there, and each side goes
+    by its own. So does the second of two of the places that lie there.
+    """
+    near = SAME_PLACE * s_known[-1]
+    doubled = np.flatnonzero(np.diff(s_known) <= near)
+    kinks = s_known[doubled]
+    second = np.diff(s, prepend=-np.inf) <= near
+    side = np.searchsorted(kinks + near, s)
+    side += second & (np.abs(s - np.append(kinks, np.inf)[side]) <= near)
+    expected = np.empty((len(s), values.shape[1]))
+    for number, part in enumerate(np.split(np.arange(len(s_known)), doubled + 1)):
+        mine = np.flatnonzero(side == number)
+        if len(part) == 1:
+            expected[mine] = values[part]
+        else:
+            known = s_known[part]
+            expected[mine] = PchipInterpolator(known, values[part])(np.clip(s[mine], known[0], known[-1]))
+    return expected
 
 
 def _lengths(s: Floats) -> Floats:

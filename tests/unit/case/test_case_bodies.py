@@ -210,6 +210,14 @@ def test_a_crack_knows_its_body(tmp_path: Path):
     assert load(tmp_path, cracked(two_blocks(), [[1, 3], [0, 3]])).cracks[0].body == "top"
 
 
+def test_a_fault_of_an_interface_is_not_told_again_at_a_point_on_it(tmp_path: Path):
+    scene = two_blocks()
+    scene["interfaces"][0]["contact"] = {"friction": -1}
+    low, high = scene["interfaces"][0]["between"]
+    key, _ = fault(tmp_path, {**scene, "output": {"points": {"slip": {"interface": [low, high], "at": [0, 0]}}}})
+    assert key == "interfaces.0.contact.friction"
+
+
 @pytest.mark.parametrize(
     ("points", "tips", "words"),
     [

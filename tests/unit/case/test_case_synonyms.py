@@ -50,6 +50,7 @@ def test_every_meaning_is_a_key_or_word_of_the_format():
     ("wrong", "words"),
     [
         ({"in_situ": {"stress": [-12, -8, 0]}}, "stress from the start is a load"),
+        ({"stress": [-12, -8, 0]}, "stress from the start is a load"),  # and not `units.stress`
         ({"gravity": [0, -9.81]}, "weight is a load"),
         ({"cracks": {"flaw": {**FLAW, "pressure": 1}}}, "fluid pressure in a crack is a load"),
     ],

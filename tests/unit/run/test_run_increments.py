@@ -36,6 +36,9 @@ PULL = (  # pressed and sheared, then pulled apart as well
     "{on: {body: rock, edge: top}, traction: [20, 12]}, {on: {body: rock, edge: bottom}, traction: [-20, -12]}, "
     "{on: {body: rock, edge: right}, traction: [0, 20]}, {on: {body: rock, edge: left}, traction: [0, -20]}]"
 )
+EDGES = ("left", "right", "bottom", "top")
+HELD = ", ".join(f"{{on: {{edge: {edge}}}, displacement: {{x: 0, y: 0}}}}" for edge in EDGES)
+CONFINED = ("cracks.flaw.contact.friction=2", "loads=[{stress: [-8, -12, 3]}]", f"supports=[{HELD}]")
 PULLED = "{on: {body: rock, edge: top}, displacement: {y: -0.05, x: 0}}"
 PUSHED = f"supports=[{{on: {{body: rock, edge: bottom}}, displacement: {{x: 0, y: 0}}}}, {PULLED}]"
 
@@ -87,6 +90,17 @@ def test_work_is_stored_or_dissipated(name: str, settings: tuple[str, ...], fact
     dissipated = [0.0, *(state.energy.dissipated for state in states)]
     assert np.diff(dissipated).min() >= -1e-9 * max(*dissipated, states[0].energy.strain)
     assert (dissipated[-1] > 1e-4 * states[-1].energy.strain) == (name != "tension0")
+
+
+@pytest.mark.parametrize("spacing", [2, 3])
+def test_round_off_in_rock_at_rest_is_no_error_of_the_balance(spacing: int) -> None:
+    """In-situ stress that the flaw bears without slip moves nothing; rock alone would give way to it."""
+    _, _, configuration = ready("compression30", *CONFINED, f"numerics.spacing={spacing}")
+    (state,) = through(configuration, 1.0)
+    assert (state.outcome.state == STICK).all()
+    energy, alone = state.energy, float(configuration.conjugate_terms(1.0, 1.0, state.states)[0])
+    assert max(abs(energy.work), abs(energy.strain)) < 1e-12 * alone
+    assert energy.error == 0.0
 
 
 def test_friction_that_takes_more_than_the_law_says_is_seen_in_the_balance(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -116,6 +116,20 @@ def test_same_path_but_further_is_told_from_another_path(tmp_path: Path) -> None
     assert end.common.deviation.hausdorff == pytest.approx(0.6e-3, rel=0.02)
 
 
+def test_cracks_that_a_run_started_are_compared_from_their_first_segment(tmp_path: Path) -> None:
+    started: list[Vertex] = [(0, 0, 2), (0, 2, 2), (0, 4, 3)]
+    apart: list[Vertex] = [(0, 0, 2), (0, 2, 2), (0.5, 4, 3)]
+    both_ways: list[Vertex] = [(-3, 9, 4), (-1, 9, 3), (0, 9, 3), (1, 9, 3)]
+    a = folder(tmp_path / "a", flaw=STRAIGHT, new1=started, new2=both_ways)
+    b = folder(tmp_path / "b", flaw=STRAIGHT, new1=apart, new2=both_ways)
+    pairs = {pair.name: pair for pair in compare_paths(a, b).pairs}
+    assert {name for name in pairs if name.startswith("new")} == {"new1 given", "new1 end", "new2 given", "new2 start"}
+    assert pairs["new1 given"].length_a == pytest.approx(2e-3)
+    assert pairs["new1 given"].deviation.largest == 0.0
+    assert pairs["new1 end"].end_distance == pytest.approx(0.5e-3)
+    assert pairs["new2 start"].length_a == pytest.approx(2e-3)
+
+
 def test_tip_that_has_grown_in_one_only(tmp_path: Path) -> None:
     still = STRAIGHT[2:]
     result = compare_paths(folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=still))

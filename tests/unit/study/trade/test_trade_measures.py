@@ -50,6 +50,20 @@ def test_contact_errors_do_not_depend_on_where_the_points_lie():
     assert slip == pytest.approx(0.1, rel=1e-4)  # the interpolation between points 0.01 apart is better than that
 
 
+@pytest.mark.parametrize("rounding", [0.0, 1e-14])
+def test_each_side_of_a_kink_is_held_against_its_own(rounding: float) -> None:
+    """Two contact points lie at a kink, one for each side, and the pressure jumps there, from 3 to 5."""
+
+    def kinked(before: int, after: int, off: float = 0.0) -> TextTable:
+        places = [np.linspace(1.0, 0.1, before)[::-1], np.linspace(1.0 + off, 1.9, after)]
+        rows = [("flaw", x, -p, 0.0, p) for p, s in zip((3.0, 5.0), places, strict=True) for x in s.tolist()]
+        return table("crack s normal_traction tangential_traction slip", *rows)
+
+    pressure, _, slip = contact_errors(kinked(4, 3, rounding), kinked(9, 8))
+    assert (pressure, slip) == (0.0, 0.0)
+    assert contact_errors(kinked(4, 1, rounding), kinked(1, 8)) == (0.0, 0.0, 0.0)
+
+
 def test_equal_results_have_no_error_and_a_single_point_counts():
     points = contact(np.array([0.2, 0.9, 1.4]))
     assert contact_errors(points, points) == (0.0, 0.0, 0.0)
