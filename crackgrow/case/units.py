@@ -77,18 +77,14 @@ class Units:
             "stress": self.stress,
             "toughness": f"{self.stress} sqrt(m)",
             "stiffness": f"{self.stress}/{self.length}",
-            "velocity": f"{self.length}/s",
         }
         return chosen.get(kind) or next(iter(UNITS[kind]))
 
     def bare(self, kind: str) -> bool:
-        """Whether a bare number says all.
-
-        In a case in mm a toughness might be in MPa sqrt(m) or MPa sqrt(mm), a velocity in mm/s or m/s.
-        """
+        """Whether a bare number says all: of a toughness in a case in mm it might be MPa sqrt(m) or MPa sqrt(mm)."""
         if kind == "force":  # in N/m in SI alone
             return (self.length, self.stress) == ("m", "Pa")
-        return kind not in ("toughness", "velocity") or self.length == "m"
+        return kind != "toughness" or self.length == "m"
 
     def show(self, value: float, kind: str, digits: int = 6) -> str:
         """Write an SI value in the units of the case, for messages."""
