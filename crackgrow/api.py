@@ -22,6 +22,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results.data_frames import RunTables, frame_of_results
 from crackgrow.results.gathered import Gathered
+from crackgrow.results.log import load_words
 from crackgrow.results.summary import Tally, peak_memory_mb, summarize
 from crackgrow.results.tables import event_rows, path_rows
 from crackgrow.results.vtk_frames import FIELDS, as_pyvista, specimen_grid
@@ -200,7 +201,7 @@ class Solution(_Tables):
 
     def _words(self) -> str:
         result = self.result
-        words = [f"step {result.step}", f"load factor {result.load_factor:g}", f"{result.n_dofs} unknowns"]
+        words = [f"step {result.step}", load_words(self.case, result.load_factor), f"{result.n_dofs} unknowns"]
         if np.isfinite(result.norm_error):
             words.append(f"estimated error {result.norm_error:.2g} % of the energy norm")
         return ", ".join(words)

@@ -226,7 +226,9 @@ class EdgePressure:
 
     region: OnEdge
     pressure: Annotated[
-        Component, OrFormula("stress"), Doc("pressure of a fluid on the edge, or on both faces of crack or interface")
+        Component,
+        OrFormula("stress"),
+        Doc("pressure of a fluid on the edge, or on both faces of crack or interface; negative: it pulls"),
     ]  # Pa, positive pushes into the rock
     held: Held = False
     name: LoadName = None
@@ -257,7 +259,7 @@ class FluidPressure:
 
     surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
     pressure: Annotated[
-        Component, OrFormula("stress"), Doc("pressure of a fluid on both faces")
+        Component, OrFormula("stress"), Doc("pressure of a fluid on both faces; negative: it pulls")
     ]  # Pa, positive pushes the faces apart
     held: Held = False
     name: LoadName = None

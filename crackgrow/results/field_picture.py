@@ -67,7 +67,7 @@ USUAL: Final = Look()
 class FieldPictures:
     """A field on the displaced specimen, in one extent, magnification, colour scale and size for all frames.
 
-    factors: load factors by step, for the captions
+    loads: what loads each step, for the captions
     """
 
     def __init__(
@@ -75,11 +75,11 @@ class FieldPictures:
         title: str,
         field: str,
         frames: Sequence[DrawnFrame],
-        factors: Mapping[int, float],
+        loads: Mapping[int, str],
         look: Look = USUAL,
     ) -> None:
         """Raises CaseError for limits that the field cannot have."""
-        self.title, self.field, self.factors = title, field, factors
+        self.title, self.field, self.loads = title, field, loads
         self.warp = min(displayed_magnification(frame) for frame in frames) if look.warp is None else look.warp
         values = np.concatenate([frame.values for frame in frames])
         self.unit = field_unit(field, values)
@@ -119,7 +119,7 @@ class FieldPictures:
         bar = figure.colorbar(colours, ax=axes, extend="both", shrink=0.8, location=place)
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
         bar.set_label(f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}")
-        load = f", load factor {self.factors[frame.step]:.4g}" if frame.step in self.factors else ""
+        load = f", {self.loads[frame.step]}" if frame.step in self.loads else ""
         caption = f"step {frame.step}{load}, displacement x {factor_text(self.warp)}"
         figure.suptitle(f"{wrapped(self.title, figure)}\n{caption}", fontsize=10)
         return png_of(figure)

@@ -21,6 +21,7 @@ from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
 from crackgrow.results.load_point import LoadPoint
+from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.results.units import LENGTHS, STRESSES, unit_of
@@ -70,7 +71,8 @@ def draw_sigma_1(path: Path, case: Case, result: StepResult) -> None:
     """Draw the major in-plane principal stress on the displaced, magnified specimen. Raises OutputError."""
     assert result.frame is not None  # who draws has asked for it
     frame = frame_with_sigma_1(result.frame, result.step)
-    data = FieldPictures(case.title, "sigma_1", [frame], {result.step: result.load_factor}).png(frame)
+    loads = {result.step: load_words(case, result.load_factor)}
+    data = FieldPictures(case.title, "sigma_1", [frame], loads).png(frame)
     write_bytes(path, data)
 
 

@@ -17,6 +17,7 @@ from crackgrow.results.atomic import OutputError, write_atomically, write_bytes
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.field_picture import USUAL, FieldPictures, Look
 from crackgrow.results.folder import open_run
+from crackgrow.results.log import load_words
 from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
 
 MILLISECONDS = 250  # that a picture is shown
@@ -42,8 +43,9 @@ def render(
     """
     run = open_run(folder)
     frames = [drawn_frame(run, step, field) for step in run.frames_of(steps)]
-    factors = dict(zip(run.solved, run.table("steps").numbers("load_factor").tolist(), strict=True))
-    pictures = FieldPictures(run.case.title, field, frames, factors, look)
+    factors = run.table("steps").numbers("load_factor").tolist()
+    loads = {step: load_words(run.case, factor) for step, factor in zip(run.solved, factors, strict=True)}
+    pictures = FieldPictures(run.case.title, field, frames, loads, look)
     target = folder / FOLDER if out is None else out
     remove_rendered(target / field)
     for frame in frames:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from crackgrow.results.folder import FolderError, RunFolder, TextTable
+from crackgrow.results.log import load_words
 from crackgrow.results.rendered import rendered
 from crackgrow.results.report.scene import View
 from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, shown, unit_of
@@ -113,7 +114,7 @@ def step_words(run: RunFolder) -> dict[int, str]:
     words = {}
     steps = run.table("steps")
     for step, factor, n in zip(run.solved, steps.numbers("load_factor"), steps.words("n_dofs"), strict=True):
-        words[step] = f"load factor {shown(float(factor))}, {n} unknowns"
+        words[step] = f"{load_words(run.case, float(factor))}, {n} unknowns"
     return {place: words.get(place, "after the last advance, not solved") for place in run.places}
 
 
