@@ -133,9 +133,10 @@ def _without_lines(text: str, name: str, settings: Sequence[str]) -> Case:
 
 
 def _plain(value: object, key: str) -> object:
-    """A value as YAML takes it, arrays as lists."""
+    """A value as YAML takes it, arrays as lists; keys that YAML 1.1 has made truth values of in YAML's words."""
     if isinstance(value, AnyMapping):
-        return {str(name): _plain(inner, f"{key}.{name}" if key else str(name)) for name, inner in value.items()}
+        named = {str(name).lower() if isinstance(name, bool) else str(name): inner for name, inner in value.items()}
+        return {name: _plain(inner, f"{key}.{name}" if key else name) for name, inner in named.items()}
     if isinstance(value, np.ndarray | np.generic):
         return _plain(value.tolist(), key)
     if isinstance(value, list | tuple):

@@ -18,6 +18,13 @@ def test_a_mapping_is_the_case_that_its_file_is(tmp_path: Path):
     assert dump_case(Case.from_dict(EVERYTHING)) == dump_case(load(tmp_path, EVERYTHING))
 
 
+def test_a_mapping_that_a_reader_of_yaml_1_1_has_made_is_the_case_that_its_file_is(tmp_path: Path):
+    """It takes the key `on` for true."""
+    scene = {**PLATE, "loads": [{"on": {"edge": "top"}, "traction": [0, 1]}]}
+    read = {**scene, "loads": [{True: {"edge": "top"}, "traction": [0, 1]}]}
+    assert dump_case(Case.from_dict(read)) == dump_case(load(tmp_path, scene))
+
+
 def test_a_case_comes_back_from_its_mapping():
     case = Case.from_dict(EVERYTHING, "everything")
     again = Case.from_dict(case.to_dict(), case.name)
