@@ -167,12 +167,10 @@ def check_initiation(scene: Scene) -> None:
         return
     key = ("growth", "initiation")
     spacing = scene.get(*key, "spacing")
-    if at in ("tips", "ends", "cracks") and isinstance(spacing, float):
-        message = "spacing is of places on outlines and in the rock"
-        scene.report.fault((*key, "spacing"), f"{message}; wanted with `at: {at}`: auto, or `at: outlines | anywhere`")
-    if at == "tips":
-        return
-    if at in ("ends", "cracks"):
+    if at in ("tips", "ends", "cracks"):
+        if isinstance(spacing, float):
+            message = f"spacing is of places on outlines and in the rock; wanted with `at: {at}`: auto"
+            scene.report.fault((*key, "spacing"), f"{message}, or `at: outlines | anywhere`")
         return
     bodies = named(scene.resolved, "bodies")
     if scene.report.sound("bodies") and not any(scene.get("bodies", name, "strength") for name in bodies):

@@ -50,11 +50,8 @@ def check(arguments: argparse.Namespace) -> int:
         record["unique"] = list(_told(unique_text(case), tell))
     rows = []
     if arguments.invariance:
-        from crackgrow.study.invariance.axes import (
-            invariance,  # only now: they load the solver
-            line_of,
-            record_of,
-        )
+        # only now: they load the solver
+        from crackgrow.study.invariance.axes import invariance, line_of, record_of
 
         tell("\nwhat must not change")
         for row in invariance(case):

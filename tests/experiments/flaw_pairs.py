@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,12 +20,12 @@ from typing import Any
 
 import numpy as np
 import shapely
+import yaml
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.run import grow
 from crackgrow.run.result import Checkpoint, CrackPath, Event, StepResult
@@ -86,10 +85,7 @@ def scene(angle: float, friction: float, load: float) -> Case:
     """The case of a pair under a load (MPa)."""
     lower, upper = flaws(angle)
     text = SCENE.format(angle=angle, friction=friction, lower=lower, upper=upper, down=-load, up=load)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "flaw_pair.yaml"
-        path.write_text(text, encoding="utf-8")
-        return load_case(path)
+    return Case.from_dict(yaml.safe_load(text), "flaw_pair")
 
 
 HEAD = """# Pairs of flaws
