@@ -31,7 +31,7 @@ UNIT: Final = 1e-15  # round-off of a term of A p; its sum, weighed by r, is as 
 FIRST_SWEEPS: Final = 3  # Gauss-Seidel sweeps before the first step
 FEW_POINTS: Final = 32  # up to so many points start from sweeps alone
 COARSE_ITERATIONS: Final = 20  # of a problem that is but a start
-MAX_SWEEPS: Final = 200  # most sweeps after one cycle
+SWEEPS: Final = (5, 10, 20, 40, 80, 160)  # after one cycle and the next: more than three are hardly ever of use
 SOFT: Final = 1.0  # compliance of the springs that hold pieces during sweeps, in parts of the rock's
 MOST_STEPS: Final = 60  # in which springs let go
 UNSEEN: Final = 1e-12  # motions that contact points see by less, relative to what they see best, are not seen
@@ -47,7 +47,8 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
     """Tractions of the contact problem; status "solved", or "limit" with the best tractions found.
 
     `start` (2 n + l,) are unknowns to start from, `first_guess` if None. An iteration is one linear solve. Where an
-    active set comes back without convergence, projected Gauss-Seidel sweeps (5, 10, 20, ...) lead out of the cycle.
+    active set comes back without convergence, springs that let go of loose pieces, tried once since they take many
+    solves, lead to the solution, or projected Gauss-Seidel sweeps out of the cycle.
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.
@@ -57,7 +58,7 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
     best, least = x, np.inf
     active = active_set(problem, x[:m], problem.jump(x))
     seen: set[bytes] = set()
-    n_sweeps = 5
+    ways_out = iter(SWEEPS)
     as_far = _as_far(problem)
     for iteration in range(1, max_iterations + 1):
         seen.add(active.key())
@@ -72,16 +73,19 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
             x[: problem.n_points] = np.minimum(x[: problem.n_points], 0.0)
             return ContactSolution(x[:m], "solved", iteration, active.states(), x[m:])
         if following.key() in seen:
-            found = held_less_and_less(problem, solve_by_newton, x, [SOFT] * MOST_STEPS)
+            n_sweeps = next(ways_out, 0)
+            if n_sweeps == 0:
+                break
+            by_springs = n_sweeps == SWEEPS[0]
+            found = held_less_and_less(problem, solve_by_newton, x, [SOFT] * MOST_STEPS) if by_springs else None
             if found is not None:
                 return replace(found, iterations=found.iterations + iteration)
             x = sweep(problem, x, n_sweeps)
-            n_sweeps = min(2 * n_sweeps, MAX_SWEEPS)
             following = active_set(problem, x[:m], problem.jump(x))
             seen.clear()
         active = following
     states = active_set(problem, best[:m], problem.jump(best)).states()
-    return ContactSolution(best[:m], "limit", max_iterations, states, best[m:])
+    return ContactSolution(best[:m], "limit", iteration, states, best[m:])
 
 
 def sweep(problem: ContactProblem, x: Floats, n_sweeps: int) -> Floats:

@@ -232,7 +232,7 @@ def test_newton_fails_and_lemke_steps_in() -> None:
     contact, loads = rock_of(problem)
     outcome = solve_contact(contact, loads, np.zeros(1))
     assert len(outcome.notes) == 1
-    assert "solved by lemke after newton: status 'limit' after 100 iterations" in outcome.notes[0]
+    assert "solved by lemke after newton: status 'limit'" in outcome.notes[0]
     assert outcome.normal_traction == pytest.approx([-1.0 / 6.0])
     assert outcome.tangential_traction == pytest.approx([-10.0 / 6.0])
     assert outcome.state.tolist() == [SLIP]
