@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -90,6 +91,21 @@ class Units:
         """Write an SI value in the units of the case, for messages."""
         unit = self.of(kind)
         return f"{value / float(UNITS[kind][unit]):.{digits}g} {unit}"
+
+
+class Metres(float):
+    """A length or a coordinate in m, written in the unit that suits its size: 0.775 mm, 12 m."""
+
+    def __format__(self, digits: str) -> str:
+        names = ("m", "mm", "um")
+        sizes = {name: float(UNITS["length"][name]) for name in names}
+        unit = next((name for name in names if abs(self) >= 0.1 * sizes[name]), "um" if self else "m")
+        return f"{float(self) / sizes[unit]:{digits}} {unit}"
+
+
+def place_text(point: Iterable[float], digits: int = 6) -> str:
+    """A point (m) with so many digits, without the round-off of zeros: (4.33 mm, -2.5 mm)."""
+    return f"({', '.join(f'{Metres(round(float(along), 12) + 0.0):.{digits}g}' for along in point)})"
 
 
 def is_number(text: str) -> bool:

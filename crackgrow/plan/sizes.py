@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.case.model import Case
+from crackgrow.case.units import Metres
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
 from crackgrow.run.caution import Cause, Caution
@@ -105,4 +106,4 @@ def _rough(law: SurfaceLaw) -> bool:
 def _short_increment(case: Case, cover: Cover) -> Iterator[Caution]:
     growth, spacing = case.growth, cover.lattice.spacing * max((tip.size for tip in cover.tips), default=0.0)
     if growth is not None and growth.steps > 0 and growth.increment < Cause.SHORT_INCREMENT.limit * spacing:
-        yield Cause.SHORT_INCREMENT.at(increment=growth.increment, spacing=spacing)
+        yield Cause.SHORT_INCREMENT.at(increment=Metres(growth.increment), spacing=Metres(spacing))

@@ -10,12 +10,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from crackgrow.case.units import place_text
 from crackgrow.results.atomic import append_text, write_text
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, counted, duration, unit_of
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
-    from crackgrow.arrays import Floats
     from crackgrow.case.model import Case
     from crackgrow.run.result import Event, StepResult, TipResult
 
@@ -148,7 +148,8 @@ def start_words(result: StepResult) -> list[str]:
     if result.start is None:
         return []
     start = result.start
-    return [f"most critical start at {_at(start.point)} ({start.criterion}), criticality {start.criticality:.3g}"]
+    at = place_text(start.point)
+    return [f"most critical start at {at} ({start.criterion}), criticality {start.criticality:.3g}"]
 
 
 def length_words(result: StepResult) -> list[str]:
@@ -168,17 +169,11 @@ def _time_words(result: StepResult) -> list[str]:
 
 
 def event_line(event: Event) -> str:
-    """One line on what a tip has met, or where a crack has started, and where that is (m)."""
+    """One line on what a tip has met, or where a crack has started, and where that is."""
+    at = place_text(event.point)
     if event.kind == "initiation":
-        return f"step {event.step}, initiation: crack '{event.crack}' starts on {event.met} at {_at(event.point)}"
-    tip = f"crack '{event.crack}' ({event.tip})"
-    return f"step {event.step}, {event.kind}: {tip} reached {event.met} at {_at(event.point)}"
-
-
-def _at(point: Floats) -> str:
-    """A place (2,) m in words, without the round-off of zeros."""
-    x, y = (round(float(value), 12) + 0.0 for value in point)
-    return f"({x:.6g}, {y:.6g}) m"
+        return f"step {event.step}, initiation: crack '{event.crack}' starts on {event.met} at {at}"
+    return f"step {event.step}, {event.kind}: crack '{event.crack}' ({event.tip}) reached {event.met} at {at}"
 
 
 class Progress:

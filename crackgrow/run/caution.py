@@ -16,7 +16,7 @@ class Cause(Enum):
 
     CONTACT_NONE = (
         0.05, "largest jump of the faces", "faces that never touch pass through each other; K_I < 0",
-        "{place} has contact: none, and its faces lie in each other by {depth:.2g} m, {percent:.3g} % of their largest "
+        "{place} has contact: none, and its faces lie in each other by {depth:.2g}, {percent:.3g} % of their largest "
         "jump: rock does not do that, and K_I and the stress there mean nothing; give the crack a contact law, such as "
         "{{friction: 0, cohesion: 0}}",
     )  # fmt: skip
@@ -58,8 +58,8 @@ class Cause(Enum):
     UNRESOLVED = (
         0.9, "spacing that accuracy: draft would take",
         "with a spacing of a tunnel's radius and twice that stresses at its wall are 2 and 33 to 65 % off",
-        "{place}: {metres:.3g} m, {spacings:.2g} spacings long: stresses and displacements near it are not resolved, "
-        "and can be off by tens of per cent; use a spacing of {needed:.2g} m or less, or auto",
+        "{place}: {metres:.3g}, {spacings:.2g} spacings long: stresses and displacements near it are not resolved, "
+        "and can be off by tens of per cent; use a spacing of {needed:.2g} or less, or auto",
     )  # fmt: skip
     SHORT_CRACK = (
         3.0, "spacings", "K off by 2 % from one spacing on, by 8 % at half a spacing, by 20 % below",
@@ -86,7 +86,7 @@ class Cause(Enum):
     )  # fmt: skip
     OVERLAP = (
         0.05, "largest jump of the faces", "opening, slip and K beside it are off by up to as much",
-        "the faces of {place} {how} by {overlap:.2g} m between contact points, {percent:.3g} % of their largest jump"
+        "the faces of {place} {how} by {overlap:.2g} between contact points, {percent:.3g} % of their largest jump"
         "{of_flat}: contact holds on average over a spacing, and opening, slip and pressure there can be off by as "
         "much; use a smaller spacing",
     )  # fmt: skip
@@ -137,30 +137,30 @@ class Cause(Enum):
     )  # fmt: skip
     SMALL_RADIUS = (
         0.5, "spacings", "the averaged stress varies by less than 2.5 % with the spacing from it on",
-        "the averaging radius {radius:g} m is below {limit:g} spacings ({spacing:g} m): the tip stress may depend on "
+        "the averaging radius {radius:.3g} is below {limit:g} spacings ({spacing:.3g}): the tip stress may depend on "
         "the spacing",
     )  # fmt: skip
     WIDE_AVERAGE = (
         0.05, "length of the crack", "a straight crack in tension grows within 1 % of the toughness up to it, 2 to 4 % "
         "below at twice that",
-        "{place} is short beside the averaging radius that follows from tension and toughness, {radius:.3g} m: "
+        "{place} is short beside the averaging radius that follows from tension and toughness, {radius:.3g}: "
         "{criterion} averages over more than the field of K, and mode I growth begins at a K off by up to "
         "{percent:.2g} %; use max_hoop_stress, or a larger tension where cracks are all that breaks",
     )  # fmt: skip
     WIDE_SHEAR = (
         0.05, "length of the crack", "a straight crack in shear grows within 2.5 % of the toughness up to it",
         "{place} is short beside the length that shear is averaged over by cohesion and shear_toughness, "
-        "{radius:.3g} m: it goes by the strength, too, and grows in shear at a K_II up to {percent:.2g} % below the "
+        "{radius:.3g}: it goes by the strength, too, and grows in shear at a K_II up to {percent:.2g} % below the "
         "toughness",
     )  # fmt: skip
     SHORT_INCREMENT = (
         1.0, "spacings", "kinks that follow closer on each other share all of their patches",
-        "the increment {increment:g} m is below a spacing ({spacing:g} m): the cover does not resolve kinks that "
+        "the increment {increment:.3g} is below a spacing ({spacing:.3g}): the cover does not resolve kinks that "
         "follow each other so closely, and where they are closed, faces overlap between contact points",
     )  # fmt: skip
     SHORT_START = (
         1.0, "averaging radius", "behind it the next kink starts another crack: rows of splinters beside one wing",
-        "the increment {increment:.3g} m is below the averaging radius, {radius:.3g} m: with growth.initiation.at: "
+        "the increment {increment:.3g} is below the averaging radius, {radius:.3g}: with growth.initiation.at: "
         "{at} a crack can start at each kink that growth makes, beside the one before; use a longer growth.increment, "
         "or ends",
     )  # fmt: skip
@@ -170,7 +170,7 @@ class Cause(Enum):
     )  # fmt: skip
     MOVED = (
         0.0, "", "corners and ends that nearly touch do so in the scene that is solved",
-        "what comes nearer than {share:g} of the scene's size, {metres:.2g} m, touches; so these were moved: {shown}",
+        "what comes nearer than {share:g} of the scene's size, {metres:.2g}, touches; so these were moved: {shown}",
     )  # fmt: skip
     CUT = (
         0.0, "", "cracks of a set end where they leave the rock, and those outside are missing",

@@ -9,6 +9,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
+from crackgrow.case.units import Metres
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.cover.closeness import tip_name
@@ -158,7 +159,7 @@ def _passing_through(scene: Scene, solution: StepSolution, faces: tuple[CrackFac
         deep = -face.opening > np.maximum(Cause.CONTACT_NONE.limit * jump, PRESSED_FLAT * strain * face.cell_size)
         if deep.any():
             depth = -float(face.opening[deep].min())
-            yield Cause.CONTACT_NONE.at(f"'{face.crack}'", depth, depth=depth, percent=100.0 * depth / jump)
+            yield Cause.CONTACT_NONE.at(f"'{face.crack}'", depth, depth=Metres(depth), percent=100.0 * depth / jump)
 
 
 def overlap_shares(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[float]:
@@ -195,7 +196,7 @@ def _overlapping(
             continue
         (how, off), of_flat = _off(law, face), ""
         worst = int(np.argmax(_over_small(law, face, off, strain)))
-        overlap = float(off[worst])
+        overlap = Metres(off[worst])
         if strain:
             percent = 100.0 * overlap / (strain * float(face.cell_size[worst]))
             of_flat = f" and {percent:.3g} % of what a spacing of rock gives way to the pressure"

@@ -14,6 +14,7 @@ from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Load
+from crackgrow.case.units import place_text
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN, STICK, ContactLaw, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
@@ -226,8 +227,8 @@ class Configuration:
 
     def _not_balanced(self, residual: float, dof: int, terms: float) -> str:
         """What to say of a residual that is largest at an unknown, where forces are sums of `terms` their size."""
-        x, y = self.cover.lattice.to_metres(_place_of(self.cover, dof // 2)[None])[0]
-        what = f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}, near ({x:.4g}, {y:.4g}) m"
+        near = self.cover.lattice.to_metres(_place_of(self.cover, dof // 2)[None])[0]
+        what = f"the equilibrium residual is {residual:.2g}, more than {WORST_RESIDUAL:g}, near {place_text(near, 4)}"
         if residual > LOST_DIGITS * terms:
             return f"{what}: no state was found in which forces balance there; use smaller load increments or a spacing"
         return (

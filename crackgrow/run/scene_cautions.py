@@ -14,6 +14,7 @@ from crackgrow.case.meetings import scene_size
 from crackgrow.case.model import Case, Crack, Gravity, InSituStress, Load, PointForce, PointSupport
 from crackgrow.case.snapping import SNAP
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
+from crackgrow.case.units import Metres, place_text
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
@@ -44,7 +45,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     radii = [] if growth is None or growth.tip_radius is None else [growth.tip_radius]
     radii += [radius for radius, _ in (*_by_toughness(scene), *_by_shear_toughness(scene))]
     if min(radii, default=np.inf) < Cause.SMALL_RADIUS.limit * at_tips:
-        yield Cause.SMALL_RADIUS.at(radius=min(radii), spacing=at_tips)
+        yield Cause.SMALL_RADIUS.at(radius=Metres(min(radii)), spacing=Metres(at_tips))
     yield from _wide_averages(scene)
     yield from _short_starts(scene)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
@@ -56,7 +57,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
         yield Cause.CONTACT_SPACING.at(spacing=contact.spacing)
     for load in case.loads:
         if isinstance(load, PointForce) and any(load.force):
-            yield Cause.POINT_FORCE.at(f"the force at ({load.point[0]:.6g}, {load.point[1]:.6g}) m")
+            yield Cause.POINT_FORCE.at(f"the force at {place_text(load.point)}")
     yield from _soft_contact(scene, cover)
     yield from _contact_layers(scene, cover)
     yield from _incompressible(scene)
@@ -99,14 +100,14 @@ def _wide_averages(scene: Scene) -> Iterator[Caution]:
     for radius, crack in _by_toughness(scene):
         share = radius / line_length(crack.points)
         if share > Cause.WIDE_AVERAGE.limit:
-            told = {"radius": radius, "criterion": criterion, "percent": 50.0 * share}
+            told = {"radius": Metres(radius), "criterion": criterion, "percent": 50.0 * share}
             yield Cause.WIDE_AVERAGE.at(f"crack '{crack.name}'", share, **told)
     if criterion in BY_K:
         return  # the given cracks go on in tension alone
     for radius, crack in _by_shear_toughness(scene):
         share = radius / line_length(crack.points)
         if share > Cause.WIDE_SHEAR.limit:
-            told = {"radius": radius, "percent": 100.0 * (1.0 - 1.0 / np.sqrt(1.0 + share))}
+            told = {"radius": Metres(radius), "percent": 100.0 * (1.0 - 1.0 / np.sqrt(1.0 + share))}
             yield Cause.WIDE_SHEAR.at(f"crack '{crack.name}'", share, **told)
 
 
@@ -117,8 +118,9 @@ def _short_starts(scene: Scene) -> Iterator[Caution]:
         return
     radius = max(scene.start_radius(n) for n, body in enumerate(scene.case.bodies) if body.strength is not None)
     if growth.increment < Cause.SHORT_START.limit * radius:
+        increment, long = Metres(growth.increment), Metres(radius)
         size = radius / growth.increment
-        yield Cause.SHORT_START.at(size=size, increment=growth.increment, radius=radius, at=growth.initiation.at)
+        yield Cause.SHORT_START.at(size=size, increment=increment, radius=long, at=growth.initiation.at)
 
 
 def _unresolved(scene: Scene, cover: Cover) -> Iterator[Caution]:
@@ -130,7 +132,7 @@ def _unresolved(scene: Scene, cover: Cover) -> Iterator[Caution]:
             continue  # the largest cells resolve it
         cell = _largest_cell(cover, length.where) * spacing
         if needed < limit * cell:
-            told = {"metres": metres, "spacings": metres / cell, "needed": needed}
+            told = {"metres": Metres(metres), "spacings": metres / cell, "needed": Metres(needed)}
             yield Cause.UNRESOLVED.at(length.what, cell / needed, **told)
 
 
@@ -148,12 +150,12 @@ def _moved(scene: Scene) -> Iterator[Caution]:
     if not moved:
         return
     shown = ", ".join(
-        f"{move.what} by {move.distance:.2g} m onto {move.onto} at ({move.place[0]:.12g} m, {move.place[1]:.12g} m)"
+        f"{move.what} by {Metres(move.distance):.2g} onto {move.onto} at {place_text(move.place, 12)}"
         for move in moved[:MOST_MOVED]
     )
     shown += f", and {len(moved) - MOST_MOVED} more" if len(moved) > MOST_MOVED else ""
     shown += "; ends of cracks that were moved are no tips" if any(move.end for move in moved) else ""
-    yield Cause.MOVED.at(share=SNAP, metres=SNAP * scene_size(scene.case), shown=shown)
+    yield Cause.MOVED.at(share=SNAP, metres=Metres(SNAP * scene_size(scene.case)), shown=shown)
 
 
 def _cut(scene: Scene) -> Iterator[Caution]:
@@ -161,8 +163,7 @@ def _cut(scene: Scene) -> Iterator[Caution]:
     cut = scene.case.cut
     if cut:
         shown = ", ".join(
-            f"{'all' if part.whole else f'{part.length:.3g} m'} of '{part.crack}' at "
-            f"({part.place[0]:.6g} m, {part.place[1]:.6g} m)"
+            f"{'all' if part.whole else f'{Metres(part.length):.3g}'} of '{part.crack}' at {place_text(part.place)}"
             for part in cut[:MOST_MOVED]
         )
         more = f", and {len(cut) - MOST_MOVED} more" if len(cut) > MOST_MOVED else ""

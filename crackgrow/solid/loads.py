@@ -10,6 +10,7 @@ import numpy as np
 from crackgrow.approximation.basis import values_at
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Body, EdgeLoad, Gravity, InSituStress, Load, PointForce
+from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
@@ -50,8 +51,7 @@ def _at_point(cover: Cover, body: int, load: PointForce) -> Floats:
     at = cover.lattice.to_lattice(load.point[None])
     element = locate(cover.lattice, cover.elements, at, body)
     if element[0] < 0:
-        x, y = load.point
-        raise GeometryError(f"the force at ({x:g}, {y:g}) m lies outside of body '{load.body}'")
+        raise GeometryError(f"the force at {place_text(load.point)} lies outside of body '{load.body}'")
     return np.asarray(values_at(cover, at, element).values().T @ np.asarray(load.force)[None])
 
 

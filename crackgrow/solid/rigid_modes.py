@@ -13,6 +13,7 @@ from scipy.linalg import qr
 from scipy.sparse import coo_array, csc_array, csr_array, hstack
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.direct import SymmetricMatrix
 from crackgrow.errors import FreePieceError
@@ -47,7 +48,7 @@ class FreePiece:
         if self.body and self.whole:
             return f"body '{self.body}'"
         of = f"of body '{self.body}'" if self.body else "of rock"
-        return f"the piece {of} round ({self.centre[0]:.3g}, {self.centre[1]:.3g}) m"
+        return f"the piece {of} round {place_text(self.centre, 3)}"
 
     @property
     def motion(self) -> str:
@@ -65,8 +66,8 @@ class FreePiece:
     def about(self, motion: Floats) -> str:
         """The point that stays where it is in a motion (3,) that turns the piece."""
         a, b, w = motion
-        x, y = self.reach * np.round((self.centre + self.reach * np.array([-b, a]) / w) / self.reach, 6) + 0.0
-        return f"({x:.3g}, {y:.3g}) m"
+        still = self.centre + self.reach * np.array([-b, a]) / w
+        return place_text(self.reach * np.round(still / self.reach, 6), 3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

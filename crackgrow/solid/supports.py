@@ -15,6 +15,7 @@ from scipy.sparse import block_diag, csr_array, vstack
 from crackgrow.approximation.basis import of_component, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, EdgeSupport, PointSupport, Support
+from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import edges_of_region
@@ -161,8 +162,7 @@ def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _A
     at = cover.lattice.to_lattice(support.point[None])
     element = locate(cover.lattice, cover.elements, at, body_index(bodies, support.body))
     if element[0] < 0:
-        x, y = support.point
-        raise GeometryError(f"the support at ({x:g}, {y:g}) m lies outside of body '{support.body}'")
+        raise GeometryError(f"the support at {place_text(support.point)} lies outside of body '{support.body}'")
     return _Averages(csr_array(np.ones((1, 1))), at, element)
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
 from crackgrow.case import Case
+from crackgrow.case.units import place_text
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
 from crackgrow.estimate.energy_norm import energy_density
@@ -61,8 +62,8 @@ def _stress(solution: StepSolution, metres: Floats, body: NDArray[np.int64]) -> 
     points = cover.lattice.to_lattice(metres)
     element = locate(cover.lattice, cover.elements, points, body)
     if element.min(initial=0) < 0:
-        x, y = metres[np.argmin(element)]
-        raise GeometryError(f"the two solutions have different bodies: ({x:g}, {y:g}) m is in one of them alone")
+        alone = place_text(metres[np.argmin(element)])
+        raise GeometryError(f"the two solutions have different bodies: {alone} is in one of them alone")
     return stress_at(cover, solution.materials, solution.outcome.u, points, element)
 
 

@@ -33,6 +33,7 @@ from scipy.linalg import solve_triangular
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Case, LoadHistory, Stages
+from crackgrow.case.units import Metres, place_text
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set
 from crackgrow.contact.newton import solve_active, solve_by_newton
@@ -152,12 +153,12 @@ def _found(solution: StepSolution) -> str:
     if second is None:
         return f"no second solution was found, which is no proof that there is none: {beyond}"
     point = int(second.points[0])
-    x, y = solution.cover.lattice.to_metres(solution.faces.nodes.points[[point]])[0]
+    there = solution.cover.lattice.to_metres(solution.faces.nodes.points[[point]])[0]
     place = solution.cover.surfaces[solution.faces.surface[point]].name
     return (
-        f"friction leaves more than one solution ({beyond}): in another one the point ({x:.4g}, {y:.4g}) m of "
+        f"friction leaves more than one solution ({beyond}): in another one the point {place_text(there, 4)} of "
         f"'{place}', which {WORDS[int(outcome.state[point])]}, {WORDS[int(second.states[0])]}, its faces moved by "
-        f"{second.change[0]:.2g} m; apply the loads in steps (loading.history), or lower the friction there"
+        f"{Metres(second.change[0]):.2g}; apply the loads in steps (loading.history), or lower the friction there"
     )
 
 

@@ -89,7 +89,7 @@ def test_side_with_a_corner_more_keeps_its_name_and_its_places(tmp_path: Path):
     np.testing.assert_allclose(places[[0, -1], [0, -1], 0], [5.0, 1.0], atol=1e-9)
     told = crackgrow.solve(case).warnings
     assert sum("were moved" in text for text in told) == 1
-    assert "a corner of body 'block' by 1e-05 m onto a side of body 'slab' at (4 m, 1e-05 m)" in " ".join(told)
+    assert "a corner of body 'block' by 10 um onto a side of body 'slab' at (4 m, 10 um)" in " ".join(told)
 
 
 def tunnel(x: float, y: float, tips: str = "end") -> dict[str, Any]:

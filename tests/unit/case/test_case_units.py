@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from crackgrow.case.units import QuantityError, Units, parse_number, parse_quantity
+from crackgrow.case.units import Metres, QuantityError, Units, parse_number, parse_quantity, place_text
 
 MM = Units("mm", "MPa")
 
@@ -73,3 +73,23 @@ def test_a_number_of_many_digits():
 
 def test_no_negative_zero():
     assert repr(parse_number("-0.0")) == "0.0"
+
+
+@pytest.mark.parametrize(
+    ("metres", "words"),
+    [
+        (12.0, "12 m"),
+        (0.25, "0.25 m"),
+        (0.0999, "99.9 mm"),
+        (-7.75e-4, "-0.775 mm"),
+        (2.6e-8, "0.026 um"),
+        (0.0, "0 m"),
+    ],
+)
+def test_a_length_has_the_unit_that_suits_its_size(metres: float, words: str) -> None:
+    assert f"{Metres(metres):.3g}" == words
+    assert parse_quantity(words, "length", Units()) == pytest.approx(metres)
+
+
+def test_a_place_has_no_round_off_of_zeros() -> None:
+    assert place_text([-1e-17, -0.02]) == "(0 m, -20 mm)"

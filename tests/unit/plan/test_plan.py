@@ -84,7 +84,7 @@ def test_bonds_are_multipliers() -> None:
     ("settings", "words"),
     [
         (("growth.tip_stress.radius=0.5",), "the averaging radius"),
-        (("growth.increment=1",), "the increment 0.001 m is below a spacing"),
+        (("growth.increment=1",), "the increment 1 mm is below a spacing"),
         (("cracks.flaw.path.length=6",), "crack 'flaw' is 2 spacings long"),
         (("numerics.support=1.5",), "numerics.support is 1.5"),
         (("cracks.flaw.path.center=[9.9, 0]",), "is closer than a spacing to the outline"),

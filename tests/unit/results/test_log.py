@@ -24,7 +24,7 @@ def test_where_no_tip_advances_the_most_critical_start_is_told() -> None:
     case, result = make_case(), make_result(1)
     still = tuple(tip for tip in result.tips if not tip.advanced)
     start = StartResult(np.array([8e-17, -0.02]), "tension", 0.8712)
-    told = "most critical start at (0, -0.02) m (tension), criticality 0.871"
+    told = "most critical start at (0 m, -20 mm) (tension), criticality 0.871"
     for tips, words in (((), True), (still, True), (result.tips, not any(tip.advanced for tip in result.tips))):
         stopped = make_result(1, tips=tips, start=start)
         assert (told in told_line(stopped, case, 0.0)) is words

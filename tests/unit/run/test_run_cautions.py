@@ -140,7 +140,7 @@ def test_a_full_overlap_is_told_in_plain_digits() -> None:
     shares = overlap_shares(scene, solution, (face,))
     (told,) = _overlapping(scene, solution, (face,), shares)
     assert shares == [pytest.approx(1.0 / Cause.OVERLAP.limit)]  # all of the jump
-    assert "by 0.001 m between contact points, 100 % of their largest jump" in told.words
+    assert "by 1 mm between contact points, 100 % of their largest jump" in told.words
 
 
 def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None:
@@ -263,7 +263,7 @@ def test_faces_without_contact_that_lie_in_each_other_are_told_first_with_the_si
     assert result.tips[0].K_I < 0.0
     assert result.cautions[0].cause is Cause.CONTACT_NONE
     (face,) = result.faces
-    assert f"lie in each other by {-face.opening.min():.2g} m" in result.warnings[0]
+    assert f"lie in each other by {-1e3 * face.opening.min():.2g} mm" in result.warnings[0]
     assert told_of(Cause.CONTACT_NONE, first_step("tension0", "cracks.flaw.contact=none")) == []
 
 
@@ -302,7 +302,7 @@ def test_pressed_faces_that_stand_apart_are_told() -> None:
     shares = overlap_shares(scene, solution, (apart,))
     (told,) = _overlapping(scene, solution, (apart,), shares)
     assert shares[0] > 1.0
-    assert f"stand apart under pressure by {opening[3]:.2g} m" in told.words
+    assert f"stand apart under pressure by {1e6 * opening[3]:.2g} um" in told.words
     state = face.state.copy()
     state[4] = OPEN
     assert overlap_shares(scene, solution, (replace(apart, state=state),)) == [0.0]

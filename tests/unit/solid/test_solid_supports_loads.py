@@ -153,7 +153,7 @@ def test_point_support_holds_the_point_exactly(build) -> None:
 
 def test_point_support_outside_is_refused_with_its_place(build) -> None:
     sample = build.block((6, 5))
-    with pytest.raises(GeometryError, match=r"\(7, 2\) m lies outside"):
+    with pytest.raises(GeometryError, match=r"\(7 m, 2 m\) lies outside"):
         constraints(sample.cover, (sample.body,), (PointSupport("rock", np.array([7.0, 2.0]), (0.0, None)),))
 
 

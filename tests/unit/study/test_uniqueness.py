@@ -356,4 +356,4 @@ def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("crackgrow.study.uniqueness.proven_limit", lambda contact, outcome: 0.25)
     (told,) = told_of_the_flaw("cracks.flaw.contact.friction=0.3")
     assert "more than one solution (it is certain only where friction is below 0.25)" in told
-    assert "of 'flaw', which slips, sticks, its faces moved by 3e-05 m" in told
+    assert "of 'flaw', which slips, sticks, its faces moved by 30 um" in told
