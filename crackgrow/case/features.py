@@ -17,6 +17,7 @@ from shapely.ops import substring
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.regions import EdgeRegion
+from crackgrow.case.units import place_text
 from crackgrow.vectors import cross
 
 Kind = Literal["crack", "stretch", "increment", "radius", "width", "feature", "bridge", "support", "load"]
@@ -181,7 +182,7 @@ def _corner_lengths(points: Floats, least: float, where: str) -> Iterator[Length
     inward = np.flatnonzero((turns < 0.0) & (smaller >= least))
     for place, diameter in zip(inward.tolist(), (2.0 * smaller[inward] / -turns[inward]).tolist(), strict=True):
         x, y = points[place]
-        yield Length("feature", diameter, f"corner or curve at ({x:g} m, {y:g} m) of {where}", shapely.Point(x, y))
+        yield Length("feature", diameter, f"corner or curve at {place_text((x, y))} of {where}", shapely.Point(x, y))
 
 
 def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) -> Iterator[Length]:
@@ -197,10 +198,9 @@ def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) 
         far = np.array([index for index in range(len(points)) if stretch[index] not in own], dtype=np.int64)
         links = shapely.shortest_line(shapely.Point(points[corner]), sides[far])
         lengths = shapely.length(links)
-        x, y = points[corner]
         for link in np.flatnonzero(lengths >= least)[np.argsort(lengths[lengths >= least])]:
             if _is_in_rock(links[link], region):
-                what = f"rock beside the corner ({x:g} m, {y:g} m) of {where}"
+                what = f"rock beside the corner {place_text(points[corner])} of {where}"
                 yield Length("bridge", float(lengths[link]), what, _ends(links[link]))
                 break
 

@@ -17,7 +17,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, did_you_mean, quoted
 from crackgrow.case.scalars import INVALID, Context, Quantity, given
-from crackgrow.case.units import UNITS, is_number, parse_number
+from crackgrow.case.units import UNITS, is_number, parse_number, place_text
 from crackgrow.errors import CaseError, Fault
 
 LONGEST = 1000  # characters of a formula
@@ -89,8 +89,7 @@ class CoordinateFormula:
         """
         values, nowhere = self.values(points)
         if nowhere is not None:
-            a, b = nowhere
-            message = f"has no finite value at ({a:.6g} m, {b:.6g} m)"
+            message = f"has no finite value at {place_text(nowhere)}"
             raise CaseError([Fault(f"formula {quoted(self.text)}", None, "", message)])
         return values
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.units import Metres
 from crackgrow.cover.cells import Nodes, Tiles, nodes_of, tiles_of
 from crackgrow.cover.squares import QUANTA, Squares, squares_of
 from crackgrow.cover.tiling import Tiling, tiling_of
@@ -84,7 +85,7 @@ def place_lattice(
     below = np.ceil(half - centre_offset).astype(int) + reach  # whole cells from the box's centre to the lattice's edge
     cells = 2 * below + (2 * centre_offset).astype(int)
     if cells.max() > MOST_ACROSS:
-        wide = f"the specimen is {cells.max():,} cells of {spacing:.4g} m wide or high"
+        wide = f"the specimen is {cells.max():,} cells of {Metres(spacing):.4g} wide or high"
         raise GeometryError(f"{wide}, and at most {MOST_ACROSS:,} have places: use a larger numerics.spacing")
     origin = 0.5 * (lower + upper) - (below + centre_offset - np.array(offset)) * spacing
     return lattice_of(spacing, support, origin, _largest_cells(int(cells[0]), int(cells[1])))

@@ -14,6 +14,7 @@ from crackgrow.case.features import line_length
 from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import Case, CoulombContact, Crack
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
+from crackgrow.case.units import Metres
 from crackgrow.results.places import component_text, length_unit, surface_text
 from crackgrow.results.units import counted, stress_text
 
@@ -151,7 +152,7 @@ def _law(contact: CoulombContact) -> str:
     if contact.dilation_angle:
         words.append(f"dilation angle {contact.dilation_angle:g} deg")
     if contact.weakening_length:
-        words.append(f"weakening over {contact.weakening_length:g} m of slip")
+        words.append(f"weakening over {Metres(contact.weakening_length):g} of slip")
     if contact.stiffness is not None:
         words.append("stiffness {:g} and {:g} GPa/m".format(*(k / 1e9 for k in contact.stiffness)))
     return ", ".join(words)

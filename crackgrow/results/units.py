@@ -14,7 +14,6 @@ TIMES = ((31557600.0, "years"), (86400.0, "days"), (3600.0, "h"), (1.0, "s"), (1
 FORCES = ((1e6, "MN/m"), (1e3, "kN/m"), (1.0, "N/m"))
 
 NO_NUMBER = "\N{EN DASH}"
-SHOWN_IN_MM = 0.1  # m: smaller lengths are written in mm
 SIGNIFICANT = 6  # digits of what is drawn and shown; the tables of the run have all
 
 Unit = tuple[float, str]
@@ -61,11 +60,6 @@ def factor_text(factor: float) -> str:
 def shown(value: float, digits: int = 4) -> str:
     """A number as a reader sees it; a dash where there is none."""
     return f"{value:.{digits}g}" if math.isfinite(value) else NO_NUMBER
-
-
-def length_text(value: float) -> str:
-    """A length (m) as a case takes it, to three digits."""
-    return f"{value * 1e3:.3g} mm" if value < SHOWN_IN_MM else f"{value:.3g} m"
 
 
 def stress_text(value: float) -> str:

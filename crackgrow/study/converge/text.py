@@ -8,6 +8,7 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from crackgrow.case.accuracy import name_of
+from crackgrow.case.units import Metres
 from crackgrow.results.tables import csv_text
 from crackgrow.results.units import aligned, or_null
 from crackgrow.study.converge.columns import FILES, RANKS, TABLE
@@ -119,7 +120,7 @@ def own_name(plan: ConvergencePlan) -> str:
     """What the case's own setting is called."""
     numerics = plan.case.numerics
     if numerics.auto_rule is None:
-        return f"the case's own spacing of {numerics.spacing:.4g} m"
+        return f"the case's own spacing of {Metres(numerics.spacing):.4g}"
     return f"the case's own numerics.accuracy, {name_of(numerics.accuracy, numerics.goal)},"
 
 

@@ -17,9 +17,9 @@ from crackgrow.case import Case, dump_case
 from crackgrow.case.accuracy import PRESETS, STANDARD
 from crackgrow.case.model import ContactSupport
 from crackgrow.case.report import did_you_mean, quoted
+from crackgrow.case.units import Metres
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.atomic import write_text
-from crackgrow.results.units import length_text
 from crackgrow.study.setting import UNWRITTEN, CaseFile, Setting, accuracy_overrides
 from crackgrow.study.trade.measures import check_results
 
@@ -89,7 +89,7 @@ def default_axes(file: CaseFile, case: Case) -> Axes:
     touching = [crack.contact for crack in case.cracks] + [
         None if interface.contact == "bonded" else interface.contact for interface in case.interfaces
     ]
-    axes = {"spacing": tuple(length_text(automatic * part) for part in SPACINGS), "support": ("1.5", "2")}
+    axes = {"spacing": tuple(f"{Metres(automatic * part):.3g}" for part in SPACINGS), "support": ("1.5", "2")}
     if any(touching) or any(isinstance(support, ContactSupport) for support in case.supports):
         return {**axes, "quadrature": ("3", "4"), "contact_spacing": ("1.25", "2")}
     return {**axes, "support": ("1.5", "2", "2.5"), "quadrature": ("2", "3", "4")}
