@@ -91,6 +91,21 @@ def test_edge_points_of_several_regions_are_those_of_each(build) -> None:
             np.testing.assert_array_equal(getattr(found, name), getattr(alone, name))
 
 
+def test_an_edge_is_held_cell_by_cell_where_cells_are_small(build) -> None:
+    """Held on average over a spacing the edge moves between small cells, and larger cells elsewhere do not tell it."""
+    sample = build.block((8, 8), support=2.0, levels=3, places=[(8.5, 4.5)])
+    (found,) = edge_points(sample.cover, (sample.body,), [build.edge("right")])
+    held = constraints(sample.cover, (sample.body,), [EdgeSupport(build.edge("right"), (0.0, None))])
+    sides = sample.cover.sizes[found.elements]
+    assert sides.min() == 0.125
+    n_cells = (found.lengths / sides).sum()
+    assert len(held.given) == int(n_cells) + 1 > 20
+    steps = np.diff(found.stretched) / np.diff(found.s)
+    assert np.all(steps > 1.0 - 1e-9)
+    assert np.all(steps < 8.0 + 1e-9)
+    assert found.stretched.max() < n_cells  # no jumps where cells of two sizes meet
+
+
 @pytest.mark.parametrize("quadrature", [4, 8])
 def test_stretch_between_edge_supports_is_uniform(build, quadrature: int) -> None:
     """u_x = 0 left, 0.01 right, u_y = 0 bottom: free sides contract by Poisson's ratio; the field is linear."""
