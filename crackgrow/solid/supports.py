@@ -17,7 +17,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, EdgeSupport, PointSupport, Support
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.cover.face_edges import edges_of_region
+from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.vectors import outward_normals
@@ -92,13 +92,19 @@ class EdgePoints:
 
 def edge_points(cover: Cover, bodies: Sequence[Body], regions: Sequence[EdgeRegion]) -> list[EdgePoints]:
     """The points of each of the regions."""
-    if not regions:
+    return points_along(cover, [edges_on(cover, bodies, region) for region in regions])
+
+
+def edges_on(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> FaceEdges:
+    """The edges along a region."""
+    body = body_index(bodies, region.body)
+    return edges_of_region(cover.elements.outlines, body, cover.bodies[body].sides, region.sides, region.limits)
+
+
+def points_along(cover: Cover, edges: Sequence[FaceEdges]) -> list[EdgePoints]:
+    """The points along each of some rows of edges of outlines."""
+    if not edges:
         return []
-    edges = []
-    for region in regions:
-        body = body_index(bodies, region.body)
-        sides = cover.bodies[body].sides
-        edges.append(edges_of_region(cover.elements.outlines, body, sides, region.sides, region.limits))
     ends, elements, s = (
         np.concatenate(arrays) for arrays in zip(*((e.points, e.plus, e.s) for e in edges), strict=True)
     )

@@ -44,6 +44,26 @@ def test_traction_on_a_part_of_an_edge_has_the_parts_resultant(build) -> None:
     np.testing.assert_allclose(resultant(sample, f), [2.4, 0.0, -2.4 * 2.9], atol=1e-8)
 
 
+def test_a_formula_that_varies_within_a_cell_has_its_resultant(build) -> None:
+    """A peak of a fiftieth of a cell between the points of the edge; a water table within a cell."""
+    sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))], support=2.0)
+    place, width = 3.03, 0.02
+
+    def peak(at: np.ndarray) -> np.ndarray:
+        return np.exp(-(((at[:, 0] - place) / width) ** 2))
+
+    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(build.edge("top"), (0.0, peak)),), 4)
+    force = np.sqrt(np.pi) * width
+    np.testing.assert_allclose(resultant(sample, f), [0.0, force, place * force], atol=1e-5 * force)
+
+    def water(at: np.ndarray) -> np.ndarray:
+        return np.maximum(3.3 - at[:, 1], 0.0)
+
+    f = load_vector(sample.cover, (sample.body,), (EdgePressure(build.edge("left"), water),), 4)
+    force, depth = 0.5 * 2.8**2, 2.8  # from the ground at 0.5 up; a third of the depth above it
+    np.testing.assert_allclose(resultant(sample, f), [force, 0.0, -force * (0.5 + depth / 3.0)], atol=1e-5 * force)
+
+
 @pytest.mark.parametrize("edge", SIDES)
 def test_pressure_is_traction_into_the_rock(build, edge: str) -> None:
     sample = build.block((6, 5), support=2.0)
