@@ -7,6 +7,7 @@ paths.csv of a run has them; a mesh holds regions, names of their edges, and cur
 from __future__ import annotations
 
 import csv
+import json
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path as FilePath
@@ -55,7 +56,20 @@ def _from_csv(text: str) -> shapely.Geometry:
     return shapely.MultiLineString(lines)
 
 
-_READERS = {".geojson": shapely.from_geojson, ".json": shapely.from_geojson, ".wkt": shapely.from_wkt}
+def _from_geojson(text: str) -> shapely.Geometry:
+    """The shapes of a GeoJSON text. Features without a place (RFC 7946, section 3.2) are none; shapely refuses them."""
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError):
+        return shapely.from_geojson(text)  # which raises, and says why
+    features = content.get("features") if isinstance(content, dict) else None
+    if not isinstance(features, list):
+        return shapely.from_geojson(text)
+    placed = [each for each in features if not (isinstance(each, dict) and each.get("geometry", each) is None)]
+    return shapely.from_geojson(text if len(placed) == len(features) else json.dumps({**content, "features": placed}))
+
+
+_READERS = {".geojson": _from_geojson, ".json": _from_geojson, ".wkt": shapely.from_wkt}
 _TABLES = {".csv": _from_csv}
 
 

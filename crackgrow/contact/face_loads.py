@@ -8,10 +8,11 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.formula import component_at
-from crackgrow.case.model import FluidPressure, InSituStress, Load
+from crackgrow.case.model import Component, FluidPressure, InSituStress, Load
 from crackgrow.contact.faces import integration_points
 from crackgrow.contact.jump import jump_matrix
 from crackgrow.cover.cover import Cover
+from crackgrow.quadrature.subdivision import subdivided
 from crackgrow.solid.in_situ import InSitu, across
 
 
@@ -32,12 +33,23 @@ def face_load_vector(cover: Cover, crack_bodies: Sequence[str], loads: Sequence[
                 stress = stress.plus(load, 1.0)
         if stress == InSitu() and all(pressure == 0.0 for pressure in pressures):
             continue
-        points, lengths = integration_points(cover, index, np.empty(0))
+        points, lengths = integration_points(cover, index, _breaks(cover, index, pressures))
         places = cover.lattice.to_metres(points.points)
-        pressure = np.sum([np.zeros(len(places)), *(component_at(each, places) for each in pressures)], axis=0)
-        push = across(stress.at(places), points.normal) + pressure[:, None] * points.normal
+        push = across(stress.at(places), points.normal) + _sum_at(pressures, places)[:, None] * points.normal
         f += jump_matrix(cover, points).T @ (lengths[:, None] * cover.lattice.spacing * push)
     return f.ravel()
+
+
+def _sum_at(pressures: Sequence[Component], places: Floats) -> Floats:
+    """The sum (n,) Pa of some pressures at places (n, 2) m."""
+    return np.asarray(np.sum([np.zeros(len(places)), *(component_at(each, places) for each in pressures)], axis=0))
+
+
+def _breaks(cover: Cover, index: int, pressures: Sequence[Component]) -> Floats:
+    """Arc lengths (n,) along a surface between which its points integrate the pressures."""
+    edges = cover.surfaces[index].edges
+    edge, limits = subdivided(edges.points, lambda at, _: _sum_at(pressures, cover.lattice.to_metres(at))[:, None])
+    return np.asarray(edges.parts(edge, limits).s[limits[:, 0] > 0.0, 0])
 
 
 def is_named(name: str, is_crack: bool, wanted: str | tuple[str, str]) -> bool:

@@ -37,6 +37,13 @@ class FaceEdges:
         last = -1 if at_end else 0
         return int(self.plus[last]), int(self.minus[last])
 
+    def parts(self, edge: Ints, limits: Floats) -> FaceEdges:
+        """Parts of edges (k,), each between two fractions `limits` (k, 2) of its length, as edges of their own."""
+        start, step = self.points[edge, 0], self.points[edge, 1] - self.points[edge, 0]
+        s = self.s[edge, :1] + limits * np.diff(self.s[edge], axis=1)
+        points = start[:, None] + limits[:, :, None] * step[:, None]
+        return FaceEdges(s, points, self.segment[edge], self.plus[edge], self.minus[edge], self.edge[edge])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OutlineEdges:

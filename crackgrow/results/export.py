@@ -11,7 +11,7 @@ import numpy as np
 import pyvista
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.results.atomic import write_atomically
+from crackgrow.results.atomic import OutputError, write_atomically
 from crackgrow.results.drawn_frame import COMPONENTS
 from crackgrow.results.folder import open_run
 
@@ -25,8 +25,12 @@ def export(folder: Path, to: str, step: int | None = None, out: Path | None = No
     """Write the frame of a step, of the last one where none is named, as a mesh file, one of FORMATS; return its path.
 
     Without `out` it is export/step_NNNN.FORMAT in the run's folder.
-    Raises FolderError where there is no such frame, CaseError where case.yaml is not of this version, OutputError.
+    Raises FolderError where there is no such frame, CaseError where case.yaml is not of this version, OutputError, also
+    where `out` ends as another of the formats does: programs go by that.
     """
+    ending = "" if out is None else out.suffix.lower().removeprefix(".")
+    if ending != to and ending in FORMATS:
+        raise OutputError(f"{out}: the name ends in .{ending}, and the format that is asked for is {to}")
     run = open_run(folder)
     number = run.frames_of(None if step is None else [step])[-1]
     path = folder / "export" / f"step_{number:04d}.{to}" if out is None else out

@@ -8,19 +8,21 @@ from functools import partial
 import numpy as np
 
 from crackgrow.approximation.basis import values_at
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Body, EdgeLoad, Gravity, InSituStress, Load, PointForce
 from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
+from crackgrow.cover.face_edges import FaceEdges
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.everywhere import all_points
 from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.rules import square
+from crackgrow.quadrature.subdivision import subdivided
 from crackgrow.solid.in_situ import InSitu, across
-from crackgrow.solid.supports import body_index, edge_points
+from crackgrow.solid.supports import body_index, edges_on, points_along
 from crackgrow.vectors import outward_normals
 
 
@@ -59,13 +61,24 @@ def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeLo
     """Integral of phi t (n_functions, 2) N/m of all tractions and pressures along edges."""
     if not loads:
         return np.zeros((cover.n_functions, 2))
-    edges = edge_points(cover, bodies, [load.region for load in loads])
+    edges = points_along(cover, [_fine_enough(cover, load, edges_on(cover, bodies, load.region)) for load in loads])
     points, elements = (np.concatenate(arrays) for arrays in zip(*((e.points, e.elements) for e in edges), strict=True))
     forces = []
     for edge, load in zip(edges, loads, strict=True):
         places = cover.lattice.to_metres(edge.points)
         forces.append(edge.lengths[:, None] * load.traction_at(places, edge.outward))
     return np.asarray(values_at(cover, points, elements).values().T @ np.concatenate(forces))
+
+
+def _fine_enough(cover: Cover, load: EdgeLoad, edges: FaceEdges) -> FaceEdges:
+    """The edges along a load, cut where it varies by more than their points can tell."""
+    outward = outward_normals(edges.points[:, 1] - edges.points[:, 0])
+
+    def traction(places: Floats, edge: Ints) -> Floats:
+        return load.traction_at(cover.lattice.to_metres(places), outward[edge])
+
+    edge, limits = subdivided(edges.points, traction)
+    return edges if len(edge) == len(edges.edge) else edges.parts(edge, limits)
 
 
 def _rim_tractions(cover: Cover, body: int, stress: InSitu) -> Floats:

@@ -18,7 +18,7 @@ from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, Ed
 from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.cover.face_edges import edges_of_region
+from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.vectors import outward_normals
@@ -86,29 +86,52 @@ class EdgePoints:
     lengths: Floats  # (n,) m
     elements: Ints  # (n,)
     s: Floats  # (n,) m, arc length from the part's start
+    sizes: Floats  # (n,) side of the cells there, spacings
+    stretched: Floats  # (n,) m, s where every cell were as large as the spacing
     outward: Floats  # (n, 2) unit normals out of the rock
 
 
 def edge_points(cover: Cover, bodies: Sequence[Body], regions: Sequence[EdgeRegion]) -> list[EdgePoints]:
     """The points of each of the regions."""
-    if not regions:
+    return points_along(cover, [edges_on(cover, bodies, region) for region in regions])
+
+
+def edges_on(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> FaceEdges:
+    """The edges along a region."""
+    body = body_index(bodies, region.body)
+    return edges_of_region(cover.elements.outlines, body, cover.bodies[body].sides, region.sides, region.limits)
+
+
+def points_along(cover: Cover, edges: Sequence[FaceEdges]) -> list[EdgePoints]:
+    """The points along each of some rows of edges of outlines."""
+    if not edges:
         return []
-    edges = []
-    for region in regions:
-        body = body_index(bodies, region.body)
-        sides = cover.bodies[body].sides
-        edges.append(edges_of_region(cover.elements.outlines, body, sides, region.sides, region.limits))
     ends, elements, s = (
         np.concatenate(arrays) for arrays in zip(*((e.points, e.plus, e.s) for e in edges), strict=True)
     )
     edge, points, lengths = points_on_outlines(cover, ends, elements, np.concatenate([e.edge for e in edges]))
     s = s[edge, 0] + np.hypot(*(points - ends[edge, 0]).T)
+    sizes = cover.sizes[elements]
+    stretched = s / sizes[edge] + np.concatenate([_offsets(e.s[:, 0], cover.sizes[e.plus]) for e in edges])[edge]
     outward = outward_normals(ends[:, 1] - ends[:, 0])[edge]
     spacing, owner = cover.lattice.spacing, np.repeat(np.arange(len(edges)), [len(e.edge) for e in edges])[edge]
     return [
-        EdgePoints(points[mine], lengths[mine] * spacing, elements[edge[mine]], s[mine] * spacing, outward[mine])
+        EdgePoints(
+            points[mine],
+            lengths[mine] * spacing,
+            elements[edge[mine]],
+            s[mine] * spacing,
+            sizes[edge[mine]],
+            stretched[mine] * spacing,
+            outward[mine],
+        )
         for mine in (np.flatnonzero(owner == number) for number in range(len(edges)))
     ]
+
+
+def _offsets(starts: Floats, sizes: Floats) -> Floats:
+    """What makes s / h + offset (k,) continuous: edges in a row start at s of `starts` (k,), in cells of `sizes` h."""
+    return np.concatenate([[0.0], np.cumsum(starts[1:] * (1.0 / sizes[:-1] - 1.0 / sizes[1:]))])
 
 
 def held_body(support: Support) -> str:
@@ -167,9 +190,10 @@ def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _A
 
 
 def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
-    """Averages weighted with hat functions whose nodes are about one spacing apart."""
-    n_pieces = max(1, int(edge.lengths.sum() / spacing))
-    position = (edge.s - edge.s.min()) / (edge.s.max() - edge.s.min()) * n_pieces
+    """Averages weighted with hat functions whose nodes are about one cell apart, as large as cells are there."""
+    n_pieces = max(1, int((edge.lengths / edge.sizes).sum() / spacing))
+    along = edge.stretched - edge.stretched.min()
+    position = along / along.max() * n_pieces
     left = np.minimum(position.astype(np.int64), n_pieces - 1)
     share = position - left
     rows, points = np.concatenate([left, left + 1]), np.tile(np.arange(len(left)), 2)

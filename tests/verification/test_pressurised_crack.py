@@ -94,3 +94,17 @@ def test_it_turns_towards_the_major_stress(major: float, minor: float, tmp_path:
     *_, last = grow(growing)
     ends = np.diff(last.cracks[0].points, axis=0)[[0, -1]]
     np.testing.assert_allclose(np.rad2deg(np.arctan2(*ends.T[::-1])), 90.0, atol=4.0)
+
+
+def test_a_plug_of_fluid_shorter_than_a_cell_has_its_K(tmp_path: Path) -> None:
+    """A force P on each face at a distance b from the middle: K_I = P / sqrt(pi a) sqrt((a + b) / (a - b)) (Tada)."""
+    place, width, pressure = 13.0, 0.3, 200.0  # mm, mm, MPa; cells there are of 7.5 mm
+    plug = f"{pressure} * exp(-((x - {place}) / {width})**2)"
+    text = PLATE.replace("MAJOR", "0").replace("MINOR", "0").replace("angle: 45", "angle: 0")
+    text = text.replace("pressure: 1}", f'pressure: "{plug}"}}').replace("loading: critical", "")
+    path = tmp_path / "plate.yaml"
+    path.write_text(text.replace("max_hoop_stress", "directional_strength"), encoding="utf-8")
+    step = next(iter(grow(load_case(path))))
+    force, b = np.sqrt(np.pi) * 1e-3 * width * pressure, 1e-3 * place
+    exact = force / np.sqrt(np.pi * HALF) * np.sqrt((HALF + np.array([-b, b])) / (HALF - np.array([-b, b])))
+    np.testing.assert_allclose([1e-6 * tip.K_I for tip in step.tips], exact, rtol=5e-3)

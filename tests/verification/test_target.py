@@ -53,6 +53,18 @@ def straight(angle: float, axial: float, lateral: float, friction: float) -> Sce
     return plate(winged(1.0, angle, 1.0, 0.0)[1:3], 100.0, axial, lateral, friction), [K, K]
 
 
+def row_of_cracks() -> Scene:
+    """One of a row of collinear cracks between rollers: sqrt(2 b / (pi a) tan(pi a / (2 b))) sigma sqrt(pi a)."""
+    half, width, height = 12.0, 40.0, 160.0
+    scene = plate([[-half, 0.0], [half, 0.0]], width, -10.0, 0.0, 0.0)
+    scene["bodies"]["rock"]["shape"]["rectangle"].update(width=width, height=height)
+    scene["supports"] = [{"on": {"edge": edge}, "displacement": {"x": 0.0}} for edge in ("left", "right")]
+    scene["supports"].append({"at": [-width / 2, -height / 2], "displacement": {"y": 0.0}})
+    scene["loads"] = [{"on": {"edge": edge}, "traction": [0.0, t]} for edge, t in (("top", 10.0), ("bottom", -10.0))]
+    K = 10.0 * MPA * np.sqrt(width * 1e-3 * np.tan(np.pi * half / width))
+    return scene, [(K, 0.0), (K, 0.0)]
+
+
 def known(name: str) -> Scene:
     """A scene of the table of targets whose tips are all alike."""
     made = TABLE[name].make()
@@ -66,6 +78,7 @@ SCENES = {
     "closed with wings": lambda: wide(4),
     "friction 0.3": lambda: straight(45.0, 10.0, 2.0, 0.3),
     "open": lambda: straight(20.0, -10.0, -3.0, 0.0),
+    "between rollers": row_of_cracks,
     "closed kink": partial(known, "closed kink of 30"),
     **{name: partial(known, name) for name in ("edge crack", "disk, along the load", "cross", "stacked")},
 }
@@ -87,7 +100,7 @@ def solved(folder: Path, name: str, target: float) -> tuple[StepResult, float]:
     ("name", "target"),
     [
         *((name, target) for name in SCENES for target in (0.03, 0.01)),
-        *(("grown", 0.1), ("young", 0.003), ("friction 0.3", 0.003)),
+        *(("grown", 0.1), ("young", 0.003), ("friction 0.3", 0.003), ("between rollers", 0.001)),
     ],
 )
 def test_K_is_within_the_target(tmp_path: Path, name: str, target: float) -> None:

@@ -207,11 +207,13 @@ WKT = "POLYGON ((0 0, 0 3, 4 3, 4 0, 0 0), (1 1, 2 1, 2 1.5, 1 1.5, 1 1))"
 RINGS = [[[0, 0], [0, 3], [4, 3], [4, 0], [0, 0]], [[1, 1], [2, 1], [2, 1.5], [1, 1.5], [1, 1]]]
 POLYGON = {"type": "Polygon", "coordinates": RINGS}
 FEATURE = {"type": "Feature", "properties": {"name": "rock"}, "geometry": POLYGON}
+UNPLACED = {"type": "Feature", "properties": {"name": "not mapped"}, "geometry": None}  # RFC 7946, section 3.2
 FILES = {
     "rock.wkt": WKT,
     "rock.geojson": json.dumps(POLYGON),
     "feature.geojson": json.dumps(FEATURE),
     "collection.GeoJSON": json.dumps({"type": "FeatureCollection", "features": [FEATURE]}),
+    "unplaced.geojson": json.dumps({"type": "FeatureCollection", "features": [UNPLACED, FEATURE]}),
     "multi.json": json.dumps({"type": "MultiPolygon", "coordinates": [RINGS]}),
 }
 
@@ -278,6 +280,8 @@ def test_coordinates_of_a_file_are_read_like_those_of_the_case(tmp_path: Path):
         ("rock.geojson", "{}", "cannot be read as geojson"),
         ("rock.geojson", "[1, 2", "cannot be read as geojson"),
         ("rock.geojson", '{"type": "FeatureCollection", "features": []}', "holds nothing"),
+        ("rock.geojson", json.dumps({"type": "FeatureCollection", "features": [UNPLACED]}), "holds nothing"),
+        ("rock.geojson", '{"type": "FeatureCollection", "features": [1]}', "cannot be read as geojson"),
         ("rock.geojson", json.dumps({"type": "LineString", "coordinates": RINGS[0]}), "holds LineString"),
     ],
 )

@@ -129,6 +129,16 @@ def test_a_step_without_a_frame_is_refused(folder: Path, capsys: pytest.CaptureF
     assert f"{folder} has no frame of step 7; it has those of 0 to 1" in capsys.readouterr().err
 
 
+def test_a_name_that_ends_as_another_format_is_refused(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "wing.vtk"
+    assert cli.main(["export", str(folder), "--to", "xdmf", "--out", str(out)]) == 3
+    assert "wing.vtk: the name ends in .vtk, and the format that is asked for is xdmf" in capsys.readouterr().err
+    assert not out.exists()
+    assert cli.main(["export", str(folder), "--to", "xdmf", "--out", str(tmp_path / "step.1")]) == 0
+
+
 @pytest.mark.parametrize(("arguments", "wanted"), [
     (["--to", "stl"], "'stl' is none of msh, inp, vtk, xdmf"),
     (["--to", "msh", "--step", "last"], "'last': the number of a step is wanted, from 0 on"),

@@ -44,6 +44,26 @@ def test_traction_on_a_part_of_an_edge_has_the_parts_resultant(build) -> None:
     np.testing.assert_allclose(resultant(sample, f), [2.4, 0.0, -2.4 * 2.9], atol=1e-8)
 
 
+def test_a_formula_that_varies_within_a_cell_has_its_resultant(build) -> None:
+    """A peak of a fiftieth of a cell between the points of the edge; a water table within a cell."""
+    sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))], support=2.0)
+    place, width = 3.03, 0.02
+
+    def peak(at: np.ndarray) -> np.ndarray:
+        return np.exp(-(((at[:, 0] - place) / width) ** 2))
+
+    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(build.edge("top"), (0.0, peak)),), 4)
+    force = np.sqrt(np.pi) * width
+    np.testing.assert_allclose(resultant(sample, f), [0.0, force, place * force], atol=1e-5 * force)
+
+    def water(at: np.ndarray) -> np.ndarray:
+        return np.maximum(3.3 - at[:, 1], 0.0)
+
+    f = load_vector(sample.cover, (sample.body,), (EdgePressure(build.edge("left"), water),), 4)
+    force, depth = 0.5 * 2.8**2, 2.8  # from the ground at 0.5 up; a third of the depth above it
+    np.testing.assert_allclose(resultant(sample, f), [force, 0.0, -force * (0.5 + depth / 3.0)], atol=1e-5 * force)
+
+
 @pytest.mark.parametrize("edge", SIDES)
 def test_pressure_is_traction_into_the_rock(build, edge: str) -> None:
     sample = build.block((6, 5), support=2.0)
@@ -89,6 +109,21 @@ def test_edge_points_of_several_regions_are_those_of_each(build) -> None:
         (alone,) = edge_points(sample.cover, (sample.body,), [region])
         for name in ("points", "lengths", "elements", "s"):
             np.testing.assert_array_equal(getattr(found, name), getattr(alone, name))
+
+
+def test_an_edge_is_held_cell_by_cell_where_cells_are_small(build) -> None:
+    """Held on average over a spacing the edge moves between small cells, and larger cells elsewhere do not tell it."""
+    sample = build.block((8, 8), support=2.0, levels=3, places=[(8.5, 4.5)])
+    (found,) = edge_points(sample.cover, (sample.body,), [build.edge("right")])
+    held = constraints(sample.cover, (sample.body,), [EdgeSupport(build.edge("right"), (0.0, None))])
+    sides = sample.cover.sizes[found.elements]
+    assert sides.min() == 0.125
+    n_cells = (found.lengths / sides).sum()
+    assert len(held.given) == int(n_cells) + 1 > 20
+    steps = np.diff(found.stretched) / np.diff(found.s)
+    assert np.all(steps > 1.0 - 1e-9)
+    assert np.all(steps < 8.0 + 1e-9)
+    assert found.stretched.max() < n_cells  # no jumps where cells of two sizes meet
 
 
 @pytest.mark.parametrize("quadrature", [4, 8])
