@@ -56,7 +56,7 @@ def aimed_history(
         if number == first and known is not None:
             yield replace(solution, accuracy=known)
         else:
-            yield aimed(solution, cracks, Ways(pair.solve, pair.state_on_others), None)
+            yield aimed(solution, Ways(pair.solve, pair.state_on_others), None)
 
 
 @dataclass(slots=True, eq=False)

@@ -37,7 +37,7 @@ from crackgrow.fracture.tip_stress import FieldReading, field_readings
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.foci import focus_of, lattice_of_cells
-from crackgrow.run.scene import Scene
+from crackgrow.run.scene import Scene, SurfaceLaw
 from crackgrow.run.starting import sites_of
 from crackgrow.solid.dependent import with_dependent_held
 from crackgrow.solid.linear_solver import ConstrainedSystem
@@ -103,6 +103,7 @@ class Configuration:
     """Everything that depends on where the cracks lie, and not on how much they are loaded."""
 
     scene: Scene
+    cracks: tuple[GrowingCrack, ...]
     cover: Cover
     stiffness: Stiffness
     held: Constraints  # with given displacements at load factor 1
@@ -175,9 +176,10 @@ class Configuration:
         check_magnitude("contact tractions", found.tractions, LARGEST, "Pa")
         return found
 
-    def under_laws(self, scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
-        """The same rock and loads with the laws of contact of another scene; what is known of the rock stays known."""
-        contact = self.contact.with_law(_law(scene, self.cover, self.faces, growing))
+    def under_laws(self, laws: tuple[SurfaceLaw, ...]) -> Configuration:
+        """The same rock and loads with other laws of contact; what is known of the rock stays known."""
+        scene = replace(self.scene, laws=laws)
+        contact = self.contact.with_law(_law(scene, self.cover, self.faces, self.cracks))
         other = replace(self, scene=scene, contact=contact)
         other.__dict__["_units"] = self._units
         return other
@@ -313,7 +315,9 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     solver = case.numerics.contact.solver
     contact = ContactSystem(system, *operators, weights, law, solver, loose)
     readings = Readings(cover, stiffness.named, None if before is None else before.readings)
-    return Configuration(scene, cover, stiffness, held, contact, faces, scaled, constant, sites, readings, seconds)
+    return Configuration(
+        scene, growing, cover, stiffness, held, contact, faces, scaled, constant, sites, readings, seconds
+    )
 
 
 def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Floats, Floats]:

@@ -27,10 +27,12 @@ from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
-from crackgrow.cover.cover import Surface
+from crackgrow.cover.cover import Cover, Surface
 from crackgrow.run.configuration import Configuration, Equilibrium, Gone
 from crackgrow.run.path import MOST_JUMPS, Load, next_piece
 from crackgrow.run.result import BALANCED, Energy
+from crackgrow.run.scene import Scene
+from crackgrow.solid.elasticity import PlaneElasticity
 
 ON_OLD_FACES = 1e-6
 """Spacings: points closer than this to the crack as it was lie on it."""
@@ -68,6 +70,21 @@ class LoadState:
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
     formed: Equilibrium | None = None  # None: displacements are formed when they are asked for
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the configuration."""
+        return self.configuration.scene
+
+    @property
+    def cover(self) -> Cover:
+        """The cover of the configuration."""
+        return self.configuration.cover
+
+    @cached_property
+    def materials(self) -> tuple[PlaneElasticity, ...]:
+        """Materials, body by body, in-situ stress included."""
+        return self.scene.materials_at(self.factor)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:

@@ -41,9 +41,9 @@ def none_leaves(cracks: tuple[GrowingCrack, ...]) -> Leaving:
     return Leaving(np.empty(0, dtype=np.int64), cracks)
 
 
-def leaves(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Leaving:
+def leaves(growth: Growth, solution: StepSolution) -> Leaving:
     """What leaves where after a solve: by the criterion, or by velocities, the tip that goes farthest first."""
-    criticality, n_tips = site_criticality(cracks, solution), len(solution.tips)
+    criticality, n_tips, cracks = site_criticality(solution), len(solution.tips), solution.cracks
     ends = solution.cover.tip_ends
     if growth.subcritical is not None:
         return _in_time(growth.subcritical, growth.increment, cracks, (ends, criticality[:n_tips]))
@@ -57,35 +57,30 @@ def leaves(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolut
     return Leaving(sites, cracks)
 
 
-def site_criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:
+def site_criticality(solution: StepSolution) -> Floats:
     """Criticality (n,) of every site, -inf for a tip that must not grow."""
     tips = [
-        tip.verdict.criticality if tip.verdict is not None and cracks[index].can_grow(at_end) else -np.inf
+        tip.verdict.criticality if tip.verdict is not None and solution.cracks[index].can_grow(at_end) else -np.inf
         for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
     ]
     return np.array([*tips, *(start.verdict.criticality for start in solution.starts)])
 
 
-def lapse(left: Leaving, cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> tuple[float, StepSolution]:
+def lapse(left: Leaving, solution: StepSolution) -> tuple[float, StepSolution]:
     """Time (s) of the advance that has led to a solution, and the solution, with a note where that is coarse.
 
     It goes by the tip with the largest mean velocity. Of one that has met something, or stands still now, the velocity
     at the beginning is all that is known.
     """
-    law = _law(solution)
+    law = solution.scene.case.subcritical
     if law is None or not left.velocity:
         return 0.0, solution
-    now = dict(zip(solution.cover.tip_ends, velocities(site_criticality(cracks, solution), law).tolist(), strict=True))
+    now = dict(zip(solution.cover.tip_ends, velocities(site_criticality(solution), law).tolist(), strict=True))
     ends = [(before, now.get(end) or before) for end, before in left.velocity.items()]
     mean, before, after = max((mean_velocity(before, after), before, after) for before, after in ends)
     if max(after / before, before / after) > COARSE:
         solution = replace(solution, notes=(*solution.notes, COARSE_TIME))
     return left.time * before / mean, solution
-
-
-def _law(solution: StepSolution) -> Subcritical | None:
-    growth = solution.configuration.scene.case.growth
-    return None if growth is None else growth.subcritical
 
 
 def _in_time(

@@ -32,7 +32,7 @@ def load(
         return through_stages(scene, cracks)
     known = before.configuration if like is None and before is not None else like
     configuration = assemble(scene, cracks, known)
-    return _loaded(configuration, cracks, _origin(configuration, before))
+    return _loaded(configuration, _origin(configuration, before))
 
 
 def load_to(
@@ -62,7 +62,7 @@ def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -
     """What `load` has made of the cracks, from the origin of that solution. Raises as it does."""
     if isinstance(scene.case.loading, Stages):
         return through_stages(scene, cracks)  # every step begins with the first of them
-    return _loaded(assemble(scene, cracks), cracks, origin)
+    return _loaded(assemble(scene, cracks), origin)
 
 
 def load_history(
@@ -103,13 +103,13 @@ def _origin(configuration: Configuration, before: StepSolution | None) -> Origin
     return Origin(before.state.factor, carried(before.state, configuration) if on else None)
 
 
-def _loaded(configuration: Configuration, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
+def _loaded(configuration: Configuration, origin: Origin) -> StepSolution:
     """A configuration under the last load of the case."""
     loading = configuration.scene.case.loading
     if origin.start is not None:
         solution = judged(increment(configuration, origin.start, origin.start.factor))
     elif isinstance(loading, CriticalLoad):
-        solution = critically_loaded(configuration, cracks, origin.guess)
+        solution = critically_loaded(configuration, origin.guess)
     else:
         assert isinstance(loading, LoadHistory)
         state, passed = _through_history(configuration, loading)

@@ -12,7 +12,6 @@ from crackgrow.arrays import Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.aimed_history import aimed_history
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
@@ -111,25 +110,25 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Generator[tuple[St
             if step == 0:
                 raise
             return RunEnd("failed", f"step {step}: {error}", paths_of(cracks), events)
-        solution = _on_target(cracks, solution, before)
+        solution = _on_target(solution, before)
         scene = scene.with_halvings(halvings_after(solution))
         n_pieces = n_pieces or len(all_pieces(solution.cover))
-        taken, solution = lapse(leaving, cracks, solution)
+        taken, solution = lapse(leaving, solution)
         time += taken
-        leaving = leaves(growth, cracks, solution) if step < n_steps else none_leaves(cracks)
-        result = _reported(scene, RunState(step, cracks, events, n_pieces, time=time), solution, leaving.sites)
+        leaving = leaves(growth, solution) if step < n_steps else none_leaves(cracks)
+        result = _reported(RunState(step, cracks, events, n_pieces, time=time), solution, leaving.sites)
         yield result, solution
-        if step == n_steps > 0 and site_criticality(cracks, solution).max(initial=-np.inf) == -np.inf:
-            return _without_tips(cracks, solution, step, n_pieces)
+        if step == n_steps > 0 and site_criticality(solution).max(initial=-np.inf) == -np.inf:
+            return _without_tips(solution, step, n_pieces)
         if len(leaving.sites) == 0 and step < n_steps:
-            return _stopped(cracks, solution, step, n_pieces)
+            return _stopped(solution, step, n_pieces)
         if step < n_steps:
             solve = partial(load, scene, before=solution)
             beginning_at = BeforeAdvance(scene_at_end(scene), growth, leaving.cracks, step + 1, (), leaving.lengths)
             advance = advance_tips(beginning_at, solution, leaving.sites, solve)
             cracks, known, events, before = advance.cracks, advance.solution, advance.events, solution
             scene = scene.with_cracks(cracks)
-    static = f"the static solve is done{_nearness(cracks, solution)}"
+    static = f"the static solve is done{_nearness(solution)}"
     done = f"all {n_steps} growth steps are done" if n_steps else static
     return RunEnd("completed", done, paths_of(cracks))
 
@@ -142,15 +141,15 @@ def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
     return replace(solution, factorizations=begun.factorizations, notes=begun.notes, accuracy=begun.accuracy)
 
 
-def _on_target(cracks: tuple[GrowingCrack, ...], solution: StepSolution, before: StepSolution | None) -> StepSolution:
+def _on_target(solution: StepSolution, before: StepSolution | None) -> StepSolution:
     """A step on cells that meet the target of the error of K, if there is one; `before` is the step before."""
-    if solution.configuration.scene.case.numerics.target is None or solution.accuracy is not None:
+    if solution.scene.case.numerics.target is None or solution.accuracy is not None:
         return solution
     ways = Ways(
-        lambda scene, like: load(scene, cracks, before, like),
-        lambda scene, factor, like: load_to(scene, cracks, factor, before, like),
+        lambda scene, like: load(scene, solution.cracks, before, like),
+        lambda scene, factor, like: load_to(scene, solution.cracks, factor, before, like),
     )
-    return aimed(solution, cracks, ways, None if before is None else before.accuracy)
+    return aimed(solution, ways, None if before is None else before.accuracy)
 
 
 def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
@@ -161,7 +160,7 @@ def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSo
     for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin), begun.step):
         if step == begun.step and begun.origin is not None:  # it was solved before
             solution = replace(solution, factorizations=begun.factorizations)
-        result = _reported(scene, RunState(step, cracks), solution, chosen)
+        result = _reported(RunState(step, cracks), solution, chosen)
         yield result, solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
     return RunEnd("completed", "the static solve is done" if n == 1 else done, paths_of(cracks))
@@ -178,13 +177,13 @@ def _reduced(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepS
             safety: Safety = stop.value
             return RunEnd("completed", str(safety), paths_of(cracks), safety=safety)
         if step >= begun.step:  # those before were told of when they were solved first
-            yield _reported(solution.configuration.scene, RunState(step, cracks), solution, chosen), solution
+            yield _reported(RunState(step, cracks), solution, chosen), solution
         step += 1
 
 
-def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Ints) -> StepResult:
+def _reported(state: RunState, solution: StepSolution, chosen: Ints) -> StepResult:
     """The step's result; frames are made where files or figures can want them."""
-    output = scene.case.output
+    output = solution.scene.case.output
     result = step_result(state, solution, chosen, output.frames != "none" or output.figures)
     solved = replace(
         state,
@@ -196,35 +195,33 @@ def _reported(scene: Scene, state: RunState, solution: StepSolution, chosen: Int
     return replace(result, checkpoint=packed(solved))
 
 
-def _stopped(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, n_pieces: int) -> RunEnd:
+def _stopped(solution: StepSolution, step: int, n_pieces: int) -> RunEnd:
     """The end of a run whose cracks don't grow any more; `n_pieces` of rock there were at the start."""
-    largest = site_criticality(cracks, solution).max(initial=-np.inf)
-    growth = solution.configuration.scene.case.growth
+    largest, paths = site_criticality(solution).max(initial=-np.inf), paths_of(solution.cracks)
+    law = solution.scene.case.subcritical
     if NEVER_CRITICAL in solution.notes:
-        return RunEnd("arrested", f"step {step}: {NEVER_CRITICAL}", paths_of(cracks))
-    if largest > -np.inf and growth is not None and growth.subcritical is not None:
-        most = (
-            f"the most critical is at {largest:.3g} of its toughness, the threshold is {growth.subcritical.threshold:g}"
-        )
-        return RunEnd("arrested", f"step {step}: no tip has a velocity; {most}", paths_of(cracks))
+        return RunEnd("arrested", f"step {step}: {NEVER_CRITICAL}", paths)
+    if largest > -np.inf and law is not None:
+        most = f"the most critical is at {largest:.3g} of its toughness, the threshold is {law.threshold:g}"
+        return RunEnd("arrested", f"step {step}: no tip has a velocity; {most}", paths)
     if largest > -np.inf:
         nothing = f"step {step}: no tip meets the criterion" if step else "nothing grew: no tip meets the criterion"
-        return RunEnd("arrested", f"{nothing}{_nearness(cracks, solution)}", paths_of(cracks))
-    return _without_tips(cracks, solution, step, n_pieces)
+        return RunEnd("arrested", f"{nothing}{_nearness(solution)}", paths)
+    return _without_tips(solution, step, n_pieces)
 
 
-def _nearness(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> str:
+def _nearness(solution: StepSolution) -> str:
     """How near to growth the tips are, in words; empty where there is none that can grow."""
-    largest = site_criticality(cracks, solution).max(initial=-np.inf)
+    largest = site_criticality(solution).max(initial=-np.inf)
     at = f"{largest:.3g} of the strength at load factor {solution.state.factor:.4g}"
     return f"; the most critical is at {at}" if largest > -np.inf else ""
 
 
-def _without_tips(cracks: tuple[GrowingCrack, ...], solution: StepSolution, step: int, n_pieces: int) -> RunEnd:
+def _without_tips(solution: StepSolution, step: int, n_pieces: int) -> RunEnd:
     """The end of a run in which no tip is left; `n_pieces` of rock there were at the start."""
-    stopped = f"step {step}: no tip is left that could grow"
+    stopped, paths = f"step {step}: no tip is left that could grow", paths_of(solution.cracks)
     n_left = len(all_pieces(solution.cover))
     if n_left > n_pieces:
         cut = f"the cracks have cut the rock into {n_left} pieces, {n_pieces} at the start"
-        return RunEnd("broke_through", f"{stopped}; {cut}", paths_of(cracks))
-    return RunEnd("arrested", stopped, paths_of(cracks))
+        return RunEnd("broke_through", f"{stopped}; {cut}", paths)
+    return RunEnd("arrested", stopped, paths)

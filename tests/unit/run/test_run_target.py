@@ -197,7 +197,7 @@ def test_a_run_that_was_broken_off_goes_on_to_the_same_bits(settings: tuple[str,
 def true_error(aim: Case, step: StepResult, solution: StepSolution) -> float:
     """Of K, over the largest: against cells of a quarter of the size at all tips."""
     assert step.checkpoint is not None
-    scene, cracks = solution.configuration.scene, restored(aim, step.checkpoint).cracks
+    scene, cracks = solution.scene, restored(aim, step.checkpoint).cracks
     halvings = replace(scene.halvings, cracks=tuple(n + 2 for n in scene.halvings.cracks))
     finer = np.array([tip.K for tip in load(scene.with_halvings(halvings), cracks).tips])
     off = finer - [(tip.K_I, tip.K_II) for tip in step.tips]
@@ -255,7 +255,7 @@ def test_tips_without_room_for_an_integral_leave_no_K_to_aim_at() -> None:
     def unsolved(*_: object) -> NoReturn:
         raise SolveError("none")
 
-    found = aimed(crowded, cracks, Ways(unsolved, unsolved), None)
+    found = aimed(crowded, Ways(unsolved, unsolved), None)
     assert found.accuracy is not None
     assert found.accuracy.missed == "K is not known at any tip"
 
