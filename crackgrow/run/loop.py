@@ -17,16 +17,16 @@ from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.direction import BeforeAdvance, advance_tips
 from crackgrow.run.error import estimated_error
-from crackgrow.run.increments import Origin
+from crackgrow.run.increments import FROM_REST, Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.leaving import lapse, leaves, none_leaves, site_criticality
-from crackgrow.run.loading import load, load_again, load_history, load_to
+from crackgrow.run.loading import NextStep, load, load_again, load_history
 from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.report import paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene, scene_at_end
 from crackgrow.run.strength_reduction import strength_reduction
-from crackgrow.run.target import Ways, aimed
+from crackgrow.run.target import aimed
 from crackgrow.solid.rigid_modes import all_pieces
 
 
@@ -145,11 +145,7 @@ def _on_target(solution: StepSolution, before: StepSolution | None) -> StepSolut
     """A step on cells that meet the target of the error of K, if there is one; `before` is the step before."""
     if solution.scene.case.numerics.target is None or solution.accuracy is not None:
         return solution
-    ways = Ways(
-        lambda scene, like: load(scene, solution.cracks, before, like),
-        lambda scene, factor, like: load_to(scene, solution.cracks, factor, before, like),
-    )
-    return aimed(solution, ways, None if before is None else before.accuracy)
+    return aimed(solution, NextStep(solution.cracks, before), None if before is None else before.accuracy)
 
 
 def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
@@ -157,7 +153,7 @@ def _static(scene: Scene, begun: RunState) -> Generator[tuple[StepResult, StepSo
     cracks, n = begun.cracks, scene.case.last_step + 1
     chosen = np.empty(0, dtype=np.int64)
     histories = load_history if scene.case.numerics.target is None else partial(aimed_history, known=begun.accuracy)
-    for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin), begun.step):
+    for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin or FROM_REST), begun.step):
         if step == begun.step and begun.origin is not None:  # it was solved before
             solution = replace(solution, factorizations=begun.factorizations)
         result = _reported(RunState(step, cracks), solution, chosen)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 from crackgrow.cover.refinement import MOST_LEVELS
 from crackgrow.errors import GeometryError, NotSolvedError, SolveError
@@ -31,13 +31,14 @@ MOST_UNKNOWNS = 150_000
 """Cells are not halved where that may give more."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Ways:
-    """How a step is solved again on other cells."""
+class Ways(Protocol):
+    """How a step is solved again on other cells; what they have in common with a configuration may be taken over."""
 
-    solve: Callable[[Scene, Configuration], StepSolution]
-    state: Callable[[Scene, float, Configuration], LoadState]  # at a load factor
-    # both may take over what they have in common with a configuration
+    def solve(self, scene: Scene, like: Configuration, /) -> StepSolution:
+        """The step."""
+
+    def state(self, scene: Scene, factor: float, like: Configuration, /) -> LoadState:
+        """Its state at a load factor."""
 
 
 def aimed(solution: StepSolution, ways: Ways, last: Accuracy | None) -> StepSolution:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NoReturn
 
 import numpy as np
@@ -26,14 +26,14 @@ from crackgrow.run.checkpoint import beginning, restored
 from crackgrow.run.configuration import lay_out
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
 from crackgrow.run.judging import StepSolution
-from crackgrow.run.loading import load, load_to
+from crackgrow.run.loading import LoadsInTurn, NextStep, load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.other_cells import compared, still_tells
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.still_known import holds
-from crackgrow.run.target import Ways, aimed
+from crackgrow.run.target import aimed
 from tests.unit.run.test_run_starting import SQUARE, plate
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -151,7 +151,7 @@ def test_cells_to_compare_serve_smaller_cells_while_those_at_kinks_are_a_quarter
         load(replace(scene, halvings=replace(scene.halvings, cracks=(scene.halvings.cracks[0] + n,))), cracks)
         for n in range(len(tells))
     ]
-    other = load_to(compared(solutions[0]), cracks, 1.0, None, None)
+    other = NextStep(cracks, None).state(compared(solutions[0]), 1.0, None)
     assert [still_tells(solution, other) for solution in solutions] == tells
     assert not still_tells(solutions[0], replace(other, factor=2.0))
 
@@ -255,7 +255,7 @@ def test_tips_without_room_for_an_integral_leave_no_K_to_aim_at() -> None:
     def unsolved(*_: object) -> NoReturn:
         raise SolveError("none")
 
-    found = aimed(crowded, Ways(unsolved, unsolved), None)
+    found = aimed(crowded, SimpleNamespace(solve=unsolved, state=unsolved), None)
     assert found.accuracy is not None
     assert found.accuracy.missed == "K is not known at any tip"
 
@@ -273,14 +273,13 @@ def test_loads_go_on_with_their_cells_where_smaller_ones_have_no_solution(monkey
     """At the first load; contact of the others is that of the history on those cells."""
     first = Halvings(1, (0,))
     monkeypatch.setattr(scene_file, "first_halvings", lambda *_: first)
-    found = aimed_history_file.load_history
 
-    def only_on_the_first(scene: Scene, *rest: Any, **more: Any) -> Iterator[StepSolution]:
+    def only_on_the_first(scene: Scene, *rest: Any, **more: Any) -> LoadsInTurn:
         if scene.halvings.cracks != first.cracks:
             raise SolveError("not solved")
-        yield from found(scene, *rest, **more)
+        return LoadsInTurn(scene, *rest, **more)
 
-    monkeypatch.setattr(aimed_history_file, "load_history", only_on_the_first)
+    monkeypatch.setattr(aimed_history_file, "LoadsInTurn", only_on_the_first)
     steps = list(grow(case("cyclic_friction", "0.1 %", "loading.history=[0.5, 1.0]")))
     assert [step.load_factor for step in steps] == [0.5, 1.0]
     for step in steps:
