@@ -11,6 +11,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Growth, Subcritical
 from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
 from crackgrow.fracture.subcritical import lengths, mean_velocity, velocities
+from crackgrow.run.advancing import End
 from crackgrow.run.judging import StepSolution
 
 COARSE = 3.0
@@ -21,8 +22,8 @@ COARSE_TIME = (
     "of the step is off by several percent; give a shorter growth.increment"
 )
 
-End = tuple[int, bool]
-"""Number of a crack, and whether it is its end or its start."""
+
+NO_SITES = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +39,7 @@ class Leaving:
 
 def none_leaves(cracks: tuple[GrowingCrack, ...]) -> Leaving:
     """Nothing leaves."""
-    return Leaving(np.empty(0, dtype=np.int64), cracks)
+    return Leaving(NO_SITES, cracks)
 
 
 def leaves(growth: Growth, solution: StepSolution) -> Leaving:

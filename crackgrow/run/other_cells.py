@@ -30,6 +30,7 @@ from typing import Final
 import numpy as np
 
 from crackgrow.cover.refinement import MOST_LEVELS
+from crackgrow.run.advancing import End
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import LoadState
 from crackgrow.run.intensity_error import intensity_errors, largest_kink
@@ -42,9 +43,6 @@ WORSE_AT_KINKS: Final[Mapping[int, float]] = {3: 1.0, 2: 1.5}
 
 OF_BOTH = 0.45
 AT_MOST, AT_MOST_OF_BOTH = 2.0, 3.0
-
-End = tuple[int, bool]
-"""A crack, and whether it is the crack's end."""
 
 
 def compared(solution: StepSolution) -> Scene:

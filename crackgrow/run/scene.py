@@ -281,11 +281,6 @@ def scene_of_stage(scene: Scene, number: int) -> Scene:
     return replace(left, halvings=scene.halvings, lengths=scene.lengths, course=course, whole=scene)
 
 
-def scene_at_end(scene: Scene) -> Scene:
-    """The scene at its last load: that of the last stage, if there are any."""
-    return scene_of_stage(scene, scene.case.n_loads - 1) if isinstance(scene.case.loading, Stages) else scene
-
-
 def without(case: Case, gone: set[str]) -> Case:
     """The case without some bodies and what acts on them. Supports keep their numbers: those of gone bodies stay."""
 

@@ -17,7 +17,8 @@ from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
-from crackgrow.run.direction import MOST_SOLVES, Advance, BeforeAdvance, advance_tips
+from crackgrow.run.advancing import Advance, BeforeAdvance
+from crackgrow.run.direction import MOST_SOLVES, advance_tips
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
 from tests.solving import solve_step
@@ -64,8 +65,7 @@ def advance(
 
 def front(scene: Scene, cracks: Cracks) -> BeforeAdvance:
     """The cracks of a scene that grow in step 1."""
-    assert scene.case.growth is not None
-    return BeforeAdvance(scene, scene.case.growth, cracks, 1)
+    return BeforeAdvance(scene, cracks, 1)
 
 
 def unasked(_: Cracks) -> StepSolution:
