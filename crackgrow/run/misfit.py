@@ -11,7 +11,7 @@ from crackgrow.contact.coulomb import OPEN
 from crackgrow.run.caution import Cause
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import CrackFaces
-from crackgrow.run.scene import SurfaceLaw
+from crackgrow.run.surface_laws import SurfaceLaw
 
 PRESSED_FLAT = 0.03
 """Overlap of a crack's faces, over what the rock of a cell gives way to the largest pressure, that is small:

@@ -10,9 +10,9 @@ import math
 from dataclasses import replace
 
 from crackgrow.cover.refinement import MOST_LEVELS
-from crackgrow.run.configuration import lay_out
 from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.layout import cells_of
 
 MOST_AT_ONCE = 3
 """Halvings in one round."""
@@ -69,8 +69,7 @@ def _for_goal(solution: StepSolution, now: Accuracy, before: Accuracy | None) ->
     if before is None or not now.goal > STUCK * before.goal:
         at_cracks = tuple(min(n + more, MOST_LEVELS) for n in halvings.cracks)
         wanted = replace(halvings, cracks=at_cracks, corners=min(halvings.corners + more, MOST_LEVELS))
-        cells = lay_out(scene.with_halvings(wanted), solution.cracks)[0].lattice.cells
-        if not cells.equal(solution.cover.lattice.cells):
+        if not cells_of(scene.with_halvings(wanted), solution.cracks).equal(solution.cover.lattice.cells):
             return wanted, ""
     return replace(halvings, everywhere=halvings.everywhere + 1), ""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import shapely
@@ -15,7 +14,6 @@ from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
     ContactSupport,
-    CoulombContact,
     EdgeLoad,
     FluidPressure,
     Gravity,
@@ -33,37 +31,10 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import BodyForce
 from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings, with_started
+from crackgrow.run.surface_laws import SurfaceLaw, contact_stiffness
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.supports import body_index
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SurfaceLaw:
-    """What holds the two faces of a surface."""
-
-    kind: Literal["crack", "interface", "foundation"]
-    contact: CoulombContact | None  # None: they never touch
-    bonded: bool
-    stiffness: float  # Pa: kappa E, of which k = kappa E / h; infinite for rigid contact
-
-    @property
-    def joint(self) -> tuple[float, float] | None:
-        """Its own stiffness, Pa/m: normal and shear; None: that of the numerics holds."""
-        return None if self.contact is None else self.contact.stiffness
-
-    @property
-    def elastic(self) -> bool:
-        """Whether closed faces give way."""
-        return self.joint is not None or bool(np.isfinite(self.stiffness))
-
-    def compliance(self, size: Floats) -> Floats:
-        """1/k (n,) m/Pa across the faces beside cells of these sizes h (n,) m; zero for rigid contact."""
-        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[0])
-
-    def shear_compliance(self, size: Floats) -> Floats:
-        """The same along the faces."""
-        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,7 +161,7 @@ class Scene:
             fluids = [load for load in loads if isinstance(load, FluidPressure) and load.surface == on]
             loads += [replace(load, surface=growing_crack.crack.name) for load in fluids]
         cracks = [growing_crack.crack for growing_crack in new]
-        laws = [SurfaceLaw("crack", c.contact, False, _stiffness(case, (c.body,))) for c in cracks]
+        laws = [SurfaceLaw("crack", c.contact, False, contact_stiffness(case, (c.body,))) for c in cracks]
         halvings, numerics = self.halvings, case.numerics
         if numerics.target is not None:
             lengths = (line_length(crack.points) for crack in cracks)
@@ -302,7 +273,7 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
     bodies = {body.name for body in case.bodies}
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
-    laws = [SurfaceLaw("crack", c.contact, False, _stiffness(case, (c.body,))) for c in case.cracks]
+    laws = [SurfaceLaw("crack", c.contact, False, contact_stiffness(case, (c.body,))) for c in case.cracks]
     interfaces = []
     for interface in case.interfaces:
         bonded = interface.contact == "bonded"
@@ -311,7 +282,7 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
             suffix = f".{number}" if len(interface.lines) > 1 else ""
             name = "/".join(interface.bodies) + suffix
             interfaces.append(CrackGeometry(name, lattice.to_lattice(line), False, False))
-            laws.append(SurfaceLaw("interface", contact, bonded, _stiffness(case, interface.bodies)))
+            laws.append(SurfaceLaw("interface", contact, bonded, contact_stiffness(case, interface.bodies)))
     foundations: list[Foundation] = []
     on_edge = [f"{s.region.body}.{s.region.edge}" for s in case.supports if isinstance(s, ContactSupport)]
     for support in case.supports:
@@ -320,7 +291,7 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
             suffix = f".{on_edge[:number].count(on_edge[number])}" if on_edge.count(on_edge[number]) > 1 else ""
             index = body_index(case.bodies, region.body)
             foundations.append(Foundation(on_edge[number] + suffix, index, region.sides, region.limits))
-            laws.append(SurfaceLaw("foundation", support.contact, False, _stiffness(case, (region.body,))))
+            laws.append(SurfaceLaw("foundation", support.contact, False, contact_stiffness(case, (region.body,))))
     return Scene(
         case=case,
         lattice=lattice,
@@ -333,15 +304,6 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
         lengths=_lengths(case),
         laws=tuple(laws),
     )
-
-
-def _stiffness(case: Case, bodies: tuple[str, ...]) -> float:
-    """kappa E (Pa) of contact, E of the softer body; infinite for rigid contact."""
-    kappa = case.numerics.contact.stiffness
-    if kappa is None:
-        return np.inf
-    young = min(body.material.young for body in case.bodies if body.name in bodies)
-    return kappa * young
 
 
 def _lengths(case: Case) -> tuple[Length, ...]:

@@ -14,11 +14,12 @@ from typing import Protocol
 
 from crackgrow.cover.refinement import MOST_LEVELS
 from crackgrow.errors import GeometryError, NotSolvedError, SolveError
-from crackgrow.run.configuration import Configuration, lay_out
+from crackgrow.run.configuration import Configuration
 from crackgrow.run.goal import goal_bound
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.layout import cover_of
 from crackgrow.run.next_cells import halvings_next
 from crackgrow.run.other_cells import accuracy_of, compared, still_tells
 from crackgrow.run.scene import Scene
@@ -153,7 +154,7 @@ def _solved(ways: Ways, scene: Scene, before: Configuration) -> StepSolution:
 
     So it does where the cells are those `before`.
     """
-    cover = lay_out(scene, before.cracks)[0]
+    cover = cover_of(scene, before.cracks)
     n_dofs = cover.n_dofs
     if cover.lattice.cells.equal(before.cover.lattice.cells):
         raise NotSolvedError(f"they are halved {MOST_LEVELS} times already, which is the most")

@@ -23,9 +23,9 @@ from crackgrow.run import scene as scene_file
 from crackgrow.run import target as target_file
 from crackgrow.run.caution import Cause
 from crackgrow.run.checkpoint import beginning, restored
-from crackgrow.run.configuration import lay_out
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.layout import cover_of
 from crackgrow.run.loading import LoadsInTurn, NextStep, load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.next_cells import halvings_after
@@ -83,7 +83,7 @@ def test_a_smaller_target_takes_smaller_cells() -> None:
 def test_cells_to_compare_are_twice_as_large_at_the_tips_and_away_from_them() -> None:
     scene = make_scene(case("compression30", "2 %", "numerics.refine.corners=1"))
     solution = load(scene, beginning(scene.case).cracks)
-    covers = [lay_out(each, beginning(scene.case).cracks)[0] for each in (scene, compared(solution))]
+    covers = [cover_of(each, beginning(scene.case).cracks) for each in (scene, compared(solution))]
     small, large = (cover.lattice.cells.size for cover in covers)
     assert (large.min(), large.max()) == (2 * small.min(), 2 * small.max())
     assert [2.0 * tip.size for tip in covers[0].tips] == [tip.size for tip in covers[1].tips]
@@ -97,7 +97,7 @@ def test_cells_to_compare_are_an_eighth_as_large_at_kinks() -> None:
     for more, times in ((0, 8.0), (MOST_LEVELS - 8, 4.0), (MOST_LEVELS - 7, 0.5)):
         given = replace(scene, halvings=replace(scene.halvings, kinks=more))
         solution = load(given, beginning(kinked).cracks)
-        other = lay_out(compared(solution), beginning(kinked).cracks)[0]
+        other = cover_of(compared(solution), beginning(kinked).cracks)
         assert solution.cover.sizes.min() == times * other.sizes.min()
         assert [2.0 * tip.size for tip in solution.cover.tips] == [tip.size for tip in other.tips]
 
@@ -108,7 +108,7 @@ def test_cells_to_compare_are_an_eighth_as_large_at_kinks_of_cracks_whose_cells_
     scene = make_scene(kinked)
     given = replace(scene, halvings=replace(scene.halvings, cracks=(0,)))
     solution = load(given, beginning(kinked).cracks)
-    assert solution.cover.sizes.min() == 8.0 * lay_out(compared(solution), beginning(kinked).cracks)[0].sizes.min()
+    assert solution.cover.sizes.min() == 8.0 * cover_of(compared(solution), beginning(kinked).cracks).sizes.min()
 
 
 @pytest.mark.parametrize("wing", [1.0, 0.2])
@@ -118,7 +118,7 @@ def test_tips_of_short_wings_gather_their_functions(wing: float) -> None:
         "compression30", "2 %", f"cracks.flaw.path={{points: [[-4 mm, 0], [4 mm, 0], [{4 + wing} mm, {wing} mm]]}}"
     )
     solution = load(make_scene(kinked), beginning(kinked).cracks)
-    other = lay_out(compared(solution), beginning(kinked).cracks)[0]
+    other = cover_of(compared(solution), beginning(kinked).cracks)
     assert solution.cover.tips[1].carriers.gathered
     assert other.tips[1].carriers.gathered
 
@@ -126,7 +126,7 @@ def test_tips_of_short_wings_gather_their_functions(wing: float) -> None:
 def test_a_jog_beside_a_tip_asks_for_no_smaller_cells_than_its_kink() -> None:
     kinked = case("compression30", "2 %", "cracks.flaw.path={points: [[-4 mm, 0], [4 mm, 0], [4.02 mm, 0.02 mm]]}")
     scene = make_scene(kinked)
-    cover = lay_out(scene, beginning(kinked).cracks)[0]
+    cover = cover_of(scene, beginning(kinked).cracks)
     assert cover.sizes.min() == 0.5 * 0.5 ** scene.halvings.at_kinks(0)
 
 
