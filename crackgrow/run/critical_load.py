@@ -71,7 +71,7 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
         if above is not None:
             break
         if below.factor >= LARGEST_FACTOR:
-            return replace(search.found(first), notes=(NEVER_CRITICAL,))
+            return replace(search.found(first), notes=(NEVER_CRITICAL,), steepness=float("nan"))
         before = next((trial for trial in trials[-2::-1] if trial.factor < below.factor), search.rest)
         factor = search.beyond(before, below)
     else:

@@ -17,7 +17,6 @@ import numpy as np
 
 from crackgrow.case.model import CriticalLoad
 from crackgrow.fracture.criteria import TipLoading, Verdict, hoop_stress_kink
-from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.judging import StepSolution, verdict
 
 NAN = float("nan")
@@ -58,7 +57,7 @@ def kink_errors(solution: StepSolution, off: Judged) -> list[float]:
 
 def load_error(solution: StepSolution, off: Judged) -> float:
     """What the critical load factor may be off by, over itself; nan where no tip of known K sets the load."""
-    if not isinstance(solution.scene.case.loading, CriticalLoad) or NEVER_CRITICAL in solution.notes:
+    if not isinstance(solution.scene.case.loading, CriticalLoad):
         return NAN
     found, least, most = 0.0, 0.0, 0.0
     for state, (crack, at_end), others in zip(solution.tips, solution.cover.tip_ends, off, strict=True):
