@@ -15,6 +15,7 @@ from crackgrow.case.model import Case
 from crackgrow.contact.problem import ContactProblem
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import assemble
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
 
 Floats = NDArray[np.float64]
@@ -68,7 +69,7 @@ def rock_problem(kind: str, n_points: int) -> tuple[ContactProblem, Floats]:
     growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
     configuration = assemble(make_scene(case), growing)
     contact, n = configuration.contact, configuration.faces.n
-    u, _ = contact.system.solve(configuration.loads(1.0), configuration.held.given)
+    u, _ = contact.system.solve(configuration.loads(LoadLevel(1.0)), configuration.held.given)
     free = contact.operator @ u
     return ContactProblem(
         contact.compliance(np.arange(n), np.ones(n, dtype=bool)), free, np.ones(n), np.zeros(n)

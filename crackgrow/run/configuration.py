@@ -29,6 +29,7 @@ from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import FieldReading, field_readings
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.residual import WORST_RESIDUAL, residual_of
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
@@ -99,19 +100,19 @@ class Configuration:
         """Stiffness (n_dofs, n_dofs) Pa."""
         return self.stiffness.matrix
 
-    def loads(self, factor: float, holding: float = 1.0) -> Floats:
-        """Loads (n_dofs,) N/m at a load factor, with a share of the held ones."""
-        return holding * self.constant + factor * self.scaled
+    def loads(self, level: LoadLevel) -> Floats:
+        """Loads (n_dofs,) N/m."""
+        return level.holding * self.constant + level.factor * self.scaled
 
     def given(self, factor: float) -> Floats:
         """Given displacements (m,) m at a load factor."""
         a, b = self.scene.given_parts
         return (a + b * factor) * self.held.given
 
-    def shares(self, factor: float, holding: float = 1.0) -> Floats:
+    def shares(self, level: LoadLevel) -> Floats:
         """What the scaled loads, the constant ones and given displacements (3,) are multiplied by."""
         a, b = self.scene.given_parts
-        return np.array([factor, holding, a + b * factor])
+        return np.array([level.factor, level.holding, a + b * level.factor])
 
     def with_gone(self, gone: Sequence[Gone]) -> Configuration:
         """The configuration with forces by which rock that is gone held it, as far as they are not released."""
@@ -122,34 +123,29 @@ class Configuration:
             scaled += b * rock.forces
         return replace(self, scaled=scaled, constant=constant)
 
-    def increment(self, factor: float, memory: ContactMemory, holding: float) -> tuple[Increment, Floats]:
-        """An increment from `memory` on to a load factor, and the jumps (2 n,) m without tractions at its end.
-
-        `holding` is the share of the held loads.
-        """
-        units, share = self._units, self.shares(factor, holding)
-        along, size = units.conjugates[:2] @ share, float(np.abs(self.loads(factor, holding)).sum())
+    def increment(self, level: LoadLevel, memory: ContactMemory) -> tuple[Increment, Floats]:
+        """An increment from `memory` on, and the jumps (2 n,) m without tractions at its end."""
+        units, share = self._units, self.shares(level)
+        along, size = units.conjugates[:2] @ share, float(np.abs(self.loads(level)).sum())
         length = abs(float(along @ share[:2])) / size if size > 0.0 else 0.0
-        length = max(length, float(np.abs(self.given(factor)).max(initial=0.0)))
+        length = max(length, float(np.abs(self.given(level.factor)).max(initial=0.0)))
         return Increment(self.contact, memory, units.pull @ share, OVERLAP * length), units.jumps @ share
 
-    def states(
-        self, factor: float, memory: ContactMemory, holding: float, near: PointStates | None = None
-    ) -> PointStates:
-        """States of the contact points at a load factor after an increment. Raises SolveError where there are none.
+    def states(self, level: LoadLevel, memory: ContactMemory, near: PointStates | None = None) -> PointStates:
+        """States of the contact points after an increment. Raises SolveError where there are none.
 
         FreePieceError says which piece contact does not hold. `near` are states that may be close.
         """
-        check_magnitude("loads", self.loads(factor, holding), LARGEST, "N/m")
-        check_magnitude("prescribed displacements", self.given(factor), self._farthest, "m")
-        increment, free = self.increment(factor, memory, holding)
+        check_magnitude("loads", self.loads(level), LARGEST, "N/m")
+        check_magnitude("prescribed displacements", self.given(level.factor), self._farthest, "m")
+        increment, free = self.increment(level, memory)
         check_magnitude("displacements", free, self._farthest, "m")
         try:
             found = increment.solved(free, None if near is None else increment.begun(near))
         except NotSolvedError as error:
             if self.contact.loose is None:
                 raise
-            self.check_can_hold(factor, memory, holding)
+            self.check_can_hold(level, memory)
             pieces = ", ".join(str(piece) for piece in self.contact.loose.pieces)
             raise NotSolvedError(f"contact alone holds {pieces}, perhaps only just: {error}") from error
         check_magnitude("contact tractions", found.tractions, LARGEST, "Pa")
@@ -163,40 +159,35 @@ class Configuration:
         other.__dict__["_units"] = self._units
         return other
 
-    def check_can_hold(self, factor: float, memory: ContactMemory | None = None, holding: float = 1.0) -> None:
-        """Raise FreePieceError where no tractions that contact can carry hold a piece at a load factor."""
+    def check_can_hold(self, level: LoadLevel, memory: ContactMemory | None = None) -> None:
+        """Raise FreePieceError where no tractions that contact can carry hold a piece."""
         if self.contact.loose is not None:
             names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
-            check_can_hold(self.contact, names, self.loads(factor, holding), memory)
+            check_can_hold(self.contact, names, self.loads(level), memory)
 
-    def conjugates(self, factor: float, holding: float, states: PointStates) -> Floats:
+    def conjugates(self, level: LoadLevel, states: PointStates) -> Floats:
         """(3,): displacement under the loads per load factor, m N/m; under held loads; support force."""
-        units, share = self._units, self.shares(factor, holding)
+        units, share = self._units, self.shares(level)
         forces = np.tile(self.contact.weights, 2) * states.tractions
         found = units.conjugates @ share - SIGNS * (units.jumps.T @ forces)
         motion = np.zeros(len(units.pull)) if states.solution is None else states.solution.motion
         return np.asarray(found + units.pull.T @ motion)
 
-    def conjugate_terms(self, factor: float, holding: float, states: PointStates) -> Floats:
+    def conjugate_terms(self, level: LoadLevel, states: PointStates) -> Floats:
         """(3,): sizes of what `conjugates` sums up, which is nothing beside them where contact holds all in place."""
-        units, share = self._units, self.shares(factor, holding)
+        units, share = self._units, self.shares(level)
         forces = np.tile(self.contact.weights, 2) * states.tractions
         return np.asarray(np.abs(units.conjugates @ share) + np.abs(units.jumps.T @ forces))
 
-    def equilibrium(
-        self, factor: float, memory: ContactMemory | None, holding: float = 1.0, states: PointStates | None = None
-    ) -> Equilibrium:
-        """Displacements and tractions at a load factor after an increment from `memory` on.
+    def equilibrium(self, level: LoadLevel, memory: ContactMemory, states: PointStates) -> Equilibrium:
+        """Displacements and tractions after an increment from `memory` on, at whose end the points have some `states`.
 
-        `holding` is the share of the held loads; `states` are those at the end where they are known. Raises SolveError
-        where they can't be found to a small residual.
+        Raises SolveError where they can't be found to a small residual.
         """
-        memory = memory or ContactMemory.fresh(self.faces.n)
-        states = states or self.states(factor, memory, holding)
-        increment, free = self.increment(factor, memory, holding)
-        loads, share = self.loads(factor, holding), self.shares(factor, holding)
+        increment, free = self.increment(level, memory)
+        loads, share = self.loads(level), self.shares(level)
         without = (self._units.u @ share, self._units.multipliers @ share)
-        outcome = increment.formed(states, free, (loads, self.given(factor)), without)
+        outcome = increment.formed(states, free, (loads, self.given(level.factor)), without)
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))

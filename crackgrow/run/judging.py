@@ -121,7 +121,7 @@ class StepSolution:
     @property
     def loads(self) -> Floats:
         """Loads (n_dofs,) N/m."""
-        return self.configuration.loads(self.state.factor)
+        return self.configuration.loads(self.state.level)
 
     @property
     def displacement_size(self) -> float:

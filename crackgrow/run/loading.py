@@ -128,7 +128,7 @@ def _to_last(configuration: Configuration, origin: Origin) -> Iterator[tuple[Loa
     """States on the way of a configuration to the last of given loads."""
     if origin.start is None:
         return _through_history(configuration)
-    return iter([(increment(configuration, origin.start, origin.start.factor), origin)])
+    return iter([(increment(configuration, origin.start, origin.start.level.factor), origin)])
 
 
 def _through_history(

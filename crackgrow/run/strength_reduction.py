@@ -21,6 +21,7 @@ from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.history import history_of
 from crackgrow.run.increments import LoadState, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.result import FARTHEST, Safety
 from crackgrow.run.scene import Scene
 
@@ -114,7 +115,9 @@ def _loaded(given: Configuration, factor: float) -> LoadState:
         law if law.contact is None else replace(law, contact=_weaker(law.contact, factor)) for law in given.scene.laws
     )
     configuration = given.under_laws(laws) if factor != 1.0 else given
-    configuration.check_can_hold(1.0)  # limit analysis, which sees at once what solvers look for in vain for long
+    configuration.check_can_hold(
+        LoadLevel(1.0)
+    )  # limit analysis, which sees at once what solvers look for in vain for long
     return increment(configuration, held_loads(configuration), 1.0)
 
 

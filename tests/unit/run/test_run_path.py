@@ -14,6 +14,7 @@ from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import LoadState, from_state, held_loads, increment
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
 from tests.stability.growing_scenes import growing_scene
 from tests.stability.random_scenes import text_of
@@ -74,7 +75,7 @@ def test_between_two_events_states_are_linear_in_the_load(law: str) -> None:
     for one, other in pairwise(states):
         if abs(other.factor - one.factor) < 1e-3:
             continue
-        middle = configuration.states(0.5 * (one.factor + other.factor), one.remembered.memory, 1.0)
+        middle = configuration.states(LoadLevel(0.5 * (one.factor + other.factor)), one.remembered.memory)
         size = np.abs(one.states.tractions).max()
         mean = 0.5 * (one.states.tractions + other.states.tractions)
         np.testing.assert_allclose(middle.tractions, mean, atol=1e-8 * size)
