@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.contact.problem import ContactProblem
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import assemble
@@ -25,6 +26,14 @@ APART = 1.25
 
 THICK = 3
 """Spacings: of the rock on either side of the faces."""
+
+
+def contact_law(friction: Floats, cohesion: Floats, compliance: Floats, **more: Any) -> ContactLaw:
+    """A law (n,) by point; what is left out, or None, does nothing: slip breaks cohesion, and no more."""
+    zeros, none = np.zeros(len(friction)), np.zeros(len(friction), dtype=bool)
+    usual = {"shear_compliance": compliance, "residual_friction": friction, "kept": none, "dilation": zeros}
+    given = {name: value for name, value in more.items() if value is not None}
+    return ContactLaw(friction, cohesion, compliance, **{**usual, "weakening": zeros, **given})
 
 
 def crack_problem(n: int, friction: float, cohesion: float, ratio: float, coupling: float, seed: int) -> ContactProblem:

@@ -169,7 +169,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
         jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
         mine, s = _on_old_faces(faces.nodes, numbers[surface.name], surface)
         for values, found in (
-            (elastic, old.contact.law.along * outcome.tangential_traction),
+            (elastic, old.contact.law.shear_compliance * outcome.tangential_traction),
             (normal, outcome.normal_traction),
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),

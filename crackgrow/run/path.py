@@ -131,7 +131,7 @@ def _wear(configuration: Configuration, memory: ContactMemory, states: PointStat
     """The largest share of what weakening points can lose, and have not lost yet, that their slip is of."""
     law = configuration.contact.law
     slips = (states.state == SLIP) & law.weakens & (memory.lost < 1.0) & states.trial.taken
-    moved = states.slip - law.along * states.tangential - memory.slip
+    moved = states.slip - law.shear_compliance * states.tangential - memory.slip
     return float(np.max(law.worn(moved)[slips], initial=0.0))
 
 
@@ -146,7 +146,7 @@ def _leads_back(configuration: Configuration, begin: PointStates, states: PointS
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
     length = size * float(configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
     length = max(length, float(np.abs(memory.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
-    moved = np.where(states.trial.taken, begin.slip - law.along * begin.tangential - memory.slip, 0.0)
+    moved = np.where(states.trial.taken, begin.slip - law.shear_compliance * begin.tangential - memory.slip, 0.0)
     off = float(np.abs(begin.tractions - tractions).max(initial=0.0))
     return off <= ON_PATH * size and float(np.abs(moved).max(initial=0.0)) <= ON_PATH * length
 
@@ -180,5 +180,5 @@ def _rooms(
     for way in (-1.0, 1.0):
         left, there = (cohesion - friction * some.normal - way * some.tangential for some in (begin, end))
         yield sticks, left, there
-    slips = [sense * (some.slip - law.along * some.tangential) for some in (begin, end)]
-    yield closed & ~sticks & (law.dilating > 0.0), slips[0], slips[1]
+    slips = [sense * (some.slip - law.shear_compliance * some.tangential) for some in (begin, end)]
+    yield closed & ~sticks & (law.dilation > 0.0), slips[0], slips[1]

@@ -79,14 +79,4 @@ def laws_at_points(
             given = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
             new = mine & ((faces.s < given[0] - ON_GIVEN_FACES) | (faces.s > given[-1] + ON_GIVEN_FACES))
             cohesion[new], friction[new] = 0.0, law.contact.residual_friction
-    joints = any(law.joint for law in laws)
-    return ContactLaw(
-        friction,
-        cohesion,
-        compliance,
-        residual,
-        kept,
-        dilation=dilation if dilation.any() else None,
-        shear_compliance=along if joints else None,
-        weakening=weakening if weakening.any() else None,
-    )
+    return ContactLaw(friction, cohesion, compliance, along, residual, kept, dilation, weakening)

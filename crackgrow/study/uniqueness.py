@@ -170,7 +170,7 @@ def why_not_examined(contact: ContactSystem, outcome: ContactOutcome) -> str:
         return "no faces touch: there is exactly one solution"
     if outcome.problem.motions is not None:
         return "not known: contact alone holds a piece of rock, which is not examined"
-    if contact.law.dilation is not None:
+    if contact.law.dilation.any():
         return "not known: faces that dilate are not examined"
     return "" if outcome.problem.friction.any() else "there is no friction: there is exactly one solution"
 

@@ -128,7 +128,7 @@ def violations(increment: Increment) -> dict[str, float]:
     gap, slip = ((faces.functions @ (faces.lengths * jump)) / total for jump in (gap_there, slip_there))
     p_n, p_t = outcome.normal_traction, outcome.tangential_traction
     slid = slip - law.compliance * p_t
-    opened = np.zeros(faces.n) if law.dilation is None else law.dilation * np.abs(slid)
+    opened = law.dilation * np.abs(slid)
     room = gap - opened - law.compliance * p_n
     change = slid - memory.slip
     loads, given = configuration.loads(increment.level), increment.level.factor * configuration.held.given

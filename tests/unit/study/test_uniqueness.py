@@ -11,7 +11,7 @@ from scipy.sparse import csc_array, csr_array
 
 from crackgrow.case import load_case
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactLaw, ContactMemory, complementarity_residual
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, complementarity_residual
 from crackgrow.contact.newton import solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.solve import solved
@@ -26,7 +26,7 @@ from crackgrow.study.uniqueness import (
     second_solution,
     unique_text,
 )
-from tests.contact_problems import smooth
+from tests.contact_problems import contact_law, smooth
 from tests.solving import solve_contact
 
 ONE = np.ones(1)
@@ -217,7 +217,7 @@ def rock_of(problem: ContactProblem, solver: str = "newton") -> tuple[ContactSys
     K = np.eye(m + 1)
     K[:m, :m] = np.linalg.inv(problem.compliance)
     system = ConstrainedSystem(csc_array(K), csr_array(np.eye(m + 1)[m:]))
-    law = ContactLaw(problem.friction, np.zeros(n), np.zeros(n))
+    law = contact_law(problem.friction, np.zeros(n), np.zeros(n))
     rows = csr_array(np.eye(m + 1)[:m])
     contact = ContactSystem(system, csr_array(rows[:n]), csr_array(rows[n:]), np.ones(n), law, solver)
     return contact, np.append(K[:m, :m] @ problem.free, 0.0)
