@@ -10,11 +10,11 @@ import numpy as np
 from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
+from crackgrow.contact.ripple import worst_ripple
 from crackgrow.cover.closeness import tip_name
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.run.contact_cautions import contact_cautions
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.misfit import PRESSED_FLAT, Misfit, largest_jump, pressed_strain
 from crackgrow.run.reactions import imbalance, reactions
@@ -56,7 +56,7 @@ def _all_cautions(
     yield from _overlapping(off)
     yield from _jumps(solution)
     yield from _sawing(solution)
-    yield from contact_cautions(solution)
+    yield from ripples(solution)
     for state, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
         if state.intensity.small:
             radius = state.intensity.radius
@@ -70,6 +70,15 @@ def _all_cautions(
     for cause, size in (*sizes, (Cause.IMBALANCE, imbalance(solution))):
         if size > cause.limit:
             yield cause.at(size=size, percent=100.0 * size)
+
+
+def ripples(solution: StepSolution) -> Iterator[Caution]:
+    """Contact tractions that oscillate as no rock makes them."""
+    outcome, cover = solution.outcome, solution.cover
+    worst = worst_ripple(cover, solution.faces, outcome.normal_traction, outcome.tangential_traction)
+    if worst is not None and worst.part > Cause.RIPPLE.limit:
+        place = f"'{cover.surfaces[worst.surface].name}'"
+        yield Cause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part)
 
 
 def _unstable(solution: StepSolution) -> Iterator[Caution]:

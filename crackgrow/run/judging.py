@@ -25,7 +25,6 @@ from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.linear_solver import displacement_size
-from crackgrow.solid.supports import Constraints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,11 +91,6 @@ class StepSolution:
     def cover(self) -> Cover:
         """The cover of the configuration."""
         return self.configuration.cover
-
-    @property
-    def held(self) -> Constraints:
-        """Supports and bonds."""
-        return self.configuration.held
 
     @property
     def contact(self) -> ContactSystem:
@@ -187,9 +181,7 @@ def verdict(scene: Scene, site: Site, loading: TipLoading) -> Verdict:
     A crack that has started in shear goes on in shear where its law is met, or sooner than the rest: at loads that are
     beyond both it would turn to and fro.
     """
-    growth, strength = scene.case.growth, scene.case.bodies[site.body].strength
-    assert growth is not None
-    assert strength is not None
+    growth, strength = scene.growing_in(site.body)
     criterion = CRITERIA[growth.criterion]
     if site.kind != "tip":
         return criterion.judge_start(loading, strength)

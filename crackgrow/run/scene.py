@@ -17,11 +17,13 @@ from crackgrow.case.model import (
     EdgeLoad,
     FluidPressure,
     Gravity,
+    Growth,
     InSituStress,
     Load,
     PointSupport,
     Stage,
     Stages,
+    Strength,
 )
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
@@ -178,19 +180,20 @@ class Scene:
         """The scene on other cells, with the rock that is gone."""
         return replace(self, halvings=halvings, whole=self.whole and self.whole.with_halvings(halvings))
 
-    def averaging_radius(self, body: int) -> float:
-        """Radius (m) of the criterion in a body that has a strength, of a case with growth."""
+    def growing_in(self, body: int) -> tuple[Growth, Strength]:
+        """How cracks grow, and the strength of the body that they grow in, which has one: of a case with growth."""
         growth, strength = self.case.growth, self.case.bodies[body].strength
         assert growth is not None
         assert strength is not None
-        return averaging_radius(growth, strength)
+        return growth, strength
+
+    def averaging_radius(self, body: int) -> float:
+        """Radius (m) of the criterion in such a body."""
+        return averaging_radius(*self.growing_in(body))
 
     def start_radius(self, body: int) -> float:
         """The same (m) where cracks start, and at tips of those that have started in shear."""
-        growth, strength = self.case.growth, self.case.bodies[body].strength
-        assert growth is not None
-        assert strength is not None
-        return start_radius(growth, strength)
+        return start_radius(*self.growing_in(body))
 
     def radius_at(self, site: Site) -> float:
         """Radius (m) over which stress is averaged at a site in such a body."""
@@ -203,9 +206,7 @@ class Scene:
         Where cracks start there is no K: a wing has taken the singularity away. Over a longer length stress is larger
         there, and a larger toughness would let them start sooner.
         """
-        growth, strength = self.case.growth, self.case.bodies[site.body].strength
-        assert growth is not None
-        assert strength is not None
+        growth, strength = self.growing_in(site.body)
         shears = site.in_shear or (site.kind == "tip" and growth.criterion not in BY_K)
         return shear_radius(growth, strength) if shears else None
 
