@@ -59,25 +59,19 @@ def load_error(solution: StepSolution, off: Judged) -> float:
     """What the critical load factor may be off by, over itself; nan where no tip of known K sets the load."""
     if not isinstance(solution.scene.case.loading, CriticalLoad):
         return NAN
-    found, least, most = 0.0, 0.0, 0.0
+    ranges = [(0.0, 0.0, 0.0)]  # of the criticality of tips: as it is, the least and the largest that it may be
     for state, (crack, at_end), others in zip(solution.tips, solution.cover.tip_ends, off, strict=True):
         if state.verdict is None or not solution.cracks[crack].can_grow(at_end):
             continue
         own = [says.criticality for _, says in others]
         if not own:
             return NAN
-        found, least, most = (
-            max(pair) for pair in zip((found, least, most), _range(state.verdict.criticality, own), strict=True)
-        )
+        ranges.append((state.verdict.criticality, min(own), max(own)))
+    found, least, most = (float(max(column)) for column in zip(*ranges, strict=True))
     starts = max((start.verdict.criticality for start in solution.starts), default=0.0)
     if found <= 0.0 or starts > found or not solution.steepness > 0.0:
         return NAN
     return max(most / found - 1.0, 1.0 - least / found) / solution.steepness
-
-
-def _range(criticality: float, others: Sequence[float]) -> tuple[float, float, float]:
-    """A criticality, and the least and the largest that it may be."""
-    return criticality, min(others), max(others)
 
 
 def _moved(loading: TipLoading | None, error: tuple[float, float]) -> Iterator[TipLoading]:

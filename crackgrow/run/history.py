@@ -23,17 +23,14 @@ MOST_ROWS = 100
 """Of more states on the way of one load these many are told of, evenly spread: each is a back substitution."""
 
 
-def _on_the_way(state: LoadState) -> tuple[LoadState, ...]:
-    """The states that an increment went through, as far as they are told of, and its last one."""
+def history_of(state: LoadState) -> tuple[LoadState, ...]:
+    """The states of an increment that the case's history tells of, the last one included; they are large."""
+    if not state.scene.case.output.points:
+        return ()
     via = state.via
     if len(via) > MOST_ROWS:
         via = tuple(via[number] for number in np.linspace(0, len(via) - 1, MOST_ROWS).astype(int).tolist())
     return (*via, state)
-
-
-def history_of(state: LoadState) -> tuple[LoadState, ...]:
-    """The states of an increment that the case's history tells of, the last one included; they are large."""
-    return _on_the_way(state) if state.scene.case.output.points else ()
 
 
 def history(states: Sequence[LoadState]) -> History | None:
