@@ -90,7 +90,7 @@ class ContactMemory:
 
     slip: Floats  # (n,) m, less its elastic part
     lost: Floats  # (n,) share, 0 to 1, of what it can lose; without a weakening length all, once it has slipped
-    closed: Bools | None = None  # (n,) is not open; None: where it is not broken
+    closed: Bools  # (n,) is not open
 
     @property
     def broken(self) -> Bools:
@@ -100,12 +100,12 @@ class ContactMemory:
     def coheres(self, law: ContactLaw) -> Bools:
         """Which points (n,) the bond holds."""
         _, cohesion = law.bound_of(self.lost)
-        return np.asarray((cohesion > 0.0) & (~self.broken if self.closed is None else self.closed))
+        return np.asarray((cohesion > 0.0) & self.closed)
 
     @classmethod
     def fresh(cls, n: int) -> ContactMemory:
         """Memory of n points that nothing has happened to."""
-        return cls(np.zeros(n), np.zeros(n))
+        return cls(np.zeros(n), np.zeros(n), np.ones(n, dtype=bool))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,12 +114,11 @@ class ActiveSet:
 
     closed: Bools  # (n,): gap = 0 is imposed, else p_n = 0
     slip: Ints  # (n,): 0 sticks (du_t = 0), +1 or -1 slips (p_t = slip * b)
-    sense: Ints | None = None  # (n,): the sign of all slip, s0 + du_t, by which faces dilate; None: that of `slip`
+    sense: Ints  # (n,): the sign of all slip, s0 + du_t, by which faces dilate
 
     def key(self) -> bytes:
         """Bytes that are equal for equal sets."""
-        parts = (self.closed, self.slip) if self.sense is None else (self.closed, self.slip, self.sense)
-        return b"".join(part.astype(np.int8).tobytes() for part in parts)
+        return b"".join(part.astype(np.int8).tobytes() for part in (self.closed, self.slip, self.sense))
 
     def states(self) -> Ints:
         """(n,) OPEN, STICK or SLIP; an open point is OPEN whatever shear its cohesion carries."""
@@ -187,7 +186,7 @@ class Branches:
         self._sliding = np.flatnonzero(slip[self._closed])  # places in `rows` of points that are closed and slide
         self._points = self._closed[self._sliding]
         self._slope = slip[self._points] * problem.friction[self._points]
-        self._lean = problem.dilation * (slip if active.sense is None else active.sense)  # of gaps with their slip
+        self._lean = problem.dilation * active.sense  # of gaps with their slip
 
     def known(self) -> Floats:
         """(2 n,) the part of the tractions that does not depend on those that are unknown."""

@@ -71,7 +71,7 @@ def packed(state: RunState) -> Checkpoint:
         values["start"] = {
             **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy)
         }  # fmt: skip
-        arrays.update({f"start_{name}": array for name, array in _arrays(start).items() if array is not None})
+        arrays.update({f"start_{name}": array for name, array in _arrays(start).items()})
     arrays.update({f"gone{number}": rock.forces for number, rock in enumerate(origin.gone)})
     return Checkpoint(state.step, values, arrays)
 
@@ -103,7 +103,7 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
     )
 
 
-def _arrays(start: Start) -> dict[str, NDArray[Any] | None]:
+def _arrays(start: Start) -> dict[str, NDArray[Any]]:
     """The arrays of a start by name."""
     remembered = start.remembered
     return {
@@ -121,9 +121,10 @@ def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
     slip, lost, normal, tangential, dilation, conjugates = (
         arrays[f"start_{name}"] for name in ("slip", "lost", "normal", "tangential", "dilation", "conjugates")
     )
+    closed = arrays.get("start_closed", lost == 0.0)
     return Start(
         LoadLevel(values["factor"], values["holding"]),
-        Remembered(ContactMemory(slip, lost, arrays.get("start_closed")), normal, tangential, dilation),
+        Remembered(ContactMemory(slip, lost, closed), normal, tangential, dilation),
         Energy(**values["energy"]),
         conjugates,
         values["grown"],

@@ -171,8 +171,7 @@ def _rooms(
     closed, sticks, sense = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros(n)
     if begin.active is not None:
         closed[trial.taken], sticks[trial.taken] = begin.active.closed, begin.active.slip == 0
-        if begin.active.sense is not None:
-            sense[trial.taken] = begin.active.sense
+        sense[trial.taken] = begin.active.sense
     yield closed, -begin.normal, -end.normal
     yield ~closed, begin.gap, end.gap
     held = trial.taken & ~closed & (cohesion > 0.0)

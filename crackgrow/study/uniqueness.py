@@ -102,7 +102,8 @@ def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
     """Newton's method from all points stuck and all slipping one way or the other, and Lemke's where they are few."""
     n = problem.n_points
     for slip in (0, 1, -1):
-        closed = ActiveSet(np.ones(n, dtype=bool), np.full(n, slip, dtype=np.int64))
+        slips = np.full(n, slip, dtype=np.int64)
+        closed = ActiveSet(np.ones(n, dtype=bool), slips, slips)
         yield solve_by_newton(problem, solve_active(problem, closed), ITERATIONS)
     yield solve_by_newton(problem)
     if n > LEMKE_POINTS:

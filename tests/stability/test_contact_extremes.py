@@ -237,8 +237,9 @@ def gives_up(problem: ContactProblem, start: NDArray[np.float64] | None = None) 
 def test_a_failed_increment_leaves_everything_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
     """Both solvers give up: neither the memory handed in nor later solves notice. Bit for bit."""
     system = configuration(*law(0.3))
-    memory = ContactMemory(np.linspace(-1e-6, 1e-6, system.faces.n), np.arange(system.faces.n) % 2 == 0)
-    slip, broken = memory.slip.copy(), memory.broken.copy()
+    broken = np.arange(system.faces.n) % 2 == 0
+    memory = ContactMemory(np.linspace(-1e-6, 1e-6, system.faces.n), broken.astype(float), ~broken)
+    slip = memory.slip.copy()
     messages = []
     for _ in range(2):
         with monkeypatch.context() as patch:

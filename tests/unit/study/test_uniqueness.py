@@ -57,7 +57,7 @@ def every_solution(problem: ContactProblem) -> list[np.ndarray]:
     n, found = problem.n_points, []
     for branches in itertools.product(((False, 1), (True, 0), (True, 1), (True, -1)), repeat=n):
         closed, slip = zip(*branches, strict=True)
-        p = solve_active(problem, ActiveSet(np.array(closed), np.array(slip)))
+        p = solve_active(problem, ActiveSet(np.array(closed), np.array(slip), np.array(slip)))
         new = all(np.abs(p - q).max() > 1e-6 * np.abs(p).max() for q in found)
         if new and complementarity_residual(problem, p) < 1e-9:
             found.append(p)
@@ -297,7 +297,7 @@ def test_a_point_that_nothing_presses_is_left_open() -> None:
 def test_a_trial_that_fails_leaves_the_memory_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """r(A), failure, r(A): the same, bit for bit, and what was remembered is what it was."""
     contact, loads = rock_of(one_point(0.5, -1.0, 3.0))
-    memory = ContactMemory(np.array([0.25]), np.array([False]))
+    memory = ContactMemory(np.array([0.25]), np.zeros(1), np.ones(1, dtype=bool))
     before = solve_contact(contact, loads, np.zeros(1), memory)
     with monkeypatch.context() as patch:
         for name in ("newton", "lemke"):
