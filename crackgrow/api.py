@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,14 +31,12 @@ from crackgrow.run.ending import Ending
 from crackgrow.run.error import estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution
-from crackgrow.run.loop import solved_steps
+from crackgrow.run.loop import Steps, solved_steps
 from crackgrow.run.result import CrackPath, Event, Frame, RunEnd, StepResult
 from crackgrow.solid import recovery
 
 if TYPE_CHECKING:
     import pyvista
-
-Steps = Generator[tuple[StepResult, StepSolution], None, RunEnd]
 
 
 def solve(case: Case) -> Solution:

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.contact.problem import ContactProblem
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import assemble
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
 
 Floats = NDArray[np.float64]
@@ -24,6 +26,14 @@ APART = 1.25
 
 THICK = 3
 """Spacings: of the rock on either side of the faces."""
+
+
+def contact_law(friction: Floats, cohesion: Floats, compliance: Floats, **more: Any) -> ContactLaw:
+    """A law (n,) by point; what is left out, or None, does nothing: slip breaks cohesion, and no more."""
+    zeros, none = np.zeros(len(friction)), np.zeros(len(friction), dtype=bool)
+    usual = {"shear_compliance": compliance, "residual_friction": friction, "kept": none, "dilation": zeros}
+    given = {name: value for name, value in more.items() if value is not None}
+    return ContactLaw(friction, cohesion, compliance, **{**usual, "weakening": zeros, **given})
 
 
 def crack_problem(n: int, friction: float, cohesion: float, ratio: float, coupling: float, seed: int) -> ContactProblem:
@@ -68,7 +78,7 @@ def rock_problem(kind: str, n_points: int) -> tuple[ContactProblem, Floats]:
     growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
     configuration = assemble(make_scene(case), growing)
     contact, n = configuration.contact, configuration.faces.n
-    u, _ = contact.system.solve(configuration.loads(1.0), configuration.held.given)
+    u, _ = contact.system.solve(configuration.loads(LoadLevel(1.0)), configuration.held.given)
     free = contact.operator @ u
     return ContactProblem(
         contact.compliance(np.arange(n), np.ones(n, dtype=bool)), free, np.ones(n), np.zeros(n)

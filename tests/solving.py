@@ -9,9 +9,10 @@ from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment
 from crackgrow.contact.system import ContactSystem
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.configuration import assemble
+from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import increment, unloaded
 from crackgrow.run.judging import StepSolution, judged
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import Scene
 from crackgrow.solid.linear_solver import displacement_size
 
@@ -20,6 +21,15 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
     """Solve one configuration, loaded in one increment. Raises GeometryError or SolveError where that can't be done."""
     configuration = assemble(scene, growing)
     return judged(increment(configuration, unloaded(configuration), load_factor))
+
+
+def at_once(configuration: Configuration, factor: float, memory: ContactMemory | None = None) -> ContactOutcome:
+    """A configuration at a load factor after one implicit increment. Raises SolveError where there is no state.
+
+    `memory` is that of the increment before, None for the first.
+    """
+    level, memory = LoadLevel(factor), memory or ContactMemory.fresh(configuration.faces.n)
+    return configuration.equilibrium(level, memory, configuration.states(level, memory)).outcome
 
 
 def solve_contact(

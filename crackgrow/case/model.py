@@ -702,6 +702,11 @@ class Case:
         return 1 if isinstance(self.loading, StrengthReduction) else self.n_loads - 1
 
     @property
+    def subcritical(self) -> Subcritical | None:
+        """How fast tips grow; None where growth takes no time."""
+        return None if self.growth is None else self.growth.subcritical
+
+    @property
     def n_loads(self) -> int:
         """Number of load factors that are given, or of stages; 1 where factors are found."""
         if isinstance(self.loading, Stages):

@@ -42,54 +42,40 @@ class ContactLaw:
     friction: Floats  # (n,)
     cohesion: Floats  # (n,) Pa
     compliance: Floats  # (n,) m/Pa: 1/k across the faces, zero for rigid contact
-    residual_friction: Floats | None = None  # (n,) of points that have lost all; None: as before
-    kept: Bools | None = None  # (n,) whether such points that are closed cohere; None: they don't
-    dilation: Floats | None = None  # (n,) tan(dilation angle); None: zero
-    shear_compliance: Floats | None = None  # (n,) m/Pa: the same along the faces; None: as across
-    weakening: Floats | None = None  # (n,) m: slip that takes all that can be lost; 0: any slip does. None: zero
+    shear_compliance: Floats  # (n,) m/Pa: the same along the faces
+    residual_friction: Floats  # (n,) of points that have lost all
+    kept: Bools  # (n,) whether such points that are closed cohere
+    dilation: Floats  # (n,) tan(dilation angle)
+    weakening: Floats  # (n,) m: slip that takes all that can be lost; 0: any slip does
 
     @property
     def weakens(self) -> Bools:
         """Which points (n,) lose by and by what they can lose."""
-        return np.zeros(len(self.friction), dtype=bool) if self.weakening is None else self.weakening > 0.0
+        return self.weakening > 0.0
 
     def worn(self, slip: Floats) -> Floats:
         """The share (n,) of what can be lost that slip (n,) m, less its elastic part, takes: of points that weaken."""
-        if self.weakening is None:
-            return np.zeros(len(slip))
         return np.divide(np.abs(slip), self.weakening, out=np.zeros(len(slip)), where=self.weakens)
-
-    @property
-    def along(self) -> Floats:
-        """Compliance (n,) m/Pa of shear."""
-        return self.compliance if self.shear_compliance is None else self.shear_compliance
 
     @property
     def compliances(self) -> Floats:
         """Compliance (2 n,) m/Pa across the faces, then along them."""
-        return np.concatenate([self.compliance, self.along])
+        return np.concatenate([self.compliance, self.shear_compliance])
 
     def bound_of(self, lost: Floats) -> tuple[Floats, Floats]:
         """Friction (n,) and cohesion (n,) where a share `lost` (n,), 0 to 1, of what points can lose is gone."""
-        friction = self.friction if self.residual_friction is None else self.residual_friction
-        cohesion = np.zeros(len(lost)) if self.kept is None else np.where(self.kept, self.cohesion, 0.0)
-        rest = 1.0 - lost
-        return rest * self.friction + lost * friction, rest * self.cohesion + lost * cohesion
-
-    @property
-    def dilating(self) -> Floats:
-        """Tangents (n,) of the dilation angles."""
-        return np.zeros(len(self.friction)) if self.dilation is None else self.dilation
+        rest, cohesion = 1.0 - lost, np.where(self.kept, self.cohesion, 0.0)
+        return rest * self.friction + lost * self.residual_friction, rest * self.cohesion + lost * cohesion
 
     def opening(self, slip: Floats) -> Floats:
         """What slip (n,) m, less its elastic part, opens by dilation, m."""
-        return np.asarray(self.dilating * np.abs(slip))
+        return np.asarray(self.dilation * np.abs(slip))
 
     @property
     def resists(self) -> Bools:
         """At which points (n,) something can resist slip: others carry no shear in any state."""
         laws = [np.maximum(*self.bound_of(np.full(len(self.friction), lost))) for lost in (0.0, 1.0)]
-        return np.asarray((laws[0] > 0.0) | (laws[1] > 0.0) | (self.dilating > 0.0))
+        return np.asarray((laws[0] > 0.0) | (laws[1] > 0.0) | (self.dilation > 0.0))
 
     @property
     def breakable(self) -> Bools:
@@ -104,7 +90,7 @@ class ContactMemory:
 
     slip: Floats  # (n,) m, less its elastic part
     lost: Floats  # (n,) share, 0 to 1, of what it can lose; without a weakening length all, once it has slipped
-    closed: Bools | None = None  # (n,) is not open; None: where it is not broken
+    closed: Bools  # (n,) is not open
 
     @property
     def broken(self) -> Bools:
@@ -114,12 +100,12 @@ class ContactMemory:
     def coheres(self, law: ContactLaw) -> Bools:
         """Which points (n,) the bond holds."""
         _, cohesion = law.bound_of(self.lost)
-        return np.asarray((cohesion > 0.0) & (~self.broken if self.closed is None else self.closed))
+        return np.asarray((cohesion > 0.0) & self.closed)
 
     @classmethod
     def fresh(cls, n: int) -> ContactMemory:
         """Memory of n points that nothing has happened to."""
-        return cls(np.zeros(n), np.zeros(n))
+        return cls(np.zeros(n), np.zeros(n), np.ones(n, dtype=bool))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,12 +114,11 @@ class ActiveSet:
 
     closed: Bools  # (n,): gap = 0 is imposed, else p_n = 0
     slip: Ints  # (n,): 0 sticks (du_t = 0), +1 or -1 slips (p_t = slip * b)
-    sense: Ints | None = None  # (n,): the sign of all slip, s0 + du_t, by which faces dilate; None: that of `slip`
+    sense: Ints  # (n,): the sign of all slip, s0 + du_t, by which faces dilate
 
     def key(self) -> bytes:
         """Bytes that are equal for equal sets."""
-        parts = (self.closed, self.slip) if self.sense is None else (self.closed, self.slip, self.sense)
-        return b"".join(part.astype(np.int8).tobytes() for part in parts)
+        return b"".join(part.astype(np.int8).tobytes() for part in (self.closed, self.slip, self.sense))
 
     def states(self) -> Ints:
         """(n,) OPEN, STICK or SLIP; an open point is OPEN whatever shear its cohesion carries."""
@@ -201,7 +186,7 @@ class Branches:
         self._sliding = np.flatnonzero(slip[self._closed])  # places in `rows` of points that are closed and slide
         self._points = self._closed[self._sliding]
         self._slope = slip[self._points] * problem.friction[self._points]
-        self._lean = problem.dilation * (slip if active.sense is None else active.sense)  # of gaps with their slip
+        self._lean = problem.dilation * active.sense  # of gaps with their slip
 
     def known(self) -> Floats:
         """(2 n,) the part of the tractions that does not depend on those that are unknown."""

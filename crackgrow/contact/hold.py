@@ -35,13 +35,13 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
     free, law = contact.loose, contact.law
     assert free is not None
     friction, cohesion = (law.friction, law.cohesion) if memory is None else law.bound_of(memory.lost)
-    gap, slip = np.split(contact.moving, 2)
-    size, pull = float(np.abs(loads).sum()), free.along(loads)
-    left, way = least_unbalanced(gap, slip, contact.weights, pull, size, friction, cohesion)
+    size, length, motions = float(np.abs(loads).sum()), float(contact.weights.sum()), contact.motions(free.along(loads))
+    left, way = least_unbalanced(motions, size, length, friction, cohesion)
     if left <= UNBALANCED:
         return
+    gap, slip = np.split(contact.moving @ way, 2)
     piece, others = _giving_way(contact, way)
-    moves = _in_words(free.of_piece(piece, way), piece, _surfaces(gap @ way, slip @ way, friction, surface))
+    moves = _in_words(free.of_piece(piece, way), piece, _surfaces(gap, slip, friction, surface))
     names = f"{piece}" + (f" (and with it {' and '.join(str(other) for other in others)})" if others else "")
     what = (
         f"{names} is free to move: contact does not hold it, {moves}; {100.0 * left:.3g} % of the loads stay out of "

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.contact.problem import Motions
 from crackgrow.errors import NotSolvedError
 
 AMPLE = 1e6
@@ -20,29 +21,28 @@ AMPLE = 1e6
 
 
 def least_unbalanced(
-    gap: Floats, slip: Floats, weights: Floats, pull: Floats, size: float, friction: Floats, cohesion: Floats
+    motions: Motions, size: float, length: float, friction: Floats, cohesion: Floats
 ) -> tuple[float, Floats]:
-    """The least part of the loads that the faces leave unbalanced, and the motion (k,) along which they give way.
+    """The least part of the loads that the faces leave unbalanced, and the motion (l,) along which they give way.
 
-    `gap` and `slip` (n, k) are those of n contact points of lengths `weights` (n,) m in k free motions, `pull` (k,) N/m
-    what the loads do on these, and `size` (N/m) that of the loads. Raises NotSolvedError where linear
-    programming fails.
+    `size` (N/m) is that of the loads, `length` (m) that of all n contact points, with friction (n,) and cohesion (n,)
+    Pa. Raises NotSolvedError where linear programming fails.
     """
     from scipy.optimize import linprog  # here: loading it takes a tenth of a second, and few scenes need it
 
-    n, k = gap.shape
+    n, k = len(friction), len(motions.pull)
     if size == 0.0:
         return 0.0, np.zeros(k)
-    pressure = size / float(weights.sum())  # Pa, as a measure
+    pressure = size / length  # Pa, as a measure
     cohesion = np.minimum(cohesion, AMPLE * pressure)
-    forces = np.concatenate([gap.T * weights, slip.T * weights], axis=1) * (pressure / size)
+    forces = motions.force * (pressure / size)
     law = [np.concatenate([np.diag(friction), sign * np.eye(n), np.zeros((n, 2 * k))], axis=1) for sign in (1.0, -1.0)]
     found = linprog(
         np.repeat([0.0, 1.0], [2 * n, 2 * k]),
         A_ub=np.concatenate(law),
         b_ub=np.tile(cohesion / pressure, 2),
         A_eq=np.concatenate([forces, np.eye(k), -np.eye(k)], axis=1),
-        b_eq=pull / size,
+        b_eq=motions.pull / size,
         bounds=[(None, 0.0)] * n + [(None, None)] * n + [(0.0, None)] * (2 * k),
         method="highs",
     )

@@ -182,7 +182,8 @@ def first_guess(problem: ContactProblem) -> Floats:
     """
     if problem.motions is not None:
         n = problem.n_points
-        return solve_active(problem, ActiveSet(np.ones(n, dtype=bool), np.zeros(n, dtype=np.int64)))
+        stuck = np.zeros(n, dtype=np.int64)
+        return solve_active(problem, ActiveSet(np.ones(n, dtype=bool), stuck, stuck))
     coarse = halved(problem) if problem.n_points > FEW_POINTS else None
     if coarse is None:
         return sweep(problem, np.zeros(problem.free.size), FIRST_SWEEPS)
@@ -212,8 +213,8 @@ def _through_stick(problem: ContactProblem, active: ActiveSet, following: Active
     """Let a point stick for one step before it slips the other way: this ends most cycles of reversing points."""
     reversing = active.slip * following.slip < 0
     slip = np.where(reversing, 0, following.slip)
-    sense = slip if following.sense is None else following.sense
-    return ActiveSet(following.closed, slip, np.where(reversing, np.sign(problem.slipped), sense).astype(np.int64))
+    sense = np.where(reversing, np.sign(problem.slipped), following.sense).astype(np.int64)
+    return ActiveSet(following.closed, slip, sense)
 
 
 def solve_active(problem: ContactProblem, active: ActiveSet) -> Floats:

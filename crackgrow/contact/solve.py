@@ -187,7 +187,7 @@ class Increment:
     def remembered(self, state: PointStates) -> ContactMemory:
         """What points keep of their states."""
         apart = (state.state == OPEN) & (state.gap > self.tolerance)
-        slip = state.slip - self.contact.law.along * state.tangential
+        slip = state.slip - self.contact.law.shear_compliance * state.tangential
         breaks = apart | ((state.state == SLIP) & ~self.contact.law.weakens)
         return ContactMemory(slip, np.where(breaks, 1.0, state.trial.lost), ~apart)
 
@@ -255,10 +255,10 @@ class Increment:
         friction, cohesion = law.bound_of(trial.lost)
         cohesion[trial.opened] = 0.0
         rows, n = np.flatnonzero(trial.taken), len(friction)
-        at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (law.dilating > 0.0)
+        at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (law.dilation > 0.0)
         counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
         jumps = np.where(counts, free[at] - np.concatenate([np.zeros(len(rows)), before[rows]]), 0.0)
-        laws = (friction[rows], cohesion[rows], law.dilating[rows], before[rows])
+        laws = (friction[rows], cohesion[rows], law.dilation[rows], before[rows])
         return ContactProblem(contact.compliance(rows, resists[rows]), jumps, *laws, self._motions(at, counts))
 
     def _with(
@@ -271,7 +271,7 @@ class Increment:
         p[np.concatenate([rows, n + rows])] = solution.traction
         p_n, p_t = np.split(p, 2)
         gap, slip = np.split(free - contact.rock @ p + contact.moving @ solution.motion, 2)
-        dilation = law.opening(slip - law.along * p_t)
+        dilation = law.opening(slip - law.shear_compliance * p_t)
         state, coheres = np.full(n, OPEN), np.zeros(n, dtype=bool)
         coheres[rows] = problem.cohesion > 0.0
         state[rows] = _states(problem, solution, (gap - dilation)[rows], problem.cohesion)
@@ -308,7 +308,7 @@ class Increment:
         """What points that slip have lost (n,) by then; all others what the trial says."""
         law = self.contact.law
         slips = found.trial.taken & (found.state == SLIP) & law.weakens
-        moved = found.slip - law.along * found.tangential - self.memory.slip
+        moved = found.slip - law.shear_compliance * found.tangential - self.memory.slip
         return np.where(slips, np.minimum(self.memory.lost + law.worn(moved), 1.0), found.trial.lost)
 
 

@@ -17,6 +17,7 @@ from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Bools, Floats, Ints, key_of
 from crackgrow.contact.coulomb import ContactLaw
+from crackgrow.contact.problem import Motions
 from crackgrow.errors import NotSolvedError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.rigid_modes import RigidMotions
@@ -125,6 +126,10 @@ class ContactSystem:
     def moving(self) -> Floats:
         """B (2 n, l): gap and slip in each of the rigid motions that supports leave free."""
         return np.zeros((2 * len(self.weights), 0)) if self.loose is None else self.loose.seen_by(self.operator)
+
+    def motions(self, pull: Floats) -> Motions:
+        """The rigid motions that supports leave free, on each of which loads `pull` (l,) N/m."""
+        return Motions(self.moving, (self.moving * np.tile(self.weights, 2)[:, None]).T, pull)
 
     def compliance(self, points: Ints, resists: Bools) -> Floats:
         """A (2 k, 2 k) of some points (k,), elastic contact included; not to be changed.

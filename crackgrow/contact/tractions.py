@@ -56,11 +56,10 @@ def elastic_tractions(
         return np.zeros(len(s)), np.zeros(len(s))
     nearest = nearest_contact_point(faces, crack, s)
     gap, slip = gap_and_slip(cover, points_at(cover, crack, s), outcome.u)
-    known = (outcome.normal_traction, outcome.tangential_traction, law.compliance, law.along)
+    known = (outcome.normal_traction, outcome.tangential_traction, law.compliance, law.shear_compliance)
     normal, tangential, across, along = between_contact_points(faces, crack, s, *known)
     broken = outcome.memory.broken
-    if law.dilation is not None:
-        gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - along * tangential)
+    gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - along * tangential)
     p_n = np.where(normal < 0.0, np.minimum(gap, 0.0) / across, 0.0)
     ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal < 0.0)
     _, cohesion = law.bound_of(outcome.memory.lost)

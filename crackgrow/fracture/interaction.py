@@ -79,29 +79,6 @@ def of_body_force(material: PlaneElasticity, rule: TipRule, body_force: Floats) 
     return -weighted_by_step(circles.r, circles.weight * circles.r, work, rule.radii)
 
 
-def interaction(
-    material: PlaneElasticity,
-    rule: TipRule,
-    gradients: Floats,
-    face_vectors: Floats,
-    face_gradients: Floats,
-    body_force: Floats | None,
-) -> Floats:
-    """M (radii, 2) of the discs of a rule, for the auxiliary modes I and II; all in the tip's axes.
-
-    gradients: elastic displacement gradients (2, 2, n) at the points of the circles
-    face_vectors: stress vectors sigma . n on the crack's left normal (2, m) at the points of the faces, the sums of
-        both faces
-    face_gradients: elastic displacement gradients (2, 2, m) there, sums as well; they may be zero on the last segment
-    body_force: (2, n) at the points of the circles; None for nothing
-    """
-    weights = weights_of(material, rule)
-    M = np.einsum("rmcdn,cdn->rm", weights.around, gradients)
-    M += np.einsum("rmcdn,cdn->rm", weights.beside, face_gradients)
-    M += np.einsum("rmcn,cn->rm", weights.vectors, face_vectors)
-    return np.asarray(M if body_force is None else M + of_body_force(material, rule, body_force))
-
-
 def _auxiliary(material: PlaneElasticity, rule: TipRule) -> tuple[Floats, Floats]:
     """Gradients (2, 2, 2, points) of the auxiliary fields on the circles, and on the left face: minus those right."""
     r, t = rule.circles.polar

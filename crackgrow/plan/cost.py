@@ -27,7 +27,8 @@ from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.plan.overview import estimated_nodes
 from crackgrow.plan.sizes import Sizes
 from crackgrow.results.units import duration, memory_text
-from crackgrow.run.configuration import first_cells
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.layout import cells_of
 from crackgrow.run.scene import make_scene
 
 TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact", "held N",
@@ -207,4 +208,4 @@ def _n_halved(case: Case) -> int:
     if (refine.tips, refine.kinks, refine.corners) == (0, 0, 0):
         return 0  # a lattice of many cells is not laid out to learn that
     scene = make_scene(case)
-    return first_cells(scene).n - scene.lattice.cells.n
+    return cells_of(scene, beginning(scene.case).cracks).n - scene.lattice.cells.n

@@ -22,7 +22,8 @@ from crackgrow.results.figures import body_path
 from crackgrow.results.places import component_text, extent, length_unit
 from crackgrow.results.signs import load_signs, support_signs
 from crackgrow.results.style import own_style, wrapped
-from crackgrow.run.configuration import first_cells
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.layout import cells_of
 from crackgrow.run.scene import make_scene
 
 FORMATS: Final = (".png", ".svg")
@@ -72,7 +73,7 @@ def draw_scene(path: Path, case: Case) -> None:
 def _draw_cells(axes: Axes, case: Case) -> None:
     """The cells before anything grows, inside of the bodies."""
     scene = make_scene(case)
-    cells = first_cells(scene)
+    cells = cells_of(scene, beginning(scene.case).cracks)
     corners = cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
     squares = scene.lattice.to_metres(corners / QUANTA)
     for body in case.bodies:

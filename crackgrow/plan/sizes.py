@@ -13,9 +13,10 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.checkpoint import beginning
-from crackgrow.run.configuration import lay_out
-from crackgrow.run.scene import SurfaceLaw, make_scene
+from crackgrow.run.layout import constraints_of, contact_faces, cover_of
+from crackgrow.run.scene import make_scene
 from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
+from crackgrow.run.surface_laws import SurfaceLaw
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +61,8 @@ class Sizes:
 def sizes_of(case: Case) -> Sizes:
     """Make the cover of step 0 and count. Raises GeometryError where it can't be made."""
     scene = make_scene(case)
-    cover, faces, held = lay_out(scene, beginning(case).cracks)
+    cover = cover_of(scene, beginning(case).cracks)
+    faces, held = contact_faces(scene, cover), constraints_of(scene, cover)
     n_points = np.bincount(faces.surface, minlength=len(cover.surfaces)).tolist()
     surfaces = tuple(
         SurfacePlan(surface.name, n, law.bonded, law.contact is not None, _rough(law))

@@ -17,7 +17,9 @@ from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Gone
 from crackgrow.run.halvings import Accuracy, accuracy_of_record, record_of
-from crackgrow.run.increments import FROM_REST, Origin, Remembered, Start
+from crackgrow.run.increments import FROM_REST, Origin, Start
+from crackgrow.run.load_level import LoadLevel
+from crackgrow.run.path import Remembered
 from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_record
 from crackgrow.run.starting import new_crack
 
@@ -67,9 +69,9 @@ def packed(state: RunState) -> Checkpoint:
     if origin.start is not None:
         start = origin.start
         values["start"] = {
-            "factor": start.factor, "holding": start.holding, "grown": start.grown, "energy": asdict(start.energy)
+            **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy)
         }  # fmt: skip
-        arrays.update({f"start_{name}": array for name, array in _arrays(start).items() if array is not None})
+        arrays.update({f"start_{name}": array for name, array in _arrays(start).items()})
     arrays.update({f"gone{number}": rock.forces for number, rock in enumerate(origin.gone)})
     return Checkpoint(state.step, values, arrays)
 
@@ -101,7 +103,7 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
     )
 
 
-def _arrays(start: Start) -> dict[str, NDArray[Any] | None]:
+def _arrays(start: Start) -> dict[str, NDArray[Any]]:
     """The arrays of a start by name."""
     remembered = start.remembered
     return {
@@ -119,10 +121,10 @@ def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
     slip, lost, normal, tangential, dilation, conjugates = (
         arrays[f"start_{name}"] for name in ("slip", "lost", "normal", "tangential", "dilation", "conjugates")
     )
+    closed = arrays.get("start_closed", lost == 0.0)
     return Start(
-        values["factor"],
-        values["holding"],
-        Remembered(ContactMemory(slip, lost, arrays.get("start_closed")), normal, tangential, dilation),
+        LoadLevel(values["factor"], values["holding"]),
+        Remembered(ContactMemory(slip, lost, closed), normal, tangential, dilation),
         Energy(**values["energy"]),
         conjugates,
         values["grown"],

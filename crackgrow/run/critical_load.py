@@ -16,7 +16,6 @@ import numpy as np
 
 from crackgrow.arrays import Bools
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA, TipLoading, without_K
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment
@@ -52,14 +51,14 @@ NEVER_CRITICAL = (
 )
 
 
-def critically_loaded(configuration: Configuration, cracks: Sequence[GrowingCrack], guess: float) -> StepSolution:
+def critically_loaded(configuration: Configuration, guess: float) -> StepSolution:
     """The configuration at the load factor at which the criterion is just met at the first of the sites that can grow.
 
     `guess` > 0 is the first factor that is tried. Where no factor up to `LARGEST_FACTOR` meets the criterion, the
     solution is the one at the guess, and its notes say so. Raises SolveError where the search does not settle, and
     FreePieceError where a piece comes loose before.
     """
-    search = _Search(configuration, cracks)
+    search = _Search(configuration)
     if not search.can_grow.any():
         return search.found(search.path(search.rest, guess)[-1])
     if search.rest.criticality >= 1.0:
@@ -72,7 +71,7 @@ def critically_loaded(configuration: Configuration, cracks: Sequence[GrowingCrac
         if above is not None:
             break
         if below.factor >= LARGEST_FACTOR:
-            return replace(search.found(first), notes=(NEVER_CRITICAL,))
+            return replace(search.found(first), notes=(NEVER_CRITICAL,), steepness=float("nan"))
         before = next((trial for trial in trials[-2::-1] if trial.factor < below.factor), search.rest)
         factor = search.beyond(before, below)
     else:
@@ -122,7 +121,7 @@ def _steepness(rest: _Trial, below: _Trial, critical: _Trial) -> float:
 class _Search:
     """The search for a critical load factor on one configuration: trials, and guesses of the next one."""
 
-    def __init__(self, configuration: Configuration, cracks: Sequence[GrowingCrack]) -> None:
+    def __init__(self, configuration: Configuration) -> None:
         growth = configuration.scene.case.growth
         assert growth is not None
         self._configuration, self._growth = configuration, growth
@@ -133,7 +132,7 @@ class _Search:
         self._n_unborne = 0  # load factors known to have none
         self.n_increments = 0
         ends, sites = configuration.cover.tip_ends, configuration.sites
-        grow = [cracks[index].can_grow(end) for index, end in ends] + [True] * (len(sites) - len(ends))
+        grow = [configuration.cracks[index].can_grow(end) for index, end in ends] + [True] * (len(sites) - len(ends))
         self.can_grow: Bools = np.array(grow, dtype=bool)  # site by site
         self.rest = self._at_rest()
 
@@ -199,15 +198,14 @@ class _Search:
     def _judged(self, state: LoadState) -> _Trial:
         """The trial of a state: of the tips, what the criterion goes by."""
         with timed(self._seconds, "criterion"):
-            materials = self._configuration.scene.materials_at(state.factor)
-            fields = stress_fields(state, materials)
+            fields = stress_fields(state)
             scene, sites = self._configuration.scene, self._configuration.sites
             loadings = [
                 None if field is None else without_K(field, scene.radius_at(site))
                 for field, site in zip(fields, sites, strict=True)
             ]
             if CRITERIA[self._growth.criterion].by_K:
-                tips = tip_states(state, materials, fields[: len(self._configuration.cover.tips)])
+                tips = tip_states(state, fields[: len(state.cover.tips)])
                 loadings[: len(tips)] = [tip.loading for tip in tips]
             return _Trial(state.factor, loadings, self._largest_criticality(loadings), state)
 

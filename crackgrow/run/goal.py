@@ -34,7 +34,7 @@ def goal_bound(solution: StepSolution, larger: LoadState | None) -> float:
     """The bound, over the largest value; nan where there is no solution on `larger` cells, infinite of nothing."""
     if larger is None:
         return float("nan")
-    goal = solution.configuration.scene.case.numerics.goal
+    goal = solution.scene.case.numerics.goal
     if goal == "load_factor":
         return OF_DIFFERENCE * abs(larger.factor / solution.state.factor - 1.0)
     of_both = [_forces(state) if goal == "reaction" else _jumps(state) for state in (solution.state, larger)]
@@ -56,7 +56,7 @@ def _load(solution: StepSolution) -> float:
 
 def _jumps(state: LoadState) -> Floats:
     """Opening and slip (n, 2) m, at places that do not depend on the cells."""
-    cover, found = state.configuration.cover, [np.zeros((0, 2))]
+    cover, found = state.cover, [np.zeros((0, 2))]
     for index, surface in enumerate(cover.surfaces):
         s = surface.edges.s
         places = s.min() + np.linspace(0.0, 1.0, PLACES) * (s.max() - s.min())

@@ -16,9 +16,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from crackgrow.case.model import CriticalLoad
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import TipLoading, Verdict, hoop_stress_kink
-from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.judging import StepSolution, verdict
 
 NAN = float("nan")
@@ -43,7 +41,7 @@ def judged_when_off(solution: StepSolution, errors: Errors) -> Judged:
 
 def kink_errors(solution: StepSolution, off: Judged) -> list[float]:
     """What the direction of growth may be off by (rad), tip by tip; nan without growth, or where K is not known."""
-    growth = solution.configuration.scene.case.growth
+    growth = solution.scene.case.growth
     found = []
     for state, others in zip(solution.tips, off, strict=True):
         if state.verdict is None or growth is None:
@@ -57,29 +55,23 @@ def kink_errors(solution: StepSolution, off: Judged) -> list[float]:
     return found
 
 
-def load_error(cracks: Sequence[GrowingCrack], solution: StepSolution, off: Judged) -> float:
+def load_error(solution: StepSolution, off: Judged) -> float:
     """What the critical load factor may be off by, over itself; nan where no tip of known K sets the load."""
-    if not isinstance(solution.configuration.scene.case.loading, CriticalLoad) or NEVER_CRITICAL in solution.notes:
+    if not isinstance(solution.scene.case.loading, CriticalLoad):
         return NAN
-    found, least, most = 0.0, 0.0, 0.0
+    ranges = [(0.0, 0.0, 0.0)]  # of the criticality of tips: as it is, the least and the largest that it may be
     for state, (crack, at_end), others in zip(solution.tips, solution.cover.tip_ends, off, strict=True):
-        if state.verdict is None or not cracks[crack].can_grow(at_end):
+        if state.verdict is None or not solution.cracks[crack].can_grow(at_end):
             continue
         own = [says.criticality for _, says in others]
         if not own:
             return NAN
-        found, least, most = (
-            max(pair) for pair in zip((found, least, most), _range(state.verdict.criticality, own), strict=True)
-        )
+        ranges.append((state.verdict.criticality, min(own), max(own)))
+    found, least, most = (float(max(column)) for column in zip(*ranges, strict=True))
     starts = max((start.verdict.criticality for start in solution.starts), default=0.0)
     if found <= 0.0 or starts > found or not solution.steepness > 0.0:
         return NAN
     return max(most / found - 1.0, 1.0 - least / found) / solution.steepness
-
-
-def _range(criticality: float, others: Sequence[float]) -> tuple[float, float, float]:
-    """A criticality, and the least and the largest that it may be."""
-    return criticality, min(others), max(others)
 
 
 def _moved(loading: TipLoading | None, error: tuple[float, float]) -> Iterator[TipLoading]:

@@ -23,17 +23,14 @@ MOST_ROWS = 100
 """Of more states on the way of one load these many are told of, evenly spread: each is a back substitution."""
 
 
-def _on_the_way(state: LoadState) -> tuple[LoadState, ...]:
-    """The states that an increment went through, as far as they are told of, and its last one."""
+def history_of(state: LoadState) -> tuple[LoadState, ...]:
+    """The states of an increment that the case's history tells of, the last one included; they are large."""
+    if not state.scene.case.output.points:
+        return ()
     via = state.via
     if len(via) > MOST_ROWS:
         via = tuple(via[number] for number in np.linspace(0, len(via) - 1, MOST_ROWS).astype(int).tolist())
     return (*via, state)
-
-
-def history_of(state: LoadState) -> tuple[LoadState, ...]:
-    """The states of an increment that the case's history tells of, the last one included; they are large."""
-    return _on_the_way(state) if state.configuration.scene.case.output.points else ()
 
 
 def history(states: Sequence[LoadState]) -> History | None:
@@ -47,7 +44,7 @@ def history(states: Sequence[LoadState]) -> History | None:
 
 def _values(state: LoadState) -> Iterator[tuple[str, float]]:
     """Columns and their values, SI."""
-    scene = state.configuration.scene
+    scene = state.scene
     for point in scene.case.output.points:
         if isinstance(point, RockPoint):
             displacement, stress = _at_point(state, point.body, point.point)
@@ -64,7 +61,7 @@ def _values(state: LoadState) -> Iterator[tuple[str, float]]:
 
 def _at_point(state: LoadState, body: str, point: Floats) -> tuple[list[float], list[float]]:
     """Displacement (m) and stress (Pa) at a point of a body; nan where no rock is left."""
-    scene, cover = state.configuration.scene, state.configuration.cover
+    scene, cover = state.scene, state.cover
     at = cover.lattice.to_lattice(point[None])
     if body not in (other.name for other in scene.case.bodies):
         return [np.nan] * 2, [np.nan] * 3
@@ -83,11 +80,11 @@ def _jump(state: LoadState, point: FacePoint) -> tuple[float, float]:
 
     nan where it is gone.
     """
-    cover = state.configuration.cover
+    cover = state.cover
     at = shapely.Point(cover.lattice.to_lattice(point.point))
     lines = {
         index: shapely.LineString(surface.points)
-        for index, (surface, law) in enumerate(zip(cover.surfaces, state.configuration.scene.laws, strict=True))
+        for index, (surface, law) in enumerate(zip(cover.surfaces, state.scene.laws, strict=True))
         if is_named(surface.name, law.kind == "crack", point.surface)
     }
     if not lines:

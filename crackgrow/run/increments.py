@@ -27,10 +27,13 @@ from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
-from crackgrow.cover.cover import Surface
+from crackgrow.cover.cover import Cover, Surface
 from crackgrow.run.configuration import Configuration, Equilibrium, Gone
-from crackgrow.run.path import MOST_JUMPS, Load, next_piece
+from crackgrow.run.load_level import LoadLevel
+from crackgrow.run.path import MOST_JUMPS, Remembered, next_piece
 from crackgrow.run.result import BALANCED, Energy
+from crackgrow.run.scene import Scene
+from crackgrow.solid.elasticity import PlaneElasticity
 
 ON_OLD_FACES = 1e-6
 """Spacings: points closer than this to the crack as it was lie on it."""
@@ -42,23 +45,12 @@ ROUND_OFF = 1e-12
 """Of the terms that the strain energy is the sum of: what it is good to."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Remembered:
-    """What the next increment needs of a state, at the contact points of the configuration it is on."""
-
-    memory: ContactMemory
-    normal: Floats  # (n,) Pa
-    tangential: Floats  # (n,) Pa
-    dilation: Floats  # (n,) m
-
-
 @dataclass(frozen=True, eq=False)
 class LoadState:
     """A configuration under its loads."""
 
     configuration: Configuration
-    factor: float
-    holding: float  # how much of the loads that are held acts
+    level: LoadLevel
     before: ContactMemory  # what points remembered when the increment began
     states: PointStates  # of the condensed model
     energy: Energy
@@ -69,10 +61,30 @@ class LoadState:
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
     formed: Equilibrium | None = None  # None: displacements are formed when they are asked for
 
+    @property
+    def factor(self) -> float:
+        """The load factor."""
+        return self.level.factor
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the configuration."""
+        return self.configuration.scene
+
+    @property
+    def cover(self) -> Cover:
+        """The cover of the configuration."""
+        return self.configuration.cover
+
+    @cached_property
+    def materials(self) -> tuple[PlaneElasticity, ...]:
+        """Materials, body by body, in-situ stress included."""
+        return self.scene.materials_at(self.factor)
+
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Displacements and tractions. Raises SolveError where they don't balance."""
-        return self.formed or self.configuration.equilibrium(self.factor, self.before, self.holding, self.states)
+        return self.formed or self.configuration.equilibrium(self.level, self.before, self.states)
 
     @property
     def outcome(self) -> ContactOutcome:
@@ -87,7 +99,7 @@ class LoadState:
     @cached_property
     def remembered(self) -> Remembered:
         """What the next part of an increment needs."""
-        increment, _ = self.configuration.increment(self.factor, self.before, self.holding)
+        increment, _ = self.configuration.increment(self.level, self.before)
         states = self.states
         return Remembered(increment.remembered(states), states.normal, states.tangential, states.dilation)
 
@@ -96,8 +108,7 @@ class LoadState:
 class Start:
     """Where an increment starts from: the unloaded state, or the state of another configuration carried over."""
 
-    factor: float
-    holding: float  # how much of the loads that are held acts already
+    level: LoadLevel  # how much of the loads acts already
     remembered: Remembered
     energy: Energy
     conjugates: Floats
@@ -122,7 +133,7 @@ def unloaded(configuration: Configuration) -> Start:
     n = configuration.faces.n
     remembered = Remembered(ContactMemory.fresh(n), *np.zeros((3, n)))
     holding = 0.0 if configuration.constant.any() else 1.0
-    return Start(0.0, holding, remembered, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3))
+    return Start(LoadLevel(0.0, holding), remembered, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3))
 
 
 def from_state(state: LoadState) -> Start:
@@ -136,7 +147,7 @@ def from_state(state: LoadState) -> Start:
 
 def _on_from(state: LoadState) -> Start:
     """Go on from a state on the way, of which displacements are not formed."""
-    return Start(state.factor, state.holding, state.remembered, state.energy, state.conjugates)
+    return Start(state.level, state.remembered, state.energy, state.conjugates)
 
 
 def carried(state: LoadState, configuration: Configuration) -> Start:
@@ -158,7 +169,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
         jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
         mine, s = _on_old_faces(faces.nodes, numbers[surface.name], surface)
         for values, found in (
-            (elastic, old.contact.law.along * outcome.tangential_traction),
+            (elastic, old.contact.law.shear_compliance * outcome.tangential_traction),
             (normal, outcome.normal_traction),
             (tangential, outcome.tangential_traction),
             (dilation, outcome.dilation),
@@ -169,7 +180,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
         closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
     remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0)), normal, tangential, dilation)
-    return Start(state.factor, state.holding, remembered, state.energy, state.conjugates, grown=True)
+    return Start(state.level, remembered, state.energy, state.conjugates, grown=True)
 
 
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
@@ -182,20 +193,16 @@ def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Int
 
 def increment(configuration: Configuration, start: Start, factor: float) -> LoadState:
     """The state at a load factor, with all held loads. Raises SolveError where there is none."""
-    began = time.perf_counter()
+    began, at, end = time.perf_counter(), start, LoadLevel(factor)
     if start.grown:
-        return _told(_booked(_part(configuration, start, (factor, 1.0)), start), began)
-    at, end = start, (factor, 1.0)
+        return _told(_booked(_part(configuration, start, end), start), began)
     reached: list[LoadState] = []
     in_turn = 0  # jumps
     event: PointStates | None = None  # the states at the one that has been reached
-    while not reached or (at.factor, at.holding) != end:
+    while not reached or at.level != end:
         if len(reached) < MOST_PIECES:
-            was = at.remembered
-            tractions = np.concatenate([was.normal, was.tangential])
-            way = ((at.factor, at.holding), end)
-            states, load, piece = next_piece(configuration, was.memory, tractions, way, in_turn, event)
-            state = _stated(configuration, at, states, load)
+            states, level, piece = next_piece(configuration, at.remembered, (at.level, end), in_turn, event)
+            state = _stated(configuration, at, states, level)
         else:
             state, piece = _part(configuration, at, end), "jump"
         in_turn = in_turn + 1 if piece == "jump" else 0
@@ -213,10 +220,10 @@ def taken_over(state: LoadState, configuration: Configuration) -> Start:
 
     What this one does not store any more is released.
     """
-    start, load = carried(state, configuration), (state.factor, state.holding)
-    states = configuration.states(state.factor, start.remembered.memory, state.holding)
-    start = replace(start, conjugates=configuration.conjugates(*load, states))
-    return from_state(_booked(_stated(configuration, start, states, load), start))
+    start = carried(state, configuration)
+    states = configuration.states(state.level, start.remembered.memory)
+    start = replace(start, conjugates=configuration.conjugates(state.level, states))
+    return from_state(_booked(_stated(configuration, start, states, state.level), start))
 
 
 def _told(state: LoadState, began: float) -> LoadState:
@@ -251,19 +258,18 @@ def held_loads(configuration: Configuration) -> Start:
     return start
 
 
-def _part(configuration: Configuration, start: Start, load: Load) -> LoadState:
+def _part(configuration: Configuration, start: Start, level: LoadLevel) -> LoadState:
     """The state after one implicit increment: a point that slips at its end has slipped in all of it."""
-    return _stated(configuration, start, configuration.states(load[0], start.remembered.memory, load[1]), load)
+    return _stated(configuration, start, configuration.states(level, start.remembered.memory), level)
 
 
-def _stated(configuration: Configuration, start: Start, states: PointStates, load: Load) -> LoadState:
-    """The state with its energies, of the states of contact points at a load."""
-    was, (factor, holding) = start.remembered, load
-    conjugates = configuration.conjugates(factor, holding, states)
+def _stated(configuration: Configuration, start: Start, states: PointStates, level: LoadLevel) -> LoadState:
+    """The state with its energies, of the states of contact points."""
+    was, conjugates = start.remembered, configuration.conjugates(level, states)
     none = Energy(start.energy.work, 0.0, start.energy.dissipated, start.energy.released, 0.0)
-    state = LoadState(configuration, factor, holding, was.memory, states, none, 0.0, conjugates, 0.0)
+    state = LoadState(configuration, level, was.memory, states, none, 0.0, conjugates, 0.0)
     change, mean = conjugates - start.conjugates, 0.5 * (start.conjugates + conjugates)
-    shares = [configuration.shares(*at) for at in ((start.factor, start.holding), load)]
+    shares = [configuration.shares(at) for at in (start.level, level)]
     work = 0.5 * (shares[0] + shares[1])[:2] @ change[:2] + mean[2] * (shares[1][2] - shares[0][2])
     strain, terms = _strain(state)
     dissipated = none.dissipated + _dissipated(configuration, was, state)
@@ -276,9 +282,9 @@ def _strain(state: LoadState) -> tuple[float, float]:
 
     u K u = u'(f - C'm - G'W p): the work of all that acts on the rock.
     """
-    contact, states, at = state.configuration.contact, state.states, (state.factor, state.holding)
-    shares = state.configuration.shares(*at)
-    loads, sizes = state.conjugates * shares, state.configuration.conjugate_terms(*at, states) * np.abs(shares)
+    contact, states, shares = state.configuration.contact, state.states, state.configuration.shares(state.level)
+    sizes = state.configuration.conjugate_terms(state.level, states) * np.abs(shares)
+    loads = state.conjugates * shares
     jumps = np.concatenate([states.gap + states.dilation, states.slip])
     elastic = contact.law.compliances * states.tractions
     tractions = np.tile(contact.weights, 2) * states.tractions

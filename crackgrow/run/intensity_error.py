@@ -34,6 +34,7 @@ from crackgrow.cover.tips import Tip
 from crackgrow.fracture.tip_disc import KEPT_CLEAR, SHARP
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.misfit import unexplained
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene import Scene
 
@@ -44,9 +45,9 @@ NEAR = 5.0
 """Cells from the tip along the crack from which on overlap is felt less."""
 
 
-def intensity_errors(scene: Scene, solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[tuple[float, float]]:
+def intensity_errors(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[tuple[float, float]]:
     """Bounds (Pa sqrt(m)) of the errors of K_I and K_II, tip by tip; nan where K is."""
-    cover = solution.cover
+    scene, cover = solution.scene, solution.cover
     found = []
     for state, tip in zip(solution.tips, cover.tips, strict=True):
         intensity, face = state.intensity, faces[tip.crack]
@@ -72,11 +73,10 @@ def _overlap(scene: Scene, face: CrackFaces, tip: Tip) -> float:
     law, h = scene.laws[tip.crack], face.cell_size
     if law.contact is None:
         return 0.0
-    gap = face.opening - law.compliance(h) * face.normal_traction
     spacing = scene.lattice.spacing
     cells = tip.from_start(face.s / spacing) * spacing / h
     felt = np.minimum(1.0, NEAR / np.maximum(cells, NEAR)) ** 2
-    return -float((felt * gap * np.sqrt(np.pi / h)).min(initial=0.0))
+    return -float((felt * unexplained(law, face) * np.sqrt(np.pi / h)).min(initial=0.0))
 
 
 def largest_kink(solution: StepSolution, tip: Tip) -> float:

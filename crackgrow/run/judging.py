@@ -13,6 +13,7 @@ from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
 from crackgrow.cover.cover import Cover
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, shear_growth, without_K
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import Site
@@ -24,7 +25,6 @@ from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.linear_solver import displacement_size
-from crackgrow.solid.supports import Constraints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,9 +56,7 @@ class StartState:
 class StepSolution:
     """Everything that is known of a configuration under its loads."""
 
-    configuration: Configuration
     state: LoadState
-    materials: tuple[PlaneElasticity, ...]  # body by body, in-situ stress included
     tips: tuple[TipState, ...]
     starts: tuple[StartState, ...]
     seconds: dict[str, float]
@@ -66,18 +64,33 @@ class StepSolution:
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     origin: Origin = FROM_REST
     passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
-    steepness: float = 1.0  # at a critical load: d ln(criticality) / d ln(load factor)
+    steepness: float = 1.0  # at a critical load: d ln(criticality) / d ln(load factor); nan where none is found
     accuracy: Accuracy | None = None  # what was measured of the error of K for a target; None: there is none
+
+    @property
+    def configuration(self) -> Configuration:
+        """The configuration of the cracks."""
+        return self.state.configuration
+
+    @property
+    def scene(self) -> Scene:
+        """The scene, with what has started in it."""
+        return self.state.scene
+
+    @property
+    def cracks(self) -> tuple[GrowingCrack, ...]:
+        """The cracks."""
+        return self.configuration.cracks
+
+    @property
+    def materials(self) -> tuple[PlaneElasticity, ...]:
+        """Materials, body by body, in-situ stress included."""
+        return self.state.materials
 
     @property
     def cover(self) -> Cover:
         """The cover of the configuration."""
         return self.configuration.cover
-
-    @property
-    def held(self) -> Constraints:
-        """Supports and bonds."""
-        return self.configuration.held
 
     @property
     def contact(self) -> ContactSystem:
@@ -102,7 +115,7 @@ class StepSolution:
     @property
     def loads(self) -> Floats:
         """Loads (n_dofs,) N/m."""
-        return self.configuration.loads(self.state.factor)
+        return self.configuration.loads(self.state.level)
 
     @property
     def displacement_size(self) -> float:
@@ -113,24 +126,23 @@ class StepSolution:
 def judged(state: LoadState, fields: Sequence[TipField | None] | None = None) -> StepSolution:
     """A loaded configuration with the fracture quantities of its tips; `fields` if their stress is known already."""
     configuration = state.configuration
-    materials = configuration.scene.materials_at(state.factor)
     seconds = dict(configuration.seconds)
     seconds["contact"] = state.seconds
     with timed(seconds, "criterion"):
-        found = stress_fields(state, materials) if fields is None else fields
-        tips = tip_states(state, materials, found[: len(configuration.cover.tips)])
+        found = stress_fields(state) if fields is None else fields
+        tips = tip_states(state, found[: len(configuration.cover.tips)])
         starts = tuple(_starts(configuration, found))
-    return StepSolution(configuration, state, materials, tips, starts, seconds)
+    return StepSolution(state, tips, starts, seconds)
 
 
-def stress_fields(state: LoadState, materials: tuple[PlaneElasticity, ...]) -> list[TipField | None]:
-    """The stress round every site, None where nothing can grow; `materials` body by body, in-situ stress included."""
-    scene, sites = state.configuration.scene, state.configuration.sites
+def stress_fields(state: LoadState) -> list[TipField | None]:
+    """The stress round every site, None where nothing can grow."""
+    sites = state.configuration.sites
     fields: list[TipField | None] = [None] * len(sites)
-    if scene.case.growth is None:
+    if state.scene.case.growth is None:
         return fields
     readings = state.configuration.fields
-    found = fields_of(state.configuration.cover, materials, state.outcome.u, list(readings.values()))
+    found = fields_of(state.cover, state.materials, state.outcome.u, list(readings.values()))
     for number, field in zip(readings, found, strict=True):
         fields[number] = field
     return fields
@@ -145,12 +157,10 @@ def _starts(configuration: Configuration, fields: Sequence[TipField | None]) -> 
         yield StartState(site, loading, verdict(scene, site, loading))
 
 
-def tip_states(
-    state: LoadState, materials: tuple[PlaneElasticity, ...], fields: Sequence[TipField | None]
-) -> tuple[TipState, ...]:
+def tip_states(state: LoadState, fields: Sequence[TipField | None]) -> tuple[TipState, ...]:
     """Fracture quantities of all tips, with the stress `fields` round them."""
-    configuration, u = state.configuration, state.outcome.u
-    scene, cover = configuration.scene, configuration.cover
+    configuration, scene, cover = state.configuration, state.scene, state.cover
+    materials, u = state.materials, state.outcome.u
     tips = range(len(cover.tips))
     bodies = [scene.crack_bodies[crack] for crack, _ in cover.tip_ends]
     K_faces = from_face_displacements(cover, [materials[body].young_prime for body in bodies], u, tips)
@@ -171,9 +181,7 @@ def verdict(scene: Scene, site: Site, loading: TipLoading) -> Verdict:
     A crack that has started in shear goes on in shear where its law is met, or sooner than the rest: at loads that are
     beyond both it would turn to and fro.
     """
-    growth, strength = scene.case.growth, scene.case.bodies[site.body].strength
-    assert growth is not None
-    assert strength is not None
+    growth, strength = scene.growing_in(site.body)
     criterion = CRITERIA[growth.criterion]
     if site.kind != "tip":
         return criterion.judge_start(loading, strength)
@@ -188,9 +196,8 @@ def verdict(scene: Scene, site: Site, loading: TipLoading) -> Verdict:
 
 def _tractions(state: LoadState, crack: int) -> FaceTraction:
     """All that acts between the faces of a crack."""
-    configuration, outcome = state.configuration, state.outcome
-    scene, cover, faces = configuration.scene, configuration.cover, configuration.faces
-    law = configuration.contact.law
+    scene, cover, outcome = state.scene, state.cover, state.outcome
+    faces, law = state.configuration.faces, state.configuration.contact.law
     pointwise = scene.laws[crack].elastic and scene.case.numerics.contact.discretization == "gauss"
 
     def traction(s: Floats) -> tuple[Floats, Floats]:

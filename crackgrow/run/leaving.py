@@ -11,6 +11,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Growth, Subcritical
 from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
 from crackgrow.fracture.subcritical import lengths, mean_velocity, velocities
+from crackgrow.run.advancing import End
 from crackgrow.run.judging import StepSolution
 
 COARSE = 3.0
@@ -21,8 +22,8 @@ COARSE_TIME = (
     "of the step is off by several percent; give a shorter growth.increment"
 )
 
-End = tuple[int, bool]
-"""Number of a crack, and whether it is its end or its start."""
+
+NO_SITES = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,12 +39,12 @@ class Leaving:
 
 def none_leaves(cracks: tuple[GrowingCrack, ...]) -> Leaving:
     """Nothing leaves."""
-    return Leaving(np.empty(0, dtype=np.int64), cracks)
+    return Leaving(NO_SITES, cracks)
 
 
-def leaves(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Leaving:
+def leaves(growth: Growth, solution: StepSolution) -> Leaving:
     """What leaves where after a solve: by the criterion, or by velocities, the tip that goes farthest first."""
-    criticality, n_tips = site_criticality(cracks, solution), len(solution.tips)
+    criticality, n_tips, cracks = site_criticality(solution), len(solution.tips), solution.cracks
     ends = solution.cover.tip_ends
     if growth.subcritical is not None:
         return _in_time(growth.subcritical, growth.increment, cracks, (ends, criticality[:n_tips]))
@@ -57,35 +58,30 @@ def leaves(growth: Growth, cracks: tuple[GrowingCrack, ...], solution: StepSolut
     return Leaving(sites, cracks)
 
 
-def site_criticality(cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> Floats:
+def site_criticality(solution: StepSolution) -> Floats:
     """Criticality (n,) of every site, -inf for a tip that must not grow."""
     tips = [
-        tip.verdict.criticality if tip.verdict is not None and cracks[index].can_grow(at_end) else -np.inf
+        tip.verdict.criticality if tip.verdict is not None and solution.cracks[index].can_grow(at_end) else -np.inf
         for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
     ]
     return np.array([*tips, *(start.verdict.criticality for start in solution.starts)])
 
 
-def lapse(left: Leaving, cracks: tuple[GrowingCrack, ...], solution: StepSolution) -> tuple[float, StepSolution]:
+def lapse(left: Leaving, solution: StepSolution) -> tuple[float, StepSolution]:
     """Time (s) of the advance that has led to a solution, and the solution, with a note where that is coarse.
 
     It goes by the tip with the largest mean velocity. Of one that has met something, or stands still now, the velocity
     at the beginning is all that is known.
     """
-    law = _law(solution)
+    law = solution.scene.case.subcritical
     if law is None or not left.velocity:
         return 0.0, solution
-    now = dict(zip(solution.cover.tip_ends, velocities(site_criticality(cracks, solution), law).tolist(), strict=True))
+    now = dict(zip(solution.cover.tip_ends, velocities(site_criticality(solution), law).tolist(), strict=True))
     ends = [(before, now.get(end) or before) for end, before in left.velocity.items()]
     mean, before, after = max((mean_velocity(before, after), before, after) for before, after in ends)
     if max(after / before, before / after) > COARSE:
         solution = replace(solution, notes=(*solution.notes, COARSE_TIME))
     return left.time * before / mean, solution
-
-
-def _law(solution: StepSolution) -> Subcritical | None:
-    growth = solution.configuration.scene.case.growth
-    return None if growth is None else growth.subcritical
 
 
 def _in_time(

@@ -1,11 +1,13 @@
-"""How a configuration is loaded: through a history of factors, up to the critical one, or on from the step before."""
+"""How a configuration is loaded: by loads in turn, up to the critical one, or on from the step before."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections import Counter, deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 from crackgrow.case.model import CriticalLoad, LoadHistory, Stages
+from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
@@ -13,116 +15,144 @@ from crackgrow.run.history import history_of
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, carried, from_state, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import Scene
-from crackgrow.run.stages import load_stages, through_stages
+from crackgrow.run.stages import through_stages
 
 
-def load(
-    scene: Scene,
-    cracks: tuple[GrowingCrack, ...],
-    before: StepSolution | None = None,
-    like: Configuration | None = None,
-) -> StepSolution:
-    """The cracks under the last load of the case.
+@dataclass(frozen=True, slots=True, eq=False)
+class NextStep:
+    """The cracks under the last load of the case, on any cells: the step after the one `before`, if there is one."""
 
-    `before` is the step before, whose state is gone on from where steps do not start unloaded. `like` is a
-    configuration that has more in common with this one than that step's. Raises GeometryError or SolveError where a
-    state can't be solved.
-    """
-    if isinstance(scene.case.loading, Stages):
-        return through_stages(scene, cracks)
-    known = before.configuration if like is None and before is not None else like
-    configuration = assemble(scene, cracks, known)
-    return _loaded(configuration, cracks, _origin(configuration, before))
+    cracks: tuple[GrowingCrack, ...]
+    before: StepSolution | None  # its state is gone on from where steps do not start unloaded
+
+    def solve(self, scene: Scene, like: Configuration | None) -> StepSolution:
+        """The step. Raises GeometryError or SolveError where a state can't be solved.
+
+        `like` is a configuration that may have parts in common with this one.
+        """
+        if isinstance(scene.case.loading, Stages):
+            return _at_last(through_stages(scene, self.cracks))
+        configuration = assemble(scene, self.cracks, like)
+        return _loaded(configuration, self._origin(configuration))
+
+    def state(self, scene: Scene, factor: float, like: Configuration | None) -> LoadState:
+        """The state at a load factor that `solve` would give with it as the critical one, or the last of several."""
+        if isinstance(scene.case.loading, Stages):
+            return deque(through_stages(scene, self.cracks), maxlen=1)[0][0]
+        configuration = assemble(scene, self.cracks, like)
+        origin = self._origin(configuration)
+        if origin.start is None and isinstance(scene.case.loading, CriticalLoad):
+            return increment(configuration, held_loads(configuration), factor)
+        return deque(_to_last(configuration, origin), maxlen=1)[0][0]
+
+    def _origin(self, configuration: Configuration) -> Origin:
+        """What a configuration goes on from."""
+        if self.before is None:
+            return FROM_REST
+        growth = configuration.scene.case.growth
+        on = growth is not None and not growth.unload_between_steps
+        return Origin(self.before.state.factor, carried(self.before.state, configuration) if on else None)
 
 
-def load_to(
-    scene: Scene,
-    cracks: tuple[GrowingCrack, ...],
-    factor: float,
-    before: StepSolution | None,
-    like: Configuration | None,
-) -> LoadState:
-    """The state at a load factor that `load` would give with it as the critical one, or the last of several.
-
-    `like` is a configuration that may have parts in common with this one. Raises as `load` does.
-    """
-    if isinstance(scene.case.loading, Stages):
-        return through_stages(scene, cracks).state
-    configuration = assemble(scene, cracks, like)
-    origin = _origin(configuration, before)
-    if origin.start is not None:
-        return increment(configuration, origin.start, origin.start.factor)
-    if isinstance(scene.case.loading, CriticalLoad):
-        return increment(configuration, held_loads(configuration), factor)
-    assert isinstance(scene.case.loading, LoadHistory)  # reduced strength has a search of its own
-    return _through_history(configuration, scene.case.loading)[0]
+def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | None = None) -> StepSolution:
+    """The cracks under the last load of the case, after the step `before`. Raises as `NextStep.solve` does."""
+    return NextStep(cracks, before).solve(scene, None if before is None else before.configuration)
 
 
 def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
     """What `load` has made of the cracks, from the origin of that solution. Raises as it does."""
     if isinstance(scene.case.loading, Stages):
-        return through_stages(scene, cracks)  # every step begins with the first of them
-    return _loaded(assemble(scene, cracks), cracks, origin)
+        return load(scene, cracks)  # every step begins with the first of them
+    return _loaded(assemble(scene, cracks), origin)
+
+
+class LoadsInTurn:
+    """The cracks at every factor of the case's history, or at the end of every stage."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        cracks: tuple[GrowingCrack, ...],
+        first: int = 0,
+        origin: Origin = FROM_REST,
+        like: Configuration | None = None,
+    ) -> None:
+        """From number `first` on, whose `origin` is given. `like` may have parts in common with this configuration."""
+        self.scene, self._next = scene, first
+        self._paid: Configuration | None = None
+        if isinstance(scene.case.loading, Stages):
+            self._states = through_stages(scene, cracks, first, origin)
+        else:
+            self._states = _through_history(assemble(scene, cracks, like), first, origin)
+
+    def state(self, number: int) -> tuple[LoadState, Origin]:
+        """The state under a load that has not been asked for, and what it goes on from.
+
+        Raises GeometryError or SolveError where there is none.
+        """
+        for state, origin in self._states:
+            self._next += 1
+            if self._next > number:
+                return state, origin
+            self._paid = state.configuration
+        raise NotSolvedError("an earlier load of the history has no solution on these cells")
+
+    def solution(self, number: int) -> StepSolution:
+        """The solution under a load that has not been asked for. Raises as `state` does."""
+        state, origin = self.state(number)
+        solution = replace(judged(state), origin=origin, passed=history_of(state)[:-1])
+        if state.configuration is self._paid:
+            seconds = {**solution.seconds, **dict.fromkeys(state.configuration.seconds, 0.0)}
+            solution = replace(solution, factorizations=0, seconds=seconds)
+        self._paid = state.configuration
+        return solution
 
 
 def load_history(
-    scene: Scene,
-    cracks: tuple[GrowingCrack, ...],
-    first: int = 0,
-    origin: Origin | None = None,
-    like: Configuration | None = None,
+    scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin = FROM_REST
 ) -> Iterator[StepSolution]:
-    """The cracks at every factor of the case's history, or at the end of every stage, in turn.
-
-    From number `first` on, whose `origin` is given. `like` is a configuration that has much in common with this one.
-    """
-    if isinstance(scene.case.loading, Stages):
-        yield from load_stages(scene, cracks, first, origin)
-        return
-    assert isinstance(scene.case.loading, LoadHistory)
-    configuration = assemble(scene, cracks, like)
-    start = None if origin is None else origin.start
-    for number, factor in enumerate(scene.case.loading.factors[first:], first):
-        origin = Origin(start=start)
-        state = increment(configuration, held_loads(configuration) if start is None else start, factor)
-        solution = replace(judged(state), origin=origin, passed=history_of(state)[:-1])
-        if number:  # the configuration was paid for by the first state
-            solution = replace(solution, factorizations=0)
-        if number > first:
-            solution = replace(solution, seconds={**solution.seconds, **dict.fromkeys(configuration.seconds, 0.0)})
-        yield solution
-        start = from_state(state)
+    """The solutions of loads in turn, from number `first` on, whose `origin` is given."""
+    return map(LoadsInTurn(scene, cracks, first, origin).solution, range(first, scene.case.n_loads))
 
 
-def _origin(configuration: Configuration, before: StepSolution | None) -> Origin:
-    """What a configuration goes on from after the step before."""
-    if before is None:
-        return FROM_REST
-    growth = configuration.scene.case.growth
-    on = growth is not None and not growth.unload_between_steps
-    return Origin(before.state.factor, carried(before.state, configuration) if on else None)
-
-
-def _loaded(configuration: Configuration, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
+def _loaded(configuration: Configuration, origin: Origin) -> StepSolution:
     """A configuration under the last load of the case."""
-    loading = configuration.scene.case.loading
-    if origin.start is not None:
-        solution = judged(increment(configuration, origin.start, origin.start.factor))
-    elif isinstance(loading, CriticalLoad):
-        solution = critically_loaded(configuration, cracks, origin.guess)
+    if origin.start is None and isinstance(configuration.scene.case.loading, CriticalLoad):
+        solution = critically_loaded(configuration, origin.guess)
     else:
-        assert isinstance(loading, LoadHistory)
-        state, passed = _through_history(configuration, loading)
-        solution = replace(judged(state), passed=passed)
+        solution = _at_last(_to_last(configuration, origin))
     return replace(solution, origin=origin)
 
 
-def _through_history(configuration: Configuration, loading: LoadHistory) -> tuple[LoadState, tuple[LoadState, ...]]:
-    """The state at the end of a history, and those that led to it where the case asks for them."""
-    start = held_loads(configuration)
-    states: list[LoadState] = []
-    for factor in loading.factors:
-        state = increment(configuration, start, factor)
-        start = from_state(state)
-        states += history_of(state)
-    return state, tuple(states[:-1])
+def _to_last(configuration: Configuration, origin: Origin) -> Iterator[tuple[LoadState, Origin]]:
+    """States on the way of a configuration to the last of given loads."""
+    if origin.start is None:
+        return _through_history(configuration)
+    return iter([(increment(configuration, origin.start, origin.start.level.factor), origin)])
+
+
+def _through_history(
+    configuration: Configuration, first: int = 0, origin: Origin = FROM_REST
+) -> Iterator[tuple[LoadState, Origin]]:
+    """States at every factor of the case's history, in turn, and what each goes on from: from number `first` on."""
+    loading = configuration.scene.case.loading
+    assert isinstance(loading, LoadHistory)  # reduced strength has a search of its own
+    for factor in loading.factors[first:]:
+        state = increment(configuration, origin.start or held_loads(configuration), factor)
+        yield state, origin
+        origin = Origin(start=from_state(state))
+
+
+def _at_last(states: Iterable[tuple[LoadState, Origin]]) -> StepSolution:
+    """The solution of the last of some states in turn, with those that have led to it and the time of all."""
+    passed: list[LoadState] = []
+    seconds: Counter[str] = Counter()
+    paid: Configuration | None = None
+    for state, _ in states:
+        passed += history_of(state)
+        seconds.update({"contact": state.seconds})
+        if state.configuration is not paid:
+            seconds.update(state.configuration.seconds)
+        paid = state.configuration
+    solution = judged(state)
+    return replace(solution, passed=tuple(passed[:-1]), seconds={**solution.seconds, **seconds})

@@ -10,10 +10,9 @@ import math
 from dataclasses import replace
 
 from crackgrow.cover.refinement import MOST_LEVELS
-from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.configuration import lay_out
 from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.layout import cells_of
 
 MOST_AT_ONCE = 3
 """Halvings in one round."""
@@ -25,17 +24,15 @@ STUCK = 0.8
 """An error of which this is left does not come from the cells at the crack: all are halved."""
 
 
-def halvings_next(
-    solution: StepSolution, cracks: tuple[GrowingCrack, ...], now: Accuracy, before: Accuracy | None
-) -> tuple[Halvings | None, str]:
+def halvings_next(solution: StepSolution, now: Accuracy, before: Accuracy | None) -> tuple[Halvings | None, str]:
     """The cells to try for a step that misses its target; None and why, where there are none.
 
     `now` is what is known on the cells of a solution, `before` on those that were tried before.
     """
-    if solution.configuration.scene.case.numerics.goal == "K":
+    if solution.scene.case.numerics.goal == "K":
         wanted, why = _for_K(solution, now, before)
     else:
-        wanted, why = _for_goal(solution, cracks, now, before)
+        wanted, why = _for_goal(solution, now, before)
     if wanted is not None and solution.cover.sizes.min() <= 0.5**MOST_LEVELS:
         return None, f"cells are halved {MOST_LEVELS} times already, which is the most"
     return wanted, why
@@ -43,7 +40,7 @@ def halvings_next(
 
 def halvings_after(solution: StepSolution) -> Halvings:
     """The cells that the step after a solution begins with."""
-    scene, accuracy = solution.configuration.scene, solution.accuracy
+    scene, accuracy = solution.scene, solution.accuracy
     halvings, target = scene.halvings, scene.case.numerics.target
     if target is None or accuracy is None or scene.case.numerics.goal != "K":
         return halvings
@@ -56,26 +53,23 @@ def halvings_after(solution: StepSolution) -> Halvings:
 
 
 def _target(solution: StepSolution) -> float:
-    target = solution.configuration.scene.case.numerics.target
+    target = solution.scene.case.numerics.target
     assert target is not None  # else no cells are chosen
     return target
 
 
-def _for_goal(
-    solution: StepSolution, cracks: tuple[GrowingCrack, ...], now: Accuracy, before: Accuracy | None
-) -> tuple[Halvings | None, str]:
+def _for_goal(solution: StepSolution, now: Accuracy, before: Accuracy | None) -> tuple[Halvings | None, str]:
     """Of another goal than K: at all cracks and corners, or everywhere where that does not help."""
     if math.isinf(now.goal):
         return None, "it is nothing: no cells can be chosen by it"
     if math.isnan(now.goal):
         return None, "there is no solution on cells twice as large to hold it against"
-    halvings, scene = now.halvings, solution.configuration.scene
+    halvings, scene = now.halvings, solution.scene
     more = math.ceil(math.log2(min(now.goal / _target(solution), 2.0**MOST_AT_ONCE)))
     if before is None or not now.goal > STUCK * before.goal:
         at_cracks = tuple(min(n + more, MOST_LEVELS) for n in halvings.cracks)
         wanted = replace(halvings, cracks=at_cracks, corners=min(halvings.corners + more, MOST_LEVELS))
-        cells = lay_out(scene.with_halvings(wanted), cracks)[0].lattice.cells
-        if not cells.equal(solution.cover.lattice.cells):
+        if not cells_of(scene.with_halvings(wanted), solution.cracks).equal(solution.cover.lattice.cells):
             return wanted, ""
     return replace(halvings, everywhere=halvings.everywhere + 1), ""
 

@@ -30,6 +30,7 @@ from typing import Final
 import numpy as np
 
 from crackgrow.cover.refinement import MOST_LEVELS
+from crackgrow.run.advancing import End
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import LoadState
 from crackgrow.run.intensity_error import intensity_errors, largest_kink
@@ -43,13 +44,10 @@ WORSE_AT_KINKS: Final[Mapping[int, float]] = {3: 1.0, 2: 1.5}
 OF_BOTH = 0.45
 AT_MOST, AT_MOST_OF_BOTH = 2.0, 3.0
 
-End = tuple[int, bool]
-"""A crack, and whether it is the crack's end."""
-
 
 def compared(solution: StepSolution) -> Scene:
     """The scene with the cells that K, or another goal, is held against."""
-    scene = solution.configuration.scene
+    scene = solution.scene
     halvings = scene.halvings
     room = MOST_LEVELS + math.log2(float(solution.cover.sizes.min()))
     more = max((times for times in WORSE_AT_KINKS if times <= room), default=0)
@@ -62,7 +60,7 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
 
     Where there is none, or K is not the goal, B alone is known.
     """
-    scene, cover = solution.configuration.scene, solution.cover
+    scene, cover = solution.scene, solution.cover
     off = {} if other is None or scene.case.numerics.goal != "K" else _differences(solution, other)
     expected, bounds, all_fitted = [], [], fitted_bounds(solution)
     for tip, end, fitted in zip(cover.tips, cover.tip_ends, all_fitted, strict=True):
@@ -121,7 +119,7 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, float]:
     apart = solution.cover.sizes.min() / other.configuration.cover.sizes.min()
     if 0.6 < apart < 1.5:
         return {}
-    scene, others, found = solution.configuration.scene, _K_of(other), {}
+    scene, others, found = solution.scene, _K_of(other), {}
     for tip, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
         difference = float(np.hypot(*np.subtract(others.get(end, np.nan), tip.K)))
         if np.isfinite(difference):
@@ -141,8 +139,7 @@ def _spread(tip: TipState) -> float:
 
 def fitted_bounds(solution: StepSolution) -> list[float]:
     """B (Pa sqrt(m)), tip by tip; nan where K is."""
-    scene = solution.configuration.scene
-    fitted = intensity_errors(scene, solution, along_surfaces(solution, scene)[1])
+    fitted = intensity_errors(solution, along_surfaces(solution)[1])
     return [float(np.max(both)) for both in fitted]
 
 
@@ -159,6 +156,5 @@ def largest_K(solution: StepSolution) -> float:
 
 def _K_of(state: LoadState) -> dict[End, tuple[float, float]]:
     """K of all tips of a state."""
-    cover, materials = state.configuration.cover, state.configuration.scene.materials_at(state.factor)
-    tips = tip_states(state, materials, [None] * len(cover.tips))
-    return dict(zip(cover.tip_ends, (tip.K for tip in tips), strict=True))
+    tips = tip_states(state, [None] * len(state.cover.tips))
+    return dict(zip(state.cover.tip_ends, (tip.K for tip in tips), strict=True))

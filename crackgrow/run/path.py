@@ -9,6 +9,7 @@ that only its bond holds opens, a sticking one comes to its limit, or slip that 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -17,6 +18,7 @@ from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import SLIP, ContactMemory
 from crackgrow.contact.solve import PointStates
 from crackgrow.run.configuration import Configuration
+from crackgrow.run.load_level import LoadLevel
 
 SHARES = (1.0, 1e-3, 1e-6, 1e-8)
 """Of the rest of the way, the increments that are looked at for the branches of the next piece.
@@ -44,60 +46,67 @@ BEYOND = 2.0
 Piece = Literal["straight", "bent", "jump"]
 """Of the path: as linear in the load, with strength that falls with slip, or across a load at which points jump."""
 
-Load = tuple[float, float]
-"""The load factor, and the share of the held loads."""
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Remembered:
+    """What the next increment needs of a state, at the contact points of the configuration it is on."""
+
+    memory: ContactMemory
+    normal: Floats  # (n,) Pa
+    tangential: Floats  # (n,) Pa
+    dilation: Floats  # (n,) m
+
+    @property
+    def tractions(self) -> Floats:
+        """(2 n,) Pa, all normals, then all tangentials."""
+        return np.concatenate([self.normal, self.tangential])
 
 
 def next_piece(
     configuration: Configuration,
-    memory: ContactMemory,
-    tractions: Floats,
-    way: tuple[Load, Load],
+    was: Remembered,
+    way: tuple[LoadLevel, LoadLevel],
     jumps: int,
-    before: PointStates | None = None,
-) -> tuple[PointStates, Load, Piece]:
+    before: PointStates | None,
+) -> tuple[PointStates, LoadLevel, Piece]:
     """States of the contact points at the end of the next piece of a way, the load there, and what the piece is.
 
-    It sets out from the state of `tractions` (2 n,) Pa and `memory` at the first load; `jumps` are those in turn that
-    have led there. After an event `before` are the states there: few points have other branches beyond, and where one
-    event was the next is mostly near. Raises SolveError where there are no states.
+    It sets out from what `was` at the first load; `jumps` are those in turn that have led there. After an event
+    `before` are the states there: few points have other branches beyond, and where one event was the next is mostly
+    near. Raises SolveError where there are no states.
     """
-    first, last = way
+    (first, last), memory = way, was.memory
 
-    def load(share: float) -> Load:
-        if share == 1.0:
-            return last
-        return first[0] + share * (last[0] - first[0]), first[1] + share * (last[1] - first[1])
+    def level(share: float) -> LoadLevel:
+        return last if share == 1.0 else LoadLevel(*(a + share * (b - a) for a, b in zip(first, last, strict=True)))
 
     def on_branch(like: PointStates, share: float) -> PointStates:
-        factor, holding = load(share)
-        increment, free = configuration.increment(factor, memory, holding)
+        increment, free = configuration.increment(level(share), memory)
         return increment.on_branch(like, free)
 
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
 
     def at(share: float) -> PointStates:
-        factor, holding = load(share)
-        return configuration.states(factor, memory, holding, before)
+        return configuration.states(level(share), memory, before)
 
     if configuration.contact.law.weakens.any() and _wear(configuration, memory, at(least)) > 0.0:
         share, states = _while_wearing(configuration, memory, at, least)
-        return states, load(share), "jump" if share == least else "bent"
+        return states, level(share), "jump" if share == least else "bent"
     shares = SHARES if before is None else SHARES[1:]
     for share in (*(share for share in shares if share > least), least):
         states = at(share)
         if _wear(configuration, memory, states) > 0.0:
             continue  # it begins on the way
         begin = on_branch(states, 0.0)
-        if _leads_back(configuration, begin, states, memory, tractions):
+        if _leads_back(configuration, begin, states, was):
             break
     else:
-        return states, load(share), "jump"
+        return states, level(share), "jump"
     if share == 1.0:
         return states, last, "straight"
     end = on_branch(states, 1.0)
     event = max(_first_event(configuration, begin, end), share)
-    return (end if event == 1.0 else on_branch(states, event)), load(event), "straight"
+    return (end if event == 1.0 else on_branch(states, event)), level(event), "straight"
 
 
 def _while_wearing(
@@ -122,24 +131,22 @@ def _wear(configuration: Configuration, memory: ContactMemory, states: PointStat
     """The largest share of what weakening points can lose, and have not lost yet, that their slip is of."""
     law = configuration.contact.law
     slips = (states.state == SLIP) & law.weakens & (memory.lost < 1.0) & states.trial.taken
-    moved = states.slip - law.along * states.tangential - memory.slip
+    moved = states.slip - law.shear_compliance * states.tangential - memory.slip
     return float(np.max(law.worn(moved)[slips], initial=0.0))
 
 
-def _leads_back(
-    configuration: Configuration, begin: PointStates, states: PointStates, memory: ContactMemory, tractions: Floats
-) -> bool:
-    """Whether the branches of some `states` lead back to those that a memory and tractions (2 n,) are of.
+def _leads_back(configuration: Configuration, begin: PointStates, states: PointStates, was: Remembered) -> bool:
+    """Whether the branches of some `states` lead back to what `was` at first.
 
-    `begin` are the states on these branches at the load of the memory.
+    `begin` are the states on these branches at the load there.
     """
-    law = configuration.contact.law
+    law, memory, tractions = configuration.contact.law, was.memory, was.tractions
     if bool(((states.trial.lost > memory.lost) & law.breakable).any()):
         return False
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
     length = size * float(configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
     length = max(length, float(np.abs(memory.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
-    moved = np.where(states.trial.taken, begin.slip - law.along * begin.tangential - memory.slip, 0.0)
+    moved = np.where(states.trial.taken, begin.slip - law.shear_compliance * begin.tangential - memory.slip, 0.0)
     off = float(np.abs(begin.tractions - tractions).max(initial=0.0))
     return off <= ON_PATH * size and float(np.abs(moved).max(initial=0.0)) <= ON_PATH * length
 
@@ -164,8 +171,7 @@ def _rooms(
     closed, sticks, sense = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros(n)
     if begin.active is not None:
         closed[trial.taken], sticks[trial.taken] = begin.active.closed, begin.active.slip == 0
-        if begin.active.sense is not None:
-            sense[trial.taken] = begin.active.sense
+        sense[trial.taken] = begin.active.sense
     yield closed, -begin.normal, -end.normal
     yield ~closed, begin.gap, end.gap
     held = trial.taken & ~closed & (cohesion > 0.0)
@@ -173,5 +179,5 @@ def _rooms(
     for way in (-1.0, 1.0):
         left, there = (cohesion - friction * some.normal - way * some.tangential for some in (begin, end))
         yield sticks, left, there
-    slips = [sense * (some.slip - law.along * some.tangential) for some in (begin, end)]
-    yield closed & ~sticks & (law.dilating > 0.0), slips[0], slips[1]
+    slips = [sense * (some.slip - law.shear_compliance * some.tangential) for some in (begin, end)]
+    yield closed & ~sticks & (law.dilation > 0.0), slips[0], slips[1]

@@ -17,13 +17,13 @@ def reactions(state: LoadState) -> tuple[Reaction, ...]:
 
     Those of rock that is gone are zero.
     """
-    found, scene = [], state.configuration.scene
+    found, scene = [], state.scene
     held, multipliers = state.configuration.held, state.outcome.multipliers
     supports = [n for n, support in enumerate(scene.case.supports) if not isinstance(support, ContactSupport)]
     for number in supports:
         force = [-float(multipliers[(held.support == number) & (held.component == axis)].sum()) for axis in range(2)]
         found.append(Reaction(f"supports.{number}", (force[0], force[1])))
-    cover, first = state.configuration.cover, len(scene.case.cracks)
+    cover, first = state.cover, len(scene.case.cracks)
     numbers = {surface.name: number for number, surface in enumerate(cover.surfaces)}
     at_start = scene.at_start
     for name in [*(line.name for line in at_start.interfaces), *(each.name for each in at_start.foundations)]:
@@ -65,7 +65,7 @@ def imbalance(solution: StepSolution) -> float:
     Rows of the system can each be in balance to round-off while their sum is not: where a stiff body is held by one
     that is many times softer, and moves that many times further than it strains.
     """
-    interfaces = {surface.name for surface in solution.configuration.scene.at_start.interfaces}
+    interfaces = {surface.name for surface in solution.scene.at_start.interfaces}
     held = [np.array(reaction.force) for reaction in reactions(solution.state) if reaction.where not in interfaces]
     size = float(np.abs(solution.loads).sum() + sum(np.hypot(*force) for force in held))
     left = float(np.abs(sum(held, start=total_load(solution))).max())

@@ -10,14 +10,13 @@ from functools import partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import Subcritical
 from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.run.cautions import cautions, largest_overlap, mean_stress, overlap_shares
+from crackgrow.run.cautions import cautions
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
@@ -25,6 +24,7 @@ from crackgrow.run.growth_error import judged_when_off, kink_errors, load_error
 from crackgrow.run.history import history
 from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.misfit import mean_stress, misfits
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import CrackFaces, CrackPath, Frame, FrameOnDemand, StartResult, StepResult, TipResult
 from crackgrow.run.scene import Scene
@@ -40,18 +40,18 @@ def paths_of(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:
 def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_frame: bool) -> StepResult:
     """The result of a step, of whose tips the `chosen` advance."""
     started = time.perf_counter()
-    outcome, scene, paths = solution.outcome, solution.configuration.scene, paths_of(state.cracks)
-    contact, faces = along_surfaces(solution, scene)
+    outcome, scene, paths = solution.outcome, solution.scene, paths_of(state.cracks)
+    contact, faces = along_surfaces(solution)
     known = solution.accuracy
-    errors = intensity_errors(scene, solution, faces) if known is None else [(bound, bound) for bound in known.bounds]
+    errors = intensity_errors(solution, faces) if known is None else [(bound, bound) for bound in known.bounds]
     off = judged_when_off(solution, errors)
     kinks = np.rad2deg(kink_errors(solution, off)).tolist()
     expected = [float("nan")] * len(errors) if known is None else known.expected
     tips = tuple(
-        replace(_tip(solution, tip, tip in chosen, scene, error), kink_error_deg=kink, K_error_expected=likely)
+        replace(_tip(solution, tip, tip in chosen, error), kink_error_deg=kink, K_error_expected=likely)
         for tip, (error, kink, likely) in enumerate(zip(errors, kinks, expected, strict=True))
     )
-    shares = overlap_shares(scene, solution, faces)
+    missed = misfits(solution, faces)
     error = estimated_error(solution) if state.step == 0 else None
     K = [tip.K for tip in solution.tips]
     make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error, scene.numbers_at_start)
@@ -73,20 +73,20 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         residual=solution.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
-        overlap=largest_overlap(scene, faces),
-        overlap_share=max(shares, default=0.0),
+        overlap=max((surface.overlap for surface in missed), default=0.0),
+        overlap_share=max((surface.share for surface in missed), default=0.0),
         energy=solution.state.energy,
         load_displacement=_load_displacement(solution),
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         effective_toughness=_toughness(scene),
-        cautions=cautions(scene, solution, faces, shares, state.step),
+        cautions=cautions(solution, faces, missed, state.step),
         norm_error=error.relative if error else float("nan"),
-        time=float("nan") if _law(scene) is None else state.time,
+        time=float("nan") if scene.case.subcritical is None else state.time,
         goal_error=float("nan") if known is None else 100.0 * known.goal,
-        load_factor_error=100.0 * load_error(state.cracks, solution, off),
-        stress=_stress(scene, solution, faces),
+        load_factor_error=100.0 * load_error(solution, off),
+        stress=_stress(solution, faces),
         history=history([*solution.passed, solution.state]),
-        start=_start(solution, scene),
+        start=_start(solution),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
 
@@ -104,14 +104,14 @@ def _frame(
     return replace(frame, body=bodies[frame.body])
 
 
-def _stress(scene: Scene, solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
+def _stress(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
     """The largest pressure (Pa) on the faces of cracks, or the mean stress where that is larger.
 
     The energy does not hold the stress in the ground, which presses on cracks that stick at no displacement.
     """
-    cracks = (face for law, face in zip(scene.laws, faces, strict=True) if law.kind == "crack")
+    cracks = (face for law, face in zip(solution.scene.laws, faces, strict=True) if law.kind == "crack")
     pressure = max((float(np.abs(face.normal_traction).max(initial=0.0)) for face in cracks), default=0.0)
-    return max(pressure, mean_stress(scene, solution))
+    return max(pressure, mean_stress(solution))
 
 
 def _load_displacement(solution: StepSolution) -> float:
@@ -126,15 +126,15 @@ def _load_displacement(solution: StepSolution) -> float:
     return float(np.abs(solution.configuration.given(solution.state.factor)).max(initial=0.0))
 
 
-def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error: tuple[float, float]) -> TipResult:
-    cover, state = solution.cover, solution.tips[tip]
+def _tip(solution: StepSolution, tip: int, advances: bool, K_error: tuple[float, float]) -> TipResult:
+    cover, state, spacing = solution.cover, solution.tips[tip], solution.cover.lattice.spacing
     index, at_end = cover.tip_ends[tip]
-    verdict, law = state.verdict, _law(scene)
+    verdict, law = state.verdict, solution.scene.case.subcritical
     nan = float("nan")
     return TipResult(
         crack=cover.cracks[index].name,
         tip="end" if at_end else "start",
-        point=scene.lattice.to_metres(cover.tips[tip].point),
+        point=cover.lattice.to_metres(cover.tips[tip].point),
         K_I=state.intensity.K_I,
         K_II=state.intensity.K_II,
         sigma_1=verdict.sigma_1 if verdict else nan,
@@ -151,12 +151,12 @@ def _tip(solution: StepSolution, tip: int, advances: bool, scene: Scene, K_error
         K_II_faces=state.K_faces[1],
         K_I_spread=state.intensity.K_I_spread,
         K_II_spread=state.intensity.K_II_spread,
-        cell_size=cover.tips[tip].size * scene.lattice.spacing,
+        cell_size=cover.tips[tip].size * spacing,
         velocity=nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0]),
     )
 
 
-def _start(solution: StepSolution, scene: Scene) -> StartResult | None:
+def _start(solution: StepSolution) -> StartResult | None:
     """The start that is the most critical; of equally critical ones that which would be chosen."""
     criticality = np.array([start.verdict.criticality for start in solution.starts])
     largest = criticality.max(initial=0.0)
@@ -165,12 +165,7 @@ def _start(solution: StepSolution, scene: Scene) -> StartResult | None:
     places = np.array([start.site.point for start in solution.starts])
     first = leaving(criticality / largest, np.full(len(places), STARTS), places, "most_critical")[0]
     most = solution.starts[first]
-    return StartResult(scene.lattice.to_metres(most.site.point), most.verdict.mode, most.verdict.criticality)
-
-
-def _law(scene: Scene) -> Subcritical | None:
-    growth = scene.case.growth
-    return None if growth is None else growth.subcritical
+    return StartResult(solution.cover.lattice.to_metres(most.site.point), most.verdict.mode, most.verdict.criticality)
 
 
 def _toughness(scene: Scene) -> float:

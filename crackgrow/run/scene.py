@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import shapely
@@ -15,15 +14,16 @@ from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
     ContactSupport,
-    CoulombContact,
     EdgeLoad,
     FluidPressure,
     Gravity,
+    Growth,
     InSituStress,
     Load,
     PointSupport,
     Stage,
     Stages,
+    Strength,
 )
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
@@ -33,37 +33,10 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import BodyForce
 from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings, with_started
+from crackgrow.run.surface_laws import SurfaceLaw, contact_stiffness
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.supports import body_index
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SurfaceLaw:
-    """What holds the two faces of a surface."""
-
-    kind: Literal["crack", "interface", "foundation"]
-    contact: CoulombContact | None  # None: they never touch
-    bonded: bool
-    stiffness: float  # Pa: kappa E, of which k = kappa E / h; infinite for rigid contact
-
-    @property
-    def joint(self) -> tuple[float, float] | None:
-        """Its own stiffness, Pa/m: normal and shear; None: that of the numerics holds."""
-        return None if self.contact is None else self.contact.stiffness
-
-    @property
-    def elastic(self) -> bool:
-        """Whether closed faces give way."""
-        return self.joint is not None or bool(np.isfinite(self.stiffness))
-
-    def compliance(self, size: Floats) -> Floats:
-        """1/k (n,) m/Pa across the faces beside cells of these sizes h (n,) m; zero for rigid contact."""
-        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[0])
-
-    def shear_compliance(self, size: Floats) -> Floats:
-        """The same along the faces."""
-        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,7 +163,7 @@ class Scene:
             fluids = [load for load in loads if isinstance(load, FluidPressure) and load.surface == on]
             loads += [replace(load, surface=growing_crack.crack.name) for load in fluids]
         cracks = [growing_crack.crack for growing_crack in new]
-        laws = [SurfaceLaw("crack", c.contact, False, _stiffness(case, (c.body,))) for c in cracks]
+        laws = [SurfaceLaw("crack", c.contact, False, contact_stiffness(case, (c.body,))) for c in cracks]
         halvings, numerics = self.halvings, case.numerics
         if numerics.target is not None:
             lengths = (line_length(crack.points) for crack in cracks)
@@ -207,19 +180,20 @@ class Scene:
         """The scene on other cells, with the rock that is gone."""
         return replace(self, halvings=halvings, whole=self.whole and self.whole.with_halvings(halvings))
 
-    def averaging_radius(self, body: int) -> float:
-        """Radius (m) of the criterion in a body that has a strength, of a case with growth."""
+    def growing_in(self, body: int) -> tuple[Growth, Strength]:
+        """How cracks grow, and the strength of the body that they grow in, which has one: of a case with growth."""
         growth, strength = self.case.growth, self.case.bodies[body].strength
         assert growth is not None
         assert strength is not None
-        return averaging_radius(growth, strength)
+        return growth, strength
+
+    def averaging_radius(self, body: int) -> float:
+        """Radius (m) of the criterion in such a body."""
+        return averaging_radius(*self.growing_in(body))
 
     def start_radius(self, body: int) -> float:
         """The same (m) where cracks start, and at tips of those that have started in shear."""
-        growth, strength = self.case.growth, self.case.bodies[body].strength
-        assert growth is not None
-        assert strength is not None
-        return start_radius(growth, strength)
+        return start_radius(*self.growing_in(body))
 
     def radius_at(self, site: Site) -> float:
         """Radius (m) over which stress is averaged at a site in such a body."""
@@ -232,9 +206,7 @@ class Scene:
         Where cracks start there is no K: a wing has taken the singularity away. Over a longer length stress is larger
         there, and a larger toughness would let them start sooner.
         """
-        growth, strength = self.case.growth, self.case.bodies[site.body].strength
-        assert growth is not None
-        assert strength is not None
+        growth, strength = self.growing_in(site.body)
         shears = site.in_shear or (site.kind == "tip" and growth.criterion not in BY_K)
         return shear_radius(growth, strength) if shears else None
 
@@ -281,11 +253,6 @@ def scene_of_stage(scene: Scene, number: int) -> Scene:
     return replace(left, halvings=scene.halvings, lengths=scene.lengths, course=course, whole=scene)
 
 
-def scene_at_end(scene: Scene) -> Scene:
-    """The scene at its last load: that of the last stage, if there are any."""
-    return scene_of_stage(scene, scene.case.n_loads - 1) if isinstance(scene.case.loading, Stages) else scene
-
-
 def without(case: Case, gone: set[str]) -> Case:
     """The case without some bodies and what acts on them. Supports keep their numbers: those of gone bodies stay."""
 
@@ -307,7 +274,7 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
     bodies = {body.name for body in case.bodies}
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
-    laws = [SurfaceLaw("crack", c.contact, False, _stiffness(case, (c.body,))) for c in case.cracks]
+    laws = [SurfaceLaw("crack", c.contact, False, contact_stiffness(case, (c.body,))) for c in case.cracks]
     interfaces = []
     for interface in case.interfaces:
         bonded = interface.contact == "bonded"
@@ -316,7 +283,7 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
             suffix = f".{number}" if len(interface.lines) > 1 else ""
             name = "/".join(interface.bodies) + suffix
             interfaces.append(CrackGeometry(name, lattice.to_lattice(line), False, False))
-            laws.append(SurfaceLaw("interface", contact, bonded, _stiffness(case, interface.bodies)))
+            laws.append(SurfaceLaw("interface", contact, bonded, contact_stiffness(case, interface.bodies)))
     foundations: list[Foundation] = []
     on_edge = [f"{s.region.body}.{s.region.edge}" for s in case.supports if isinstance(s, ContactSupport)]
     for support in case.supports:
@@ -325,7 +292,7 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
             suffix = f".{on_edge[:number].count(on_edge[number])}" if on_edge.count(on_edge[number]) > 1 else ""
             index = body_index(case.bodies, region.body)
             foundations.append(Foundation(on_edge[number] + suffix, index, region.sides, region.limits))
-            laws.append(SurfaceLaw("foundation", support.contact, False, _stiffness(case, (region.body,))))
+            laws.append(SurfaceLaw("foundation", support.contact, False, contact_stiffness(case, (region.body,))))
     return Scene(
         case=case,
         lattice=lattice,
@@ -338,15 +305,6 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
         lengths=_lengths(case),
         laws=tuple(laws),
     )
-
-
-def _stiffness(case: Case, bodies: tuple[str, ...]) -> float:
-    """kappa E (Pa) of contact, E of the softer body; infinite for rigid contact."""
-    kappa = case.numerics.contact.stiffness
-    if kappa is None:
-        return np.inf
-    young = min(body.material.young for body in case.bodies if body.name in bodies)
-    return kappa * young
 
 
 def _lengths(case: Case) -> tuple[Length, ...]:

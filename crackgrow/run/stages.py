@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import FluidPressure, Stages
+from crackgrow.case.model import FluidPressure
 from crackgrow.contact.face_loads import face_load_vector, is_named
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
@@ -22,51 +22,34 @@ from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.quadrature.everywhere import all_points
 from crackgrow.run.configuration import Configuration, Gone, assemble
-from crackgrow.run.history import history_of
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, held_loads, increment, taken_over
-from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.reactions import face_forces
 from crackgrow.run.scene import Scene, scene_of_stage
 
 
-def load_stages(
-    scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin | None = None
-) -> Iterator[StepSolution]:
-    """The cracks at the end of every stage of the case, in turn, from number `first` on, whose `origin` is given.
+def through_stages(
+    scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin = FROM_REST
+) -> Iterator[tuple[LoadState, Origin]]:
+    """States at the end of every stage of the case, in turn, and what each goes on from: from number `first` on.
 
     `scene` may be that of any stage. Raises GeometryError or SolveError where a stage has no state.
     """
     scene = scene.at_start.with_cracks(cracks)
-    assert isinstance(scene.case.loading, Stages)
     state: LoadState | None = None
-    for number in range(first, len(scene.case.loading.stages)):
+    for number in range(first, scene.case.n_loads):
         here = scene_of_stage(scene, number)
         if state is None:
-            origin = origin or FROM_REST
             configuration = assemble(here, cracks).with_gone(origin.gone)
         else:
-            configuration, origin = _next(state, origin or FROM_REST, here, cracks)
-        start = origin.start or held_loads(configuration)
-        state = increment(configuration, start, number + 1.0)
-        yield replace(judged(state), origin=origin, passed=history_of(state)[:-1])
+            configuration, origin = _next(state, origin, here)
+        state = increment(configuration, origin.start or held_loads(configuration), number + 1.0)
+        yield state, origin
 
 
-def through_stages(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> StepSolution:
-    """The cracks at the end of the last stage, after all of them. Raises as `load_stages` does."""
-    passed: list[LoadState] = []
-    seconds: dict[str, float] = {}
-    for solution in load_stages(scene, cracks):
-        passed += [*solution.passed, *history_of(solution.state)[-1:]]
-        seconds = {phase: seconds.get(phase, 0.0) + spent for phase, spent in solution.seconds.items()}
-    return replace(solution, passed=tuple(passed[:-1]), seconds=seconds)
-
-
-def _next(
-    state: LoadState, origin: Origin, here: Scene, cracks: tuple[GrowingCrack, ...]
-) -> tuple[Configuration, Origin]:
+def _next(state: LoadState, origin: Origin, here: Scene) -> tuple[Configuration, Origin]:
     """The configuration of the next stage, and where it starts from."""
     before = state.configuration
-    configuration = assemble(here, cracks, before)
+    configuration = assemble(here, before.cracks, before)
     left = {body.name for body in here.case.bodies}
     newly = [body.name for body in before.scene.case.bodies if body.name not in left]
     gone = (*origin.gone, *(Gone(body, _held_by(state, body)) for body in newly))

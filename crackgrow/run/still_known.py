@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.other_cells import fitted_bounds, fitted_share, largest_K
-from crackgrow.run.scene import Scene
 
 GROWN = 2.0
 """What is known of the error holds until what was added to a crack is over so many times as long, or B so much of K.
@@ -24,10 +22,10 @@ ROUND_OFF = 1e-9
 """Of a length: sums of increments are better."""
 
 
-def lengths_grown(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[float, ...]:
+def lengths_grown(solution: StepSolution) -> tuple[float, ...]:
     """What has been added to each crack, m: to one that has started in the run all of it."""
     found = []
-    for now, given in zip(cracks, scene.case.cracks, strict=True):
+    for now, given in zip(solution.cracks, solution.scene.case.cracks, strict=True):
         began = arc_lengths(given.points)[-1] if now.steps.min() == 0 else 0.0
         found.append(float(arc_lengths(now.crack.points)[-1] - began))
     return tuple(found)
@@ -35,7 +33,7 @@ def lengths_grown(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[float
 
 def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> bool:
     """Whether what was known of the step before is good enough for this one, in which cracks have `grown`."""
-    same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.configuration.scene.halvings
+    same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.scene.halvings
     if not same or any(now > (1.0 + ROUND_OFF) * GROWN * then for now, then in zip(grown, last.grown, strict=True)):
         return False
     return fitted_share(solution, fitted_bounds(solution)) <= GROWN * last.fitted

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.history import history_of
 from crackgrow.run.increments import LoadState, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.result import FARTHEST, Safety
 from crackgrow.run.scene import Scene
 
@@ -39,7 +41,7 @@ def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Genera
     Raises SolveError where it does not hold at any factor.
     """
     given = assemble(scene, cracks)
-    search = _Search(lambda factor: _loaded(given, cracks, factor))
+    search = _Search(partial(_loaded, given))
     safety = search.found()
     for state in dict.fromkeys(state for state in (search.as_given, search.last) if state is not None):
         yield replace(judged(state), passed=history_of(state)[:-1])
@@ -107,13 +109,15 @@ class _Search:
         return True
 
 
-def _loaded(given: Configuration, cracks: tuple[GrowingCrack, ...], factor: float) -> LoadState:
+def _loaded(given: Configuration, factor: float) -> LoadState:
     """The scene under its loads with its strength divided by a factor. Raises SolveError where nothing holds it."""
     laws = tuple(
         law if law.contact is None else replace(law, contact=_weaker(law.contact, factor)) for law in given.scene.laws
     )
-    configuration = given.under_laws(replace(given.scene, laws=laws), cracks) if factor != 1.0 else given
-    configuration.check_can_hold(1.0)  # limit analysis, which sees at once what solvers look for in vain for long
+    configuration = given.under_laws(laws) if factor != 1.0 else given
+    configuration.check_can_hold(
+        LoadLevel(1.0)
+    )  # limit analysis, which sees at once what solvers look for in vain for long
     return increment(configuration, held_loads(configuration), 1.0)
 
 

@@ -13,26 +13,25 @@ from crackgrow.contact.tractions import between_contact_points, nearest_contact_
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import ContactPoints, CrackFaces
-from crackgrow.run.scene import Scene
 
 
-def along_surfaces(solution: StepSolution, scene: Scene) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
+def along_surfaces(solution: StepSolution) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
     """Contact points and samples of all surfaces; opening and slip are the jump of displacement at the points."""
     cover, nodes = solution.cover, solution.faces.nodes
     samples = [_samples(solution, index) for index in range(len(cover.surfaces))]
     jumps = np.stack(gap_and_slip(cover, joined([nodes, *samples]), solution.outcome.u))
     at_nodes, *along = np.split(jumps, np.cumsum([len(part.s) for part in (nodes, *samples)])[:-1], axis=1)
-    faces = [_faces(solution, scene, *each) for each in zip(range(len(samples)), samples, along, strict=True)]
-    return _contact(solution, scene, at_nodes), tuple(faces)
+    faces = [_faces(solution, *each) for each in zip(range(len(samples)), samples, along, strict=True)]
+    return _contact(solution, at_nodes), tuple(faces)
 
 
-def _contact(solution: StepSolution, scene: Scene, jump: Floats) -> ContactPoints:
+def _contact(solution: StepSolution, jump: Floats) -> ContactPoints:
     """Tractions and states as solved, with the `jump` (2, n) m at the points."""
-    faces, outcome = solution.faces, solution.outcome
+    faces, outcome, lattice = solution.faces, solution.outcome, solution.cover.lattice
     return ContactPoints(
         crack=tuple(solution.cover.surfaces[index].name for index in faces.surface.tolist()),
-        s=faces.s * scene.lattice.spacing,
-        points=scene.lattice.to_metres(faces.nodes.points),
+        s=faces.s * lattice.spacing,
+        points=lattice.to_metres(faces.nodes.points),
         normal_traction=outcome.normal_traction,
         tangential_traction=outcome.tangential_traction,
         opening=jump[0],
@@ -50,19 +49,19 @@ def _samples(solution: StepSolution, index: int) -> FacePoints:
     return points_at(cover, index, places[np.diff(places, prepend=-np.inf) > SAME_PLACE])
 
 
-def _faces(solution: StepSolution, scene: Scene, index: int, samples: FacePoints, jump: Floats) -> CrackFaces:
+def _faces(solution: StepSolution, index: int, samples: FacePoints, jump: Floats) -> CrackFaces:
     """Jump (2, n) m, tractions and state of one surface at its samples."""
-    faces, outcome, s = solution.faces, solution.outcome, samples.s
+    faces, outcome, s, lattice = solution.faces, solution.outcome, samples.s, solution.cover.lattice
     nearest = nearest_contact_point(faces, index, s)
     normal, tangential = between_contact_points(faces, index, s, outcome.normal_traction, outcome.tangential_traction)
     return CrackFaces(
         crack=solution.cover.surfaces[index].name,
-        s=s * scene.lattice.spacing,
-        points=scene.lattice.to_metres(samples.points),
+        s=s * lattice.spacing,
+        points=lattice.to_metres(samples.points),
         opening=jump[0],
         slip=jump[1],
         normal_traction=normal,
         tangential_traction=tangential,
         state=np.append(outcome.state, OPEN)[nearest],  # the last entry serves the index -1
-        cell_size=cell_lengths(solution.cover, index).size(s) * scene.lattice.spacing,
+        cell_size=cell_lengths(solution.cover, index).size(s) * lattice.spacing,
     )

@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 from crackgrow.cover.refinement import MOST_LEVELS
 from crackgrow.errors import GeometryError, NotSolvedError, SolveError
-from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.configuration import Configuration, lay_out
+from crackgrow.run.configuration import Configuration
 from crackgrow.run.goal import goal_bound
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.layout import cover_of
 from crackgrow.run.next_cells import halvings_next
 from crackgrow.run.other_cells import accuracy_of, compared, still_tells
 from crackgrow.run.scene import Scene
@@ -32,47 +32,44 @@ MOST_UNKNOWNS = 150_000
 """Cells are not halved where that may give more."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Ways:
-    """How a step is solved again on other cells."""
+class Ways(Protocol):
+    """How a step is solved again on other cells; what they have in common with a configuration may be taken over."""
 
-    solve: Callable[[Scene, Configuration], StepSolution]
-    state: Callable[[Scene, float, Configuration], LoadState]  # at a load factor
-    # both may take over what they have in common with a configuration
+    def solve(self, scene: Scene, like: Configuration, /) -> StepSolution:
+        """The step."""
+
+    def state(self, scene: Scene, factor: float, like: Configuration, /) -> LoadState:
+        """Its state at a load factor."""
 
 
-def aimed(solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, last: Accuracy | None) -> StepSolution:
+def aimed(solution: StepSolution, ways: Ways, last: Accuracy | None) -> StepSolution:
     """The step on cells that meet the target, or as near as they come, with what is known of its error.
 
     `last` is what was known of the step before.
     """
-    scene = solution.configuration.scene
-    grown = lengths_grown(scene, cracks)
-    if scene.case.numerics.goal == "K" and not any(math.isfinite(tip.intensity.K_I) for tip in solution.tips):
+    grown = lengths_grown(solution)
+    if solution.scene.case.numerics.goal == "K" and not any(math.isfinite(tip.intensity.K_I) for tip in solution.tips):
         known = accuracy_of(solution, None)
         return replace(solution, accuracy=replace(known, grown=grown, missed=_without_K(solution, grown)))
     if last is not None and holds(last, solution, grown):
         return replace(solution, accuracy=carried_over(last, solution))
-    return _in_rounds(solution, cracks, ways, _Comparison(ways, last, grown))
+    return _in_rounds(solution, ways, _Comparison(ways, last, grown))
 
 
-def _in_rounds(
-    solution: StepSolution, cracks: tuple[GrowingCrack, ...], ways: Ways, comparison: _Comparison
-) -> StepSolution:
+def _in_rounds(solution: StepSolution, ways: Ways, comparison: _Comparison) -> StepSolution:
     """The step on cells that are halved round by round until it meets the target, or none can be had."""
     n_solves, seconds, before = solution.factorizations, Counter(solution.seconds), None
     for round_ in range(MOST_ROUNDS + 1):
         known, missed = comparison.known_of(solution), ""
         if _met(known, solution):
             break
-        wanted, missed = halvings_next(solution, cracks, known, before)
+        wanted, missed = halvings_next(solution, known, before)
         if wanted is None or round_ == MOST_ROUNDS:
             missed = missed or f"cells were divided in {MOST_ROUNDS} rounds for it"
             break
         before = known
         try:
-            scene = solution.configuration.scene.with_halvings(wanted)
-            solution = _solved(ways, scene, cracks, solution.configuration)
+            solution = _solved(ways, solution.scene.with_halvings(wanted), solution.configuration)
         except (GeometryError, SolveError) as error:
             missed = f"smaller cells are not to be had: {error}"
             break
@@ -114,7 +111,7 @@ class _Comparison:
     def _told(self, solution: StepSolution) -> Accuracy:
         """What the state on the other cells tells."""
         known = replace(accuracy_of(solution, self.other), grown=self.grown)
-        if solution.configuration.scene.case.numerics.goal == "K":
+        if solution.scene.case.numerics.goal == "K":
             return known
         return replace(known, goal=goal_bound(solution, self.other))
 
@@ -140,24 +137,24 @@ def _without_K(solution: StepSolution, grown: tuple[float, ...]) -> str:
         return "K is not known at any tip"
     if any(grown):
         return ""
-    growth = solution.configuration.scene.case.growth
+    growth = solution.scene.case.growth
     waits = growth is not None and growth.initiation.at != "tips"
     return f"no crack has a tip{' yet' if waits else ''}"
 
 
 def _met(known: Accuracy, solution: StepSolution) -> bool:
     """Whether the bound is within the target: so it is of K where there is none, and of nothing else."""
-    numerics = solution.configuration.scene.case.numerics
+    numerics = solution.scene.case.numerics
     assert numerics.target is not None
     return max(known.shares(), default=0.0 if numerics.goal == "K" else math.inf) <= numerics.target
 
 
-def _solved(ways: Ways, scene: Scene, cracks: tuple[GrowingCrack, ...], before: Configuration) -> StepSolution:
+def _solved(ways: Ways, scene: Scene, before: Configuration) -> StepSolution:
     """The solution on the cells of a scene. Raises GeometryError or SolveError where there is none, or it is large.
 
     So it does where the cells are those `before`.
     """
-    cover = lay_out(scene, cracks)[0]
+    cover = cover_of(scene, before.cracks)
     n_dofs = cover.n_dofs
     if cover.lattice.cells.equal(before.cover.lattice.cells):
         raise NotSolvedError(f"they are halved {MOST_LEVELS} times already, which is the most")

@@ -103,7 +103,8 @@ def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
     """Newton's method from all points stuck and all slipping one way or the other, and Lemke's where they are few."""
     n = problem.n_points
     for slip in (0, 1, -1):
-        closed = ActiveSet(np.ones(n, dtype=bool), np.full(n, slip, dtype=np.int64))
+        slips = np.full(n, slip, dtype=np.int64)
+        closed = ActiveSet(np.ones(n, dtype=bool), slips, slips)
         yield solve_by_newton(problem, solve_active(problem, closed), ITERATIONS)
     yield solve_by_newton(problem)
     if n > LEMKE_POINTS:
@@ -171,7 +172,7 @@ def why_not_examined(contact: ContactSystem, outcome: ContactOutcome) -> str:
         return "no faces touch: there is exactly one solution"
     if outcome.problem.motions is not None:
         return "not known: contact alone holds a piece of rock, which is not examined"
-    if contact.law.dilation is not None:
+    if contact.law.dilation.any():
         return "not known: faces that dilate are not examined"
     return "" if outcome.problem.friction.any() else "there is no friction: there is exactly one solution"
 

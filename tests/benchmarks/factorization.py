@@ -28,6 +28,7 @@ from crackgrow.direct.fronts import fronts_of
 from crackgrow.direct.matrix import SymmetricMatrix, bordered
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.places import places_of_unknowns
@@ -148,7 +149,7 @@ def measure(name: str, case: Case, repetitions: int, by_superlu: bool) -> None:
         if isinstance(system, ConstrainedSystem):
             n_fronts, n_new = fronts_of(places, held)[0].n, len(system.kept.factors.keys() - known.factors.keys())
         loads = tractions(configuration)
-        one = timed(partial(system.solve, configuration.loads(1.0)), repetitions)
+        one = timed(partial(system.solve, configuration.loads(LoadLevel(1.0))), repetitions)
         many = timed(partial(system.solve, loads), 1)
         u, multipliers = system.solve(loads)
         residual = np.abs(matrix @ u + held.T @ multipliers - loads).max() / np.abs(loads).max()

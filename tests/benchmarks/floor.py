@@ -16,6 +16,7 @@ from scipy.sparse.linalg import splu
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.places import places_of_unknowns
@@ -44,7 +45,7 @@ def from_nothing(case: Case) -> Configuration:
 def floor(configuration: Configuration) -> Floor:
     """Factorize the held stiffness as the step does, with nothing known before, and solve for its loads once."""
     stiff = configuration.contact.system.stiffness
-    held, loads = configuration.held, configuration.loads(1.0)
+    held, loads = configuration.held, configuration.loads(LoadLevel(1.0))
 
     start = time.process_time()
     places = places_of_unknowns(configuration.cover)

@@ -20,7 +20,7 @@ from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import tip_site
-from crackgrow.run.configuration import crack_geometry
+from crackgrow.run.layout import crack_geometry
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.stiffness import stiffness_after
 from tests.benchmarks.flaw_field import kept_apart

@@ -109,7 +109,7 @@ def solved(scene: str, target: float) -> tuple[StepResult, float, float]:
         step, solution = next(solved_steps(case))
         spent = time.process_time() - begin
         begin = time.process_time()
-        alone_on(case, solution.configuration.scene.halvings)
+        alone_on(case, solution.scene.halvings)
     return step, spent, spent / (time.process_time() - begin)
 
 

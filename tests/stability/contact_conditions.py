@@ -27,6 +27,7 @@ from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.run.configuration import Configuration, Equilibrium
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.solid.linear_solver import displacement_size
 from crackgrow.solid.recovery import displacement_at
 
@@ -53,8 +54,7 @@ class Increment:
     """One increment as it was solved."""
 
     configuration: Configuration
-    factor: float
-    holding: float  # share of the held loads
+    level: LoadLevel
     memory: ContactMemory  # before it
     outcome: ContactOutcome
     residual: float
@@ -67,15 +67,10 @@ def recorded() -> Iterator[list[Increment]]:
     solve = Configuration.equilibrium
 
     def equilibrium(
-        configuration: Configuration,
-        factor: float,
-        memory: ContactMemory | None,
-        holding: float = 1.0,
-        states: PointStates | None = None,
+        configuration: Configuration, level: LoadLevel, memory: ContactMemory, states: PointStates
     ) -> Equilibrium:
-        state = solve(configuration, factor, memory, holding, states)
-        before = memory or ContactMemory.fresh(configuration.faces.n)
-        found.append(Increment(configuration, factor, holding, before, state.outcome, state.residual))
+        state = solve(configuration, level, memory, states)
+        found.append(Increment(configuration, level, memory, state.outcome, state.residual))
         return state
 
     Configuration.equilibrium = equilibrium  # type: ignore[method-assign]
@@ -133,14 +128,14 @@ def violations(increment: Increment) -> dict[str, float]:
     gap, slip = ((faces.functions @ (faces.lengths * jump)) / total for jump in (gap_there, slip_there))
     p_n, p_t = outcome.normal_traction, outcome.tangential_traction
     slid = slip - law.compliance * p_t
-    opened = np.zeros(faces.n) if law.dilation is None else law.dilation * np.abs(slid)
+    opened = law.dilation * np.abs(slid)
     room = gap - opened - law.compliance * p_n
     change = slid - memory.slip
-    loads, given = configuration.loads(increment.factor, increment.holding), increment.factor * configuration.held.given
+    loads, given = configuration.loads(increment.level), increment.level.factor * configuration.held.given
     young = min(material.young_prime for material in configuration.scene.materials)
     stiffness = young / configuration.scene.lattice.spacing
     length = max(largest, displacement_size(loads, outcome.u, given))
-    scale = max(float(np.abs(loads).max()), float(np.abs(configuration.loads(1.0)).max()))
+    scale = max(float(np.abs(loads).max()), float(np.abs(configuration.loads(LoadLevel(1.0))).max()))
     noise = ROUND_OFF * scale / young  # all that is left without loads, or where they act on held rock alone
     most = max(float(np.abs(jump).max()) for jump in (gap, slip, memory.slip))  # what the increment has undone counts
     largest = max(largest, most)

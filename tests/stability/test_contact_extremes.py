@@ -25,7 +25,7 @@ from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
-from tests.solving import solve_step
+from tests.solving import at_once, solve_step
 
 CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
 SETTINGS = ("output.frames=none", "output.figures=false", "growth.steps=0", "numerics.spacing=1.5")
@@ -237,23 +237,24 @@ def gives_up(problem: ContactProblem, start: NDArray[np.float64] | None = None) 
 def test_a_failed_increment_leaves_everything_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
     """Both solvers give up: neither the memory handed in nor later solves notice. Bit for bit."""
     system = configuration(*law(0.3))
-    memory = ContactMemory(np.linspace(-1e-6, 1e-6, system.faces.n), np.arange(system.faces.n) % 2 == 0)
-    slip, broken = memory.slip.copy(), memory.broken.copy()
+    broken = np.arange(system.faces.n) % 2 == 0
+    memory = ContactMemory(np.linspace(-1e-6, 1e-6, system.faces.n), broken.astype(float), ~broken)
+    slip = memory.slip.copy()
     messages = []
     for _ in range(2):
         with monkeypatch.context() as patch:
             for name in ("newton", "lemke"):
                 patch.setattr(f"crackgrow.contact.solve.solve_by_{name}", gives_up)
             with pytest.raises(SolveError) as error:
-                system.equilibrium(1.0, memory)
+                at_once(system, 1.0, memory)
         messages.append(str(error.value))
     assert messages[0] == messages[1]
     np.testing.assert_array_equal(memory.slip, slip)
     np.testing.assert_array_equal(memory.broken, broken)
     start = ContactMemory.fresh(system.faces.n)
-    first = system.equilibrium(1.0, start).outcome
-    system.equilibrium(-3.0, start)
-    again = system.equilibrium(1.0, start).outcome
+    first = at_once(system, 1.0, start)
+    at_once(system, -3.0, start)
+    again = at_once(system, 1.0, start)
     np.testing.assert_array_equal(again.u, first.u)
     np.testing.assert_array_equal(again.memory.slip, first.memory.slip)
     np.testing.assert_array_equal(start.slip, np.zeros(system.faces.n))

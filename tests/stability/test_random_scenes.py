@@ -13,7 +13,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, CrackgrowError
 from crackgrow.run import grow
-from crackgrow.run.configuration import WORST_RESIDUAL
+from crackgrow.run.residual import WORST_RESIDUAL
 from tests.stability.contact_conditions import Increment, recorded, violations
 from tests.stability.random_scenes import random_scene, text_of
 

@@ -59,7 +59,7 @@ def test_a_joint_in_rock_at_rest_carries_what_the_rock_beside_it_does(tmp_path: 
     solution = solve_case(case_of(tmp_path, UNDER_WEIGHT.replace("CRACKS", joint))).solution
     nodes = solution.faces.nodes
     mine = nodes.surface == 0
-    y = solution.configuration.scene.lattice.to_metres(nodes.points[mine])[:, 1]
+    y = solution.scene.lattice.to_metres(nodes.points[mine])[:, 1]
     (n_x, n_y), stress = nodes.normal[mine].T, WEIGHT * (y - 20.0)
     normal, shear = stress * (0.25 * n_x**2 + n_y**2), stress * (0.25 - 1.0) * n_x * n_y
     size = np.abs(normal).max()
@@ -137,7 +137,7 @@ def test_water_in_an_interface_takes_its_pressure_off_the_faces(tmp_path: Path, 
     solution = solve_case(case_of(tmp_path, WATER.replace("PAIR", pair))).solution
     weights = solution.contact.weights
     assert weights @ solution.outcome.normal_traction == pytest.approx(-4 * 6e4, rel=1e-9)
-    x = solution.faces.nodes.points[:, 0] * solution.configuration.scene.lattice.spacing
+    x = solution.faces.nodes.points[:, 0] * solution.scene.lattice.spacing
     x = x - (weights @ x) / weights.sum()
     assert weights @ (x * solution.outcome.normal_traction) == pytest.approx(0.0, abs=1e-6 * 4 * 6e4)
 

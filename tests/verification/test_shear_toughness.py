@@ -61,7 +61,7 @@ def just_grows(folder: Path, **values: float) -> tuple[Case, StepSolution]:
     path.write_text(PLATE.format(**values), encoding="utf-8")
     case = load_case(path)
     cracks = tuple(replace(GrowingCrack.given(crack), in_shear=True) for crack in case.cracks)
-    found = critically_loaded(assemble(make_scene(case), cracks), cracks, 1.0)
+    found = critically_loaded(assemble(make_scene(case), cracks), 1.0)
     assert [tip.verdict.mode for tip in found.tips if tip.verdict] == ["shear", "shear"]
     return case, found
 

@@ -23,10 +23,10 @@ from crackgrow.results.load_point import load_point
 from crackgrow.results.summary import K_error
 from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.run.stages import through_stages
 from crackgrow.solid.recovery import stress_at
 from tests.whole_run import whole_run
 
@@ -417,8 +417,8 @@ def test_a_crack_that_starts_after_stages_is_as_one_that_was_given(accuracy: str
     started = replace(both[1], steps=np.ones(2, dtype=np.int64))
     alone = make_scene(replace(case, cracks=case.cracks[:1]))
     halvings = alone.with_cracks(both).halvings
-    known = [tip.K for tip in through_stages(make_scene(case).with_halvings(halvings), both).tips]
-    assert [tip.K for tip in through_stages(alone, (both[0], started)).tips] == known
+    known = [tip.K for tip in load(make_scene(case).with_halvings(halvings), both).tips]
+    assert [tip.K for tip in load(alone, (both[0], started)).tips] == known
 
 
 def aimed(folder: Path, accuracy: float | str, loading: str = ONE_STAGE) -> Case:

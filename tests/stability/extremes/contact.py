@@ -94,7 +94,7 @@ def elastic_K(kappa: float) -> Measure:
     """Error of K_II, and of the K_I that faces which overlap by p/k have at their tips, by K_II of rigid contact."""
 
     def measure(found: Solved) -> float:
-        scene = found.solution.configuration.scene
+        scene = found.solution.scene
         young_prime, k = (
             scene.materials[0].young_prime,
             kappa * found.case.bodies[0].material.young / scene.lattice.spacing,

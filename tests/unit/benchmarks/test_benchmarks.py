@@ -13,6 +13,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.run.configuration import Configuration
+from crackgrow.run.load_level import LoadLevel
 from tests.benchmarks import scenes
 from tests.benchmarks.compare import changes, comparison_text, load_baseline, store_baseline
 from tests.benchmarks.fits import exponent, exponents, same_program
@@ -101,7 +102,7 @@ def test_a_baseline_keeps_the_runs_that_were_not_measured(tmp_path: Path) -> Non
 def test_the_floor_is_the_solver_of_the_step(case: str, setting: str) -> None:
     step = configuration(case, setting)
     assert (step.contact.loose is not None) == (case == "block_foundation")
-    u, _ = step.contact.system.solve(step.loads(1.0), step.held.given)
+    u, _ = step.contact.system.solve(step.loads(LoadLevel(1.0)), step.held.given)
     np.testing.assert_array_equal(floor(step).u, u)
     assert np.abs(u).max() > 0.0
 

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from crackgrow.contact.coulomb import SLIP, ContactLaw
+from crackgrow.contact.coulomb import SLIP
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.places import places_of_unknowns
+from tests.contact_problems import contact_law
 from tests.solving import solve_contact
 from tests.unit.contact.test_contact_solve import Block, compression, tilting, uniform
 
@@ -36,7 +37,7 @@ def by_fronts(block: Block) -> Block:
 def contact_of(block: Block, **law: float) -> ContactSystem:
     n = block.faces.n
     values = {"friction": 0.0, "cohesion": 0.0, "compliance": 0.0, **law}
-    laws = ContactLaw(**{name: np.full(n, value) for name, value in values.items()})
+    laws = contact_law(**{name: np.full(n, value) for name, value in values.items()})
     kind = ByElimination if isinstance(block, BlockByFronts) else ContactSystem
     return kind(block.system, *block.operators(), block.faces.weights, laws, "newton")
 

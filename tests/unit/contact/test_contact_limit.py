@@ -26,8 +26,9 @@ def block_on_slope(angle: float, height: float, friction: float, cohesion: float
     gap = np.array([[1.0, 0.0, -1.0], [1.0, 0.0, 1.0]])
     slip = np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
     pull = WEIGHT * np.array([-np.cos(a), np.sin(a), -height * np.sin(a)])
-    weights = np.full(2, 0.5 * LENGTH)
-    return least_unbalanced(gap, slip, weights, pull, WEIGHT, np.full(2, friction), np.full(2, cohesion))
+    jump = np.concatenate([gap, slip])
+    motions = Motions(jump, 0.5 * LENGTH * jump.T, pull)
+    return least_unbalanced(motions, WEIGHT, LENGTH, np.full(2, friction), np.full(2, cohesion))
 
 
 @pytest.mark.parametrize("angle", [5.0, 20.0, 40.0])

@@ -20,6 +20,7 @@ from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from tests.contact_problems import contact_law
 from tests.solving import solve_contact
 from tests.unit.contact.test_contact_solve import Block, uniform
 
@@ -65,13 +66,13 @@ def law_of(
     stiffness: float = np.inf,
 ) -> ContactLaw:
     """The same law for all points; cohesion in parts of PRESSURE."""
-    return ContactLaw(
+    return contact_law(
         np.full(N, friction),
         cohesion * PRESSURE,
         np.full(N, 1.0 / stiffness),
-        None if residual is None else np.full(N, residual),
-        np.full(N, kept),
-        None if dilation is None else np.full(N, dilation),
+        residual_friction=None if residual is None else np.full(N, residual),
+        kept=np.full(N, kept),
+        dilation=None if dilation is None else np.full(N, dilation),
     )
 
 
@@ -234,7 +235,7 @@ def test_dilation_that_does_not_settle_is_an_error(solver: str) -> None:
 def test_how_hard_others_are_pressed_does_not_open_a_point(solver: str, pressure: float) -> None:
     """Two points that know nothing of each other: the first is pressed by 1 and sheared by half of its limit."""
     unknowns = csr_array(np.eye(4))
-    law = ContactLaw(np.full(2, 0.6), np.zeros(2), np.zeros(2), np.full(2, 0.1))
+    law = contact_law(np.full(2, 0.6), np.zeros(2), np.zeros(2), residual_friction=np.full(2, 0.1))
     system = ConstrainedSystem(csc_array(10.0 * np.eye(4)), csr_array((0, 4)))
     contact = ContactSystem(system, unknowns[:2], unknowns[2:], np.ones(2), law, solver)
     outcome = solve_contact(contact, np.array([-1.0, -pressure, 0.3, 0.0]), np.zeros(0))
@@ -252,8 +253,8 @@ def test_dilation_that_presses_a_neighbour_keeps_it_from_breaking(solver: str) -
     d, mu, T, P = 0.5, 0.5, np.array([4.0, 0.9]), np.array([1.0, 1.0])
     K = block_diag([[[2.0, 1.0], [1.0, 2.0]], np.eye(2)])
     unknowns = csr_array(np.eye(4))
-    law = ContactLaw(*(np.full(2, x) for x in (mu, 0.0, 0.0)), np.full(2, 0.1), None, np.full(2, d))
-    law = replace(law, residual_friction=np.array([mu, 0.1]))
+    values, residual = (np.full(2, x) for x in (mu, 0.0, 0.0)), np.array([mu, 0.1])
+    law = contact_law(*values, residual_friction=residual, dilation=np.full(2, d))
     contact = ContactSystem(
         ConstrainedSystem(csc_array(K), csr_array((0, 4))), unknowns[:2], unknowns[2:], np.ones(2), law, solver
     )
@@ -262,7 +263,7 @@ def test_dilation_that_presses_a_neighbour_keeps_it_from_breaking(solver: str) -
     np.testing.assert_allclose(outcome.normal_traction, -P - d * s * np.array([2.0, 1.0]), rtol=1e-12)
     np.testing.assert_allclose(outcome.slip, [s, 0.0], atol=1e-12)
     assert outcome.memory.broken.tolist() == [True, False]
-    without = replace(contact, law=replace(law, dilation=None))
+    without = replace(contact, law=replace(law, dilation=np.zeros(2)))
     assert solve_contact(without, np.concatenate([-P, T]), np.zeros(0)).memory.broken.all()
 
 
@@ -313,7 +314,7 @@ def test_a_cut_remembers_where_it_has_slid_to(build, solver: str, angle: float) 
     def under(shear: float, slip: float) -> Block:
         return uniform(build, turn @ np.array([[-0.5, shear], [shear, -2.0]]) @ turn.T, angle, slip=slip)
 
-    law = ContactLaw(*(np.full(under(1.0, 0.01).faces.n, value) for value in (0.5, 0.0, 0.0)))
+    law = contact_law(*(np.full(under(1.0, 0.01).faces.n, value) for value in (0.5, 0.0, 0.0)))
     memory = None
     for shear, slip, state in ((1.0, 0.01, SLIP), (0.3, 0.01, STICK), (-0.9, 0.01, STICK), (-1.0, 0.006, SLIP)):
         block = under(shear, slip)
@@ -332,7 +333,7 @@ def test_open_points_carry_no_shear_whatever_their_cohesion(solver: str, kept: b
     K = block_diag([np.linalg.inv(compliance), np.eye(2), np.eye(1)])
     unknowns = csr_array(diags_array(np.ones(5)))
     system = ConstrainedSystem(csc_array(K), unknowns[4:])
-    law = ContactLaw(*(np.full(2, value) for value in (0.5, 0.4, 0.0)), kept=np.full(2, kept))
+    law = contact_law(*(np.full(2, value) for value in (0.5, 0.4, 0.0)), kept=np.full(2, kept))
     contact = ContactSystem(system, unknowns[:2], unknowns[2:4], np.ones(2), law, solver)
     free = np.array([-1.0, -0.1, 0.3, 0.3])  # both overlap; the first alone lifts the second by 0.8
     outcome = solve_contact(contact, K @ np.append(free, 0.0), np.zeros(1))
@@ -352,7 +353,7 @@ def test_only_closed_points_begin_an_increment_bonded(solver: str) -> None:
     """
     K = block_diag([np.linalg.inv([[1.0, 0.5], [0.5, 1.0]]), np.eye(1)])
     unknowns = csr_array(np.eye(3))
-    law = ContactLaw(*(np.full(1, value) for value in (0.5, 0.4, 0.0)), kept=np.ones(1, dtype=bool))
+    law = contact_law(*(np.full(1, value) for value in (0.5, 0.4, 0.0)), kept=np.ones(1, dtype=bool))
     contact = ContactSystem(
         ConstrainedSystem(csc_array(K), unknowns[2:]), unknowns[:1], unknowns[1:2], np.ones(1), law, solver
     )

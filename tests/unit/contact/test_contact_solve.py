@@ -21,6 +21,7 @@ from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
+from tests.contact_problems import contact_law
 from tests.solving import solve_contact
 
 WIDTH, HEIGHT = 8.0, 10.0
@@ -58,7 +59,7 @@ class Block:
     ) -> ContactOutcome:
         n = self.faces.n
         kept = np.ones(n, dtype=bool)
-        law = ContactLaw(np.full(n, friction), np.full(n, cohesion), np.full(n, 1.0 / stiffness), kept=kept)
+        law = contact_law(np.full(n, friction), np.full(n, cohesion), np.full(n, 1.0 / stiffness), kept=kept)
         contact = ContactSystem(self.system, *self.operators(), self.faces.weights, law, solver)
         return solve_contact(contact, factor * self.loads, factor * self.given)
 
@@ -309,7 +310,7 @@ def test_a_point_that_the_contact_of_another_closes_is_taken_in(solver: str) -> 
     free = np.array([-1.0, 0.3])
     loads = np.append(K[:2, :2] @ free, 0.0)
     gap_of, slip_of = csr_array(np.eye(3)[:2]), csr_array((2, 3))
-    law = ContactLaw(np.zeros(2), np.zeros(2), np.zeros(2))
+    law = contact_law(np.zeros(2), np.zeros(2), np.zeros(2))
     outcome = solve_contact(ContactSystem(system, gap_of, slip_of, np.ones(2), law, solver), loads, np.zeros(1))
     assert outcome.n_unknowns == 2
     np.testing.assert_allclose(outcome.normal_traction, K[:2, :2] @ free, rtol=1e-14)  # both gaps closed
@@ -320,7 +321,7 @@ def test_a_point_that_the_contact_of_another_closes_is_taken_in(solver: str) -> 
 
 
 def _one() -> ContactLaw:
-    return ContactLaw(np.zeros(1), np.zeros(1), np.zeros(1))
+    return contact_law(np.zeros(1), np.zeros(1), np.zeros(1))
 
 
 def test_scaling_loads_and_displacements_scales_the_answer(build) -> None:

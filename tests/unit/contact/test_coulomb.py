@@ -79,7 +79,7 @@ def test_each_violation_alone_is_detected(free_n, free_t, p_n, p_t, violation):
 
 def test_singular_active_set_gets_the_least_tractions():
     problem = smooth(np.ones((3, 3)), np.array([-1.0, -1.0, -1.0]))
-    p = solve_active(problem, ActiveSet(np.ones(3, dtype=bool), np.ones(3, dtype=np.int64)))
+    p = solve_active(problem, ActiveSet(np.ones(3, dtype=bool), *np.ones((2, 3), dtype=np.int64)))
     np.testing.assert_allclose(p[:3], np.full(3, -1.0 / 3.0), rtol=1e-13)
 
 
@@ -102,7 +102,8 @@ def test_solve_active_imposes_each_branch():
     A = B @ B.T + np.eye(2 * n)
     friction, cohesion = rng.uniform(0.1, 0.9, n), rng.uniform(0.0, 0.5, n)
     problem = ContactProblem(A, rng.normal(size=2 * n), friction, cohesion)
-    active = ActiveSet(np.array([1, 1, 1, 0, 0, 0], dtype=bool), np.array([0, 1, -1, 0, 1, -1]))
+    slip = np.array([0, 1, -1, 0, 1, -1])
+    active = ActiveSet(np.array([1, 1, 1, 0, 0, 0], dtype=bool), slip, slip)
     p = solve_active(problem, active)
     du = problem.jump(p)
     assert np.abs(du[:3]).max() < 1e-12

@@ -62,7 +62,7 @@ def test_cycles_are_left(seed):
 
 def test_a_reversing_point_sticks_first():
     closed, problem = np.ones(4, dtype=bool), random_problem(4, 0.5, 1)
-    before, after = (ActiveSet(closed, np.array(slip)) for slip in ([1, -1, 1, 0], [-1, 1, 1, -1]))
+    before, after = (ActiveSet(closed, *[np.array(slip)] * 2) for slip in ([1, -1, 1, 0], [-1, 1, 1, -1]))
     assert _through_stick(problem, before, after).slip.tolist() == [0, 0, 1, -1]
 
 
@@ -71,7 +71,7 @@ def test_a_reversing_point_that_sticks_keeps_what_slip_has_opened():
     slipped, dilation = np.array([-0.3, 0.2]), np.full(2, 0.1)
     problem = ContactProblem(plain.compliance, plain.free, plain.friction, plain.cohesion, dilation, slipped)
     reversed_ = ActiveSet(closed, np.array([1, -1]), np.array([1, -1]))
-    following = _through_stick(problem, ActiveSet(closed, -reversed_.slip), reversed_)
+    following = _through_stick(problem, ActiveSet(closed, -reversed_.slip, -reversed_.slip), reversed_)
     assert following.sense.tolist() == [-1, 1]
 
 

@@ -10,7 +10,7 @@ import shapely
 
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import TipView, crack_angle, seen_from_tip
-from crackgrow.fracture.interaction import interaction
+from crackgrow.fracture.interaction import of_body_force, weights_of
 from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, SMALLEST_RADIUS, clearance, disc_round
 from crackgrow.fracture.tip_rule import tip_rule
 from crackgrow.fracture.williams import williams_displacement, williams_gradient
@@ -75,7 +75,10 @@ class ExactField:
         rule = tip_rule(self.tip, size, radius * PARTS)
         vectors, face_gradients = self.faces(rule.faces.arc)
         gradients = self.gradient(*rule.circles.polar).transpose(1, 2, 0)
-        M = interaction(MATERIAL, rule, gradients, vectors.T, face_gradients.transpose(1, 2, 0), self.force[:, None])
+        weights = weights_of(MATERIAL, rule)
+        M = np.einsum("rmcdn,cdn->rm", weights.around, gradients)
+        M += np.einsum("rmcdn,ncd->rm", weights.beside, face_gradients)
+        M += np.einsum("rmcn,nc->rm", weights.vectors, vectors) + of_body_force(MATERIAL, rule, self.force[:, None])
         return 0.5 * MATERIAL.young_prime * M
 
 

@@ -14,6 +14,7 @@ from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import increment, unloaded
 from crackgrow.run.judging import judged
 from crackgrow.run.scene import make_scene
+from tests.solving import at_once
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 LENGTH = 10.0  # mm
@@ -54,7 +55,7 @@ def test_the_mouth_of_an_edge_crack_sticks_as_the_rest_does(angle: float, end: s
     stress = on_plane(angle, pressure=30.0, shear=25.0)
     settings = (f"numerics.spacing={spacing}",)
     scene = plate(edge_crack(angle, end), stress, *settings, tips=end, friction=0.6, residual_friction=0.2)
-    outcome = scene.equilibrium(1.0, None).outcome
+    outcome = at_once(scene, 1.0)
     assert set(outcome.state.tolist()) == {STICK}
     assert not outcome.memory.broken.any()
     np.testing.assert_allclose(np.abs(outcome.tangential_traction), 25e6, rtol=1e-3)
@@ -102,7 +103,7 @@ def test_faces_that_merely_stick_do_not_dilate(angle: float, dilation: float) ->
     law = {"friction": 0.6, "cohesion": 0, "dilation_angle": dilation}
     scene = plate(inside(angle), on_plane(angle, pressure=20.0, shear=10.0), "numerics.spacing=2", **law)
     for factor in np.linspace(0.1, 3.0, 60).tolist():
-        outcome = scene.equilibrium(factor, None).outcome
+        outcome = at_once(scene, factor)
         assert set(outcome.state.tolist()) == {STICK}
         assert np.abs(outcome.dilation).max() < 1e-12 * np.abs(outcome.u).max()
         np.testing.assert_allclose(np.abs(outcome.tangential_traction), factor * 10e6, rtol=1e-3)

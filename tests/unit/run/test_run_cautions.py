@@ -17,8 +17,9 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow, report
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.run.cautions import _overlapping, cautions, overlap_shares
+from crackgrow.run.cautions import _overlapping, cautions
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.misfit import misfits
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from tests.one_size import one_size
@@ -137,9 +138,9 @@ def test_a_full_overlap_is_told_in_plain_digits() -> None:
     face = replace(face, opening=np.full_like(face.opening, -1e-3), slip=np.zeros_like(face.slip))
     scene = make_scene(load_case(CASES / "compression30.yaml", one_size("compression30")))
     solution = solve_first(scene)
-    shares = overlap_shares(scene, solution, (face,))
-    (told,) = _overlapping(scene, solution, (face,), shares)
-    assert shares == [pytest.approx(1.0 / Cause.OVERLAP.limit)]  # all of the jump
+    (missed,) = misfits(solution, (face,))
+    (told,) = _overlapping([missed])
+    assert missed.share == pytest.approx(1.0 / Cause.OVERLAP.limit)  # all of the jump
     assert "by 1 mm between contact points, 100 % of their largest jump" in told.words
 
 
@@ -285,7 +286,7 @@ def test_energies_that_miss_each_other_are_told_with_the_size(missed: float, tol
     solved = solve_first(scene)
     state = replace(solved.state, energy=replace(solved.state.energy, error=missed))
     faces = first_step("compression30", "numerics.spacing=3").faces
-    found = cautions(scene, replace(solved, state=state), faces, [0.0], 1)
+    found = cautions(replace(solved, state=state), faces, [], 1)
     words = [caution.words for caution in found if caution.cause is Cause.ENERGY]
     assert len(words) == told
     assert all("miss each other by 2 % of the largest" in text for text in words)
@@ -299,13 +300,14 @@ def test_pressed_faces_that_stand_apart_are_told() -> None:
     opening = np.zeros(len(face.s))
     opening[3] = 0.3 * np.abs(face.slip).max()
     apart = replace(face, opening=opening)
-    shares = overlap_shares(scene, solution, (apart,))
-    (told,) = _overlapping(scene, solution, (apart,), shares)
-    assert shares[0] > 1.0
+    (missed,) = misfits(solution, (apart,))
+    (told,) = _overlapping([missed])
+    assert missed.share > 1.0
     assert f"stand apart under pressure by {1e6 * opening[3]:.2g} um" in told.words
     state = face.state.copy()
     state[4] = OPEN
-    assert overlap_shares(scene, solution, (replace(apart, state=state),)) == [0.0]
+    (missed,) = misfits(solution, (replace(apart, state=state),))
+    assert missed.share == 0.0
 
 
 @pytest.mark.parametrize(("cohesion", "told"), [("0", 0), ("5", 2)])

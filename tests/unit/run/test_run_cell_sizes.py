@@ -12,7 +12,7 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.cover.cover import Cover, build_cover
-from crackgrow.run import configuration, grow
+from crackgrow.run import grow, layout
 from crackgrow.run.result import StepResult
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
@@ -30,7 +30,7 @@ def first_step(monkeypatch: pytest.MonkeyPatch) -> Step:
             tips = tuple(replace(tip, size=side if at_tips else 1.0) for tip in cover.tips)
             return replace(cover, sizes=np.full(cover.elements.n, side), tips=tips)
 
-        monkeypatch.setattr(configuration, "build_cover", build)
+        monkeypatch.setattr(layout, "build_cover", build)
         return next(
             grow(load_case(CASE, ["numerics.spacing=1.5", *settings, "output.frames=none", "output.figures=false"]))
         )

@@ -11,7 +11,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.contact_cautions import contact_cautions
+from crackgrow.run.cautions import ripples
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
 from tests.solving import solve_step
@@ -25,7 +25,7 @@ def flaw(*overrides: str) -> StepSolution:
 
 
 def test_nothing_is_said_of_the_flaw() -> None:
-    assert not list(contact_cautions(flaw("cracks.flaw.contact.friction=0.3")))
+    assert not list(ripples(flaw("cracks.flaw.contact.friction=0.3")))
 
 
 def test_the_ripple_of_a_surface_is_held_against_its_own_pressure() -> None:

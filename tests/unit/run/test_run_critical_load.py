@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +31,9 @@ def case_of(name: str, *settings: str) -> Case:
     return load_case(CASES / f"{name}.yaml", [*CRITICAL, *TIPS, *settings])
 
 
-def ready(case: Case) -> tuple[Configuration, tuple[GrowingCrack, ...]]:
+def ready(case: Case) -> Configuration:
     cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
-    return assemble(make_scene(case), cracks), cracks
+    return assemble(make_scene(case), cracks)
 
 
 def criticality(solution: StepSolution) -> float:
@@ -64,16 +65,16 @@ def is_first_met(configuration: Configuration, factor: float) -> bool:
 
 def test_in_tension_the_critical_load_is_strength_over_stress(factors: list[float]) -> None:
     case = case_of("tension0")
-    configuration, cracks = ready(case)
-    found = critical_load.critically_loaded(configuration, cracks, 1.0)
-    at_one = solve_step(make_scene(case), cracks, 1.0)
+    configuration = ready(case)
+    found = critical_load.critically_loaded(configuration, 1.0)
+    at_one = solve_step(make_scene(case), configuration.cracks, 1.0)
     stress = max(tip.verdict.sigma_1 for tip in at_one.tips)
     assert found.state.factor == pytest.approx(0.5e6 / stress, rel=1e-9)
     assert criticality(found) == pytest.approx(1.0, abs=1e-9)
     assert len(factors) == 2
     for guess in (1e-3, 0.7, 40.0, found.state.factor):
         factors.clear()
-        again = critical_load.critically_loaded(configuration, cracks, guess)
+        again = critical_load.critically_loaded(configuration, guess)
         assert again.state.factor == pytest.approx(found.state.factor, rel=1e-9)
         assert len(factors) <= 2
     assert len(factors) == 1  # the guess was right
@@ -99,8 +100,8 @@ def test_the_critical_load_of_a_closed_crack_is_the_first_that_meets_the_criteri
     kept: str, cohesion: float, factors: list[float]
 ) -> None:
     settings = (f"cracks.flaw.contact.cohesion={cohesion}", f"cracks.flaw.contact.cohesion_after_slip={kept}")
-    configuration, cracks = ready(case_of("compression30", *CLOSED, *settings))
-    found = critical_load.critically_loaded(configuration, cracks, 1.0)
+    configuration = ready(case_of("compression30", *CLOSED, *settings))
+    found = critical_load.critically_loaded(configuration, 1.0)
     assert len(factors) <= MOST_SOLVES
     near = found.state.factor
     assert is_first_met(configuration, near)
@@ -136,8 +137,8 @@ PRESSED = {"top": -2, "bottom": 2}
 
 
 def test_a_load_that_is_critical_before_bonds_break_is_found_from_any_guess() -> None:
-    configuration, cracks = ready(case_of("tension0", *shielded(2)))
-    found = [critical_load.critically_loaded(configuration, cracks, guess) for guess in (0.1, 1.0, 10.0)]
+    configuration = ready(case_of("tension0", *shielded(2)))
+    found = [critical_load.critically_loaded(configuration, guess) for guess in (0.1, 1.0, 10.0)]
     factors = [solution.state.factor for solution in found]
     np.testing.assert_allclose(factors, factors[0], rtol=1e-8)
     start = held_loads(configuration)
@@ -153,8 +154,8 @@ def test_the_critical_load_is_that_of_a_load_that_rises_step_by_step() -> None:
     long = f"a: {{path: {{center: [0, 3], length: 30, angle: 0}}, tips: none, {bonded % 8}}}"
     short = f"b: {{path: {{center: [0, -1], length: 16, angle: 0}}, {bonded % 9}}}"
     settings = (*shielded(0), f"cracks={{{long}, {short}}}", "bodies.rock.strength.tension=2")
-    configuration, cracks = ready(case_of("tension0", *settings))
-    found = critical_load.critically_loaded(configuration, cracks, 1.0)
+    configuration = ready(case_of("tension0", *settings))
+    found = critical_load.critically_loaded(configuration, 1.0)
     start, factor = held_loads(configuration), 0.0
     while True:
         factor += 0.02 * found.state.factor
@@ -169,17 +170,17 @@ def test_the_critical_load_is_that_of_a_load_that_rises_step_by_step() -> None:
 @pytest.mark.parametrize("push", [10.0, 25.0, 2000.0])
 def test_a_guess_beyond_what_friction_holds_does_not_end_the_search(push: float) -> None:
     """A block on a rough foundation slides at a load that does not depend on the unit of the load factor."""
-    configuration, cracks = ready(case_of("tension0", *pushed(push)))
-    found = critical_load.critically_loaded(configuration, cracks, 1.0)
+    configuration = ready(case_of("tension0", *pushed(push)))
+    found = critical_load.critically_loaded(configuration, 1.0)
     assert push * found.state.factor == pytest.approx(6.97, rel=1e-3)
 
 
 def test_a_block_that_slides_before_its_crack_grows_is_free() -> None:
-    configuration, cracks = ready(
+    configuration = ready(
         case_of("tension0", *pushed(10.0), "bodies.rock.strength={tension: 50, cohesion: 100, friction_angle: 40}")
     )
     with pytest.raises(FreePieceError, match=r"free to move.* from a load factor of \d.*before the criterion is met"):
-        critical_load.critically_loaded(configuration, cracks, 1.0)
+        critical_load.critically_loaded(configuration, 1.0)
 
 
 def pushed(push: float) -> tuple[str, ...]:
@@ -206,9 +207,9 @@ HELD = (
 def test_lateral_loads_that_are_held_raise_the_critical_load(factors: list[float]) -> None:
     found = []
     for lateral in (0.0, 0.2):
-        configuration, cracks = ready(case_of("compression30", *CLOSED, HELD % (lateral, -lateral)))
+        configuration = ready(case_of("compression30", *CLOSED, HELD % (lateral, -lateral)))
         factors.clear()
-        solution = critical_load.critically_loaded(configuration, cracks, 1.0)
+        solution = critical_load.critically_loaded(configuration, 1.0)
         assert len(factors) <= MOST_SOLVES
         found.append(solution.state.factor)
         assert criticality(solution) == pytest.approx(1.0, abs=1e-9)
@@ -221,7 +222,7 @@ def test_a_state_that_is_not_found_is_none_that_is_not_borne(
     monkeypatch: pytest.MonkeyPatch, error: type[SolveError], words: str
 ) -> None:
     """Where the solver gives up the search ends short of it and says so; what is wrong at any load ends it at once."""
-    configuration, cracks = ready(case_of("tension0"))
+    configuration = ready(case_of("tension0"))
     exact, tried = critical_load.increment, []
 
     def gives_up(at: Configuration, start: Any, factor: float) -> Any:
@@ -232,7 +233,7 @@ def test_a_state_that_is_not_found_is_none_that_is_not_borne(
 
     monkeypatch.setattr(critical_load, "increment", gives_up)
     with pytest.raises(error, match=words) as found:
-        critical_load.critically_loaded(configuration, cracks, 1.0)
+        critical_load.critically_loaded(configuration, 1.0)
     assert "not borne" not in str(found.value)
     assert "contradict each other" in str(found.value)
     assert (len(tried) == 1) == (error is SolveError)
@@ -259,11 +260,12 @@ def test_where_no_load_is_critical_the_run_arrests_and_says_so(factors: list[flo
 
 
 def test_tips_that_cannot_grow_have_no_critical_load(factors: list[float]) -> None:
-    configuration, cracks = ready(case_of("tension0", "cracks.flaw.tips=end"))
-    (growing,) = cracks
-    only_end = critical_load.critically_loaded(configuration, cracks, 1.0)
+    configuration = ready(case_of("tension0", "cracks.flaw.tips=end"))
+    (growing,) = configuration.cracks
+    only_end = critical_load.critically_loaded(configuration, 1.0)
     assert only_end.tips[1].verdict.criticality == pytest.approx(1.0, abs=1e-9)
     factors.clear()
     (still,) = load_case(CASES / "tension0.yaml", ["cracks.flaw.tips=none"]).cracks
-    none = critical_load.critically_loaded(configuration, (GrowingCrack(still, growing.steps),), 0.7)
+    configuration = replace(configuration, cracks=(GrowingCrack(still, growing.steps),))
+    none = critical_load.critically_loaded(configuration, 0.7)
     assert (none.state.factor, factors) == (0.7, [0.7])

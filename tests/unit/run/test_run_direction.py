@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 import shapely
 
-import crackgrow.run.direction as direction
 from crackgrow.case import load_case
 from crackgrow.case.model import Crack
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
-from crackgrow.run.direction import MOST_SOLVES, Advance, BeforeAdvance, advance_tips
+from crackgrow.run.advancing import Advance, BeforeAdvance, advanced_by
+from crackgrow.run.direction import MOST_SOLVES, advance_tips
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
 from tests.solving import solve_step
@@ -64,8 +64,7 @@ def advance(
 
 def front(scene: Scene, cracks: Cracks) -> BeforeAdvance:
     """The cracks of a scene that grow in step 1."""
-    assert scene.case.growth is not None
-    return BeforeAdvance(scene, scene.case.growth, cracks, 1)
+    return BeforeAdvance(scene, cracks, 1)
 
 
 def unasked(_: Cracks) -> StepSolution:
@@ -204,7 +203,7 @@ def test_a_crack_that_closes_into_a_ring_ends_both_its_tips(tips: str, n_events:
     case = load_case(CASE.with_stem("tension0"), [ring, "numerics.spacing=3"])
     (crack,) = case.cracks
     growing = (GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)),)
-    found = direction._advanced(front(make_scene(case), growing), [(0, True)], np.zeros(1))
+    found = advanced_by(front(make_scene(case), growing), [(0, True)], np.zeros(1))
     assert [(event.tip, event.met) for event in found.events] == [("end", "its own path"), ("start", "its own path")][
         :n_events
     ]

@@ -15,7 +15,7 @@ from crackgrow.errors import CaseError
 from crackgrow.plan.text import plan_text
 from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
-from crackgrow.run.configuration import first_cells, lay_out
+from crackgrow.run.layout import cells_of, cover_of
 from crackgrow.run.scene import make_scene
 from tests.one_size import one_size
 
@@ -27,8 +27,8 @@ def case(name: str, *settings: str) -> Case:
     return load_case(CASES / f"{name}.yaml", [*one_size(name), *settings, *QUIET])
 
 
-def cover_of(scene: Case) -> Cover:
-    return lay_out(make_scene(scene), beginning(scene).cracks)[0]
+def laid_out(scene: Case) -> Cover:
+    return cover_of(make_scene(scene), beginning(scene).cracks)
 
 
 def size_at(cover: Cover, metres: tuple[float, float]) -> float:
@@ -39,7 +39,7 @@ def size_at(cover: Cover, metres: tuple[float, float]) -> float:
 
 
 def test_without_halvings_all_cells_are_of_one_size() -> None:
-    cover = cover_of(case("compression30", "numerics.refine.rings=3"))
+    cover = laid_out(case("compression30", "numerics.refine.rings=3"))
     assert np.all(cover.sizes == 1.0)
 
 
@@ -47,7 +47,7 @@ def test_tips_kinks_and_corners_get_the_cells_that_they_ask_for() -> None:
     path = "cracks.flaw.path={points: [[-6, -4], [0, 0], [5, 0]]}"
     notch = "bodies.rock.shape.holes=[{rectangle: {center: [9, 18], width: 6, height: 6}}]"
     settings = ("numerics.spacing=3", "numerics.refine={tips: 2, kinks: 4, corners: 1}")
-    cover = cover_of(case("compression30", path, notch, *settings))
+    cover = laid_out(case("compression30", path, notch, *settings))
     assert [tip.size for tip in cover.tips] == [0.25, 0.25]
     assert size_at(cover, (0.0, 0.0)) == 2.0**-4
     assert size_at(cover, (0.0061, 0.0149)) == 0.5
@@ -56,11 +56,11 @@ def test_tips_kinks_and_corners_get_the_cells_that_they_ask_for() -> None:
 
 def test_a_turn_of_a_few_degrees_is_no_kink() -> None:
     path = "cracks.flaw.path={points: [[-6, 0], [0, 0], [6, 0.6]]}"
-    assert np.all(cover_of(case("compression30", path, "numerics.refine.kinks=3")).sizes == 1.0)
+    assert np.all(laid_out(case("compression30", path, "numerics.refine.kinks=3")).sizes == 1.0)
 
 
 def test_where_cracks_meet_or_end_on_an_outline_cells_are_small() -> None:
-    cover = cover_of(case("junction_static", "numerics.refine.kinks=2"))
+    cover = laid_out(case("junction_static", "numerics.refine.kinks=2"))
     assert cover.sizes.min() == 0.25
 
 
@@ -116,7 +116,7 @@ def halved_to(size: float, spacing: float) -> float:
 def test_automatic_cells_at_tips_follow_length_growth_and_room(settings: tuple[str, ...], size: float) -> None:
     contact = "cracks.other.contact={friction: 0.3, cohesion: 0}"
     more = (contact,) if "other" in settings[-1] else ()
-    cover = cover_of(case("compression30", AUTO, FLAW, *settings, *more))
+    cover = laid_out(case("compression30", AUTO, FLAW, *settings, *more))
     (tip,) = (tip for tip in cover.tips if cover.cracks[tip.crack].name == "flaw" and tip.at_end)
     assert tip.size == halved_to(size, cover.lattice.spacing)
 
@@ -126,13 +126,13 @@ def test_automatic_cells_at_tips_follow_length_growth_and_room(settings: tuple[s
 )
 def test_the_cells_that_are_told_beforehand_are_those_of_the_first_step(settings: tuple[str, ...]) -> None:
     scene = case("compression30", *settings)
-    assert first_cells(make_scene(scene)).equal(cover_of(scene).lattice.cells)
+    assert cells_of(make_scene(scene), beginning(scene).cracks).equal(laid_out(scene).lattice.cells)
 
 
 def test_automatic_cells_at_a_kink_follow_both_parts_beside_it() -> None:
     long, short = 0.008, 0.001
     path = f"cracks.flaw.path={{points: [[-8, 0], [0, 0], [0, {1e3 * short}]]}}"
-    cover = cover_of(case("compression30", AUTO, "growth.steps=0", path))
+    cover = laid_out(case("compression30", AUTO, "growth.steps=0", path))
     wanted = min(long / STANDARD.per_longer, short / STANDARD.per_stretch)
     assert size_at(cover, (0.0, 0.0)) == halved_to(wanted, cover.lattice.spacing)
 
@@ -140,14 +140,14 @@ def test_automatic_cells_at_a_kink_follow_both_parts_beside_it() -> None:
 def test_a_rough_crack_gets_no_cells_for_each_of_its_jogs() -> None:
     x = np.linspace(-8.0, 8.0, 81)
     points = np.column_stack([x, 0.05 * (-1.0) ** np.arange(81)])
-    cover = cover_of(case("compression30", AUTO, "growth.steps=0", f"cracks.flaw.path={{points: {points.tolist()}}}"))
+    cover = laid_out(case("compression30", AUTO, "growth.steps=0", f"cracks.flaw.path={{points: {points.tolist()}}}"))
     assert cover.lattice.cells.size.min() / cover.lattice.cells.size.max() >= 0.5 * 0.016 / STANDARD.per_rough / 0.0031
     assert cover.n_dofs < 20_000
 
 
 def test_automatic_cells_along_a_hole_follow_its_width() -> None:
     hole = "bodies.rock.shape.holes=[{disk: {center: [0, 12], radius: 1}}]"
-    cover = cover_of(case("compression30", AUTO, FLAW, "growth.steps=0", hole))
+    cover = laid_out(case("compression30", AUTO, FLAW, "growth.steps=0", hole))
     wanted = halved_to(0.002 / STANDARD.per_feature, cover.lattice.spacing)
     assert size_at(cover, (0.0, 0.0132)) == size_at(cover, (-0.0012, 0.012)) == wanted
     assert size_at(cover, (0.0, -0.025)) == 1.0
@@ -156,7 +156,7 @@ def test_automatic_cells_along_a_hole_follow_its_width() -> None:
 def test_the_smallest_cells_are_a_2048th_of_the_largest() -> None:
     """A crack of 10 micrometres in a block of 31 mm: the largest cells are smaller, too."""
     tiny = "cracks.flaw.path={points: [[0, 0], [0.01, 0]]}"
-    cover = cover_of(case("compression30", AUTO, tiny, "growth.steps=0"))
+    cover = laid_out(case("compression30", AUTO, tiny, "growth.steps=0"))
     assert min(tip.size for tip in cover.tips) >= 2.0**-11
     assert all(tip.size * cover.lattice.spacing <= 1e-5 / STANDARD.per_crack * 1.0000001 for tip in cover.tips)
 
@@ -176,5 +176,6 @@ def test_automatic_cells_are_the_same_in_a_scene_of_another_size(factor: float) 
             "growth.tip_stress.radius": size,
         }
         settings = [f"{key}={value}".replace("'", "") for key, value in scene.items()]
-        cells.append(first_cells(make_scene(case("compression30", AUTO, *settings))))
+        of_size = case("compression30", AUTO, *settings)
+        cells.append(cells_of(make_scene(of_size), beginning(of_size).cracks))
     assert cells[0].equal(cells[1])

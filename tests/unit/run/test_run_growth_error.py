@@ -35,10 +35,9 @@ def off_by(solution: StepSolution, of_I: float, of_II: float) -> Judged:
 
 def test_a_load_that_is_critical_by_K_I_is_off_by_as_much() -> None:
     solution = solved(*PULLED, "loading=critical")
-    cracks = beginning(solution.configuration.scene.case).cracks
     assert solution.steepness == pytest.approx(1.0, rel=1e-6)
-    assert load_error(cracks, solution, off_by(solution, 0.02, 0.0)) == pytest.approx(0.02, rel=1e-3)
-    assert load_error(cracks, solution, off_by(solution, 0.0, 0.0)) == pytest.approx(0.0, abs=1e-9)
+    assert load_error(solution, off_by(solution, 0.02, 0.0)) == pytest.approx(0.02, rel=1e-3)
+    assert load_error(solution, off_by(solution, 0.0, 0.0)) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_where_a_held_load_does_half_the_work_the_load_factor_is_off_by_twice_as_much() -> None:
@@ -54,7 +53,7 @@ def test_where_a_held_load_does_half_the_work_the_load_factor_is_off_by_twice_as
     solution = load(make_scene(case), beginning(case).cracks)
     assert solution.state.factor == pytest.approx(0.5 * critical, rel=1e-6)
     assert solution.steepness == pytest.approx(0.5, rel=1e-4)
-    found = load_error(beginning(case).cracks, solution, off_by(solution, 0.02, 0.0))
+    found = load_error(solution, off_by(solution, 0.02, 0.0))
     assert found == pytest.approx(0.04, rel=1e-3)
 
 
@@ -83,9 +82,8 @@ def test_a_tip_that_goes_on_in_shear_is_judged_by_its_criterion_however_others_t
 def test_what_is_not_known_is_not_told() -> None:
     solution = solved(*PULLED, "loading=critical")
     unknown = judged_when_off(solution, [(np.nan, np.nan)] * 2)
-    cracks = beginning(solution.configuration.scene.case).cracks
     assert np.isnan(kink_errors(solution, unknown)).all()
-    assert np.isnan(load_error(cracks, solution, unknown))
-    assert np.isnan(load_error(cracks, replace(solution, steepness=np.inf), off_by(solution, 0.1, 0.1))) is np.False_
+    assert np.isnan(load_error(solution, unknown))
+    assert np.isnan(load_error(replace(solution, steepness=np.inf), off_by(solution, 0.1, 0.1))) is np.False_
     static = next(grow(load_case(CASES / "edge_tension.yaml", QUIET)))
     assert np.isnan([static.load_factor_error, static.tips[0].kink_error_deg]).all()

@@ -98,7 +98,7 @@ def test_round_off_in_rock_at_rest_is_no_error_of_the_balance(spacing: int) -> N
     _, _, configuration = ready("compression30", *CONFINED, f"numerics.spacing={spacing}")
     (state,) = through(configuration, 1.0)
     assert (state.outcome.state == STICK).all()
-    energy, alone = state.energy, float(configuration.conjugate_terms(1.0, 1.0, state.states)[0])
+    energy, alone = state.energy, float(configuration.conjugate_terms(state.level, state.states)[0])
     assert max(abs(energy.work), abs(energy.strain)) < 1e-12 * alone
     assert energy.error == 0.0
 
@@ -256,7 +256,7 @@ def test_old_faces_remember_and_new_ones_know_nothing(
     assert not memory.broken[faces.s > length + 1e-6].any()
     for values in (memory.slip, start.remembered.normal, start.remembered.tangential):
         assert not values[new].any()
-    assert (start.factor, start.holding, start.grown) == (state.factor, 1.0, True)
+    assert (start.level, start.grown) == ((state.factor, 1.0), True)
 
 
 def test_stuck_faces_do_not_jump_back_when_the_crack_grows(sheared: tuple[Scene, GrowingCrack, LoadState]) -> None:

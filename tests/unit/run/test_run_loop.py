@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,10 @@ from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError, FreePieceError, GeometryError, SolveError
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
+from crackgrow.run.scene import Scene
 from tests.whole_run import whole_run
 
 ROOT = Path(__file__).parents[3]
@@ -344,10 +347,11 @@ def solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every step is given the answer of the first: which tips advance depends on the tips that are left alone."""
     true, known = loop.load, []
 
-    def solve(*arguments: Any, **named: Any) -> Any:
+    def solve(scene: Scene, cracks: tuple[GrowingCrack, ...], *rest: Any, **named: Any) -> Any:
         if not known:
-            known.append(true(*arguments, **named))
-        return known[0]
+            known.append(true(scene, cracks, *rest, **named))
+        state = known[0].state
+        return replace(known[0], state=replace(state, configuration=replace(state.configuration, cracks=cracks)))
 
     monkeypatch.setattr(loop, "load", solve)
 

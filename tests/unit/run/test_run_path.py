@@ -14,6 +14,7 @@ from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import LoadState, from_state, held_loads, increment
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
 from tests.stability.growing_scenes import growing_scene
 from tests.stability.random_scenes import text_of
@@ -74,7 +75,7 @@ def test_between_two_events_states_are_linear_in_the_load(law: str) -> None:
     for one, other in pairwise(states):
         if abs(other.factor - one.factor) < 1e-3:
             continue
-        middle = configuration.states(0.5 * (one.factor + other.factor), one.remembered.memory, 1.0)
+        middle = configuration.states(LoadLevel(0.5 * (one.factor + other.factor)), one.remembered.memory)
         size = np.abs(one.states.tractions).max()
         mean = 0.5 * (one.states.tractions + other.states.tractions)
         np.testing.assert_allclose(middle.tractions, mean, atol=1e-8 * size)
@@ -95,7 +96,8 @@ def test_the_way_that_was_followed_leaves_what_was_remembered_alone() -> None:
     configuration = ready()
     (state,) = through(configuration, 1.0)[-1:]
     start = from_state(state)
-    kept = ContactMemory(*(array.copy() for array in (start.remembered.memory.slip, start.remembered.memory.lost)))
+    memory = start.remembered.memory
+    kept = ContactMemory(memory.slip.copy(), memory.lost.copy(), memory.closed.copy())
     one = increment(configuration, start, -1.0)
     two = increment(configuration, start, -1.0)
     np.testing.assert_array_equal(one.outcome.u, two.outcome.u)

@@ -15,6 +15,7 @@ from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.stiffness import stiffness
 
@@ -94,7 +95,7 @@ def test_every_stiffness_of_a_run_is_that_of_a_fresh_assembly(
         alone = assemble(own, arguments[1])
         system, rebuilt = configuration.contact.system, alone.contact.system
         assert system.kept.factors.keys() == rebuilt.kept.factors.keys()
-        loads = configuration.loads(1.0)
+        loads = configuration.loads(LoadLevel(1.0))
         for taken_over, anew in zip(
             system.solve(loads, configuration.held.given), rebuilt.solve(loads, alone.held.given), strict=True
         ):

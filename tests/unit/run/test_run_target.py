@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NoReturn
 
 import numpy as np
@@ -23,17 +23,17 @@ from crackgrow.run import scene as scene_file
 from crackgrow.run import target as target_file
 from crackgrow.run.caution import Cause
 from crackgrow.run.checkpoint import beginning, restored
-from crackgrow.run.configuration import lay_out
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
 from crackgrow.run.judging import StepSolution
-from crackgrow.run.loading import load, load_to
+from crackgrow.run.layout import cover_of
+from crackgrow.run.loading import LoadsInTurn, NextStep, load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.other_cells import compared, still_tells
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.still_known import holds
-from crackgrow.run.target import Ways, aimed
+from crackgrow.run.target import aimed
 from tests.unit.run.test_run_starting import SQUARE, plate
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -83,7 +83,7 @@ def test_a_smaller_target_takes_smaller_cells() -> None:
 def test_cells_to_compare_are_twice_as_large_at_the_tips_and_away_from_them() -> None:
     scene = make_scene(case("compression30", "2 %", "numerics.refine.corners=1"))
     solution = load(scene, beginning(scene.case).cracks)
-    covers = [lay_out(each, beginning(scene.case).cracks)[0] for each in (scene, compared(solution))]
+    covers = [cover_of(each, beginning(scene.case).cracks) for each in (scene, compared(solution))]
     small, large = (cover.lattice.cells.size for cover in covers)
     assert (large.min(), large.max()) == (2 * small.min(), 2 * small.max())
     assert [2.0 * tip.size for tip in covers[0].tips] == [tip.size for tip in covers[1].tips]
@@ -97,7 +97,7 @@ def test_cells_to_compare_are_an_eighth_as_large_at_kinks() -> None:
     for more, times in ((0, 8.0), (MOST_LEVELS - 8, 4.0), (MOST_LEVELS - 7, 0.5)):
         given = replace(scene, halvings=replace(scene.halvings, kinks=more))
         solution = load(given, beginning(kinked).cracks)
-        other = lay_out(compared(solution), beginning(kinked).cracks)[0]
+        other = cover_of(compared(solution), beginning(kinked).cracks)
         assert solution.cover.sizes.min() == times * other.sizes.min()
         assert [2.0 * tip.size for tip in solution.cover.tips] == [tip.size for tip in other.tips]
 
@@ -108,7 +108,7 @@ def test_cells_to_compare_are_an_eighth_as_large_at_kinks_of_cracks_whose_cells_
     scene = make_scene(kinked)
     given = replace(scene, halvings=replace(scene.halvings, cracks=(0,)))
     solution = load(given, beginning(kinked).cracks)
-    assert solution.cover.sizes.min() == 8.0 * lay_out(compared(solution), beginning(kinked).cracks)[0].sizes.min()
+    assert solution.cover.sizes.min() == 8.0 * cover_of(compared(solution), beginning(kinked).cracks).sizes.min()
 
 
 @pytest.mark.parametrize("wing", [1.0, 0.2])
@@ -118,7 +118,7 @@ def test_tips_of_short_wings_gather_their_functions(wing: float) -> None:
         "compression30", "2 %", f"cracks.flaw.path={{points: [[-4 mm, 0], [4 mm, 0], [{4 + wing} mm, {wing} mm]]}}"
     )
     solution = load(make_scene(kinked), beginning(kinked).cracks)
-    other = lay_out(compared(solution), beginning(kinked).cracks)[0]
+    other = cover_of(compared(solution), beginning(kinked).cracks)
     assert solution.cover.tips[1].carriers.gathered
     assert other.tips[1].carriers.gathered
 
@@ -126,7 +126,7 @@ def test_tips_of_short_wings_gather_their_functions(wing: float) -> None:
 def test_a_jog_beside_a_tip_asks_for_no_smaller_cells_than_its_kink() -> None:
     kinked = case("compression30", "2 %", "cracks.flaw.path={points: [[-4 mm, 0], [4 mm, 0], [4.02 mm, 0.02 mm]]}")
     scene = make_scene(kinked)
-    cover = lay_out(scene, beginning(kinked).cracks)[0]
+    cover = cover_of(scene, beginning(kinked).cracks)
     assert cover.sizes.min() == 0.5 * 0.5 ** scene.halvings.at_kinks(0)
 
 
@@ -151,7 +151,7 @@ def test_cells_to_compare_serve_smaller_cells_while_those_at_kinks_are_a_quarter
         load(replace(scene, halvings=replace(scene.halvings, cracks=(scene.halvings.cracks[0] + n,))), cracks)
         for n in range(len(tells))
     ]
-    other = load_to(compared(solutions[0]), cracks, 1.0, None, None)
+    other = NextStep(cracks, None).state(compared(solutions[0]), 1.0, None)
     assert [still_tells(solution, other) for solution in solutions] == tells
     assert not still_tells(solutions[0], replace(other, factor=2.0))
 
@@ -197,7 +197,7 @@ def test_a_run_that_was_broken_off_goes_on_to_the_same_bits(settings: tuple[str,
 def true_error(aim: Case, step: StepResult, solution: StepSolution) -> float:
     """Of K, over the largest: against cells of a quarter of the size at all tips."""
     assert step.checkpoint is not None
-    scene, cracks = solution.configuration.scene, restored(aim, step.checkpoint).cracks
+    scene, cracks = solution.scene, restored(aim, step.checkpoint).cracks
     halvings = replace(scene.halvings, cracks=tuple(n + 2 for n in scene.halvings.cracks))
     finer = np.array([tip.K for tip in load(scene.with_halvings(halvings), cracks).tips])
     off = finer - [(tip.K_I, tip.K_II) for tip in step.tips]
@@ -255,7 +255,7 @@ def test_tips_without_room_for_an_integral_leave_no_K_to_aim_at() -> None:
     def unsolved(*_: object) -> NoReturn:
         raise SolveError("none")
 
-    found = aimed(crowded, cracks, Ways(unsolved, unsolved), None)
+    found = aimed(crowded, SimpleNamespace(solve=unsolved, state=unsolved), None)
     assert found.accuracy is not None
     assert found.accuracy.missed == "K is not known at any tip"
 
@@ -273,14 +273,13 @@ def test_loads_go_on_with_their_cells_where_smaller_ones_have_no_solution(monkey
     """At the first load; contact of the others is that of the history on those cells."""
     first = Halvings(1, (0,))
     monkeypatch.setattr(scene_file, "first_halvings", lambda *_: first)
-    found = aimed_history_file.load_history
 
-    def only_on_the_first(scene: Scene, *rest: Any, **more: Any) -> Iterator[StepSolution]:
+    def only_on_the_first(scene: Scene, *rest: Any, **more: Any) -> LoadsInTurn:
         if scene.halvings.cracks != first.cracks:
             raise SolveError("not solved")
-        yield from found(scene, *rest, **more)
+        return LoadsInTurn(scene, *rest, **more)
 
-    monkeypatch.setattr(aimed_history_file, "load_history", only_on_the_first)
+    monkeypatch.setattr(aimed_history_file, "LoadsInTurn", only_on_the_first)
     steps = list(grow(case("cyclic_friction", "0.1 %", "loading.history=[0.5, 1.0]")))
     assert [step.load_factor for step in steps] == [0.5, 1.0]
     for step in steps:

@@ -11,7 +11,7 @@ from scipy.sparse import csc_array, csr_array
 
 from crackgrow.case import load_case
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactLaw, ContactMemory, complementarity_residual
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, complementarity_residual
 from crackgrow.contact.newton import solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.solve import solved
@@ -26,7 +26,7 @@ from crackgrow.study.uniqueness import (
     second_solution,
     unique_text,
 )
-from tests.contact_problems import smooth
+from tests.contact_problems import contact_law, smooth
 from tests.solving import solve_contact
 
 ONE = np.ones(1)
@@ -57,7 +57,7 @@ def every_solution(problem: ContactProblem) -> list[np.ndarray]:
     n, found = problem.n_points, []
     for branches in itertools.product(((False, 1), (True, 0), (True, 1), (True, -1)), repeat=n):
         closed, slip = zip(*branches, strict=True)
-        p = solve_active(problem, ActiveSet(np.array(closed), np.array(slip)))
+        p = solve_active(problem, ActiveSet(np.array(closed), np.array(slip), np.array(slip)))
         new = all(np.abs(p - q).max() > 1e-6 * np.abs(p).max() for q in found)
         if new and complementarity_residual(problem, p) < 1e-9:
             found.append(p)
@@ -217,7 +217,7 @@ def rock_of(problem: ContactProblem, solver: str = "newton") -> tuple[ContactSys
     K = np.eye(m + 1)
     K[:m, :m] = np.linalg.inv(problem.compliance)
     system = ConstrainedSystem(csc_array(K), csr_array(np.eye(m + 1)[m:]))
-    law = ContactLaw(problem.friction, np.zeros(n), np.zeros(n))
+    law = contact_law(problem.friction, np.zeros(n), np.zeros(n))
     rows = csr_array(np.eye(m + 1)[:m])
     contact = ContactSystem(system, csr_array(rows[:n]), csr_array(rows[n:]), np.ones(n), law, solver)
     return contact, np.append(K[:m, :m] @ problem.free, 0.0)
@@ -297,7 +297,7 @@ def test_a_point_that_nothing_presses_is_left_open() -> None:
 def test_a_trial_that_fails_leaves_the_memory_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """r(A), failure, r(A): the same, bit for bit, and what was remembered is what it was."""
     contact, loads = rock_of(one_point(0.5, -1.0, 3.0))
-    memory = ContactMemory(np.array([0.25]), np.array([False]))
+    memory = ContactMemory(np.array([0.25]), np.zeros(1), np.ones(1, dtype=bool))
     before = solve_contact(contact, loads, np.zeros(1), memory)
     with monkeypatch.context() as patch:
         for name in ("newton", "lemke"):

@@ -1,0 +1,85 @@
+"""How a configuration lies on its cells: cover, contact points and constraints. Nothing is integrated for them."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from scipy.sparse import csr_array, vstack
+
+from crackgrow.contact.faces import ContactFaces, gauss_faces
+from crackgrow.contact.jump import contact_operators
+from crackgrow.contact.mortar import mortar_faces
+from crackgrow.cover.cover import Cover, build_cover
+from crackgrow.cover.refinement import divided
+from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.cover.squares import Squares
+from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.run.foci import focus_of, lattice_of_cells
+from crackgrow.run.scene import Scene
+from crackgrow.solid.supports import Constraints, constraints, tied
+
+ON_OUTLINE = 1e-9
+"""A crack end closer to an outline than this fraction of its length lies on it."""
+
+
+def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
+    """The cover of a scene with its cracks, as far as it can with parts of the one before.
+
+    Raises GeometryError where it can't be made.
+    """
+    cracks = _geometries(scene, growing)
+    lattice = lattice_of_cells(scene.at_start, cracks, None if before is None else before.lattice)
+    return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, before)
+
+
+def cells_of(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Squares:
+    """The cells of `cover_of`, without the lattice that is made of them."""
+    cracks = _geometries(scene, growing)
+    return divided(scene.lattice, focus_of(scene.at_start, cracks), scene.case.numerics.refine.rings)
+
+
+def _geometries(scene: Scene, growing: tuple[GrowingCrack, ...]) -> list[CrackGeometry]:
+    return [crack_geometry(scene, crack, body) for crack, body in zip(growing, scene.crack_bodies, strict=True)]
+
+
+def crack_geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeometry:
+    """The crack in lattice coordinates. An end is a tip unless it lies on its body's rim, whether it can grow or not.
+
+    `body` is the one that it lies in. Given vertices at which the crack does not turn are left out: a straight stretch
+    is one whatever it was put together from, for the cover as for the disc of the integrals of K. Where growth began
+    a vertex stays: faces remember up to there.
+    """
+    points = growing.crack.points.copy()
+    inside = [True, True]
+    boundary = scene.regions[body].boundary
+    for index, end in enumerate((0, -1)):
+        place = shapely.Point(points[end])
+        if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
+            points[end] = shapely.shortest_line(boundary, place).coords[0]
+            inside[index] = False
+    points = scene.lattice.to_lattice(points)
+    first, last = np.flatnonzero(growing.rooted)[[0, -1]]
+    given = shapely.get_coordinates(shapely.simplify(shapely.LineString(points[first : last + 1]), ON_LINE))
+    points = np.concatenate([points[:first], given, points[last + 1 :]])
+    gathered = scene.case.numerics.gathers_tip_functions
+    return CrackGeometry(growing.crack.name, points, inside[0], inside[1], gathered=gathered)
+
+
+def contact_faces(scene: Scene, cover: Cover) -> ContactFaces:
+    """The contact points of the surfaces that have a contact law."""
+    touching = [index for index, law in enumerate(scene.laws) if law.contact is not None]
+    settings = scene.case.numerics.contact
+    if settings.discretization == "gauss":
+        return gauss_faces(cover, touching)
+    return mortar_faces(cover, touching, settings.spacing)
+
+
+def constraints_of(scene: Scene, cover: Cover) -> Constraints:
+    """The supports, and bonded interfaces: no gap and no slip there, averaged at mortar nodes."""
+    held = constraints(cover, scene.case.bodies, scene.case.supports)
+    bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
+    if not bonded:
+        return held
+    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing)
+    return tied(held, csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2))

@@ -1,0 +1,70 @@
+"""What a solved configuration misses of equilibrium."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crackgrow.arrays import Floats
+from crackgrow.case.units import place_text
+from crackgrow.contact.solve import ContactOutcome
+from crackgrow.contact.system import ContactSystem
+from crackgrow.cover.cover import Cover
+from crackgrow.direct import SymmetricMatrix
+
+UNSTRESSED = 1e-6
+"""Forces below this fraction of the terms that they are the sum of are no forces."""
+
+WORST_RESIDUAL = 1e-5
+"""Relative equilibrium residual beyond which a solution is refused."""
+
+LOST_DIGITS = 1e-9
+"""Of the terms of a force: what round-off leaves of them at worst."""
+
+
+@dataclass(frozen=True, slots=True)
+class Residual:
+    """The largest force on an unknown that nothing balances."""
+
+    size: float  # relative
+    dof: int  # the unknown
+    terms: float  # size of what the stress forces there are the sum of, relative as well
+
+    def told(self, cover: Cover) -> str:
+        """What to say of it where it is too large."""
+        near = place_text(cover.lattice.to_metres(_place_of(cover, self.dof // 2)), 4)
+        what = f"the equilibrium residual is {self.size:.2g}, more than {WORST_RESIDUAL:g}, near {near}"
+        if self.size > LOST_DIGITS * self.terms:
+            return f"{what}: no state was found in which forces balance there; use smaller load increments or a spacing"
+        return (
+            f"{what}: the system is too ill conditioned there, with terms {self.terms:.1g} times the forces; move what "
+            "lies close together (a tip, a crack, an outline, a lattice line) a little, or change numerics.spacing"
+        )
+
+
+def residual_of(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, outcome: ContactOutcome) -> Residual:
+    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts.
+
+    Where nothing is stressed all parts are round-off, and the terms give the size.
+    """
+    internal, terms = matrix.weighed(outcome.u)
+    reactions = contact.system.constraints.T @ outcome.multipliers
+    tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
+    tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)
+    parts = (internal, reactions, tractions, loads)
+    size = max(np.abs(part).max(initial=0.0) for part in parts)
+    size = max(size, UNSTRESSED * terms.max(initial=0.0))
+    left = np.abs(internal + reactions + tractions - loads)
+    place = int(np.argmax(left))
+    if size == 0.0:
+        return Residual(0.0, place, 0.0)
+    return Residual(float(left[place] / size), place, float(terms[place] / size))
+
+
+def _place_of(cover: Cover, function: int) -> Floats:
+    """The node of a physical patch (2,), or the tip that a singular function belongs to, in lattice coordinates."""
+    if function < len(cover.patch_nodes):
+        return np.asarray(cover.patch_nodes[function])
+    first = [tip.first_function for tip in cover.tips]
+    return cover.tips[int(np.searchsorted(first, function, side="right")) - 1].point
