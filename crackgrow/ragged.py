@@ -74,7 +74,7 @@ def distinct(values: Ints) -> Ints:
 
 
 def numbered(values: Ints, n: int) -> tuple[Ints, Ints]:
-    """The distinct of values (m,) below n, ascending, and the place (m,) of each value among them; nothing is sorted."""
+    """The distinct of values (m,) below n, ascending, and the place (m,) of each of them there; nothing is sorted."""
     seen, place = np.zeros(n, dtype=bool), np.empty(n, dtype=np.int64)
     seen[values] = True
     found = np.flatnonzero(seen)

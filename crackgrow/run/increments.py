@@ -84,6 +84,22 @@ class LoadState:
         """Relative equilibrium residual."""
         return self.equilibrium.residual
 
+    def scaled(self, share: float) -> LoadState:
+        """The state under `share` times the load factor, where states are in proportion to it."""
+        equilibrium, energy = self.equilibrium, self.energy
+        work, strain, dissipated, released = (
+            share**2 * part for part in (energy.work, energy.strain, energy.dissipated, energy.released)
+        )
+        return replace(
+            self,
+            factor=share * self.factor,
+            states=self.states.scaled(share),
+            energy=Energy(work, strain, dissipated, released, energy.error),
+            good_to=share**2 * self.good_to,
+            conjugates=share * self.conjugates,
+            formed=Equilibrium(equilibrium.outcome.scaled(share), equilibrium.residual),
+        )
+
     @cached_property
     def remembered(self) -> Remembered:
         """What the next part of an increment needs."""
