@@ -74,7 +74,10 @@ class Cover:
     @property
     def n_functions(self) -> int:
         """Number of functions."""
-        return len(self.patches.nodes) + N_TIP_FUNCTIONS * sum(tip.carriers.n for tip in self.tips)
+        if not self.tips:
+            return len(self.patches.nodes)
+        last = self.tips[-1]
+        return last.first_function + N_TIP_FUNCTIONS * last.carriers.n
 
     @property
     def patch_nodes(self) -> Floats:

@@ -94,11 +94,11 @@ class Readings:
         )
         on = cover.functions_on(some)
         nodes = np.column_stack([patches.nodes, patches.weight_half])
-        general = np.array([cover.lattice.spacing, cover.lattice.support])
+        general, n = np.array([cover.lattice.spacing, cover.lattice.support]), cover.n_functions
         for number, place in enumerate(places):
             first, last = elements.start[number : number + 2]
             counts = on.start[first : last + 1] - on.start[first]
-            functions, local = numbered(on.values[on.start[first] : on.start[last]], cover.n_functions)
+            functions, local = numbered(on.values[on.start[first] : on.start[last]], n)
             on_nodes = nodes[functions[functions < len(nodes)]]
             added = np.frombuffer(place.own, dtype=np.uint8)
             yield key_of((general, names[first:last], where[first:last], counts, local, on_nodes, added)), functions
