@@ -85,6 +85,8 @@ def largest_kink(solution: StepSolution, tip: Tip) -> float:
     A kink with closed faces on either side is a pressed corner; an open one bends faces that are free.
     """
     sharp = np.abs(kink_angles(tip.points)) > SHARP
+    if not sharp.any():
+        return 0.0
     lengths = arc_lengths(tip.points)
     closed = (solution.faces.surface == tip.crack) & (solution.outcome.state != OPEN)
     pressed = tip.from_start(solution.faces.s[closed])  # from the tip: each of the two lengths gives the other so

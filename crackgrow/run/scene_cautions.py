@@ -17,7 +17,7 @@ from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
 from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tips import largest_cell_at
+from crackgrow.cover.tips import largest_cells_at
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import SAME_PLACE
@@ -38,8 +38,9 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     case = scene.case
     growth, support, contact = case.growth, case.numerics.support, case.numerics.contact
     given = tuple(map(GrowingCrack.given, case.cracks))
-    starts = [site for site in sites_of(scene, cover, given) if site.kind != "tip"]
-    sizes = [tip.size for tip in cover.tips] + [largest_cell_at(cover.lattice, site.point) for site in starts]
+    starts = [site.point for site in sites_of(scene, cover, given) if site.kind != "tip"]
+    sizes = [tip.size for tip in cover.tips]
+    sizes += largest_cells_at(cover.lattice, np.array(starts).reshape(-1, 2)).tolist()
     at_tips = max(sizes, default=1.0) * scene.lattice.spacing
     radii = [] if growth is None or growth.tip_radius is None else [growth.tip_radius]
     radii += [radius for radius, _ in (*_by_toughness(scene), *_by_shear_toughness(scene))]
