@@ -14,7 +14,6 @@ from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Load
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN, STICK, ContactLaw, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, gauss_faces
@@ -431,7 +430,7 @@ def _law(scene: Scene, cover: Cover, faces: ContactFaces, growing: tuple[Growing
             continue
         mine = faces.surface == index
         friction[mine], cohesion[mine] = law.contact.friction, law.contact.cohesion
-        size = cell_lengths(cover, index).size(faces.s[mine]) * scene.lattice.spacing
+        size = cover.surfaces[index].in_cells.size(faces.s[mine]) * scene.lattice.spacing
         compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
         residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
         dilation[mine] = np.tan(np.deg2rad(law.contact.dilation_angle))

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.faces import ContactFaces, stretch_ends
 from crackgrow.contact.mortar import CLOSEST, FEW_NODES, mortar_faces
 from crackgrow.cover.cover import Cover
@@ -176,7 +175,7 @@ def test_nodes_are_as_far_apart_as_the_cells_beside_them_are_large(build, side: 
     """The same number of cells from node to node: where these are half as large there are twice as many nodes."""
     cover = with_smaller_cells(plate(build, [(-8.0, 0.3), (8.0, 0.3)]).cover, 0.5, side)
     faces = mortar_faces(cover, [0], 1.25)
-    steps = np.diff(cell_lengths(cover, 0).at(faces.s))
+    steps = np.diff(cover.surfaces[0].in_cells.at(faces.s))
     np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
     assert 1.25 <= steps[0] < 1.4
     apart = np.diff(faces.s)
@@ -215,8 +214,8 @@ def test_the_size_of_cells_is_the_same_from_either_end(build) -> None:
     path = np.array([(-8.0, 0.3), (8.0, 0.3)])
     forth, back = (with_smaller_cells(plate(build, way).cover, 0.5) for way in (path, path[::-1]))
     s = np.linspace(0.0, 16.0, 65)
-    size = cell_lengths(forth, 0).size(s)
-    np.testing.assert_allclose(size, cell_lengths(back, 0).size(16.0 - s), atol=ROUND_OFF)
+    size = forth.surfaces[0].in_cells.size(s)
+    np.testing.assert_allclose(size, back.surfaces[0].in_cells.size(16.0 - s), atol=ROUND_OFF)
     assert (size[s < 7.0] == 1.0).all()
     assert size[s > 10.0] == pytest.approx(0.5)
     assert np.all((size >= 0.5 - 1e-9) & (size <= 1.0))
