@@ -94,8 +94,8 @@ class ContactOutcome:
     rows: Ints  # (k,) points that the solver had to deal with: all others stay open
     problem: ContactProblem | None  # what it solved for them last
 
-    def scaled(self, share: float) -> ContactOutcome:
-        """The outcome of `share` times the loads, where states are in proportion to them."""
+    def scaled(self, share: float, problem: ContactProblem | None) -> ContactOutcome:
+        """The outcome of `share` times the loads, where states are in proportion to them, and its problem."""
         return replace(
             self,
             u=share * self.u,
@@ -107,7 +107,7 @@ class ContactOutcome:
             memory=replace(self.memory, slip=share * self.memory.slip),
             dilation=share * self.dilation,
             penetration=share * self.penetration,
-            problem=self.problem and self.problem.scaled(share),
+            problem=problem,
         )
 
 

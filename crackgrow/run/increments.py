@@ -86,18 +86,18 @@ class LoadState:
 
     def scaled(self, share: float) -> LoadState:
         """The state under `share` times the load factor, where states are in proportion to it."""
-        equilibrium, energy = self.equilibrium, self.energy
+        equilibrium, energy, states = self.equilibrium, self.energy, self.states.scaled(share)
         work, strain, dissipated, released = (
             share**2 * part for part in (energy.work, energy.strain, energy.dissipated, energy.released)
         )
         return replace(
             self,
             factor=share * self.factor,
-            states=self.states.scaled(share),
+            states=states,
             energy=Energy(work, strain, dissipated, released, energy.error),
             good_to=share**2 * self.good_to,
             conjugates=share * self.conjugates,
-            formed=Equilibrium(equilibrium.outcome.scaled(share), equilibrium.residual),
+            formed=Equilibrium(equilibrium.outcome.scaled(share, states.problem), equilibrium.residual),
         )
 
     @cached_property
