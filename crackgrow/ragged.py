@@ -73,6 +73,15 @@ def distinct(values: Ints) -> Ints:
     return np.asarray(ordered[first])
 
 
+def numbered(values: Ints, n: int) -> tuple[Ints, Ints]:
+    """The distinct of values (m,) below n, ascending, and the place (m,) of each of them there; nothing is sorted."""
+    seen, place = np.zeros(n, dtype=bool), np.empty(n, dtype=np.int64)
+    seen[values] = True
+    found = np.flatnonzero(seen)
+    place[found] = np.arange(len(found))
+    return found, place[values]
+
+
 def alike_columns(columns: Ints) -> list[Ints]:
     """The numbers of those of `columns` (m, n) that are equal, together."""
     order = np.lexsort(columns)

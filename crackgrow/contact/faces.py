@@ -12,7 +12,6 @@ import numpy as np
 from scipy.sparse import block_diag, csr_array
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
 from crackgrow.quadrature.lines import on_edges_with_tips
@@ -91,7 +90,7 @@ def stretch_ends(cover: Cover, index: int) -> Floats:
     """
     surface = cover.surfaces[index]
     s = arc_lengths(surface.points)
-    xi = cell_lengths(cover, index).at(s)
+    xi = cover.surfaces[index].in_cells.at(s)
     turns = np.concatenate([[np.inf], np.abs(kink_angles(surface.points)), [np.inf]])  # of what may end a stretch
     turns[surface.junctions] = np.inf
     ends = np.flatnonzero(turns > STRETCH_KINK)

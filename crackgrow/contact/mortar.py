@@ -1,7 +1,7 @@
 """Mortar nodes: contact points about a cell apart, for averages over the faces weighted with functions N_k.
 
-Along a stretch of length L, in cells (`cell_lengths`), the nodes are equally far apart, d, with a constant piece f_0 d
-and f_1 d long at its ends:
+Along a stretch of length L, in cells (`Surface.in_cells`), the nodes are equally far apart, d, with a constant piece
+f_0 d and f_1 d long at its ends:
 
     n = floor(L / d_min - f_0 - f_1) + 1,    d = L / (n - 1 + f_0 + f_1).
 
@@ -19,7 +19,6 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.faces import (
     ContactFaces,
     Part,
@@ -74,7 +73,7 @@ def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFa
 
 def _on_surface(cover: Cover, index: int, spacing: float, ends: Floats) -> Part:
     """Integration points, lengths, functions, and arc lengths and stretches of the nodes of one surface."""
-    along = cell_lengths(cover, index)
+    along = cover.surfaces[index].in_cells
     in_cells = along.at(ends)
     kinds = _kinds(cover, index, ends, in_cells)
     limits = enumerate(pairwise(in_cells.tolist()))

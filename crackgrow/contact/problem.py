@@ -16,7 +16,7 @@ where `pull` is what the loads do on each motion. Unknowns are handed on as x = 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -103,6 +103,11 @@ class ContactProblem:
         m = self.free.size
         du: Floats = self.free - self.compliance @ x[:m]
         return du if self.motions is None else du + self.motions.jump @ x[m:]
+
+    def scaled(self, share: float) -> ContactProblem:
+        """The problem under `share` times the loads, of faces that nothing but their friction holds."""
+        motions = self.motions and replace(self.motions, pull=share * self.motions.pull)
+        return replace(self, free=share * self.free, slipped=share * self.slipped, motions=motions)
 
     def imbalance(self, x: Floats) -> float:
         """The largest force along a motion that nothing balances, relative to the forces that there are."""

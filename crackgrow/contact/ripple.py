@@ -13,7 +13,6 @@ from typing import Final
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.cover.cover import Cover
 
@@ -37,7 +36,7 @@ def worst_ripple(cover: Cover, faces: ContactFaces, normal: Floats, tangential: 
         if not pressed.any():
             continue
         pressure = -float(np.average(normal[pressed], weights=faces.weights[pressed]))
-        along = cell_lengths(cover, surface)
+        along = cover.surfaces[surface].in_cells
         for stretch in np.unique(faces.stretch[pressed]).tolist():
             mine = np.flatnonzero((faces.surface == surface) & (faces.stretch == stretch))
             mine = mine[np.argsort(faces.s[mine])]

@@ -94,6 +94,22 @@ class ContactOutcome:
     rows: Ints  # (k,) points that the solver had to deal with: all others stay open
     problem: ContactProblem | None  # what it solved for them last
 
+    def scaled(self, share: float, problem: ContactProblem | None) -> ContactOutcome:
+        """The outcome of `share` times the loads, where states are in proportion to them, and its problem."""
+        return replace(
+            self,
+            u=share * self.u,
+            multipliers=share * self.multipliers,
+            normal_traction=share * self.normal_traction,
+            tangential_traction=share * self.tangential_traction,
+            gap=share * self.gap,
+            slip=share * self.slip,
+            memory=replace(self.memory, slip=share * self.memory.slip),
+            dilation=share * self.dilation,
+            penetration=share * self.penetration,
+            problem=problem,
+        )
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
@@ -137,6 +153,14 @@ class PointStates:
     def tractions(self) -> Floats:
         """(2 n,) Pa, all normals, then all tangentials."""
         return np.concatenate([self.normal, self.tangential])
+
+    def scaled(self, share: float) -> PointStates:
+        """The states under `share` times the loads, where they are in proportion to them."""
+        numbers = {name: share * getattr(self, name) for name in ("normal", "tangential", "gap", "slip", "dilation")}
+        solution, problem = self.solution, self.problem and self.problem.scaled(share)
+        if solution is not None:
+            solution = replace(solution, traction=share * solution.traction, motion=share * solution.motion)
+        return replace(self, **numbers, solution=solution, problem=problem)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 import shapely
 
-from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.tolerance import ON_LINE
@@ -54,12 +52,5 @@ def close_pairs(cover: Cover, interfaces: Sequence[CrackGeometry], within: float
 
 def _near(cover: Cover, crack: int, line: shapely.LineString, within: float) -> bool:
     """Whether any part of a crack is closer to a line than `within` of the cells beside it."""
-    edges, reach = cover.surfaces[crack].edges, within * sizes_beside(cover, crack)
+    edges, reach = cover.surfaces[crack].edges, within * cover.surfaces[crack].sizes
     return bool(shapely.dwithin(shapely.linestrings(edges.points), line, reach + ON_LINE).any())
-
-
-def sizes_beside(cover: Cover, surface: int) -> Floats:
-    """Side (n,) of the cells beside each edge of a surface, lattice units: of the larger on its two faces."""
-    edges = cover.surfaces[surface].edges
-    minus = np.where(edges.minus >= 0, cover.sizes[edges.minus], 0.0)  # a foundation has none
-    return np.maximum(cover.sizes[edges.plus], minus)

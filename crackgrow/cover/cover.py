@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.cover.cell_lengths import CellLengths, cell_lengths, sizes_beside
 from crackgrow.cover.crumbs import with_crumbs
 from crackgrow.cover.elements import Elements, cut_elements
 from crackgrow.cover.enrichment import Enrichment, enrichment_of, make_tips
@@ -32,7 +34,7 @@ class Foundation:
     limits: Floats  # (k, 2) fractions of each side's length
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Surface:
     """A line where two faces can touch: a crack, an interface, or a body's rim on a foundation."""
 
@@ -42,6 +44,12 @@ class Surface:
     tip_at_start: bool
     tip_at_end: bool
     junctions: Bools  # (n,) which corners are junctions with other surfaces
+    sizes: Floats  # (edges,) side of the cells beside each edge, spacings: of the larger on its two faces
+
+    @cached_property
+    def in_cells(self) -> CellLengths:
+        """Lengths along it in cells."""
+        return cell_lengths(self.points, self.edges, self.sizes)
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
@@ -74,7 +82,10 @@ class Cover:
     @property
     def n_functions(self) -> int:
         """Number of functions."""
-        return len(self.patches.nodes) + N_TIP_FUNCTIONS * sum(tip.carriers.n for tip in self.tips)
+        if not self.tips:
+            return len(self.patches.nodes)
+        last = self.tips[-1]
+        return last.first_function + N_TIP_FUNCTIONS * last.carriers.n
 
     @property
     def patch_nodes(self) -> Floats:
@@ -149,9 +160,14 @@ def _surfaces(
     foundations: Sequence[Foundation],
 ) -> tuple[Surface, ...]:
     """The surfaces along `lines` and `foundations`."""
-    along = zip(lines, elements.lines, strict=True)
+    along = (
+        (line, edges, sizes_beside(edges, elements.size)) for line, edges in zip(lines, elements.lines, strict=True)
+    )
     return (
-        *(Surface(x.name, x.points, edges, x.tip_at_start, x.tip_at_end, x.junctions) for x, edges in along),
+        *(
+            Surface(x.name, x.points, edges, x.tip_at_start, x.tip_at_end, x.junctions, size)
+            for x, edges, size in along
+        ),
         *(_on_foundation(elements, bodies, foundation) for foundation in foundations),
     )
 
@@ -187,4 +203,5 @@ def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundatio
     begin = start + foundation.limits[:, :1] * step
     end = start[-1:] + foundation.limits[-1:, 1:] * step[-1:]
     points = np.concatenate([begin, end])
-    return Surface(foundation.name, points, edges, False, False, np.zeros(len(points), dtype=bool))
+    none = np.zeros(len(points), dtype=bool)
+    return Surface(foundation.name, points, edges, False, False, none, sizes_beside(edges, elements.size))

@@ -25,7 +25,7 @@ from crackgrow.cover.tips import (
     Tip,
     beyond_far_end,
     carrying_nodes,
-    largest_cell_at,
+    largest_cells_at,
     reach_of_tips,
     seen_from_tip,
 )
@@ -58,10 +58,12 @@ def make_tips(
     n_functions = len(patches.nodes)
     tips: list[Tip] = []
     around = surroundings(elements, patches) if any(crack.gathered for crack in cracks) else None
+    places = [crack.seen_from(at_end)[0] for crack in cracks for at_end in crack.tips()]
+    sizes = iter(largest_cells_at(lattice, np.array(places).reshape(-1, 2)).tolist())
     for index, crack in enumerate(cracks):
         for at_end in crack.tips():
             points, beside = crack.seen_from(at_end), elements.lines[index].beside(at_end)
-            size = largest_cell_at(lattice, points[0])
+            size = next(sizes)
             other_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
             found = around.gathered(index, points, size) if around is not None and crack.gathered else None
             if found is None:

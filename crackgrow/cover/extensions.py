@@ -11,7 +11,7 @@ from crackgrow.arrays import Floats
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.pieces import cut_in_pieces
 from crackgrow.cover.shapes import CrackGeometry
-from crackgrow.cover.tips import largest_cell_at, n_outward, reach_of_tips
+from crackgrow.cover.tips import largest_cells_at, n_outward, reach_of_tips
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.polyline import tip_direction
 from crackgrow.geometry.tolerance import ON_LINE, TOUCH
@@ -29,8 +29,8 @@ def extensions_of(lattice: Lattice, cracks: Sequence[CrackGeometry]) -> list[Flo
     """
     wanted = [
         (crack, crack.points[list(segment)], least)
-        for crack in cracks
-        for segment, least in _ends(lattice, crack).items()
+        for crack, ends in zip(cracks, _ends(lattice, cracks), strict=True)
+        for segment, least in ends.items()
     ]
     if not wanted:
         return []
@@ -45,19 +45,20 @@ def extensions_of(lattice: Lattice, cracks: Sequence[CrackGeometry]) -> list[Flo
     return found
 
 
-def _ends(lattice: Lattice, crack: CrackGeometry) -> dict[tuple[int, int], float]:
-    """The vertices that lead to each end of a crack which is to be extended, and by how much at least."""
-    least: dict[tuple[int, int], float] = {}  # by the last segment: the vertices that it leads from and to
-    n = len(crack.points)
-    for at_end in crack.tips():
-        numbers = range(n)[::-1] if at_end else range(n)
-        least.setdefault((numbers[1], numbers[0]), 0.0)
-        from_tip = crack.seen_from(at_end)
-        last = n_outward(from_tip)
-        if np.hypot(*(from_tip[last] - from_tip[0])) < reach_of_tips(lattice.support) * largest_cell_at(
-            lattice, from_tip[0]
-        ):
-            least[numbers[last - 1], numbers[last]] = DIAGONAL * largest_cell_at(lattice, from_tip[last])
+def _ends(lattice: Lattice, cracks: Sequence[CrackGeometry]) -> list[dict[tuple[int, int], float]]:
+    """The vertices that lead to each end of some cracks which is to be extended, and by how much at least."""
+    least: list[dict[tuple[int, int], float]] = [{} for _ in cracks]  # by the last segment: from and to which vertex
+    tips = [(number, at_end) for number, crack in enumerate(cracks) for at_end in crack.tips()]
+    paths = [cracks[number].seen_from(at_end) for number, at_end in tips]
+    outward = [n_outward(path) for path in paths]  # where the crack ends as seen from the tip
+    limits = np.array([path[[0, last]] for path, last in zip(paths, outward, strict=True)]).reshape(-1, 2, 2)
+    sizes = largest_cells_at(lattice, limits.reshape(-1, 2)).reshape(-1, 2)
+    near = np.hypot(*(limits[:, 1] - limits[:, 0]).T) < reach_of_tips(lattice.support) * sizes[:, 0]
+    for (number, at_end), last, is_near, size in zip(tips, outward, near.tolist(), sizes[:, 1].tolist(), strict=True):
+        vertices = range(len(cracks[number].points))[:: -1 if at_end else 1]
+        least[number].setdefault((vertices[1], vertices[0]), 0.0)
+        if is_near:
+            least[number][vertices[last - 1], vertices[last]] = DIAGONAL * size
     return least
 
 

@@ -91,11 +91,14 @@ class Tip(TipView):
         return np.asarray(arc_lengths(self.points[::-1])[-1] - arc if self.at_end else arc)
 
 
-def largest_cell_at(lattice: Lattice, point: Floats) -> float:
-    """The side (spacings) of the largest cell at a node whose patch holds a point (2,), not on its rim."""
-    nodes, over = lattice.nodes, lattice.tiles.over.taken(lattice.tiles_at(point[None])).values
-    holds = np.abs(nodes.places[over] - QUANTA * point).max(axis=1) < nodes.half[over]
-    return float(nodes.largest[over[holds]].max() / QUANTA)
+def largest_cells_at(lattice: Lattice, points: Floats) -> Floats:
+    """The sides (n,), spacings, of the largest cell at a node whose patch holds a point (n, 2), not on its rim."""
+    nodes, over = lattice.nodes, lattice.tiles.over.taken(lattice.tiles_at(points))
+    point, node = over.row, over.values
+    holds = np.abs(nodes.places[node] - QUANTA * points[point]).max(axis=1) < nodes.half[node]
+    found = np.zeros(len(points))
+    np.maximum.at(found, point[holds], nodes.largest[node[holds]] / QUANTA)
+    return found
 
 
 def reach_of_tips(support: float) -> float:

@@ -28,7 +28,7 @@ from crackgrow.quadrature.elements import ElementPoints
 from crackgrow.quadrature.everywhere import all_points
 from crackgrow.quadrature.plain_kinds import plain_kinds
 from crackgrow.quadrature.rules import square
-from crackgrow.ragged import Ragged, by_row
+from crackgrow.ragged import Ragged, by_row, numbered
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import stress_of
 
@@ -149,11 +149,11 @@ def _free(
     phi = np.where(cover.patches.in_crumb[element][point], 0.0, np.maximum(basis.phi[0], 0.0))
     less = np.zeros((len(point), 3))  # patch by patch, what is told apart there
     seen, place = acting.places(patches.values)
-    parts = acting.values[place]
+    parts = acting.values[place].astype(np.min_scalar_type(len(singular)))  # short numbers are sorted by their digits
     order = np.argsort(parts, kind="stable")
     for sees in np.split(order, np.flatnonzero(np.diff(parts[order])) + 1) if len(order) else ():
         part, sees = singular[parts[sees[0]]], seen[sees]
-        mine, back = np.unique(point[sees], return_inverse=True)
+        mine, back = numbered(point[sees], len(points))
         less[sees] += energy_components(materials, part.at(points[mine], element[mine]), body[mine])[back]
     half = cover.patches.half[patches.values] / cover.lattice.support
     distance = (points[point] - cover.patch_nodes[patches.values]) / half[:, None]

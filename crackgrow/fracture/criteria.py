@@ -12,8 +12,9 @@ Cracks that have started in shear go on by `shear_growth`, whatever the criterio
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from itertools import repeat
 from typing import Literal
 
 import numpy as np
@@ -69,20 +70,25 @@ class TipLoading:
         """The same tip without any load."""
         return TipLoading(self.field.mapped(lambda stress: 0.0 * stress), 0.0 * self.K_I, 0.0 * self.K_II, self.radius)
 
-    def with_K_off(self, d_I: float, d_II: float) -> TipLoading:
-        """The loading where K is larger by d_I and d_II (Pa sqrt(m)), and the stress by the singular field of these.
+    def with_K_off(self, *off: tuple[float, float]) -> list[TipLoading]:
+        """The loadings where K_I and K_II are larger by each of `off` (Pa sqrt(m)), and so the singular stress.
 
         On a ray the average of 1 / sqrt(2 pi r) up to the radius R is 2 / sqrt(2 pi R); the rays' own average is that
         over the disc.
         """
 
-        def moved(field: TipField) -> TipField:
+        def moved(field: TipField) -> Iterator[TipField]:
             scale = 2.0 / np.sqrt(2.0 * np.pi * (field.radius or self.radius))
-            added = singular_stress(field.angles, field.direction) @ (d_I, d_II) * scale
-            shear = field.shear and moved(field.shear)
-            return replace(field, rays=field.rays + added, mean=field.mean + added.mean(axis=0), shear=shear)
+            singular = singular_stress(field.angles, field.direction)
+            shears = repeat(None) if field.shear is None else moved(field.shear)
+            for each, shear in zip(off, shears, strict=False):
+                added = singular @ each * scale
+                yield replace(field, rays=field.rays + added, mean=field.mean + added.mean(axis=0), shear=shear)
 
-        return TipLoading(moved(self.field), self.K_I + d_I, self.K_II + d_II, self.radius)
+        return [
+            TipLoading(field, self.K_I + d_I, self.K_II + d_II, self.radius)
+            for field, (d_I, d_II) in zip(moved(self.field), off, strict=True)
+        ]
 
     @classmethod
     def between(cls, first: TipLoading, last: TipLoading, share: float) -> TipLoading:

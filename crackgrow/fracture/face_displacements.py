@@ -37,7 +37,8 @@ def from_face_displacements(
     if not tips:
         return []
     x, weights = _fit()
-    lengths, samples = zip(*(_samples(cover, tip, x) for tip in tips), strict=True)
+    ends = {crack: stretch_ends(cover, crack) for crack in dict.fromkeys(cover.tips[tip].crack for tip in tips)}
+    lengths, samples = zip(*(_samples(cover, tip, ends[cover.tips[tip].crack], x) for tip in tips), strict=True)
     jumps = np.split(np.stack(gap_and_slip(cover, joined(samples), u), axis=1), len(tips))
     found = []
     for modulus, length, jump in zip(young_prime, lengths, jumps, strict=True):
@@ -53,11 +54,12 @@ def _fit() -> tuple[Floats, Floats]:
     return x, np.linalg.pinv((x[:, None] ** np.arange(FIT_TERMS)) * np.sqrt(x)[:, None])[0]
 
 
-def _samples(cover: Cover, tip: int, x: Floats) -> tuple[float, FacePoints]:
-    """Length (spacings) of the fit of a tip, and points on the faces at fractions x (n,) of it from the tip."""
-    crack, at_end = cover.tip_ends[tip]
-    ends = stretch_ends(cover, crack)
-    total = ends[-1]
+def _samples(cover: Cover, tip: int, ends: Floats, x: Floats) -> tuple[float, FacePoints]:
+    """Length (spacings) of the fit of a tip, and points on the faces at fractions x (n,) of it from the tip.
+
+    `ends` (m + 1,) are those of the stretches of its crack.
+    """
+    crack, at_end, total = cover.tips[tip].crack, cover.tips[tip].at_end, ends[-1]
     stretch = ends[-1] - ends[-2] if at_end else ends[1] - ends[0]
     length = float(min(stretch, FIT_CELLS * cover.tips[tip].size, 0.5 * total))
     r = length * x

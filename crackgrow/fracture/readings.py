@@ -16,7 +16,7 @@ from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.cover.cover import Cover
-from crackgrow.ragged import Ragged, by_row
+from crackgrow.ragged import Ragged, by_row, numbered
 from crackgrow.solid.clusters import Named
 
 BEYOND = 1e-6
@@ -94,11 +94,11 @@ class Readings:
         )
         on = cover.functions_on(some)
         nodes = np.column_stack([patches.nodes, patches.weight_half])
-        general = np.array([cover.lattice.spacing, cover.lattice.support])
+        general, n = np.array([cover.lattice.spacing, cover.lattice.support]), cover.n_functions
         for number, place in enumerate(places):
             first, last = elements.start[number : number + 2]
             counts = on.start[first : last + 1] - on.start[first]
-            functions, local = np.unique(on.values[on.start[first] : on.start[last]], return_inverse=True)
+            functions, local = numbered(on.values[on.start[first] : on.start[last]], n)
             on_nodes = nodes[functions[functions < len(nodes)]]
             added = np.frombuffer(place.own, dtype=np.uint8)
             yield key_of((general, names[first:last], where[first:last], counts, local, on_nodes, added)), functions
@@ -128,5 +128,5 @@ def _high(place: Place) -> Floats:
 
 def compressed(rows: csr_array) -> tuple[Ints, csr_array]:
     """The columns (k,) of a sparse matrix (n, m) that are not empty, ascending, and the matrix (n, k) of these."""
-    used, column = np.unique(rows.indices, return_inverse=True)
+    used, column = numbered(rows.indices, rows.shape[1])
     return used, csr_array((rows.data, column, rows.indptr), shape=(rows.shape[0], len(used)))

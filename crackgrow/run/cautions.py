@@ -9,7 +9,6 @@ import numpy as np
 
 from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
 from crackgrow.case.units import Metres
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.cover.closeness import tip_name
@@ -181,7 +180,7 @@ def _kinks(solution: StepSolution) -> Iterator[Caution]:
     for index, at_end in solution.cover.tip_ends:
         crack = solution.cover.cracks[index]
         turns = np.rad2deg(np.abs(kink_angles(crack.seen_from(at_end))))
-        along = cell_lengths(solution.cover, index)
+        along = solution.cover.surfaces[index].in_cells
         cells = along.at(arc_lengths(crack.points)[1:-1])
         distance = along.total - cells[::-1] if at_end else cells
         closed = _pressed(solution, index, at_end)

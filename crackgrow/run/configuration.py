@@ -114,6 +114,13 @@ class Configuration:
         a, b = self.scene.given_parts
         return np.array([level.factor, level.holding, a + b * level.factor])
 
+    @property
+    def proportional(self) -> bool:
+        """Whether states from rest on are in proportion to the load factor: nothing else has a size."""
+        law, (a, _) = self.contact.law, self.scene.given_parts
+        sized = law.cohesion.any() or law.breakable.any()  # what breaks is gone from the least slip on
+        return not (sized or self.constant.any() or (a != 0.0 and self.held.given.any()))
+
     def with_gone(self, gone: Sequence[Gone]) -> Configuration:
         """The configuration with forces by which rock that is gone held it, as far as they are not released."""
         scaled, constant = self.scaled.copy(), self.constant.copy()

@@ -2,9 +2,10 @@
 
 The load rises from the held loads alone; contact points remember on the way, and follow a path of straight pieces
 (`path`). The first state on it that meets the criterion, and the one before it, enclose the critical factor: the
-stresses are linear between the two, so that the criterion, whose limits are convex in stress, is met once there. Where
-contact that breaks makes the criticality jump past 1, the critical factor is the one behind the jump. Of a trial only
-what the criterion goes by is evaluated.
+stresses are linear between the two, so that the criterion, whose limits are convex in stress, is met once there, and
+only where it is met at the end. Where contact that breaks makes the criticality jump past 1, the critical factor is the
+one behind the jump. Of a trial only what the criterion goes by is evaluated. Where nothing but the loads has a size the
+path is one piece from rest on, and all states are in proportion to the first that is found.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crackgrow.arrays import Bools
+from crackgrow.arrays import Bools, Floats
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.criteria import CRITERIA, TipLoading, without_K
 from crackgrow.run.configuration import Configuration, timed
@@ -92,8 +93,13 @@ class _Trial:
 
     factor: float
     loadings: list[TipLoading | None]  # site by site
-    criticality: float  # largest of the sites that a crack can leave
+    criticalities: Floats  # site by site, zero where no crack can leave
     state: LoadState | None  # None without any load, where everything is zero
+
+    @property
+    def criticality(self) -> float:
+        """The largest of all."""
+        return float(self.criticalities.max(initial=0.0))
 
     @property
     def meets(self) -> bool:
@@ -130,6 +136,7 @@ class _Search:
         self._unborne = np.inf  # the least load factor that no solution was found at
         self._why: FreePieceError | NotSolvedError | None = None  # it has none, or none was found
         self._n_unborne = 0  # load factors known to have none
+        self._scale: LoadState | None = None  # all states are in proportion to it
         self.n_increments = 0
         ends, sites = configuration.cover.tip_ends, configuration.sites
         grow = [configuration.cracks[index].can_grow(end) for index, end in ends] + [True] * (len(sites) - len(ends))
@@ -178,22 +185,35 @@ class _Search:
     def beyond(self, below: _Trial, above: _Trial) -> float:
         """The next factor where the criterion is met at neither of two: where it would be if all were linear."""
         low, high = below.factor, above.factor
-        excess, farthest = self._excess(below, above), (LARGEST_FACTOR - low) / (high - low)
+        farthest = (LARGEST_FACTOR - low) / (high - low)
         share = 1.0
         while share < farthest:
             nearer, share = share, min(STRIDE * share, farthest)
-            if excess(share) >= 0.0:
-                return low + _root(excess, nearer, share) * (high - low)
+            there = self._criticalities(_between(below, above, share))
+            if there.max(initial=0.0) >= 1.0:
+                return low + self._share_met((below, above), (nearer, share), there >= 1.0) * (high - low)
         return min(STRIDE * high, LARGEST_FACTOR)
 
     def share_met(self, below: _Trial, above: _Trial) -> float:
         """Where, from 0 to 1, the criterion is just met if everything is linear between two states."""
-        return _root(self._excess(below, above), 0.0, 1.0)
+        return self._share_met((below, above), (0.0, 1.0), above.criticalities >= 1.0)
+
+    def _share_met(self, trials: tuple[_Trial, _Trial], shares: tuple[float, float], some: Bools) -> float:
+        """Where between two shares of the way from one trial to another the criterion is just met at `some` sites.
+
+        The others do not meet it at the second share.
+        """
+        return _root(lambda at: float(self._criticalities(_between(*trials, at, some)).max()) - 1.0, *shares)
 
     def _increment(self, start: Start, factor: float) -> LoadState:
         self.n_increments += 1
+        if self._scale is not None:
+            return self._scale.scaled_to(factor)
         with timed(self._seconds, "contact"):
-            return increment(self._configuration, start, factor)
+            state = increment(self._configuration, start, factor)
+        if self._configuration.proportional and factor > 0.0 and not state.via:
+            self._scale = state
+        return state
 
     def _judged(self, state: LoadState) -> _Trial:
         """The trial of a state: of the tips, what the criterion goes by."""
@@ -207,34 +227,33 @@ class _Search:
             if CRITERIA[self._growth.criterion].by_K:
                 tips = tip_states(state, fields[: len(state.cover.tips)])
                 loadings[: len(tips)] = [tip.loading for tip in tips]
-            return _Trial(state.factor, loadings, self._largest_criticality(loadings), state)
+            return _Trial(state.factor, loadings, self._criticalities(loadings), state)
 
     def _at_rest(self) -> _Trial:
         """The trial under the held loads alone."""
         if any(load.held for load in self._configuration.scene.case.loads):
             return self._judged(self._increment(self._start, 0.0))
-        return _Trial(0.0, [None] * len(self.can_grow), 0.0, None)
+        return _Trial(0.0, [None] * len(self.can_grow), np.zeros(len(self.can_grow)), None)
 
-    def _excess(self, below: _Trial, above: _Trial) -> Callable[[float], float]:
-        """Largest criticality less 1, at a share of the way from one state to the other."""
-        last = above.loadings
-        first = [loading and loading.none for loading in last] if below.state is None else below.loadings
-        pairs = list(zip(first, last, strict=True))
-        return lambda share: (
-            self._largest_criticality([a and b and TipLoading.between(a, b, share) for a, b in pairs]) - 1.0
-        )
+    def _criticalities(self, loadings: Sequence[TipLoading | None]) -> Floats:
+        """Criticality site by site (n,), zero where no crack can leave or no loading is known."""
+        scene, found = self._configuration.scene, np.zeros(len(loadings))
+        for number, (loading, site) in enumerate(zip(loadings, self._configuration.sites, strict=True)):
+            if self.can_grow[number] and loading is not None:
+                found[number] = verdict(scene, site, loading).criticality
+        return found
 
-    def _largest_criticality(self, loadings: Sequence[TipLoading | None]) -> float:
-        """Largest criticality of the sites that a crack can leave."""
-        scene, sites = self._configuration.scene, self._configuration.sites
-        return max(
-            (
-                verdict(scene, site, loading).criticality
-                for loading, grows, site in zip(loadings, self.can_grow, sites, strict=True)
-                if grows and loading is not None
-            ),
-            default=0.0,
-        )
+
+def _between(below: _Trial, above: _Trial, share: float, some: Bools | None = None) -> list[TipLoading | None]:
+    """The loadings at a share of the way between trials if everything is linear there; None but at `some` sites."""
+    found: list[TipLoading | None] = []
+    for number, (first, last) in enumerate(zip(below.loadings, above.loadings, strict=True)):
+        if last is None or (some is not None and not some[number]):
+            found.append(None)
+            continue
+        first = first or last.none  # there is none without any load
+        found.append(TipLoading.between(first, last, share))
+    return found
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:

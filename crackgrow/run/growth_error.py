@@ -11,7 +11,7 @@ stress says of the new tip. A tip that goes on in shear keeps the direction of t
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def judged_when_off(solution: StepSolution, errors: Errors) -> Judged:
     configuration, found = solution.configuration, []
     tips = configuration.sites[: len(solution.tips)]
     for site, state, error in zip(tips, solution.tips, errors, strict=True):
-        moved = _moved(state.loading, error) if state.verdict is not None else ()
+        moved = _moved(state.loading, error) if state.verdict is not None else []
         found.append([(loading, verdict(configuration.scene, site, loading)) for loading in moved])
     return found
 
@@ -74,8 +74,8 @@ def load_error(solution: StepSolution, off: Judged) -> float:
     return max(most / found - 1.0, 1.0 - least / found) / solution.steepness
 
 
-def _moved(loading: TipLoading | None, error: tuple[float, float]) -> Iterator[TipLoading]:
+def _moved(loading: TipLoading | None, error: tuple[float, float]) -> list[TipLoading]:
     """The loading of a tip where K is off as far as it may be; nothing where that is not known."""
     if loading is None or not np.isfinite((*error, loading.K_I, loading.K_II)).all():
-        return
-    yield from (loading.with_K_off(first * error[0], second * error[1]) for first, second in CORNERS)
+        return []
+    return loading.with_K_off(*((first * error[0], second * error[1]) for first, second in CORNERS))

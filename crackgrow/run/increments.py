@@ -96,6 +96,23 @@ class LoadState:
         """Relative equilibrium residual."""
         return self.equilibrium.residual
 
+    def scaled_to(self, factor: float) -> LoadState:
+        """The state under another load factor, where states are in proportion to it."""
+        share = factor / self.factor
+        equilibrium, energy, states = self.equilibrium, self.energy, self.states.scaled(share)
+        work, strain, dissipated, released = (
+            share**2 * part for part in (energy.work, energy.strain, energy.dissipated, energy.released)
+        )
+        return replace(
+            self,
+            level=self.level._replace(factor=factor),
+            states=states,
+            energy=Energy(work, strain, dissipated, released, energy.error),
+            good_to=share**2 * self.good_to,
+            conjugates=share * self.conjugates,
+            formed=Equilibrium(equilibrium.outcome.scaled(share, states.problem), equilibrium.residual),
+        )
+
     @cached_property
     def remembered(self) -> Remembered:
         """What the next part of an increment needs."""

@@ -28,7 +28,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.cover.tips import Tip
 from crackgrow.fracture.tip_disc import KEPT_CLEAR, SHARP
@@ -85,11 +84,13 @@ def largest_kink(solution: StepSolution, tip: Tip) -> float:
     A kink with closed faces on either side is a pressed corner; an open one bends faces that are free.
     """
     sharp = np.abs(kink_angles(tip.points)) > SHARP
+    if not sharp.any():
+        return 0.0
     lengths = arc_lengths(tip.points)
     closed = (solution.faces.surface == tip.crack) & (solution.outcome.state != OPEN)
     pressed = tip.from_start(solution.faces.s[closed])  # from the tip: each of the two lengths gives the other so
     ends = np.concatenate([[0.0], lengths[1:-1][sharp], lengths[-1:]])
-    sizes = cell_lengths(solution.cover, tip.crack).size(tip.from_start(ends))
+    sizes = solution.cover.surfaces[tip.crack].in_cells.size(tip.from_start(ends))
     worst = 0.0
     for k in range(1, len(ends) - 1):
         any_closed = bool(np.any((pressed >= ends[k - 1]) & (pressed <= ends[k + 1])))

@@ -15,10 +15,9 @@ from crackgrow.case.model import Case, Crack, Gravity, InSituStress, Load, Point
 from crackgrow.case.snapping import SNAP
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
 from crackgrow.case.units import Metres, place_text
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tips import largest_cell_at
+from crackgrow.cover.tips import largest_cells_at
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import SAME_PLACE
@@ -39,8 +38,9 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     case = scene.case
     growth, support, contact = case.growth, case.numerics.support, case.numerics.contact
     given = tuple(map(GrowingCrack.given, case.cracks))
-    starts = [site for site in sites_of(scene, cover, given) if site.kind != "tip"]
-    sizes = [tip.size for tip in cover.tips] + [largest_cell_at(cover.lattice, site.point) for site in starts]
+    starts = [site.point for site in sites_of(scene, cover, given) if site.kind != "tip"]
+    sizes = [tip.size for tip in cover.tips]
+    sizes += largest_cells_at(cover.lattice, np.array(starts).reshape(-1, 2)).tolist()
     at_tips = max(sizes, default=1.0) * scene.lattice.spacing
     radii = [] if growth is None or growth.tip_radius is None else [growth.tip_radius]
     radii += [radius for radius, _ in (*_by_toughness(scene), *_by_shear_toughness(scene))]
@@ -65,7 +65,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
         if crack.left_out:
             yield Cause.LEFT_OUT.at(f"crack '{crack.name}'", crack.left_out)
     for index, shape in enumerate(cover.cracks):
-        length = cell_lengths(cover, index).total
+        length = cover.surfaces[index].in_cells.total
         if length < Cause.SHORT_CRACK.limit and not ends_on(shape, cover.cracks):
             yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
     yield from _unresolved(scene, cover)
@@ -177,7 +177,7 @@ def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:
         return
     softest, limit = min(material.young_prime for material in scene.materials), Cause.SOFT_CONTACT.limit
     for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
-        share = cell_lengths(cover, index).mean_size / float(arc_lengths(surface.points)[-1])
+        share = cover.surfaces[index].in_cells.mean_size / float(arc_lengths(surface.points)[-1])
         ratio = 0.0 if law.contact is None or law.joint else 0.5 * share * softest / law.stiffness
         if ratio > limit:
             told = {"stiffness": stiffness, "percent": 100.0 / (1.0 + ratio), "enough": stiffness * ratio / limit}
@@ -195,7 +195,7 @@ def _contact_layers(scene: Scene, cover: Cover) -> Iterator[Caution]:
         least, most, points, much = THINNEST_LAYER * contact.spacing, contact.spacing, "mortar nodes", "their distance"
         other = "numerics.contact.discretization gauss with "
     for index, (body, law) in enumerate(zip(scene.crack_bodies, scene.laws, strict=False)):  # cracks come first
-        size = np.array([cell_lengths(cover, index).mean_size * scene.lattice.spacing])
+        size = np.array([cover.surfaces[index].in_cells.mean_size * scene.lattice.spacing])
         layer = 0.5 * scene.materials[body].young_prime * float(law.compliance(size)[0]) / float(size[0])  # cells
         if law.contact is not None and least < layer < most:
             yield Cause.CONTACT_LAYER.at(points=points, much=much, other=other)
@@ -253,7 +253,7 @@ def _unbalanced(cover: Cover, forces: Floats) -> float:
 def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Short cracks that lead from a tip to another crack, and cracks and tips that lie close to other things."""
     for index, crack in enumerate(cover.cracks):
-        length = cell_lengths(cover, index).total
+        length = cover.surfaces[index].in_cells.total
         if length < Cause.SHORT_ARM.limit and (others := ends_on(crack, cover.cracks)):
             yield Cause.SHORT_ARM.at(f"crack '{crack.name}'", 1.0 / length, others=" and ".join(others))
     for first, second in close_pairs(cover, scene.interfaces, Cause.CLOSE.limit):

@@ -10,7 +10,6 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case, CoulombContact
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.cover.cover import Cover
@@ -69,7 +68,7 @@ def laws_at_points(
             continue
         mine = faces.surface == index
         friction[mine], cohesion[mine] = law.contact.friction, law.contact.cohesion
-        size = cell_lengths(cover, index).size(faces.s[mine]) * cover.lattice.spacing
+        size = cover.surfaces[index].in_cells.size(faces.s[mine]) * cover.lattice.spacing
         compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
         residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
         dilation[mine] = np.tan(np.deg2rad(law.contact.dilation_angle))

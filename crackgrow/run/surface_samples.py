@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import FacePoints, joined, points_at
 from crackgrow.contact.jump import gap_and_slip
@@ -63,5 +62,5 @@ def _faces(solution: StepSolution, index: int, samples: FacePoints, jump: Floats
         normal_traction=normal,
         tangential_traction=tangential,
         state=np.append(outcome.state, OPEN)[nearest],  # the last entry serves the index -1
-        cell_size=cell_lengths(solution.cover, index).size(s) * lattice.spacing,
+        cell_size=solution.cover.surfaces[index].in_cells.size(s) * lattice.spacing,
     )

@@ -135,8 +135,8 @@ def keys(cover: Cover, clusters: Clusters, materials: Sequence[PlaneElasticity])
     found = []
     for cluster in range(clusters.elements.n):
         parts = [table[start[cluster] : start[cluster + 1]] for start, table in rows]
-        mine = elements[clusters.span(cluster)]
-        parts += [geometry[tip] for tip in np.unique(cover.enrichment.tips.taken(mine).values)]
+        acting = cover.enrichment.tips.of(elements[clusters.elements.start[cluster]])  # on all of its elements
+        parts += [geometry[tip] for tip in acting.tolist()]
         found.append(key_of(parts))
     return found
 

@@ -8,6 +8,8 @@ depends on others takes part in no field that the others don't give: held at zer
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.linalg.lapack import dpstrf
 from scipy.sparse import csc_array, csr_array
@@ -15,6 +17,7 @@ from scipy.sparse.csgraph import connected_components
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.direct import SymmetricMatrix, mirrored
+from crackgrow.ragged import starts_of
 
 SMALL = 1e-3
 """Functions with less than this part of the largest stiffness of those that they meet see a corner of their patch
@@ -58,10 +61,11 @@ def _dependent(block: csc_array, scale: Floats) -> Ints:
     """Which unknowns of a symmetric matrix (k, k) depend on others, times `scale` (k,) from both sides."""
     _, label = connected_components(block, directed=False)
     order = np.argsort(label, kind="stable")
+    ordered, scale = block[order][:, order], scale[order]
     found = []
-    for part in np.split(order, np.cumsum(np.bincount(label))[:-1]):
-        if len(part) > 1:
-            own = block[part][:, part].toarray() * np.outer(scale[part], scale[part])
+    for start, end in pairwise(starts_of(np.bincount(label)).tolist()):
+        if end - start > 1:
+            own = ordered[start:end, start:end].toarray() * np.outer(scale[start:end], scale[start:end])
             _, pivots, rank, _ = dpstrf(own, tol=DEPENDENT, lower=1)
-            found.append(part[pivots[rank:] - 1])
+            found.append(order[start:end][pivots[rank:] - 1])
     return np.sort(np.concatenate([np.empty(0, dtype=np.int64), *found]))

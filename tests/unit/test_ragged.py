@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.ragged import alike_columns, by_row, from_lists, spans, starts_of
+from crackgrow.ragged import alike_columns, by_row, from_lists, numbered, spans, starts_of
 
 LISTS = [np.array([5, 7]), np.array([], dtype=np.int64), np.array([1, 2, 3]), np.array([9])]
 
@@ -46,3 +46,11 @@ def test_alike_columns_come_together() -> None:
     groups = alike_columns(columns)
     assert sorted(sorted(group.tolist()) for group in groups) == [[0, 2], [1, 4], [3]]
     assert alike_columns(np.empty((2, 0), dtype=np.int64)) == []
+
+
+def test_values_are_numbered_as_by_sorting() -> None:
+    values = np.array([7, 2, 9, 2, 7])
+    found, place = numbered(values, 12)
+    np.testing.assert_array_equal(found, [2, 7, 9])
+    np.testing.assert_array_equal(found[place], values)
+    assert [len(part) for part in numbered(values[:0], 12)] == [0, 0]

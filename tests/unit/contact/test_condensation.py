@@ -122,9 +122,9 @@ def test_all_points_cost_three_solves(build, monkeypatch: pytest.MonkeyPatch) ->
     solved: list[int] = []
     exact = ConstrainedSystem.solve
 
-    def counted(self, loads, given=None):
+    def counted(self, loads, *of, **more):
         solved.append(loads.size // len(loads))
-        return exact(self, loads, given)
+        return exact(self, loads, *of, **more)
 
     monkeypatch.setattr(ConstrainedSystem, "solve", counted)
     outcome = solve(by_fronts(uniform(build, compression(2.0), 25.0)), friction=0.2)
@@ -163,9 +163,9 @@ def test_only_doubtful_points_are_solved_for(build, monkeypatch: pytest.MonkeyPa
         found[3, 3] *= 1.0 + 1e-6
         return found
 
-    def counted(self, loads, given=None):
+    def counted(self, loads, *of, **more):
         solved.append(loads.size // len(loads))
-        return solve_exactly(self, loads, given)
+        return solve_exactly(self, loads, *of, **more)
 
     monkeypatch.setattr(ConstrainedSystem, "compliance", rough)
     monkeypatch.setattr(ConstrainedSystem, "solve", counted)
@@ -178,8 +178,8 @@ def test_jumps_that_corrections_cannot_mend_are_told(build, monkeypatch: pytest.
     """Each solve is off by another 1e-7 here: no correction gains on that."""
     block, rng, exact = by_fronts(tilting(build)), np.random.default_rng(52), ConstrainedSystem.solve
 
-    def noisy(self, loads, given=None):
-        u, multipliers = exact(self, loads, given)
+    def noisy(self, *of, **more):
+        u, multipliers = exact(self, *of, **more)
         return u + 1e-7 * np.abs(u).max() * rng.uniform(-1.0, 1.0, u.shape), multipliers
 
     monkeypatch.setattr(ConstrainedSystem, "solve", noisy)

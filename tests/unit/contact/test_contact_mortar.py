@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from crackgrow.contact.cell_lengths import cell_lengths
 from crackgrow.contact.faces import ContactFaces, stretch_ends
 from crackgrow.contact.mortar import CLOSEST, FEW_NODES, mortar_faces
 from crackgrow.cover.cover import Cover
+from tests.unit.cell_sizes import with_sizes
 
 ROUND_OFF = 1e-8
 """In spacings: vertices lie on a grid of 1e-9 spacings, so that lengths are exact to a few of those."""
@@ -40,7 +38,7 @@ def plate(build, *paths, spacing: float = 1.0):
 def with_smaller_cells(cover: Cover, line: float, side: float = 0.5) -> Cover:
     """The cover where cells of this side are on the right of x = `line`, all rules of their neighbours left alone."""
     middles = np.array([cover.elements.vertices[ring].mean(axis=0) for ring in rings(cover)])
-    return replace(cover, sizes=np.where(middles[:, 0] > cover.lattice.to_lattice(np.array([line, 0.0]))[0], side, 1.0))
+    return with_sizes(cover, np.where(middles[:, 0] > cover.lattice.to_lattice(np.array([line, 0.0]))[0], side, 1.0))
 
 
 def rings(cover: Cover) -> list[np.ndarray]:
@@ -176,7 +174,7 @@ def test_nodes_are_as_far_apart_as_the_cells_beside_them_are_large(build, side: 
     """The same number of cells from node to node: where these are half as large there are twice as many nodes."""
     cover = with_smaller_cells(plate(build, [(-8.0, 0.3), (8.0, 0.3)]).cover, 0.5, side)
     faces = mortar_faces(cover, [0], 1.25)
-    steps = np.diff(cell_lengths(cover, 0).at(faces.s))
+    steps = np.diff(cover.surfaces[0].in_cells.at(faces.s))
     np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
     assert 1.25 <= steps[0] < 1.4
     apart = np.diff(faces.s)
@@ -189,12 +187,12 @@ def test_nodes_are_as_far_apart_as_the_cells_beside_them_are_large(build, side: 
 def test_equal_cells_of_half_the_side_have_the_nodes_of_a_lattice_of_half_the_spacing(build) -> None:
     path = bent([4.0, 1.4, 5.0], 40.0)
     cover = plate(build, path).cover
-    halved = replace(cover, sizes=np.full(cover.elements.n, 0.5))
+    halved = with_sizes(cover, 0.5)
     fine = plate(build, path, spacing=0.5).cover
     np.testing.assert_allclose(mortar_faces(halved, [0], 1.25).s, 0.5 * mortar_faces(fine, [0], 1.25).s, atol=ROUND_OFF)
     short = plate(build, bent([5.0, 0.08], 60.0)).cover
     assert len(stretch_ends(short, 0)) == 2
-    assert len(stretch_ends(replace(short, sizes=np.full(short.elements.n, 0.5)), 0)) == 3
+    assert len(stretch_ends(with_sizes(short, 0.5), 0)) == 3
 
 
 @pytest.mark.parametrize("line", [-3.0, 0.2, 4.0])
@@ -215,8 +213,8 @@ def test_the_size_of_cells_is_the_same_from_either_end(build) -> None:
     path = np.array([(-8.0, 0.3), (8.0, 0.3)])
     forth, back = (with_smaller_cells(plate(build, way).cover, 0.5) for way in (path, path[::-1]))
     s = np.linspace(0.0, 16.0, 65)
-    size = cell_lengths(forth, 0).size(s)
-    np.testing.assert_allclose(size, cell_lengths(back, 0).size(16.0 - s), atol=ROUND_OFF)
+    size = forth.surfaces[0].in_cells.size(s)
+    np.testing.assert_allclose(size, back.surfaces[0].in_cells.size(16.0 - s), atol=ROUND_OFF)
     assert (size[s < 7.0] == 1.0).all()
     assert size[s > 10.0] == pytest.approx(0.5)
     assert np.all((size >= 0.5 - 1e-9) & (size <= 1.0))

@@ -261,9 +261,9 @@ def test_open_faces_cost_no_solve(build, monkeypatch: pytest.MonkeyPatch) -> Non
     solved: list[int] = []
     solve = ConstrainedSystem.solve
 
-    def counted(self, loads, given=None):
+    def counted(self, loads, *of, **more):
         solved.append(1 if loads.ndim == 1 else loads.shape[1])
-        return solve(self, loads, given)
+        return solve(self, loads, *of, **more)
 
     monkeypatch.setattr(ConstrainedSystem, "solve", counted)
     for block, friction in ((pressed(build, -0.02), 0.4), (pressed(build, 0.02), 0.0), (tilting(build), 0.4)):
@@ -353,13 +353,13 @@ def test_columns_spoilt_by_round_off_are_told_from_contact_that_does_not_solve(
 ) -> None:
     exact = ConstrainedSystem.solve
 
-    def spoilt(self, loads: np.ndarray, given: np.ndarray | None = None):
-        u, multipliers = exact(self, loads, given)
+    def spoilt(self, *of, **more):
+        u, multipliers = exact(self, *of, **more)
         return (u + noise * np.abs(u).max() * np.random.default_rng(1).normal(size=u.shape), multipliers)
 
     block = pressed(build, 0.01)
     block.solve()
-    monkeypatch.setattr(ConstrainedSystem, "solve", lambda *a: spoilt(*a) if a[1].ndim == 2 else exact(*a))
+    monkeypatch.setattr(ConstrainedSystem, "solve", lambda *a, **k: (spoilt if a[1].ndim == 2 else exact)(*a, **k))
     with pytest.raises(SolveError, match=f"ill conditioned.*{words}.*numerics.spacing"):
         block.solve()
 

@@ -14,6 +14,7 @@ from crackgrow.case import load_case
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.run import grow, layout
 from crackgrow.run.result import StepResult
+from tests.unit.cell_sizes import with_sizes
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 
@@ -28,7 +29,7 @@ def first_step(monkeypatch: pytest.MonkeyPatch) -> Step:
         def build(*args: Any) -> Cover:
             cover = build_cover(*args)
             tips = tuple(replace(tip, size=side if at_tips else 1.0) for tip in cover.tips)
-            return replace(cover, sizes=np.full(cover.elements.n, side), tips=tips)
+            return with_sizes(replace(cover, tips=tips), side)
 
         monkeypatch.setattr(layout, "build_cover", build)
         return next(

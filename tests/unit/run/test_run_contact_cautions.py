@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ from crackgrow.run.cautions import ripples
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
 from tests.solving import solve_step
+from tests.unit.cell_sizes import with_sizes
 
 CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 
@@ -41,7 +41,7 @@ def test_the_ripple_of_a_surface_is_held_against_its_own_pressure() -> None:
     assert sheared is not None
     assert sheared.part == pytest.approx(30.0 / 75.0, rel=0.01)
     assert worst_ripple(solution.cover, solution.faces, np.zeros(n), np.zeros(n)) is None
-    smaller = replace(solution.cover, sizes=np.full(solution.cover.elements.n, 1.0 / 64.0))
+    smaller = with_sizes(solution.cover, 1.0 / 64.0)
     carried = worst_ripple(smaller, solution.faces, wave, np.zeros(n))
     assert carried is not None
     assert carried.part == 0.0  # so small cells carry that wave

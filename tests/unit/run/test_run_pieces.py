@@ -157,10 +157,10 @@ def test_bonds_that_break_on_a_block_that_contact_holds(
     solves = 0
     solve = ConstrainedSystem.solve
 
-    def counted(self: ConstrainedSystem, *of: Any) -> tuple[np.ndarray, np.ndarray]:
+    def counted(self: ConstrainedSystem, *of: Any, **more: Any) -> tuple[np.ndarray, np.ndarray]:
         nonlocal solves
         solves += 1
-        return solve(self, *of)
+        return solve(self, *of, **more)
 
     monkeypatch.setattr(ConstrainedSystem, "solve", counted)
     (step,) = grow(slope(tmp_path, spacing, 0.8, 10.0))

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.cover.closeness import sizes_beside
-from crackgrow.cover.cover import Cover
+from crackgrow.cover.face_edges import FaceEdges
 from crackgrow.geometry.polyline import arc_lengths
 
 
@@ -48,10 +47,15 @@ class CellLengths:
         return np.asarray((self.place(high) - self.place(low)) / (high - low))
 
 
-def cell_lengths(cover: Cover, surface: int) -> CellLengths:
-    """Lengths along a surface of the cover."""
-    edges, size = cover.surfaces[surface].edges, sizes_beside(cover, surface)
+def sizes_beside(edges: FaceEdges, sizes: Floats) -> Floats:
+    """Side (n,) of the cells beside each edge, of the larger on its two faces; `sizes` (elements,) are all sides."""
+    minus = np.where(edges.minus >= 0, sizes[edges.minus], 0.0)  # a foundation has none
+    return np.maximum(sizes[edges.plus], minus)
+
+
+def cell_lengths(points: Floats, edges: FaceEdges, size: Floats) -> CellLengths:
+    """Lengths along a surface with corners `points` (n, 2), beside whose `edges` (e,) cells have a `size` (e,)."""
     first = np.concatenate([[0], np.flatnonzero(np.diff(size)) + 1])  # edges of each part with cells of one size
-    s = np.concatenate([[0.0], edges.s[first[1:], 0], arc_lengths(cover.surfaces[surface].points)[-1:]])
+    s = np.concatenate([[0.0], edges.s[first[1:], 0], arc_lengths(points)[-1:]])
     cells = np.concatenate([[0.0], np.cumsum(np.diff(s) / size[first])])
     return CellLengths(s, cells, float(np.diff(s) @ size[first] / s[-1]))
