@@ -117,9 +117,9 @@ def test_the_critical_load_of_a_closed_crack_is_the_first_that_meets_the_criteri
 @pytest.mark.parametrize("dilation", [0.0, 5.0])
 def test_where_only_loads_have_a_size_states_are_in_proportion_to_them(dilation: float, factors: list[float]) -> None:
     settings = (f"cracks.flaw.contact.dilation_angle={dilation}",)
-    configuration, cracks = ready(case_of("compression30", *CLOSED, *settings))
+    configuration = ready(case_of("compression30", *CLOSED, *settings))
     assert configuration.proportional
-    found = critical_load.critically_loaded(configuration, cracks, 0.07).state
+    found = critical_load.critically_loaded(configuration, 0.07).state
     assert factors == [0.07]
     alone = increment(configuration, held_loads(configuration), found.factor)
     one, other = found.outcome, alone.outcome
@@ -144,7 +144,7 @@ def test_where_only_loads_have_a_size_states_are_in_proportion_to_them(dilation:
     ["cracks.flaw.contact.cohesion=0.1", "cracks.flaw.contact.residual_friction=0.1", "loads.0.held=true"],
 )
 def test_what_has_a_size_of_its_own_takes_the_proportion_away(sized: str) -> None:
-    configuration, _ = ready(case_of("compression30", *CLOSED, sized))
+    configuration = ready(case_of("compression30", *CLOSED, sized))
     assert not configuration.proportional
 
 
