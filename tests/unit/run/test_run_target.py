@@ -26,6 +26,7 @@ from crackgrow.run.checkpoint import beginning, restored
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.layout import cover_of
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.loading import LoadsInTurn, NextStep, load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.next_cells import halvings_after
@@ -153,7 +154,7 @@ def test_cells_to_compare_serve_smaller_cells_while_those_at_kinks_are_a_quarter
     ]
     other = NextStep(cracks, None).state(compared(solutions[0]), 1.0, None)
     assert [still_tells(solution, other) for solution in solutions] == tells
-    assert not still_tells(solutions[0], replace(other, factor=2.0))
+    assert not still_tells(solutions[0], replace(other, level=LoadLevel(2.0)))
 
 
 def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
