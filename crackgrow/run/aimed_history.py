@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -51,8 +52,8 @@ class _Pair:
         self.fine = finer
         return solution
 
-    def state(self, scene: Scene, _: float, like: Configuration) -> LoadState:
-        """The state on the cells to compare."""
+    def state(self, scene: Scene, _: float, like: Configuration) -> tuple[LoadState, Counter[str]]:
+        """The state on the cells to compare, and the seconds that it has taken: no cover is made for the next load."""
         if self.other is None or scene.halvings != self.other.scene.halvings:
             self.other = LoadsInTurn(scene, self.cracks, like=like)
-        return self.other.state(self.number)[0]
+        return self.other.state(self.number)[0], self.other.cost().seconds

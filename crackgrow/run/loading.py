@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from crackgrow.case.model import CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import NotSolvedError
@@ -16,6 +16,29 @@ from crackgrow.run.increments import FROM_REST, LoadState, Origin, carried, from
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import Scene
 from crackgrow.run.stages import through_stages
+
+
+@dataclass(slots=True, eq=False)
+class Cost:
+    """What states in turn have cost: a configuration that several of them are on is paid for once."""
+
+    seconds: Counter[str] = field(default_factory=Counter)
+    factorizations: int = 0
+    _paid: Configuration | None = None
+
+    def add(self, state: LoadState) -> None:
+        """Add what a state has cost."""
+        self.seconds.update({"contact": state.seconds})
+        if state.configuration is not self._paid:
+            self.seconds.update(state.configuration.seconds)
+            self.factorizations += 1
+        self._paid = state.configuration
+
+    def taken(self) -> Cost:
+        """What has been added since this was asked for last."""
+        taken = Cost(self.seconds, self.factorizations)
+        self.seconds, self.factorizations = Counter(), 0
+        return taken
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,15 +58,25 @@ class NextStep:
         configuration = assemble(scene, self.cracks, like)
         return _loaded(configuration, self._origin(configuration))
 
-    def state(self, scene: Scene, factor: float, like: Configuration | None) -> LoadState:
-        """The state at a load factor that `solve` would give with it as the critical one, or the last of several."""
+    def state(self, scene: Scene, factor: float, like: Configuration | None) -> tuple[LoadState, Counter[str]]:
+        """The state at a load factor that `solve` would give with it as the critical one, or the last of several.
+
+        With it the seconds that it has taken, and those before it.
+        """
+        cost = Cost()
+        for state in self._states(scene, factor, like):
+            cost.add(state)
+        return state, cost.seconds
+
+    def _states(self, scene: Scene, factor: float, like: Configuration | None) -> Iterator[LoadState]:
+        """The states up to that one."""
         if isinstance(scene.case.loading, Stages):
-            return deque(through_stages(scene, self.cracks), maxlen=1)[0][0]
+            return (state for state, _ in through_stages(scene, self.cracks))
         configuration = assemble(scene, self.cracks, like)
         origin = self._origin(configuration)
         if origin.start is None and isinstance(scene.case.loading, CriticalLoad):
-            return increment(configuration, held_loads(configuration), factor)
-        return deque(_to_last(configuration, origin), maxlen=1)[0][0]
+            return iter([increment(configuration, held_loads(configuration), factor)])
+        return (state for state, _ in _to_last(configuration, origin))
 
     def _origin(self, configuration: Configuration) -> Origin:
         """What a configuration goes on from."""
@@ -79,7 +112,7 @@ class LoadsInTurn:
     ) -> None:
         """From number `first` on, whose `origin` is given. `like` may have parts in common with this configuration."""
         self.scene, self._next = scene, first
-        self._paid: Configuration | None = None
+        self._cost = Cost()
         if isinstance(scene.case.loading, Stages):
             self._states = through_stages(scene, cracks, first, origin)
         else:
@@ -91,21 +124,28 @@ class LoadsInTurn:
         Raises GeometryError or SolveError where there is none.
         """
         for state, origin in self._states:
+            self._cost.add(state)
             self._next += 1
             if self._next > number:
                 return state, origin
-            self._paid = state.configuration
         raise NotSolvedError("an earlier load of the history has no solution on these cells")
+
+    def cost(self) -> Cost:
+        """What the states since the last one that this was asked for have cost, those that were passed by included."""
+        return self._cost.taken()
 
     def solution(self, number: int) -> StepSolution:
         """The solution under a load that has not been asked for. Raises as `state` does."""
         state, origin = self.state(number)
-        solution = replace(judged(state), origin=origin, passed=history_of(state)[:-1])
-        if state.configuration is self._paid:
-            seconds = {**solution.seconds, **dict.fromkeys(state.configuration.seconds, 0.0)}
-            solution = replace(solution, factorizations=0, seconds=seconds)
-        self._paid = state.configuration
-        return solution
+        solution, cost = judged(state), self.cost()
+        seconds = {**solution.seconds, **dict.fromkeys(state.configuration.seconds, 0.0), **cost.seconds}
+        return replace(
+            solution,
+            origin=origin,
+            passed=history_of(state)[:-1],
+            factorizations=cost.factorizations,
+            seconds=seconds,
+        )
 
 
 def load_history(
@@ -146,13 +186,9 @@ def _through_history(
 def _at_last(states: Iterable[tuple[LoadState, Origin]]) -> StepSolution:
     """The solution of the last of some states in turn, with those that have led to it and the time of all."""
     passed: list[LoadState] = []
-    seconds: Counter[str] = Counter()
-    paid: Configuration | None = None
+    cost = Cost()
     for state, _ in states:
         passed += history_of(state)
-        seconds.update({"contact": state.seconds})
-        if state.configuration is not paid:
-            seconds.update(state.configuration.seconds)
-        paid = state.configuration
+        cost.add(state)
     solution = judged(state)
-    return replace(solution, passed=tuple(passed[:-1]), seconds={**solution.seconds, **seconds})
+    return replace(solution, passed=tuple(passed[:-1]), seconds={**solution.seconds, **cost.seconds})

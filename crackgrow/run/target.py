@@ -38,8 +38,8 @@ class Ways(Protocol):
     def solve(self, scene: Scene, like: Configuration, /) -> StepSolution:
         """The step."""
 
-    def state(self, scene: Scene, factor: float, like: Configuration, /) -> LoadState:
-        """Its state at a load factor."""
+    def state(self, scene: Scene, factor: float, like: Configuration, /) -> tuple[LoadState, Counter[str]]:
+        """Its state at a load factor, and the seconds that it has taken."""
 
 
 def aimed(solution: StepSolution, ways: Ways, last: Accuracy | None) -> StepSolution:
@@ -122,12 +122,13 @@ class _Comparison:
         self.n_solves += 1
         try:
             if configuration.scene.case.numerics.goal == "load_factor":
-                state = self.ways.solve(compared(solution), like).state
+                solved = self.ways.solve(compared(solution), like)
+                state, seconds = solved.state, Counter(solved.seconds)
             else:
-                state = self.ways.state(compared(solution), solution.state.factor, like)
+                state, seconds = self.ways.state(compared(solution), solution.state.factor, like)
         except (GeometryError, SolveError):
             return None
-        self.seconds.update({**state.configuration.seconds, "contact": state.seconds})
+        self.seconds.update(seconds)
         return state
 
 

@@ -19,9 +19,13 @@ from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import FaceEdges, edges_of_region
+from crackgrow.cover.squares import QUANTA
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.vectors import outward_normals
+
+CLOSE = 0.25
+"""Cells: an edge that is closer to a side of its cells has next to nothing of the nodes on the other side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +90,7 @@ class EdgePoints:
     lengths: Floats  # (n,) m
     elements: Ints  # (n,)
     s: Floats  # (n,) m, arc length from the part's start
-    sizes: Floats  # (n,) side of the cells there, spacings
+    sizes: Floats  # (n,) side of the cells there, spacings: see `_sizes_along`
     stretched: Floats  # (n,) m, s where every cell were as large as the spacing
     outward: Floats  # (n, 2) unit normals out of the rock
 
@@ -111,8 +115,10 @@ def points_along(cover: Cover, edges: Sequence[FaceEdges]) -> list[EdgePoints]:
     )
     edge, points, lengths = points_on_outlines(cover, ends, elements, np.concatenate([e.edge for e in edges]))
     s = s[edge, 0] + np.hypot(*(points - ends[edge, 0]).T)
-    sizes = cover.sizes[elements]
-    stretched = s / sizes[edge] + np.concatenate([_offsets(e.s[:, 0], cover.sizes[e.plus]) for e in edges])[edge]
+    sizes_along = [_sizes_along(cover, e) for e in edges]
+    offsets = [_offsets(e.s[:, 0], sizes) for e, sizes in zip(edges, sizes_along, strict=True)]
+    sizes = np.concatenate(sizes_along)
+    stretched = s / sizes[edge] + np.concatenate(offsets)[edge]
     outward = outward_normals(ends[:, 1] - ends[:, 0])[edge]
     spacing, owner = cover.lattice.spacing, np.repeat(np.arange(len(edges)), [len(e.edge) for e in edges])[edge]
     return [
@@ -127,6 +133,19 @@ def points_along(cover: Cover, edges: Sequence[FaceEdges]) -> list[EdgePoints]:
         )
         for mine in (np.flatnonzero(owner == number) for number in range(len(edges)))
     ]
+
+
+def _sizes_along(cover: Cover, edges: FaceEdges) -> Floats:
+    """Side (k,) of the cells along edges, spacings: of those outside of the rock where they are larger and close.
+
+    An edge that is close to the side of its cells has the functions of the nodes there, and no other ones to speak of.
+    Cells outside need not be small: these nodes are as far apart as the larger cells are wide.
+    """
+    own, ends = cover.sizes[edges.plus], edges.points
+    beyond = ends.mean(axis=1) + CLOSE * own[:, None] * outward_normals(ends[:, 1] - ends[:, 0])
+    cells = cover.lattice.cells
+    there = cells.at(np.floor(QUANTA * beyond).astype(np.int64))
+    return np.where(there >= 0, np.maximum(own, cells.size[there] / QUANTA), own)
 
 
 def _offsets(starts: Floats, sizes: Floats) -> Floats:

@@ -26,6 +26,7 @@ from crackgrow.run.checkpoint import beginning, restored
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.layout import cover_of
+from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.loading import LoadsInTurn, NextStep, load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.next_cells import halvings_after
@@ -151,9 +152,9 @@ def test_cells_to_compare_serve_smaller_cells_while_those_at_kinks_are_a_quarter
         load(replace(scene, halvings=replace(scene.halvings, cracks=(scene.halvings.cracks[0] + n,))), cracks)
         for n in range(len(tells))
     ]
-    other = NextStep(cracks, None).state(compared(solutions[0]), 1.0, None)
+    other, _ = NextStep(cracks, None).state(compared(solutions[0]), 1.0, None)
     assert [still_tells(solution, other) for solution in solutions] == tells
-    assert not still_tells(solutions[0], replace(other, factor=2.0))
+    assert not still_tells(solutions[0], replace(other, level=LoadLevel(2.0)))
 
 
 def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
@@ -234,6 +235,23 @@ def test_every_load_of_a_history_meets_the_target() -> None:
     assert len(steps) == 3
     for step in steps:
         assert max(shares(step)) <= 0.03 or told(step)
+
+
+def test_cells_that_a_later_load_makes_smaller_are_paid_for_there() -> None:
+    """The loads before are gone through again on them; the next load finds all of it made."""
+    aim = case("cyclic_friction", "3 %", "loading.history=[0.5, 1.0, 1.1]")
+    scene = make_scene(aim)
+    given = beginning(aim).cracks
+    loads = LoadsInTurn(scene, given)
+    times = [loads.state(number)[0].seconds for number in (0, 1)]
+    seconds = loads.cost().seconds
+    assert seconds["contact"] == pytest.approx(sum(times))
+    assert seconds["assembly"] > 0.0
+    again = LoadsInTurn(scene, given)
+    second, third = again.solution(1), again.solution(2)
+    assert [second.factorizations, third.factorizations] == [1, 0]
+    assert [solution.seconds["assembly"] > 0.0 for solution in (second, third)] == [True, False]
+    assert second.seconds["contact"] > second.state.seconds
 
 
 def test_faces_that_stick_leave_no_K_to_aim_at() -> None:
