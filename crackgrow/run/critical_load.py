@@ -211,7 +211,7 @@ class _Search:
             return self._scale.scaled_to(factor)
         with timed(self._seconds, "contact"):
             state = increment(self._configuration, start, factor)
-        if self._configuration.proportional and factor > 0.0 and not state.via:
+        if self._configuration.proportional and start is self._start and factor > 0.0 and not state.via:
             self._scale = state
         return state
 
