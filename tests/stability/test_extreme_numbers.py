@@ -152,6 +152,19 @@ def test_numbers_that_can_be_read_are_solved_or_refused(tmp_path: Path, key: Key
             solved_to_the_end(written(tmp_path, {key: value}))
 
 
+def test_an_increment_far_larger_than_the_specimen_ends_at_its_outline() -> None:
+    cases = Path(__file__).parents[2] / "cases"
+    ends = []
+    for increment in ("200 mm", "1e12 m", "1e50 m"):
+        settings = ["growth.steps=1", f"growth.increment={increment}", "output.frames=none", "numerics.spacing=4"]
+        *_, last = grow(load_case(cases / "compression30.yaml", settings))
+        assert [event.kind for event in last.events] == ["break_through"]
+        ends.append(last.cracks[0].points)
+    assert len(ends[0]) == 3
+    assert np.array_equal(ends[1], ends[0])
+    assert np.array_equal(ends[2], ends[0])
+
+
 @pytest.mark.parametrize("formula", ["1/(x - x)", "log(-1 - y*y)", "exp(-1000*y)"])
 def test_formulas_without_a_finite_value_are_refused(tmp_path: Path, formula: str) -> None:
     with pytest.raises(CaseError, match="has no finite value at") as caught:
