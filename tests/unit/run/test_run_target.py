@@ -193,7 +193,7 @@ def test_cells_to_compare_serve_smaller_cells_while_those_at_kinks_are_a_quarter
     ]
     other = NextStep(cracks, None).state(compared(solutions[0]), 1.0, None)
     assert [still_tells(solution, other) for solution in solutions] == tells
-    assert not still_tells(solutions[0], replace(other, factor=2.0))
+    assert not still_tells(solutions[0], replace(other, level=other.level._replace(factor=2.0)))
 
 
 def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
