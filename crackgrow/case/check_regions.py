@@ -106,7 +106,12 @@ def _check_part(scene: Scene, key: Path, on: dict[str, Any], edge: Edge) -> None
     at = (*key, "from" if "from" in on else "to")
     is_arc = edge.measure == "angle"
     shown = " to ".join(f"{value:g} deg" if is_arc else scene.length(value) for value in (start, end))
-    if end - start <= (FULL_CIRCLE * SAME_PLACE if is_arc else scene.tolerance):
+    least = FULL_CIRCLE * SAME_PLACE if is_arc else scene.tolerance
+    if end - start < -least:
+        hint = f"; angles grow counter-clockwise, past {FULL_CIRCLE:g} deg too: `to: {end + FULL_CIRCLE:g}`"
+        through = hint if is_arc and 0.0 < end + FULL_CIRCLE - start <= FULL_CIRCLE else ""
+        scene.report.fault(at, f"the part from {shown} ends before it begins; `from` must be less than `to`{through}")
+    elif end - start <= least:
         scene.report.fault(at, f"the part from {shown} has no length; `from` must be less than `to`")
     elif is_arc and end - start > FULL_CIRCLE:
         scene.report.fault(at, f"the part from {shown} is more than the whole arc; wanted: at most {FULL_CIRCLE:g} deg")

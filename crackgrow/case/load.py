@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from crackgrow.case.build import build_case
+from crackgrow.case.check_agreement import check_agreement
 from crackgrow.case.check_bodies import check_interfaces, check_loads
 from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_loading import check_loading
@@ -46,6 +47,7 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     check_interfaces,
     check_foundations,
     check_supports,
+    check_agreement,
     check_loads,
     check_loading,
     check_points,

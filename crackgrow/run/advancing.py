@@ -9,12 +9,16 @@ from typing import Literal
 import shapely
 
 from crackgrow.arrays import Floats
+from crackgrow.case.meetings import scene_size
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Start, Way, advanced, closed, started
 from crackgrow.fracture.meeting import Meeting
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Event
 from crackgrow.run.scene import Scene
+
+LEAVES = 2.0
+"""Sizes of the scene: so long a segment ends outside. Where a much longer one meets something has lost its digits."""
 
 End = tuple[int, bool]
 """Number of a crack, and whether it is its end or its start."""
@@ -33,10 +37,11 @@ class BeforeAdvance:
     starts: tuple[Start, ...] = ()  # of new cracks
 
     def way(self, end: End, kink: float) -> Way:
-        """How a crack goes on from an end at a kink (rad)."""
-        growth = self.scene.case.growth
-        assert growth is not None
-        length, link = self.lengths.get(end, growth.increment), growth.link_distance
+        """How a crack goes on from an end at a kink (rad), no farther than what leads out of the rock."""
+        case = self.scene.case
+        assert case.growth is not None
+        link, length = case.growth.link_distance, self.lengths.get(end, case.growth.increment)
+        length = min(length, LEAVES * scene_size(case))
         return Way(kink, length) if link is None else Way(kink, length, min(link / length, 1.0))
 
 

@@ -3,7 +3,7 @@
 At a tip the stress is singular; tip functions follow it, as long as the cells are small by the tip's distance from
 everything else. A kink is a corner of the rock on one side of the crack, and closed faces are pressed open there over
 a small part of the segment behind it: no function follows that, cells have to. So do they at re-entrant corners, and
-where a support or a load is a point or ends within an edge.
+where a support or a load is a point or ends within an edge; more so beside a tip.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import shapely
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, preset_of
 from crackgrow.case.features import line_length, stretches
-from crackgrow.case.model import ContactSupport, EdgeLoad, EdgeRegion, EdgeSupport, PointSupport
+from crackgrow.case.model import ContactSupport, EdgeLoad, EdgeRegion, EdgeSupport, PointForce, PointSupport
 from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.gathered import STRAIGHT
 from crackgrow.cover.lattice import Lattice
@@ -33,6 +33,12 @@ Asking = Iterator[tuple[shapely.Geometry, float]]
 SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
 
+BESIDE = 1.5
+"""Spacings from a tip: farther away cells are no smaller for a tip, once all of them are halved."""
+
+ACROSS = 6.0
+"""Cells from a tip to a place beside it: halved, as all are, they are smaller than those that the tip makes there."""
+
 
 def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Lattice | None) -> Lattice:
     """The lattice of a scene with these cracks; that of the configuration before if its cells are the same."""
@@ -41,7 +47,7 @@ def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Latt
 
 def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
     """The places that ask for cells smaller than the largest, and all of the scene where all cells are halved."""
-    asking = chain(_at_tips(scene, cracks), _at_kinks(scene, cracks), _at_corners(scene))
+    asking = chain(_at_tips(scene, cracks), _at_kinks(scene, cracks), _at_corners(scene), _beside_tips(scene, cracks))
     # sizes are those asked for where the cells that nothing is asked of have the side that the case gives
     everywhere = 0.5**scene.halvings.everywhere
     finer = everywhere * scene.lattice.spacing / scene.case.numerics.spacing
@@ -122,6 +128,27 @@ def _at_corners(scene: Scene) -> Asking:
         if length.where is not None:
             where = shapely.transform(length.where, scene.lattice.to_lattice)
             yield where, finer * length.metres / preset.parts(length.kind) / scene.lattice.spacing
+
+
+def _beside_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
+    """For a target, forces and supports at points, and ends of loaded and supported parts, that lie beside a tip.
+
+    Cells round a tip grow with the distance from it, however small its own are: these places lie among them. Where
+    nothing else asks for cells there, those that K is held against are the same, and tell nothing of such a place.
+    """
+    tips = [crack.seen_from(end)[0] for crack in cracks for end in crack.tips()]
+    if scene.case.numerics.target is None or scene.case.numerics.goal != "K" or not tips:
+        return
+    finer = 0.5**scene.halvings.corners
+    for place in chain(_ends_of_regions(scene), _forces(scene)):
+        apart = float(np.hypot(*(np.array(tips) - place).T).min())
+        if 0.0 < apart < BESIDE:
+            yield shapely.Point(place), finer * apart / ACROSS
+
+
+def _forces(scene: Scene) -> Iterator[Floats]:
+    """Where forces act at points."""
+    yield from (scene.lattice.to_lattice(load.point) for load in scene.case.loads if isinstance(load, PointForce))
 
 
 def _asked(scene: Scene, halvings: int | Literal["auto"]) -> int | Literal["auto"]:

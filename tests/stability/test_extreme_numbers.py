@@ -53,7 +53,7 @@ EVERYTHING: dict[str, Any] = {
     },
     "interfaces": [{"between": ["rock", "base"], "contact": {**CONTACT, "dilation_angle": 1}}],
     "supports": [
-        {"at": [0, -10], "displacement": {"x": 0}},
+        {"at": [20, -10], "displacement": {"x": 0}},
         {
             "on": {"body": "base", "edge": "bottom", "from": 1, "to": 19},
             "contact": {"friction": 0.4, "cohesion": 0},
@@ -150,6 +150,19 @@ def test_numbers_that_can_be_read_are_solved_or_refused(tmp_path: Path, key: Key
     for value in ("1e50", "-1e50", "1e20", "1e-20", "1e-50"):
         with contextlib.suppress(CrackgrowError):
             solved_to_the_end(written(tmp_path, {key: value}))
+
+
+def test_an_increment_far_larger_than_the_specimen_ends_at_its_outline() -> None:
+    cases = Path(__file__).parents[2] / "cases"
+    ends = []
+    for increment in ("200 mm", "1e12 m", "1e50 m"):
+        settings = ["growth.steps=1", f"growth.increment={increment}", "output.frames=none", "numerics.spacing=4"]
+        *_, last = grow(load_case(cases / "compression30.yaml", settings))
+        assert [event.kind for event in last.events] == ["break_through"]
+        ends.append(last.cracks[0].points)
+    assert len(ends[0]) == 3
+    assert np.array_equal(ends[1], ends[0])
+    assert np.array_equal(ends[2], ends[0])
 
 
 @pytest.mark.parametrize("formula", ["1/(x - x)", "log(-1 - y*y)", "exp(-1000*y)"])

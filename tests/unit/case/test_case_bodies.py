@@ -354,6 +354,37 @@ def test_fault_of_a_support_at_a_point(support: dict[str, Any], key: str, words:
     assert words in message
 
 
+@pytest.mark.parametrize(
+    ("others", "words"),
+    [
+        ([{"at": [2, 0], "displacement": {"y": 0.1}}], "y at (2 m, 0 m) is 0.1 m here and 0 m by supports.0"),
+        ([{"at": [1, 0], "displacement": {"x": 0, "y": "0.1*x"}}], "y at (1 m, 0 m) is 0.1 m here"),
+        (
+            [{"on": {"body": "low", "edge": "bottom", "from": 1}, "displacement": {"y": "0.1*(x - 1)"}}],
+            "y at (4 m, 0 m) is 0.3 m here and 0 m by supports.0",
+        ),
+    ],
+)
+def test_supports_that_contradict_each_other_are_named(others: list[Any], words: str, tmp_path: Path):
+    scene = two_blocks()
+    scene["supports"] = [{"on": {"body": "low", "edge": "bottom"}, "displacement": {"x": 0, "y": 0}}, *others]
+    where, message = fault(tmp_path, scene)
+    assert where == "supports.1.displacement.y"
+    assert words in message
+
+
+def test_supports_that_agree_or_share_a_corner_alone_are_taken(tmp_path: Path):
+    scene = two_blocks()
+    scene["supports"] = [
+        {"on": {"body": "low", "edge": "bottom"}, "displacement": {"x": "0.3*x - 0.1*3*x + 0.1*(x - 0.7)", "y": 0}},
+        {"at": [0.7, 0], "displacement": {"x": 0, "y": 0}},
+        {"on": {"body": "low", "edge": "bottom", "to": 1}, "displacement": {"y": 0}},
+        {"on": {"body": "low", "edge": "left"}, "displacement": {"x": 0.2}},
+        {"at": [0, 2], "body": "low", "displacement": {"y": 0.3}},
+    ]
+    assert len(load(tmp_path, scene).supports) == 5
+
+
 def test_support_at_a_point_knows_its_body(tmp_path: Path):
     scene = two_blocks()
     given = [{"at": [1, 1]}, {"at": [1, 3]}, {"at": [1, 2], "body": "low"}, {"at": [1, 2], "body": "top"}]

@@ -134,7 +134,9 @@ def test_resolved_places_are_metres_or_degrees(tmp_path: Path):
     [
         (DISK, {"edge": "arc", "from": "1 m"}, "from", "a place on edge 'arc' is given by an angle, not by a length"),
         (DISK, {"edge": "arc", "from": 10, "to": 10}, "from", "the part from 10 deg to 10 deg has no length"),
-        (DISK, {"edge": "arc", "from": 20, "to": 10}, "from", "`from` must be less than `to`"),
+        (DISK, {"edge": "arc", "from": 20, "to": 10}, "from", "ends before it begins; `from` must be less than `to`"),
+        (DISK, {"edge": "arc", "from": 350, "to": 10}, "from", "past 360 deg too: `to: 370`"),
+        (rectangle(0, 0, 4, 3), {"edge": "top", "from": 3, "to": 1}, "from", "from 3 m to 1 m ends before it begins"),
         (DISK, {"edge": "arc", "to": 0}, "to", "no length"),
         (DISK, {"edge": "arc", "from": -10, "to": 351}, "from", "more than the whole arc; wanted: at most 360 deg"),
         (DISK, {"edge": "arc", "from": 1e9}, "from", "out of range; wanted: an angle from -360 to 720"),

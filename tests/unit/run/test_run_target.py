@@ -51,6 +51,9 @@ SHEARED = (
 )
 """Shear cracks start at the ends of a flaw, beside its wings."""
 
+ABOVE = ("cracks.flaw={path: {points: [[0, 31], [0, 49]]}, contact: none}",)
+"""An open crack that ends a millimetre below an edge."""
+
 
 def case(name: str, target: str, *settings: str) -> Case:
     return load_case(
@@ -89,6 +92,43 @@ def test_cells_to_compare_are_twice_as_large_at_the_tips_and_away_from_them() ->
     assert (large.min(), large.max()) == (2 * small.min(), 2 * small.max())
     assert [2.0 * tip.size for tip in covers[0].tips] == [tip.size for tip in covers[1].tips]
     assert covers[0].lattice.spacing == covers[1].lattice.spacing == 2.0 * scene.case.numerics.spacing
+
+
+BESIDE_A_TIP = {
+    "support": {
+        "supports=[{at: [0, 50], displacement: {x: 0, y: 0}}, {at: [-50, -50], displacement: {x: 0}}]",
+        "loads=[{on: {body: rock, edge: bottom}, traction: [1, -1]}]",
+    },
+    "load": {
+        "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}]",
+        "loads=[{on: {body: rock, edge: top, from: -0.5, to: 0.5}, traction: [0, -100]}]",
+    },
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", BESIDE_A_TIP)
+def test_a_force_on_a_small_place_beside_a_tip_is_seen_by_the_bound(what: str) -> None:
+    """Cells round the tip, which are as large there whatever those at the tip are, had told nothing of it."""
+    aimed_at = case("slant_tension", "0.3 %", *ABOVE, *BESIDE_A_TIP[what])
+    step = next(grow(aimed_at))
+    smaller = case("slant_tension", "draft", *ABOVE, *BESIDE_A_TIP[what], "numerics.refine={tips: 6, corners: 9}")
+    true = np.array([tip.K for tip in load(make_scene(smaller), beginning(smaller).cracks).tips])
+    errors = np.hypot(*(np.array([(tip.K_I, tip.K_II) for tip in step.tips]) - true).T)
+    assert told(step) == []
+    assert errors.max() <= max(max(tip.K_I_error, tip.K_II_error) for tip in step.tips)
+
+
+def test_cells_beside_a_tip_are_larger_to_compare_where_a_force_acts() -> None:
+    sizes = []
+    aimed_at = case("slant_tension", "0.3 %", *ABOVE, *BESIDE_A_TIP["support"])
+    scene = make_scene(aimed_at)
+    solution = load(replace(scene, halvings=Halvings(1, (8,))), beginning(aimed_at).cracks)
+    for each in (solution.scene, compared(solution)):
+        lattice = cover_of(each, beginning(aimed_at).cracks).lattice
+        (tile,) = lattice.tiles_at(lattice.to_lattice(np.array([[0.0, 0.04999]])))
+        sizes.append(int(lattice.cells.size[lattice.tiles.cell[tile]]))
+    assert sizes[1] == 2 * sizes[0]
 
 
 def test_cells_to_compare_are_an_eighth_as_large_at_kinks() -> None:
@@ -154,7 +194,7 @@ def test_cells_to_compare_serve_smaller_cells_while_those_at_kinks_are_a_quarter
     ]
     other, _ = NextStep(cracks, None).state(compared(solutions[0]), 1.0, None)
     assert [still_tells(solution, other) for solution in solutions] == tells
-    assert not still_tells(solutions[0], replace(other, level=LoadLevel(2.0)))
+    assert not still_tells(solutions[0], replace(other, level=other.level._replace(factor=2.0)))
 
 
 def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
