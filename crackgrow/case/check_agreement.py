@@ -1,13 +1,12 @@
-"""Whether supports that hold the same place prescribe the same displacement there.
+"""Whether edge supports that cover the same part of an edge prescribe the same displacement there.
 
-A point on a supported edge, at its ends too, and parts of edges that two supports cover. Edges that meet at a corner
-have no part in common: what a corner alone would have to do two ways, no edge is held to.
+Edges that meet at a corner have no part in common: what a corner alone would have to do two ways, no edge is held to.
+Points on a held edge are warned of (`run.scene_cautions`).
 """
 
 from __future__ import annotations
 
 import numpy as np
-import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.check_supports import sampled
@@ -25,7 +24,8 @@ def check_agreement(scene: Scene) -> None:
     earlier: list[int] = []
     for index, _ in scene.items("supports", "displacement"):
         for other in earlier:
-            places = _common(scene, index, other)
+            mine, its = (scene.regions.get(("supports", each, "on")) for each in (index, other))
+            places = np.empty((0, 2)) if mine is None or its is None else _shared(scene, mine, its)
             if len(places):
                 _compare(scene, index, other, places)
         earlier.append(index)
@@ -59,31 +59,9 @@ def _values(value: float | str, places: Floats) -> Floats | None:
 
 
 def _places(scene: Scene, index: int) -> Floats:
-    """Places (n, 2) m of a support: its point, or along its part of an edge."""
-    region = _region(scene, index)
-    if region is None:
-        return np.array([scene.resolved["supports"][index]["at"]])
+    """Places (n, 2) m along the part of an edge that a support holds."""
+    region = scene.regions[("supports", index, "on")]
     return sampled(ends_of(scene.bodies[region.body], region))
-
-
-def _common(scene: Scene, index: int, other: int) -> Floats:
-    """Places (n, 2) m that both of two supports hold; two at one point are a fault already."""
-    supports = [scene.resolved["supports"][number] for number in (index, other)]
-    regions = [_region(scene, number) for number in (index, other)]
-    points = [support for support in supports if "at" in support]
-    along = [region for region in regions if region is not None]
-    if len(along) == 2:
-        return _shared(scene, along[0], along[1])
-    if len(points) == 1 and len(along) == 1 and points[0].get("body") == along[0].body:
-        lines = shapely.linestrings(ends_of(scene.bodies[along[0].body], along[0]))
-        if np.any(shapely.dwithin(lines, shapely.Point(points[0]["at"]), scene.tolerance)):
-            return np.array([points[0]["at"]])
-    return np.empty((0, 2))
-
-
-def _region(scene: Scene, index: int) -> EdgeRegion | None:
-    """The part of an edge that a support holds; None of a point, and where it cannot be told."""
-    return scene.regions.get(("supports", index, "on"))
 
 
 def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:

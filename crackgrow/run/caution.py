@@ -32,6 +32,11 @@ class Cause(Enum):
         "{place} acts on a point: displacement and stress there grow without bound as cells get smaller; where they "
         "matter give a traction on a part of an edge",
     )  # fmt: skip
+    CONTRADICTION = (
+        1e-6, "largest displacement of both", "stress at the point that grows without bound as cells get smaller",
+        "{place} holds a point of an edge otherwise than {other} does: {component} is {mine:.3g} and {its:.3g} at "
+        "{point}, and the stress there means nothing; leave one of them out",
+    )  # fmt: skip
     RESIDUAL = (
         1e-9, "forces", "digits of the equilibrium are lost",
         "the equilibrium residual is {size:.2g}: the system is ill conditioned",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 
 import numpy as np
 import shapely
@@ -11,7 +12,17 @@ from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.features import line_length
 from crackgrow.case.meetings import scene_size
-from crackgrow.case.model import Case, Crack, Gravity, InSituStress, Load, PointForce, PointSupport
+from crackgrow.case.model import (
+    Case,
+    Component,
+    Crack,
+    EdgeSupport,
+    Gravity,
+    InSituStress,
+    Load,
+    PointForce,
+    PointSupport,
+)
 from crackgrow.case.snapping import SNAP
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
 from crackgrow.case.units import Metres, place_text
@@ -25,6 +36,7 @@ from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
 from crackgrow.solid.loads import load_vector
+from crackgrow.solid.supports import edges_on
 
 MOST_MOVED = 8
 """Of more points that were moved only the number is told."""
@@ -68,9 +80,36 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
         length = cover.surfaces[index].in_cells.total
         if length < Cause.SHORT_CRACK.limit and not ends_on(shape, cover.cracks):
             yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
+    yield from _contradictions(scene, cover)
     yield from _unresolved(scene, cover)
     yield from _moved(scene)
     yield from _cut(scene)
+
+
+def _contradictions(scene: Scene, cover: Cover) -> Iterator[Caution]:
+    """Points on an edge that are held otherwise than the edge is there."""
+    bodies, supports = scene.case.bodies, list(enumerate(scene.case.supports))
+    there = {body.name for body in bodies}
+    edges = [(m, edge) for m, edge in supports if isinstance(edge, EdgeSupport) and edge.region.body in there]
+    points = [(n, support) for n, support in supports if isinstance(support, PointSupport)]
+    for (n, support), (m, edge) in product(points, edges):
+        lines = shapely.linestrings(edges_on(cover, bodies, edge.region).points)
+        place = shapely.Point(cover.lattice.to_lattice(support.point))
+        if support.body != edge.region.body or not np.any(shapely.dwithin(lines, place, SAME_PLACE)):
+            continue
+        for component, *pair in zip("xy", support.displacement, edge.displacement, strict=True):
+            mine, its = (_at_point(displacement, support.point) for displacement in pair)
+            if mine is None or its is None or abs(mine - its) <= Cause.CONTRADICTION.limit * max(abs(mine), abs(its)):
+                continue
+            told = {"mine": Metres(mine), "its": Metres(its), "point": place_text(support.point)}
+            yield Cause.CONTRADICTION.at(
+                f"supports.{n}", abs(mine - its), other=f"supports.{m}", component=component, **told
+            )
+
+
+def _at_point(displacement: Component | None, point: Floats) -> float | None:
+    """A displacement (m) at a point (2,) m; None where it is free."""
+    return float(displacement(point[None])[0]) if callable(displacement) else displacement
 
 
 def _by_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:

@@ -53,7 +53,7 @@ EVERYTHING: dict[str, Any] = {
     },
     "interfaces": [{"between": ["rock", "base"], "contact": {**CONTACT, "dilation_angle": 1}}],
     "supports": [
-        {"at": [20, -10], "displacement": {"x": 0}},
+        {"at": [0, -10], "displacement": {"x": 0}},
         {
             "on": {"body": "base", "edge": "bottom", "from": 1, "to": 19},
             "contact": {"friction": 0.4, "cohesion": 0},

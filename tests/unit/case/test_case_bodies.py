@@ -357,8 +357,10 @@ def test_fault_of_a_support_at_a_point(support: dict[str, Any], key: str, words:
 @pytest.mark.parametrize(
     ("others", "words"),
     [
-        ([{"at": [2, 0], "displacement": {"y": 0.1}}], "y at (2 m, 0 m) is 0.1 m here and 0 m by supports.0"),
-        ([{"at": [1, 0], "displacement": {"x": 0, "y": "0.1*x"}}], "y at (1 m, 0 m) is 0.1 m here"),
+        (
+            [{"on": {"body": "low", "edge": "bottom", "to": 2}, "displacement": {"y": 0.1}}],
+            "y at (0 m, 0 m) is 0.1 m here and 0 m by supports.0",
+        ),
         (
             [{"on": {"body": "low", "edge": "bottom", "from": 1}, "displacement": {"y": "0.1*(x - 1)"}}],
             "y at (4 m, 0 m) is 0.3 m here and 0 m by supports.0",

@@ -271,7 +271,7 @@ def test_a_piece_that_comes_loose_ends_the_run(plate: Plate) -> None:
     assert [result.step for result in results] == [0]
     assert end.status == "broke_through"
     assert end.reason.startswith("step 1: the piece of body 'rock' round (")
-    assert ") m is free to move: contact does not hold it, it moves off 'flaw'" in end.reason
+    assert " mm) is free to move: contact does not hold it, it moves off 'flaw'" in end.reason
     assert [(event.step, event.tip) for event in end.events] == [(1, "start"), (1, "end")]
     np.testing.assert_allclose(np.abs(end.cracks[0].points[[0, -1], 0]), 15.5 * MM, rtol=1e-12)
 

@@ -209,7 +209,7 @@ def test_a_stack_slides_at_the_angle_of_friction_and_turns_over_its_toe(tmp_path
     with pytest.raises(FreePieceError, match=r"it slides along '(low\.bottom|low/middle|middle/top)'"):
         next(grow(stack(tmp_path, 0.2, 0.2001)))
     all_of_it = r"body 'low' \(and with it body 'middle' and body 'top'\) is free"
-    turns = all_of_it + r".*it turns about \(0\.[3-5]\d*, -?[0-9.e-]+\) m"
+    turns = all_of_it + r".*it turns about \(0\.[3-5]\d* m, -?[0-9.e-]+ u?m?m\)"
     with pytest.raises(FreePieceError, match=turns):
         next(grow(stack(tmp_path, 2.0, 0.34)))
 

@@ -26,7 +26,6 @@ from crackgrow.run.checkpoint import beginning, restored
 from crackgrow.run.halvings import Accuracy, Halvings, accuracy_of_record, record_of
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.layout import cover_of
-from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.loading import LoadsInTurn, NextStep, load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.next_cells import halvings_after
