@@ -83,7 +83,7 @@ def test_events_are_on_disk_and_in_the_log_as_they_come(tmp_path: Path) -> None:
     writer.add(make_result(0))
     writer.add(make_result(1, events=(make_event(1), make_event(1, tip="start", met="its own path"))))
     assert column(tmp_path / "events.csv", "met") == ["crack 'b, the second'", "its own path"]
-    line = "step 1, coalescence: crack 'flaw' (end) reached crack 'b, the second' at (0.012, 0.002) m"
+    line = "step 1, coalescence: crack 'flaw' (end) reached crack 'b, the second' at (12 mm, 2 mm)"
     assert (tmp_path / "run.log").read_text().count(line) == 1
     last = make_event(2, kind="break_through", met="the outline of body 'rock'")
     writer.finish(RunEnd("broke_through", "a piece came loose", make_paths(2), (last,)))

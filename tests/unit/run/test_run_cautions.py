@@ -22,6 +22,7 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.misfit import misfits
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
+from crackgrow.run.scene_cautions import settings_cautions
 from tests.one_size import one_size
 from tests.solving import solve_step
 
@@ -341,3 +342,14 @@ def test_a_crack_that_is_short_beside_the_length_for_shear_is_warned_of(
     settings += [f"bodies.rock.strength.shear_toughness={toughness} MPa sqrt(m)"]
     told = [caution for caution in first_step("compression30", *settings).cautions if caution.cause is Cause.WIDE_SHEAR]
     assert [caution.place for caution in told] == ["crack 'flaw'"] * warned
+
+
+def test_a_point_that_is_held_otherwise_than_its_edge_is_told() -> None:
+    """Stress between the two grows without bound; a point that agrees, or lies off the edge, is not told of."""
+    edge = "{on: {body: rock, edge: bottom}, displacement: {x: 0, y: '0.1*x'}}"
+    points = ["[0, -27.5], displacement: {y: 0}", "[3, -27.5], displacement: {y: 0}", "[3, 27.5], displacement: {y: 9}"]
+    supports = f"supports=[{edge}, {', '.join(f'{{at: {point}}}' for point in points)}]"
+    scene = make_scene(load_case(CASES / "compression30.yaml", [*one_size("compression30"), supports]))
+    found = [each.words for each in settings_cautions(scene, solve_first(scene).cover, 0)]
+    (told,) = [words for words in found if "otherwise than" in words]
+    assert told.startswith("supports.2 holds a point of an edge otherwise than supports.0 does: y is 0 m and 0.3 mm at")
