@@ -78,7 +78,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
             yield Cause.LEFT_OUT.at(f"crack '{crack.name}'", crack.left_out)
     for index, shape in enumerate(cover.cracks):
         length = cover.surfaces[index].in_cells.total
-        if length < Cause.SHORT_CRACK.limit and not ends_on(shape, cover.cracks):
+        if length < Cause.SHORT_CRACK.limit - SAME_PLACE and not ends_on(shape, cover.cracks):
             yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
     yield from _contradictions(scene, cover)
     yield from _unresolved(scene, cover)
