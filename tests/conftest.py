@@ -44,22 +44,26 @@ PHYSICS = (
     "unit/benchmarks/test_benchmarks.py::test_a_measurement", "unit/benchmarks/test_benchmarks.py::test_a_profile",
     "unit/benchmarks/test_benchmarks.py::test_the_spacing", "unit/case/test_case_features.py::test_displacement",
     "unit/case/test_case_features.py::test_stress", "unit/case/test_case_files.py::test_damaged_cases",
-    "unit/case/test_case_mesh_files.py::test_a_specimen_of_gmsh",
+    "unit/case/test_case_meetings.py::test_a_thousand", "unit/case/test_case_mesh_files.py::test_a_specimen_of_gmsh",
     "unit/case/test_case_snapping.py::test_block_on_an_incline", "unit/contact/test_contact_limit.py",
     "unit/contact/test_contact_memory.py::test_a_cut_remembers", "unit/contact/test_contact_tractions.py",
     "unit/cover/test_cover_before.py", "unit/cover/test_cover_elements.py::test_awkward_places",
     "unit/cover/test_cover_enrichment.py::test_a_tip_among", "unit/direct/test_direct_multifrontal.py",
-    "unit/estimate/", "unit/fracture/test_fracture_face_displacements.py::test_centre", "unit/results/test_lock.py",
+    "unit/estimate/", "unit/fracture/test_fracture_face_displacements.py::test_centre",
+    "unit/plan/test_plan.py::test_every_case_can_be_drawn",
+    "unit/results/test_declarations.py::test_every_file_that_a_run_writes", "unit/results/test_lock.py",
     "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run", "unit/results/test_resume.py",
-    "unit/results/test_style.py", "unit/run/", "unit/solid/test_solid_clusters.py",
-    "unit/solid/test_solid_stiffness.py::test_more_than_64",
-    "unit/solid/test_solid_varying_loads.py::test_varying_pressure", "unit/study/converge/test_converge_runs.py",
+    "unit/results/test_style.py", "unit/results/test_writer.py::test_a_mesh_is_made_once", "unit/run/",
+    "unit/solid/test_solid_clusters.py", "unit/solid/test_solid_stiffness.py::test_more_than_64",
+    "unit/solid/test_solid_varying_loads.py", "unit/study/converge/test_converge_runs.py",
     "unit/study/sweep/test_sweep_runs.py", "unit/study/test_energy_distance.py", "unit/study/test_invariance.py",
-    "unit/study/test_uniqueness.py::test_a_second_solution", "unit/study/trade/test_trade_runs.py",
+    "unit/study/test_uniqueness.py::test_a_second_solution", "unit/study/test_uniqueness.py::test_below_the_limit",
+    "unit/study/trade/test_trade_plan.py::test_default_axes_suit_every", "unit/study/trade/test_trade_runs.py",
     "unit/test_api.py::test_events_of_a_run", "unit/test_blas.py::test_a_case_is_solved",
     "unit/test_cli_new_and_schema.py::test_every_template",
 )  # fmt: skip
-"""How the names of tests begin that solve scenes for long: they are marked `physics`, and not part of `make test`."""
+"""How the names of tests begin that solve scenes, or go through all cases, for long: they are marked `physics`, and not
+part of `make test`."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
