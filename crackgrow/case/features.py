@@ -181,8 +181,8 @@ def _corner_lengths(points: Floats, least: float, where: str) -> Iterator[Length
         smaller[sharp] = np.minimum(stretches, np.roll(stretches, 1))
     inward = np.flatnonzero((turns < 0.0) & (smaller >= least))
     for place, diameter in zip(inward.tolist(), (2.0 * smaller[inward] / -turns[inward]).tolist(), strict=True):
-        x, y = points[place]
-        yield Length("feature", diameter, f"corner or curve at {place_text((x, y))} of {where}", shapely.Point(x, y))
+        corner = points[place]
+        yield Length("feature", diameter, f"corner or curve at {place_text(corner)} of {where}", shapely.Point(corner))
 
 
 def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) -> Iterator[Length]:

@@ -90,12 +90,15 @@ def _contradictions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Points on an edge that are held otherwise than the edge is there."""
     bodies, supports = scene.case.bodies, list(enumerate(scene.case.supports))
     there = {body.name for body in bodies}
-    edges = [(m, edge) for m, edge in supports if isinstance(edge, EdgeSupport) and edge.region.body in there]
+    edges = [
+        (m, edge, shapely.MultiLineString(list(edges_on(cover, bodies, edge.region).points)))
+        for m, edge in supports
+        if isinstance(edge, EdgeSupport) and edge.region.body in there
+    ]
     points = [(n, support) for n, support in supports if isinstance(support, PointSupport)]
-    for (n, support), (m, edge) in product(points, edges):
-        lines = shapely.linestrings(edges_on(cover, bodies, edge.region).points)
+    for (n, support), (m, edge, line) in product(points, edges):
         place = shapely.Point(cover.lattice.to_lattice(support.point))
-        if support.body != edge.region.body or not np.any(shapely.dwithin(lines, place, SAME_PLACE)):
+        if support.body != edge.region.body or not shapely.dwithin(line, place, SAME_PLACE):
             continue
         for component, *pair in zip("xy", support.displacement, edge.displacement, strict=True):
             mine, its = (_at_point(displacement, support.point) for displacement in pair)
