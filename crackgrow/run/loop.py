@@ -22,13 +22,12 @@ from crackgrow.run.increments import FROM_REST, Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.leaving import NO_SITES, lapse, leaves, none_leaves, site_criticality
 from crackgrow.run.loading import NextStep, load, load_again, load_history
-from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.report import paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.stopping import all_done, stopped, unsolved, without_tips
 from crackgrow.run.strength_reduction import strength_reduction
-from crackgrow.run.target import aimed
+from crackgrow.run.target import aimed, cells_after
 from crackgrow.solid.rigid_modes import all_pieces
 
 Steps = Generator[tuple[StepResult, StepSolution], None, RunEnd]
@@ -98,7 +97,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
                 raise
             return unsolved(state, error)
         solution = _on_target(solution, before)
-        scene = scene.with_halvings(halvings_after(solution))
+        scene = scene.with_halvings(cells_after(solution))
         taken, solution = lapse(leaving, solution)
         state = replace(state, n_pieces=state.n_pieces or len(all_pieces(solution.cover)), time=state.time + taken)
         is_last = state.step == growth.steps

@@ -14,6 +14,9 @@ from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.layout import cells_of
 
+Wanted = tuple[Halvings | None, str]
+"""The cells to try for a step that misses its target; None and why, where there are none."""
+
 MOST_AT_ONCE = 3
 """Halvings in one round."""
 
@@ -24,30 +27,15 @@ STUCK = 0.8
 """An error of which this is left does not come from the cells at the crack: all are halved."""
 
 
-def halvings_next(solution: StepSolution, now: Accuracy, before: Accuracy | None) -> tuple[Halvings | None, str]:
-    """The cells to try for a step that misses its target; None and why, where there are none.
-
-    `now` is what is known on the cells of a solution, `before` on those that were tried before.
-    """
-    if solution.scene.case.numerics.goal == "K":
-        wanted, why = _for_K(solution, now, before)
-    else:
-        wanted, why = _for_goal(solution, now, before)
-    if wanted is not None and solution.cover.sizes.min() <= 0.5**MOST_LEVELS:
-        return None, f"cells are halved {MOST_LEVELS} times already, which is the most"
-    return wanted, why
-
-
-def halvings_after(solution: StepSolution) -> Halvings:
-    """The cells that the step after a solution begins with."""
-    scene, accuracy = solution.scene, solution.accuracy
-    halvings, target = scene.halvings, scene.case.numerics.target
-    if target is None or accuracy is None or scene.case.numerics.goal != "K":
+def with_joined(solution: StepSolution) -> Halvings:
+    """Those of a step, with cells joined at cracks whose K is far better than the target."""
+    halvings, accuracy = solution.scene.halvings, solution.accuracy
+    if accuracy is None:
         return halvings
     fewer = []
     for crack, n in enumerate(halvings.cracks):
         shares = accuracy.shares(crack)
-        joined = bool(shares) and max(shares) < FAR_BELOW * target
+        joined = bool(shares) and max(shares) < FAR_BELOW * _target(solution)
         fewer.append(max(n - joined, 0))
     return replace(halvings, cracks=tuple(fewer))
 
@@ -58,7 +46,7 @@ def _target(solution: StepSolution) -> float:
     return target
 
 
-def _for_goal(solution: StepSolution, now: Accuracy, before: Accuracy | None) -> tuple[Halvings | None, str]:
+def for_goal(solution: StepSolution, now: Accuracy, before: Accuracy | None) -> Wanted:
     """Of another goal than K: at all cracks and corners, or everywhere where that does not help."""
     if math.isinf(now.goal):
         return None, "it is nothing: no cells can be chosen by it"
@@ -74,7 +62,7 @@ def _for_goal(solution: StepSolution, now: Accuracy, before: Accuracy | None) ->
     return replace(halvings, everywhere=halvings.everywhere + 1), ""
 
 
-def _for_K(solution: StepSolution, now: Accuracy, before: Accuracy | None) -> tuple[Halvings | None, str]:
+def for_K(solution: StepSolution, now: Accuracy, before: Accuracy | None) -> Wanted:
     """Crack by crack, or everywhere where that does not help."""
     if before is not None and min(now.shares(), default=0.0) >= 1.0:
         return None, "K is nothing beside what it is off by, as where faces stick: no cells can be chosen by it"

@@ -46,22 +46,20 @@ AT_MOST, AT_MOST_OF_BOTH = 2.0, 3.0
 
 
 def compared(solution: StepSolution) -> Scene:
-    """The scene with the cells that K, or another goal, is held against."""
-    scene = solution.scene
-    halvings = scene.halvings
+    """The scene with the cells that K is held against."""
+    halvings = solution.scene.halvings
     room = MOST_LEVELS + math.log2(float(solution.cover.sizes.min()))
     more = max((times for times in WORSE_AT_KINKS if times <= room), default=0)
-    finer = more and scene.case.numerics.goal == "K"
-    return scene.with_halvings(halvings.compared(more) if finer else halvings.doubled)
+    return solution.scene.with_halvings(halvings.compared(more) if more else halvings.doubled)
 
 
 def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
     """What K is off by, by the state under the same loads on the cells to compare.
 
-    Where there is none, or K is not the goal, B alone is known.
+    Where there is none B alone is known.
     """
     scene, cover = solution.scene, solution.cover
-    off = {} if other is None or scene.case.numerics.goal != "K" else _differences(solution, other)
+    off = {} if other is None else _differences(solution, other)
     expected, bounds, all_fitted = [], [], fitted_bounds(solution)
     for tip, end, fitted in zip(cover.tips, cover.tip_ends, all_fitted, strict=True):
         worst = max((off[each] for each in off if each[0] == end[0]), default=np.nan)
@@ -94,7 +92,7 @@ def still_tells(solution: StepSolution, other: LoadState) -> bool:
     It does at kinks, while cells there are a quarter at most; what else it tells is of larger cells, and no less. Where
     cracks have no kinks, cells at their tips have to be twice as large.
     """
-    if other.configuration.scene.case.numerics.goal != "K" or other.factor != solution.state.factor:
+    if other.factor != solution.state.factor:
         return False
     mine, others = (each.scene.halvings for each in (solution.configuration, other.configuration))
     return all(

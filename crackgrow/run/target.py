@@ -1,27 +1,23 @@
-"""Cells for a target of the error of K: halved at the cracks whose K is off by more, until the bound meets it.
+"""Cells for a target of the error of K, or of another goal: halved where it is off by more, until the bound meets it.
 
 A step begins with the cells of the one before. What is known of its error holds for a while (`run.still_known`): then
-it is measured anew (`run.other_cells`, `run.goal`), and cells are halved where that asks for it, and joined where the
-error is far below the target (`run.next_cells`).
+it is measured anew (`run.aim`), and cells are halved where that asks for it, and joined where the error is far below
+the target (`run.next_cells`).
 """
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 from crackgrow.cover.refinement import MOST_LEVELS
 from crackgrow.errors import GeometryError, NotSolvedError, SolveError
+from crackgrow.run.aim import Aim, Ways, aim_of
 from crackgrow.run.configuration import Configuration
-from crackgrow.run.goal import goal_bound
-from crackgrow.run.halvings import Accuracy
+from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.layout import cover_of
-from crackgrow.run.next_cells import halvings_next
-from crackgrow.run.other_cells import accuracy_of, compared, still_tells
 from crackgrow.run.scene import Scene
 from crackgrow.run.still_known import carried_over, holds, lengths_grown
 
@@ -32,38 +28,30 @@ MOST_UNKNOWNS = 150_000
 """Cells are not halved where that may give more."""
 
 
-class Ways(Protocol):
-    """How a step is solved again on other cells; what they have in common with a configuration may be taken over."""
-
-    def solve(self, scene: Scene, like: Configuration, /) -> StepSolution:
-        """The step."""
-
-    def state(self, scene: Scene, factor: float, like: Configuration, /) -> tuple[LoadState, Counter[str]]:
-        """Its state at a load factor, and the seconds that it has taken."""
-
-
 def aimed(solution: StepSolution, ways: Ways, last: Accuracy | None) -> StepSolution:
     """The step on cells that meet the target, or as near as they come, with what is known of its error.
 
     `last` is what was known of the step before.
     """
-    grown = lengths_grown(solution)
-    if solution.scene.case.numerics.goal == "K" and not any(math.isfinite(tip.intensity.K_I) for tip in solution.tips):
-        known = accuracy_of(solution, None)
-        return replace(solution, accuracy=replace(known, grown=grown, missed=_without_K(solution, grown)))
+    grown, aim = lengths_grown(solution), aim_of(solution.scene)
+    if not aim.is_there(solution):
+        known = aim.accuracy(solution, None)
+        return replace(solution, accuracy=replace(known, grown=grown, missed=aim.why_not(solution, grown)))
     if last is not None and holds(last, solution, grown):
         return replace(solution, accuracy=carried_over(last, solution))
-    return _in_rounds(solution, ways, _Comparison(ways, last, grown))
+    return _in_rounds(solution, ways, _Comparison(aim, ways, last, grown))
 
 
 def _in_rounds(solution: StepSolution, ways: Ways, comparison: _Comparison) -> StepSolution:
     """The step on cells that are halved round by round until it meets the target, or none can be had."""
-    n_solves, seconds, before = solution.factorizations, Counter(solution.seconds), None
+    n_solves, seconds, before, aim = solution.factorizations, Counter(solution.seconds), None, comparison.aim
     for round_ in range(MOST_ROUNDS + 1):
         known, missed = comparison.known_of(solution), ""
-        if _met(known, solution):
+        if _met(aim, known, solution):
             break
-        wanted, missed = halvings_next(solution, known, before)
+        wanted, missed = aim.next_cells(solution, known, before)
+        if wanted is not None and solution.cover.sizes.min() <= 0.5**MOST_LEVELS:
+            wanted, missed = None, f"cells are halved {MOST_LEVELS} times already, which is the most"
         if wanted is None or round_ == MOST_ROUNDS:
             missed = missed or f"cells were divided in {MOST_ROUNDS} rounds for it"
             break
@@ -91,6 +79,7 @@ class _Comparison:
     A state on cells to compare is used again while it tells of the error, and tells that the target is met.
     """
 
+    aim: Aim
     ways: Ways
     last: Accuracy | None  # what was known before
     grown: tuple[float, ...]  # m, crack by crack
@@ -100,9 +89,9 @@ class _Comparison:
 
     def known_of(self, solution: StepSolution) -> Accuracy:
         """What is known of the error of a solution; it is held against other cells where it has to be."""
-        if self.other is not None and still_tells(solution, self.other):
+        if self.other is not None and self.aim.still_tells(solution, self.other):
             self.last = self._told(solution)
-            if _met(self.last, solution):
+            if _met(self.aim, self.last, solution):
                 return self.last
         self.other = self._solved(solution)
         self.last = self._told(solution)
@@ -110,44 +99,26 @@ class _Comparison:
 
     def _told(self, solution: StepSolution) -> Accuracy:
         """What the state on the other cells tells."""
-        known = replace(accuracy_of(solution, self.other), grown=self.grown)
-        if solution.scene.case.numerics.goal == "K":
-            return known
-        return replace(known, goal=goal_bound(solution, self.other))
+        return replace(self.aim.accuracy(solution, self.other), grown=self.grown)
 
     def _solved(self, solution: StepSolution) -> LoadState | None:
-        """The state on the cells to compare, None where there is none; where that is the goal, at its own load."""
-        configuration, last = solution.configuration, self.last
-        like = configuration if last is None or last.compared is None else last.compared
+        """The state on the cells to compare, None where there is none."""
+        last = self.last
+        like = solution.configuration if last is None or last.compared is None else last.compared
         self.n_solves += 1
         try:
-            if configuration.scene.case.numerics.goal == "load_factor":
-                solved = self.ways.solve(compared(solution), like)
-                state, seconds = solved.state, Counter(solved.seconds)
-            else:
-                state, seconds = self.ways.state(compared(solution), solution.state.factor, like)
+            state, seconds = self.aim.other(solution, self.ways, like)
         except (GeometryError, SolveError):
             return None
         self.seconds.update(seconds)
         return state
 
 
-def _without_K(solution: StepSolution, grown: tuple[float, ...]) -> str:
-    """Why K is not known; nothing where cracks have grown until no tip was left."""
-    if solution.tips:
-        return "K is not known at any tip"
-    if any(grown):
-        return ""
-    growth = solution.scene.case.growth
-    waits = growth is not None and growth.initiation.at != "tips"
-    return f"no crack has a tip{' yet' if waits else ''}"
-
-
-def _met(known: Accuracy, solution: StepSolution) -> bool:
-    """Whether the bound is within the target: so it is of K where there is none, and of nothing else."""
-    numerics = solution.scene.case.numerics
-    assert numerics.target is not None
-    return max(known.shares(), default=0.0 if numerics.goal == "K" else math.inf) <= numerics.target
+def _met(aim: Aim, known: Accuracy, solution: StepSolution) -> bool:
+    """Whether the bound is within the target."""
+    target = solution.scene.case.numerics.target
+    assert target is not None
+    return aim.off(known) <= target
 
 
 def _solved(ways: Ways, scene: Scene, before: Configuration) -> StepSolution:
@@ -162,3 +133,9 @@ def _solved(ways: Ways, scene: Scene, before: Configuration) -> StepSolution:
     if n_dofs > MOST_UNKNOWNS:
         raise NotSolvedError(f"they make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken")
     return ways.solve(scene, before)
+
+
+def cells_after(solution: StepSolution) -> Halvings:
+    """The cells that the step after a solution begins with."""
+    scene = solution.scene
+    return scene.halvings if scene.case.numerics.target is None else aim_of(scene).cells_after(solution)

@@ -28,12 +28,11 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.layout import cover_of
 from crackgrow.run.loading import LoadsInTurn, NextStep, load
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.next_cells import halvings_after
 from crackgrow.run.other_cells import compared, still_tells
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.still_known import holds
-from crackgrow.run.target import aimed
+from crackgrow.run.target import aimed, cells_after
 from tests.unit.run.test_run_starting import SQUARE, plate
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -370,6 +369,6 @@ def test_cells_are_joined_where_K_is_far_better_than_asked_for() -> None:
     known = Accuracy(scene.halvings, ((0, False), (0, True)), (1e-4, 2e-4), 1.0)
     (step, solution) = next(solved_steps(scene.case))
     assert step.n_dofs > 0
-    assert halvings_after(replace(solution, accuracy=known)).cracks == (scene.halvings.cracks[0] - 1,)
+    assert cells_after(replace(solution, accuracy=known)).cracks == (scene.halvings.cracks[0] - 1,)
     near = replace(known, bounds=(8e-3, 1e-4))
-    assert halvings_after(replace(solution, accuracy=near)) == scene.halvings
+    assert cells_after(replace(solution, accuracy=near)) == scene.halvings
