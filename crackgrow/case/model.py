@@ -562,6 +562,16 @@ class Numerics:
         return None if isinstance(self.accuracy, str) else self.accuracy
 
     @property
+    def measured(self) -> bool:
+        """Whether the run measures its error: where it chooses the cells, for a target or by a name."""
+        return self.target is not None or self.auto_rule is not None
+
+    @property
+    def measured_of(self) -> Goal:
+        """What a run that measures its error measures that of: a name is one of K."""
+        return "K" if self.target is None else self.goal
+
+    @property
     def gathers_tip_functions(self) -> bool:
         """Whether the functions of tips with room are gathered: they take several cells, so in small ones."""
         return self.tip_functions == "gathered" or (self.tip_functions == "auto" and self.refine.tips != 0)

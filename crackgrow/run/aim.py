@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
 from crackgrow.case.model import Goal
+from crackgrow.errors import NotSolvedError
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.goal import goal_bound
 from crackgrow.run.halvings import Accuracy, Halvings
@@ -21,6 +22,9 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.next_cells import Wanted, for_goal, for_K, with_joined
 from crackgrow.run.other_cells import accuracy_of, compared, still_tells
 from crackgrow.run.scene import Scene
+
+MOST_UNKNOWNS_OF_A_NAME: Final = 60_000
+"""The error of a larger scene is measured for a target alone: smaller cells would take some GB for a hundred flaws."""
 
 
 class Ways(Protocol):
@@ -79,7 +83,10 @@ class OfK:
         return f"no crack has a tip{' yet' if waits else ''}"
 
     def other(self, solution: StepSolution, ways: Ways, like: Configuration) -> tuple[LoadState, Counter[str]]:
-        """The state at the solution's load factor."""
+        """The state at the solution's load factor; a name takes no such time for a large scene."""
+        n_dofs = solution.cover.n_dofs
+        if solution.scene.case.numerics.target is None and n_dofs > MOST_UNKNOWNS_OF_A_NAME:
+            raise NotSolvedError(f"{n_dofs:,} unknowns are more than {MOST_UNKNOWNS_OF_A_NAME:,}")
         return ways.state(compared(solution), solution.state.factor, like)
 
     def still_tells(self, solution: StepSolution, other: LoadState) -> bool:
@@ -151,6 +158,6 @@ OF_K: Final = OfK()
 
 
 def aim_of(scene: Scene) -> Aim:
-    """What a scene's case names."""
-    goal = scene.case.numerics.goal
+    """What a scene's error is measured of."""
+    goal = scene.case.numerics.measured_of
     return OF_K if goal == "K" else OfGoal(goal)

@@ -25,6 +25,7 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import kink_angles
+from crackgrow.run.halvings import AS_GIVEN
 from crackgrow.run.scene import Scene
 
 Asking = Iterator[tuple[shapely.Geometry, float]]
@@ -131,13 +132,13 @@ def _at_corners(scene: Scene) -> Asking:
 
 
 def _beside_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
-    """For a target, forces and supports at points, and ends of loaded and supported parts, that lie beside a tip.
+    """To measure the error of K: forces and supports at points, ends of loaded and held parts, that lie beside a tip.
 
     Cells round a tip grow with the distance from it, however small its own are: these places lie among them. Where
     nothing else asks for cells there, those that K is held against are the same, and tell nothing of such a place.
     """
     tips = [crack.seen_from(end)[0] for crack in cracks for end in crack.tips()]
-    if scene.case.numerics.target is None or scene.case.numerics.goal != "K" or not tips:
+    if scene.halvings == AS_GIVEN or scene.case.numerics.measured_of != "K" or not tips:
         return
     finer = 0.5**scene.halvings.corners
     for place in chain(_ends_of_regions(scene), _forces(scene)):

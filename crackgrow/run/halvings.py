@@ -67,6 +67,11 @@ AS_GIVEN = Halvings()
 """Cells as `numerics.refine` has them."""
 
 
+def half_as_large(n_cracks: int, more: int) -> Halvings:
+    """Of cells half as large as those at all places that ask for some, and halved some times `more` at kinks."""
+    return Halvings(cracks=(1,) * n_cracks, corners=1, kinks=more - AT_KINKS - 1)
+
+
 def first_halvings(target: float, spacing: float, cracks: Iterable[tuple[float, bool]]) -> Halvings:
     """What to begin with for a target, with cracks of these lengths (m) that have sharp kinks or not.
 

@@ -124,7 +124,7 @@ def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
 
 def _on_target(solution: StepSolution, before: StepSolution | None) -> StepSolution:
     """A step on cells that meet the target of the error of K, if there is one; `before` is the step before."""
-    if solution.scene.case.numerics.target is None or solution.accuracy is not None:
+    if not solution.scene.case.numerics.measured or solution.accuracy is not None:
         return solution
     return aimed(solution, NextStep(solution.cracks, before), None if before is None else before.accuracy)
 
@@ -132,7 +132,7 @@ def _on_target(solution: StepSolution, before: StepSolution | None) -> StepSolut
 def _static(scene: Scene, begun: RunState) -> Steps:
     """The load factors of the history, or the stages, in turn, without growth."""
     cracks, n = begun.cracks, scene.case.n_loads
-    histories = load_history if scene.case.numerics.target is None else partial(aimed_history, known=begun.accuracy)
+    histories = partial(aimed_history, known=begun.accuracy) if scene.case.numerics.measured else load_history
     for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin or FROM_REST), begun.step):
         if step == begun.step and begun.origin is not None:  # it was solved before
             solution = replace(solution, factorizations=begun.factorizations)

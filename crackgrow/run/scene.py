@@ -72,7 +72,7 @@ class Scene:
     crack_bodies: tuple[int, ...]  # crack by crack, the body it lies in
     lengths: tuple[Length, ...]  # what the stress varies over besides cracks
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
-    halvings: Halvings = AS_GIVEN  # what a target of the error of K asks for
+    halvings: Halvings = AS_GIVEN  # what the error of K asks for
     course: Course | None = None  # of the stage; None: the case has no stages
     whole: Scene | None = None  # with the rock that is gone; None: none is
 

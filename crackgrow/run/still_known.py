@@ -1,10 +1,13 @@
 """For how long what was measured of the error of K holds while cracks grow.
 
-It does until a crack has grown by some part of what it had grown, or a tip more or less is there.
+What is known of the K of a crack holds until what was added to it is over twice as long, or one of its tips more or
+less is there. For a target all of it has to hold. A name chooses no cells by it: it is measured anew once what was
+added to all cracks together is over twice as long, and until then the fitted bound tells of those that have grown more.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from crackgrow.geometry.polyline import arc_lengths
@@ -33,15 +36,30 @@ def lengths_grown(solution: StepSolution) -> tuple[float, ...]:
 
 def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> bool:
     """Whether what was known of the step before is good enough for this one, in which cracks have `grown`."""
-    same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.scene.halvings
-    if not same or any(now > (1.0 + ROUND_OFF) * GROWN * then for now, then in zip(grown, last.grown, strict=True)):
-        return False
-    return fitted_share(solution, fitted_bounds(solution)) <= GROWN * last.fitted
+    if solution.scene.case.numerics.target is None:
+        lengths_hold = _is_like(sum(grown), sum(last.grown))
+    else:
+        same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.scene.halvings
+        lengths_hold = same and all(_is_like(*lengths) for lengths in zip(grown, last.grown, strict=True))
+    return lengths_hold and fitted_share(solution, fitted_bounds(solution)) <= GROWN * last.fitted
 
 
-def carried_over(last: Accuracy, solution: StepSolution) -> Accuracy:
-    """What was known of the step before, in the same shares of the K of this one."""
+def _is_like(now: float, then: float) -> bool:
+    """Whether what was known with a length `then` holds `now`."""
+    return now <= (1.0 + ROUND_OFF) * GROWN * then
+
+
+def carried_over(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> Accuracy:
+    """What was known of the step before, in the same shares of the K of this one; of other tips the fitted bound."""
     largest = largest_K(solution)
     scale = largest / last.largest if last.largest > 0.0 else 1.0
-    bounds, expected = (tuple(scale * error for error in errors) for errors in (last.bounds, last.expected))
-    return replace(last, bounds=bounds, expected=expected, largest=largest)
+    known = {
+        end: (scale * bound, scale * expected)
+        for end, bound, expected in zip(last.ends, last.bounds, last.expected, strict=True)
+        if _is_like(grown[end[0]], last.grown[end[0]])
+    }
+    ends = tuple(solution.cover.tip_ends)
+    fitted = [(bound, math.nan) for bound in fitted_bounds(solution)]
+    of_tips = [known.get(end, unknown) for end, unknown in zip(ends, fitted, strict=True)]
+    bounds, expected = zip(*of_tips, strict=True) if of_tips else ((), ())
+    return replace(last, ends=ends, bounds=bounds, expected=expected, largest=largest)
