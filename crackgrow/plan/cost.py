@@ -27,6 +27,7 @@ from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.plan.overview import estimated_nodes
 from crackgrow.plan.sizes import Sizes
 from crackgrow.results.units import duration, memory_text
+from crackgrow.run.aim import measures_by_name
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cells_of
 from crackgrow.run.scene import make_scene
@@ -37,6 +38,8 @@ MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R", "held N")
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
 HELD_FOR_TARGET: Final = 1.5  # of memory: the cells that K is held against are kept, too, and more may be needed
+HELD_FOR_NAME: Final = 2.5  # of it: those are smaller, and half as many more
+MEASURED: Final = 1.9  # of the CPU of a step: with K held against other cells (tests/benchmarks/names.md)
 PROBE_SIZE, PROBE_REPEATS = 260, 7
 USUAL_PAIRS = 115.0  # of patches on an element, by the dofs of the patches, at a support of 2
 USUAL_PAIRS_HERE = 256.0  # on each element
@@ -91,16 +94,21 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
     history = case.last_step + 1 if static else 1
     share = 1.0 if isinstance(case.loading, Stages) else STATIC_SHARE
     first, later = (slower * float(terms @ table[key]) for key in ("first", "later"))
+    held = 1.0 if case.numerics.target is None else HELD_FOR_TARGET
+    if sizes.n_tips and measures_by_name(case, sizes.n_dofs):
+        first, later, held = MEASURED * first, _now_and_then(case) * later, HELD_FOR_NAME
     return Cost(
         first_step=first,
         later_step=share * first if case.growth is None else solves * later,
         n_later=case.growth.steps if case.growth is not None else history - 1,
-        memory=_memory(
-            np.array(table["memory"]) * memory_terms_of(case, sizes),
-            sizes,
-            1.0 if case.numerics.target is None else HELD_FOR_TARGET,
-        ),
+        memory=_memory(np.array(table["memory"]) * memory_terms_of(case, sizes), sizes, held),
     )
+
+
+def _now_and_then(case: Case) -> float:
+    """What later steps take where their error is measured each time that what has grown is twice as long."""
+    n = 0 if case.growth is None else case.growth.steps
+    return 1.0 if n == 0 else 1.0 + (MEASURED - 1.0) * n.bit_length() / n
 
 
 def _memory(parts: np.ndarray[tuple[int], np.dtype[np.float64]], sizes: Sizes, held: float) -> float:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
-from crackgrow.case.model import Goal
+from crackgrow.case.model import Case, Goal
 from crackgrow.errors import NotSolvedError
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.goal import goal_bound
@@ -25,6 +25,12 @@ from crackgrow.run.scene import Scene
 
 MOST_UNKNOWNS_OF_A_NAME: Final = 60_000
 """The error of a larger scene is measured for a target alone: smaller cells would take some GB for a hundred flaws."""
+
+
+def measures_by_name(case: Case, n_dofs: int) -> bool:
+    """Whether a step of so many unknowns on the cells of a name is held against smaller ones."""
+    numerics = case.numerics
+    return numerics.measured and numerics.target is None and n_dofs <= MOST_UNKNOWNS_OF_A_NAME
 
 
 class Ways(Protocol):
@@ -84,8 +90,8 @@ class OfK:
 
     def other(self, solution: StepSolution, ways: Ways, like: Configuration) -> tuple[LoadState, Counter[str]]:
         """The state at the solution's load factor; a name takes no such time for a large scene."""
-        n_dofs = solution.cover.n_dofs
-        if solution.scene.case.numerics.target is None and n_dofs > MOST_UNKNOWNS_OF_A_NAME:
+        case, n_dofs = solution.scene.case, solution.cover.n_dofs
+        if case.numerics.target is None and not measures_by_name(case, n_dofs):
             raise NotSolvedError(f"{n_dofs:,} unknowns are more than {MOST_UNKNOWNS_OF_A_NAME:,}")
         return ways.state(compared(solution), solution.state.factor, like)
 

@@ -68,7 +68,7 @@ class Pair:
     """A scene and a target, solved. Errors are shares of the largest K."""
 
     scene: str
-    target: float
+    target: float  # nan of a name
     error: float  # largest of a tip, K_I and K_II together; nan where there was no solution in time
     bound: float  # largest of a tip
     expected: float  # largest of a tip
@@ -91,18 +91,18 @@ class Pair:
 WITHIN = {name: entry.make().within for name, entry in SCENES.items()}
 
 
-def case_of(scene: str, target: float) -> Case:
+def case_of(scene: str, accuracy: float | str) -> Case:
     """The scene as a case."""
-    known = {**SCENES[scene].make().case, "numerics": {"accuracy": target}}
+    known = {**SCENES[scene].make().case, "numerics": {"accuracy": accuracy}}
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.yaml"
         file.write_text(yaml.safe_dump(known))
         return load_case(file, QUIET)
 
 
-def solved(scene: str, target: float) -> tuple[StepResult, float, float]:
+def solved(scene: str, accuracy: float | str) -> tuple[StepResult, float, float]:
     """The first step, the CPU seconds that it took, and these over those of its final cells alone."""
-    case = case_of(scene, target)
+    case = case_of(scene, accuracy)
     with single_threaded():
         alone_on(case, Halvings())  # what is made once in a process is made
         begin = time.process_time()
@@ -123,9 +123,9 @@ def alone_on(case: Case, halvings: Halvings) -> None:
     step_result(RunState(0, cracks), solution, np.empty(0, dtype=np.int64), with_frame=False)
 
 
-def measured(scene: str, target: float, truth: Truth) -> Pair:
+def measured(scene: str, accuracy: float | str, truth: Truth) -> Pair:
     """The pair, whose K should be `truth`."""
-    step, seconds, cost = solved(scene, target)
+    step, seconds, cost = solved(scene, accuracy)
     largest = max(float(np.hypot(*K)) for K in truth.values())
     off, bounds, expected = [], [], []
     for tip in step.tips:
@@ -135,6 +135,7 @@ def measured(scene: str, target: float, truth: Truth) -> Pair:
         expected.append(tip.K_error_expected)
     told = any(caution.cause is Cause.TARGET for caution in step.cautions)
     error, bound, most_likely = (max(errors) / largest for errors in (off, bounds, expected))
+    target = float("nan") if isinstance(accuracy, str) else accuracy
     return Pair(scene, target, error, bound, most_likely, int(told), step.n_dofs, seconds, cost)
 
 

@@ -1,4 +1,4 @@
-"""K on cells that a run chooses for a target of its error: it is within the target, and the bound holds.
+"""K on cells that a run chooses, for a target of its error or by a name: it is within the target, and the bound holds.
 
 Of all pairs of tests/benchmarks/targets.md these are the quick ones.
 """
@@ -84,10 +84,10 @@ SCENES = {
 }
 
 
-def solved(folder: Path, name: str, target: float) -> tuple[StepResult, float]:
+def solved(folder: Path, name: str, accuracy: float | str) -> tuple[StepResult, float]:
     """A scene, and what the worst tip is off by, over the largest K."""
     scene, truth = SCENES[name]()
-    scene["numerics"] = {"accuracy": target}
+    scene["numerics"] = {"accuracy": accuracy}
     file = folder / "scene.yaml"
     file.write_text(yaml.safe_dump(scene))
     step = next(grow(load_case(file, ["output.frames=none", "output.figures=false", "output.report=false"])))
@@ -111,12 +111,21 @@ def test_K_is_within_the_target(tmp_path: Path, name: str, target: float) -> Non
 
 
 @pytest.mark.parametrize(
-    ("name", "target"),
-    [("grown", 0.1), ("grown", 0.03), ("young", 0.03), ("closed with wings", 0.03), ("closed kink", 0.03)],
+    ("name", "accuracy"),
+    [
+        *(("grown", 0.1), ("grown", 0.03), ("young", 0.03), ("closed with wings", 0.03), ("closed kink", 0.03)),
+        *((name, "draft") for name in ("grown", "young", "closed with wings", "closed kink", "friction 0.3")),
+        *(("disk, along the load", "draft"), ("grown", "standard"), ("young", "standard")),
+    ],
 )
-def test_the_error_that_is_expected_is_right_within_a_factor_of_two(tmp_path: Path, name: str, target: float) -> None:
-    """Of tests/benchmarks/targets.md those after growth: K on kinks twice as large said 0.2 to 4 times the error."""
-    step, off = solved(tmp_path, name, target)
+def test_the_error_that_is_expected_is_right_within_a_factor_of_two(
+    tmp_path: Path, name: str, accuracy: float | str
+) -> None:
+    """Of tests/benchmarks/targets.md those after growth: K on kinks twice as large said 0.2 to 4 times the error.
+
+    Of tests/benchmarks/names.md those with a large error: the fitted bound said 3 to 20 times as much.
+    """
+    step, off = solved(tmp_path, name, accuracy)
     largest = max(np.hypot(tip.K_I, tip.K_II) for tip in step.tips)
     expected = max(tip.K_error_expected for tip in step.tips) / largest
     assert 0.5 * off <= expected <= 2.0 * off

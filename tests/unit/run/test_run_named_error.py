@@ -1,0 +1,88 @@
+"""The error of K that a run by a name measures: when it does, and what holds where it does not."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.case.model import Case
+from crackgrow.run import aim as aim_file
+from crackgrow.run import grow
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.layout import cover_of
+from crackgrow.run.loading import load
+from crackgrow.run.loop import solved_steps
+from crackgrow.run.other_cells import accuracy_of, compared, fitted_bounds
+from crackgrow.run.scene import make_scene
+from crackgrow.run.still_known import carried_over
+
+CASES = Path(__file__).parents[3] / "cases"
+QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
+KINKED = "cracks.flaw.path={points: [[-4 mm, 0], [2 mm, 0], [4 mm, 4 mm]]}"
+
+pytestmark = pytest.mark.physics
+
+
+def case(*overrides: str) -> Case:
+    return load_case(CASES / "compression30.yaml", ["numerics.accuracy=draft", *QUIET, *overrides])
+
+
+def test_K_is_that_of_a_run_whose_error_is_not_measured() -> None:
+    """A spacing that is given is one; what it knows of the error is the fitted bound."""
+    measured = case("growth.steps=2")
+    given = replace(measured, numerics=replace(measured.numerics, auto_rule=None))
+    for one, other in zip(grow(measured), grow(given), strict=True):
+        assert [(tip.K_I, tip.K_II) for tip in one.tips] == [(tip.K_I, tip.K_II) for tip in other.tips]
+        assert all(math.isfinite(tip.K_error_expected) for tip in one.tips)
+        assert all(math.isnan(tip.K_error_expected) for tip in other.tips)
+        assert all(new.K_I_error < 0.5 * old.K_I_error for new, old in zip(one.tips, other.tips, strict=True))
+
+
+def test_it_is_measured_again_where_what_was_added_is_over_twice_as_long() -> None:
+    steps = [step.factorizations for step in grow(case("growth.steps=8"))]
+    assert steps == [2, 2, 1, 2, 1, 1, 1, 2, 1]
+
+
+def test_cells_to_compare_are_half_as_large_and_an_eighth_at_kinks() -> None:
+    kinked = case(KINKED)
+    solution = load(make_scene(kinked), beginning(kinked).cracks)
+    other = cover_of(compared(solution), beginning(kinked).cracks)
+    assert [0.5 * tip.size for tip in solution.cover.tips] == [tip.size for tip in other.tips]
+    at_kink = [float(cover.surfaces[0].in_cells.size(np.array([6e-3 / cover.lattice.spacing]))[0])
+               for cover in (solution.cover, other)]  # fmt: skip
+    assert at_kink[0] == 8.0 * at_kink[1]
+    assert other.sizes.max() == solution.cover.sizes.max()
+
+
+def test_a_crack_that_has_grown_more_than_the_others_has_the_fitted_bound() -> None:
+    two = load_case(CASES / "two_flaws.yaml", ["numerics.accuracy=draft", *QUIET])
+    _, solution = next(solved_steps(two))
+    last = solution.accuracy
+    assert last is not None
+    known = carried_over(replace(last, grown=(1e-3, 1e-3)), solution, (1.5e-3, 3e-3))
+    fitted = fitted_bounds(solution)
+    for tip, (crack, _) in enumerate(solution.cover.tip_ends):
+        assert known.bounds[tip] == (fitted[tip] if crack == 1 else last.bounds[tip])
+        assert math.isnan(known.expected[tip]) == (crack == 1)
+
+
+def test_a_scene_with_very_many_unknowns_has_the_fitted_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(aim_file, "MOST_UNKNOWNS_OF_A_NAME", 100)
+    large = case("growth.steps=0")
+    result, solution = next(solved_steps(large))
+    assert all(math.isnan(tip.K_error_expected) for tip in result.tips)
+    assert [tip.K_I_error for tip in result.tips] == list(accuracy_of(solution, None).bounds)
+
+
+def test_a_resumed_run_measures_as_one_that_was_not_stopped() -> None:
+    whole = list(grow(case("growth.steps=4")))
+    for begun in (1, 2):
+        again = list(grow(case("growth.steps=4"), whole[begun].checkpoint))
+        for one, other in zip(whole[begun:], again, strict=True):
+            columns = [(tip.K_I, tip.K_I_error, tip.K_error_expected) for tip in one.tips]
+            assert columns == [(tip.K_I, tip.K_I_error, tip.K_error_expected) for tip in other.tips]
