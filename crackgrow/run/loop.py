@@ -96,7 +96,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
             if state.step == 0:
                 raise
             return unsolved(state, error)
-        solution = _on_target(solution, before)
+        solution = _measured(solution, before)
         scene = scene.with_halvings(cells_after(solution))
         taken, solution = lapse(leaving, solution)
         state = replace(state, n_pieces=state.n_pieces or len(all_pieces(solution.cover)), time=state.time + taken)
@@ -122,8 +122,8 @@ def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
     return replace(solution, factorizations=begun.factorizations, notes=begun.notes, accuracy=begun.accuracy)
 
 
-def _on_target(solution: StepSolution, before: StepSolution | None) -> StepSolution:
-    """A step on cells that meet the target of the error of K, if there is one; `before` is the step before."""
+def _measured(solution: StepSolution, before: StepSolution | None) -> StepSolution:
+    """A step with what is known of its error, on cells that meet a target of it; `before` is the step before."""
     if not solution.scene.case.numerics.measured or solution.accuracy is not None:
         return solution
     return aimed(solution, NextStep(solution.cracks, before), None if before is None else before.accuracy)

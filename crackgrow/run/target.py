@@ -2,7 +2,7 @@
 
 A step begins with the cells of the one before. What is known of its error holds for a while (`run.still_known`): then
 it is measured anew (`run.aim`), and cells are halved where that asks for it, and joined where the error is far below
-the target (`run.next_cells`).
+the target (`run.next_cells`). Where a name has chosen the cells they stay: their error is measured alone.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ MOST_UNKNOWNS = 150_000
 
 
 def aimed(solution: StepSolution, ways: Ways, last: Accuracy | None) -> StepSolution:
-    """The step on cells that meet the target, or as near as they come, with what is known of its error.
+    """The step with what is known of its error, on cells that meet a target, or come as near to it as they can.
 
     `last` is what was known of the step before.
     """
