@@ -142,7 +142,7 @@ def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> B
 
 
 def _carriers(phi: Floats, patches: Ragged, enrichment: Enrichment, elements: Ints) -> Floats:
-    """The carriers (components, q) at all points of these `elements` (n,), of the functions `phi` of their `patches`."""
+    """The carriers (components, q) at points of `elements` (n,), of the functions `phi` of their `patches`."""
     of_element = enrichment.first.start[enrichment.tips.start]
     carriers = spans(of_element[elements], np.diff(of_element)[elements])
     entries = enrichment.place.start[of_element]
