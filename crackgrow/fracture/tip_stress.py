@@ -165,13 +165,13 @@ def _summing(weights: Floats, seen: Floats, inside: Bools) -> csr_array:
 def _rows_of(site: int, functions: Ints, sums: Sequence[csr_array]) -> Floats:
     """The rows (q, k) of a site in some `sums`, one after the other, of these `functions` (k,) on it, ascending."""
     first = (N_RAYS + 1) * site
-    rows = np.zeros((len(sums), N_RAYS + 1, len(functions)))
-    for each, table in zip(sums, rows, strict=True):
+    rows = np.zeros((len(sums) * (N_RAYS + 1), len(functions)))
+    for each, table in zip(sums, np.split(rows, len(sums)), strict=True):
         start = each.indptr[first : first + N_RAYS + 2]
         own = slice(start[0], start[-1])
         row = np.arange(N_RAYS + 1).repeat(np.diff(start))
         table[row, np.searchsorted(functions, each.indices[own])] = each.data[own]
-    return rows.reshape(-1, len(functions))
+    return rows
 
 
 def _sums(weights: Floats, seen: Floats) -> Floats:

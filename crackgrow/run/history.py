@@ -25,8 +25,7 @@ MOST_ROWS = 100
 """Of more states on the way of one load these many are told of, evenly spread: each is a back substitution."""
 
 TOGETHER = 25
-"""States whose displacements are solved for together: each costs a sixth of a solve of its own, and more hardly less.
-"""
+"""States whose displacements are solved for together; each costs a tenth of a solve of its own then."""
 
 
 def history_of(state: LoadState) -> tuple[LoadState, ...]:
