@@ -21,7 +21,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import Enrichment
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
-from crackgrow.ragged import Ragged, alike_columns, starts_of
+from crackgrow.ragged import Ragged, spans, starts_of
 
 AT_ONCE = 12_000
 """Pairs of a point and a patch taken together: more do not fit into a cache."""
@@ -142,34 +142,17 @@ def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> B
 
 
 def _carriers(phi: Floats, patches: Ragged, enrichment: Enrichment, elements: Ints) -> Floats:
-    """The carriers (components, q) at all points of these `elements` (n,), of the functions `phi` of their `patches`.
-
-    Shares in an element are a matrix, and points of an element mostly follow each other: runs of points that have
-    equally many points, patches and carriers are multiplied together.
-    """
+    """The carriers (components, q) at points of `elements` (n,), of the functions `phi` of their `patches`."""
     of_element = enrichment.first.start[enrichment.tips.start]
-    counts = np.diff(of_element)[elements]
-    start = starts_of(counts)
-    found = np.empty((len(phi), start[-1]))
-    first = np.flatnonzero(np.append(True, elements[1:] != elements[:-1])[: len(elements)])
-    lengths = np.diff(np.append(first, len(elements)))
-    first, lengths = first[counts[first] > 0], lengths[counts[first] > 0]
-    sizes = np.stack([lengths, patches.counts[first], counts[first]])
-    for alike in alike_columns(sizes):
-        n, k, c = sizes[:, alike[0]].tolist()
-        begin = first[alike]
-        which, entry = enrichment.place.places((of_element[elements[begin], None] + np.arange(c)).ravel())
-        column, share = enrichment.place.values[entry], enrichment.share[entry]
-        place = start[begin, None] + np.arange(n * c)
-        if len(column) == len(begin) * c:  # each is one patch
-            own = patches.start[begin, None, None] + k * np.arange(n)[:, None] + column.reshape(-1, 1, c)
-            found[:, place] = (phi.take(own, axis=1) * share.reshape(-1, 1, c)).reshape(-1, len(begin), n * c)
-            continue
-        shares = np.zeros((len(begin), c, k))
-        shares.reshape(-1, k)[which, column] = share
-        own = phi.take(patches.start[begin, None] + np.arange(n * k), axis=1).reshape(-1, len(begin), n, k)
-        found[:, place] = (own @ shares.swapaxes(1, 2)).reshape(-1, len(begin), n * c)
-    return found
+    carriers = spans(of_element[elements], np.diff(of_element)[elements])
+    entries = enrichment.place.start[of_element]
+    counts = np.diff(entries)[elements]
+    entry = spans(entries[elements], counts)
+    terms = phi.take(patches.start[:-1].repeat(counts) + enrichment.place.values[entry], axis=1)
+    terms *= enrichment.share[entry]
+    if len(entry) == len(carriers):  # each is one patch
+        return terms
+    return np.add.reduceat(terms, starts_of(enrichment.place.counts[carriers])[:-1], axis=1)
 
 
 def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> tuple[Ragged, Floats]:

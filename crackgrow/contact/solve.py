@@ -191,16 +191,22 @@ class Increment:
         return replace(near, trial=trial, iterations=0, notes=frozenset())
 
     def formed(
-        self, state: PointStates, free: Floats, loads: tuple[Floats, Floats], without: tuple[Floats, Floats]
+        self,
+        state: PointStates,
+        free: Floats,
+        loads: tuple[Floats, Floats],
+        without: tuple[Floats, Floats],
+        known: tuple[Floats, Floats] | None = None,
     ) -> ContactOutcome:
         """The outcome of states with their displacements, and both corrected until their jumps are the same.
 
         `loads` are those of the rock (n_dofs,) N/m and what supports are given (m,) m, `without` the displacements and
-        multipliers, `free` the jumps that these make without tractions.
+        multipliers, `free` the jumps that these make without tractions; `known` those of the states, if they are.
         """
         contact, rock, off, last_off = self.contact, without, 0.0, np.inf
         while state.solution is not None:
-            rock = contact.displacements(loads, without, state.tractions, state.solution.motion)
+            rock = known or contact.displacements(loads, without, state.tractions, state.solution.motion)
+            known = None
             more, off = _missing(contact, free, state, rock[0])
             if off <= ROUND_OFF or off > GAIN * last_off:
                 break

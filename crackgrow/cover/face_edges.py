@@ -20,6 +20,9 @@ from crackgrow.geometry.arrangement import Edges
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.geometry.tolerance import ON_LINE
 
+NEAR_BY = 2.0
+"""Spacings: edges whose middles are further from the box of a line are not on it, nor end at its corners."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FaceEdges:
@@ -96,7 +99,10 @@ def _along(line: CrackGeometry, edge: Ints, segment: Ints, vertices: Floats, edg
 def _searched(line: CrackGeometry, vertices: Floats, edges: Edges, n_whole: int) -> tuple[Ints, Ints]:
     """Edges (n,) along a line, in order, and the segments (n,) they lie on, where pieces have been cut again."""
     candidates = np.flatnonzero((edges.right >= n_whole) & (edges.left >= n_whole))
-    middles = shapely.points(0.5 * (vertices[edges.a[candidates]] + vertices[edges.b[candidates]]))
+    middles = 0.5 * (vertices[edges.a[candidates]] + vertices[edges.b[candidates]])
+    low, high = line.points.min(axis=0) - NEAR_BY, line.points.max(axis=0) + NEAR_BY
+    beside = np.all((middles >= low) & (middles <= high), axis=1)
+    candidates, middles = candidates[beside], shapely.points(middles[beside])
     segments = shapely.linestrings(np.stack([line.points[:-1], line.points[1:]], axis=1))
     segment, hit = shapely.STRtree(middles).query(segments, predicate="dwithin", distance=ON_LINE)
     used = np.unique(np.concatenate([edges.a[candidates], edges.b[candidates]]))

@@ -12,14 +12,14 @@ Cracks that have started in shear go on by `shear_growth`, whatever the criterio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import repeat
 from typing import Literal
 
 import numpy as np
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Strength
 from crackgrow.case.toughness import BY_K
 from crackgrow.fracture.sites import LARGEST_KINK
@@ -103,13 +103,22 @@ def without_K(field: TipField, radius: float) -> TipLoading:
     return TipLoading(field, np.nan, np.nan, radius)
 
 
+Judge = Callable[[Sequence[TipLoading], Strength], list[Verdict]]
+"""What a criterion says of each of some sites in rock of the same strength."""
+
+
+def one_by_one(judge: Callable[[TipLoading, Strength], Verdict]) -> Judge:
+    """The criterion that a function is for one site."""
+    return lambda loadings, limits: [judge(loading, limits) for loading in loadings]
+
+
 @dataclass(frozen=True, slots=True)
 class Criterion:
     """A growth criterion."""
 
     name: str  # as in a case file
-    judge: Callable[[TipLoading, Strength], Verdict]  # a tip
-    judge_start: Callable[[TipLoading, Strength], Verdict]  # another site, without K
+    judge: Judge  # tips
+    judge_starts: Judge  # other sites, without K
 
     @property
     def by_K(self) -> bool:
@@ -143,23 +152,33 @@ def strength(loading: TipLoading, limits: Strength) -> Verdict:
     return Verdict(s1, s3, "shear", shear, kink)
 
 
-def directional_strength(loading: TipLoading, limits: Strength) -> Verdict:
-    """Strength on every ray from the tip: hoop tension first, then Mohr-Coulomb shear on the ray."""
-    field = loading.field
-    s1, s3, _ = (float(v[0]) for v in principal(field.mean[None]))
-    angles, hoop, shear = _ahead(field)
-    if not len(angles):
-        return Verdict(s1, s3, "tension", 0.0, 0.0)
-    tension, kink = _peak(angles, hoop / limits.tension)
-    if field.shear is not None:
-        toughness = _at_shear_toughness(field.shear, limits)
-        sliding, shear_kink = toughness.criticality, toughness.kink
-    else:
-        resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * hoop
-        sliding, shear_kink = _peak(angles, _ratio(np.abs(shear), resistance))
-    if tension >= 1.0 or tension >= sliding:
-        return Verdict(s1, s3, "tension", tension, kink)
-    return Verdict(s1, s3, "shear", sliding, shear_kink)
+def directional_strength(loadings: Sequence[TipLoading], limits: Strength) -> list[Verdict]:
+    """Strength on every ray from each of some sites: hoop tension first, then Mohr-Coulomb shear on the ray.
+
+    Sites that see the same rays ahead are judged at once.
+    """
+    if not loadings:
+        return []
+    s1, s3, _ = principal(np.stack([loading.field.mean for loading in loadings]))
+    sees = np.zeros(len(loadings), dtype=bool)
+    peaks = np.zeros((4, len(loadings)))  # tension and its angle, shear and its angle
+    tan_phi = np.tan(np.deg2rad(limits.friction_angle))
+    for some, angles, hoop, shear in _ahead_together([loading.field for loading in loadings]):
+        sees[some] = True
+        peaks[:2, some] = _peaks(angles, hoop / limits.tension)
+        peaks[2:, some] = _peaks(angles, _ratio(np.abs(shear), limits.cohesion - tan_phi * hoop))
+    found = []
+    for number, (first, last, own) in enumerate(zip(s1.tolist(), s3.tolist(), peaks.T.tolist(), strict=True)):
+        tension, kink, sliding, shear_kink = own
+        tough = loadings[number].field.shear
+        if tough is not None and sees[number]:
+            toughness = _at_shear_toughness(tough, limits)
+            sliding, shear_kink = toughness.criticality, toughness.kink
+        if tension >= 1.0 or tension >= sliding:
+            found.append(Verdict(first, last, "tension", tension, kink))
+        else:
+            found.append(Verdict(first, last, "shear", sliding, shear_kink))
+    return found
 
 
 def shear_growth(loading: TipLoading, limits: Strength) -> Verdict:
@@ -235,18 +254,22 @@ def hoop_stress_kink(K_I: float, K_II: float) -> float:
 CRITERIA = {
     criterion.name: criterion
     for criterion in (
-        Criterion("strength", strength, strength),
+        Criterion("strength", one_by_one(strength), one_by_one(strength)),
         Criterion("directional_strength", directional_strength, directional_strength),
-        Criterion("max_hoop_stress", max_hoop_stress, directional_strength),
+        Criterion("max_hoop_stress", one_by_one(max_hoop_stress), directional_strength),
     )
 }
 
 
 def hoop_and_shear(field: TipField, stress: Floats) -> tuple[Floats, Floats]:
     """Hoop stress and shear stress (n,) Pa on the rays of a field, from stress (n, 3) there."""
-    t = field.direction + field.angles
+    return _turned(field.direction + field.angles, stress)
+
+
+def _turned(t: Floats, stress: Floats) -> tuple[Floats, Floats]:
+    """Hoop stress and shear stress (...) Pa on rays at angles t (...) rad from +x, from stress (..., 3) there."""
     c, s = np.cos(t), np.sin(t)
-    xx, yy, xy = stress.T
+    xx, yy, xy = stress[..., 0], stress[..., 1], stress[..., 2]
     return xx * s * s + yy * c * c - 2.0 * xy * s * c, (yy - xx) * s * c + xy * (c * c - s * s)
 
 
@@ -255,6 +278,25 @@ def _ahead(field: TipField) -> tuple[Floats, Floats, Floats]:
     hoop, shear = hoop_and_shear(field, field.rays)
     ahead = (np.abs(field.angles) <= field.half_width) & np.isfinite(hoop)
     return field.angles[ahead], hoop[ahead], shear[ahead]
+
+
+def _ahead_together(fields: Sequence[TipField]) -> Iterator[tuple[Ints, Floats, Floats, Floats]]:
+    """As `_ahead` of fields that have the same angles (n,) there: their numbers (m,), and hoop and shear (m, n).
+
+    Those that have no ray ahead are left out.
+    """
+    alike: dict[bytes, list[int]] = {}
+    for number, field in enumerate(fields):
+        alike.setdefault(field.angles.tobytes(), []).append(number)
+    for numbers in alike.values():
+        angles = fields[numbers[0]].angles
+        direction, width = np.array([(fields[number].direction, fields[number].half_width) for number in numbers]).T
+        hoop, shear = _turned(direction[:, None] + angles, np.stack([fields[number].rays for number in numbers]))
+        ahead, same = np.unique((np.abs(angles) <= width[:, None]) & np.isfinite(hoop), axis=0, return_inverse=True)
+        for group, rays in enumerate(ahead):
+            mine = np.flatnonzero(same.ravel() == group)
+            if rays.any():
+                yield np.array(numbers)[mine], angles[rays], hoop[mine][:, rays], shear[mine][:, rays]
 
 
 def _ratio(load: Floats | float, resistance: Floats | float) -> Floats:
@@ -273,15 +315,24 @@ def _forward(angle: float) -> float:
 
 
 def _peak(angles: Floats, values: Floats) -> tuple[float, float]:
-    """Largest value and its angle, by a parabola through the three samples round it.
+    """Largest of values (n,) and its angle, as `_peaks` has them."""
+    (value,), (angle,) = _peaks(angles, values[None])
+    return float(value), float(angle)
+
+
+def _peaks(angles: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """The largest of values (m, n) on n > 0 rays, row by row, and its angle, by a parabola through three samples.
 
     A value that still rises at the end of the range is no peak, unless there is no other.
     """
-    inner = np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:])) + 1
-    i = int(inner[np.argmax(values[inner])]) if len(inner) else int(np.argmax(values))
-    if i in (0, len(values) - 1) or abs(angles[i + 1] - 2.0 * angles[i] + angles[i - 1]) > UNEVEN:
-        return float(values[i]), float(angles[i])
-    before, at, after = values[i - 1 : i + 2]
+    rows, last = np.arange(len(values)), len(angles) - 1
+    inner = np.zeros(values.shape, dtype=bool)
+    inner[:, 1:-1] = (values[:, 1:-1] >= values[:, :-2]) & (values[:, 1:-1] >= values[:, 2:])
+    i = np.where(inner.any(axis=1), np.where(inner, values, -np.inf).argmax(axis=1), values.argmax(axis=1))
+    below, above = np.maximum(i - 1, 0), np.minimum(i + 1, last)
+    before, at, after = (values[rows, place] for place in (below, i, above))
     curvature = before - 2.0 * at + after
-    shift = 0.5 * (before - after) / curvature if curvature < 0.0 else 0.0
-    return float(at - 0.25 * (before - after) * shift), float(angles[i] + shift * (angles[i] - angles[i - 1]))
+    even = np.abs(angles[above] - 2.0 * angles[i] + angles[below]) <= UNEVEN
+    bends = (i > 0) & (i < last) & even & (curvature < 0.0)
+    shift = np.divide(0.5 * (before - after), curvature, out=np.zeros(len(values)), where=bends)
+    return at - 0.25 * (before - after) * shift, angles[i] + shift * (angles[i] - angles[below])

@@ -13,15 +13,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array
 
 from crackgrow.approximation.basis import basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.fracture.readings import Made, Place, Reading, Readings, compressed
+from crackgrow.fracture.readings import Made, Place, Reading, Readings
 from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.quadrature.rules import gauss
+from crackgrow.ragged import distinct
 from crackgrow.solid.elasticity import PlaneElasticity
 
 N_RAYS = 72
@@ -105,13 +106,11 @@ def fields_of(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, readings: Sequence[FieldReading]
 ) -> list[TipField]:
     """Stress round sites, of what is read off the displacement `u` (n_dofs,) m."""
-    amplitudes = u.reshape(-1, 2)
-
-    def field(known: FieldReading) -> TipField:
-        found = _averaged(cover, materials[known.site.body], amplitudes[known.functions], known)
-        return found if known.shear is None else replace(found, shear=field(known.shear))
-
-    return [field(known) for known in readings]
+    shears = {number: known.shear for number, known in enumerate(readings) if known.shear is not None}
+    found = _averaged(cover, materials, u, readings)
+    for number, field in zip(shears, _averaged(cover, materials, u, list(shears.values())), strict=True):
+        found[number] = replace(found[number], shear=field)
+    return found
 
 
 def _rule(cover: Cover, site: Site, radius: float) -> Rule:
@@ -141,17 +140,38 @@ def _read(cover: Cover, sites: Sequence[Site], rules: Sequence[Rule]) -> Iterato
         elements = locate(cover.lattice, cover.elements, points, body)
         inside = elements >= 0
         gradients = basis_at(cover, points[inside], elements[inside]).gradients()
-        ends = np.append(0, np.cumsum(inside))[:: N_RAYS * N_RADIAL].tolist()
-        for number, (site, rule, within) in enumerate(zip(some, own, np.split(inside, len(some)), strict=True)):
-            weights = within.reshape(N_RAYS, -1) * rule.weight
-            seen = weights * _in_sight(cover, site, rule)
-            sums = _sums(weights, seen)[:, within]
-            functions, both = compressed(
-                csr_array(vstack([rows[ends[number] : ends[number + 1]] for rows in gradients], format="csr"))
-            )
-            n = both.shape[0] // 2
-            rows = np.concatenate([(both[:n].T @ sums.T).T, (both[n:].T @ sums.T).T])
-            yield functions, Reading(np.ascontiguousarray(rows), (weights, seen))
+        weights = inside.reshape(len(some), N_RAYS, -1) * np.stack([rule.weight for rule in own])[:, None]
+        seen = weights * np.stack([_in_sight(cover, *each) for each in zip(some, own, strict=True)])
+        summing = _summing(weights, seen, inside)
+        sums = [csr_array(summing @ each) for each in gradients]
+        ends = gradients[0].indptr[np.append(0, np.cumsum(inside))[:: N_RAYS * N_RADIAL]].tolist()
+        for number in range(len(some)):
+            functions = distinct(gradients[0].indices[ends[number] : ends[number + 1]])
+            yield functions, Reading(_rows_of(number, functions, sums), (weights[number], seen[number]))
+
+
+def _summing(weights: Floats, seen: Floats, inside: Bools) -> csr_array:
+    """Sums (sites * (rays + 1), n) along each ray of what is `seen`, and over the disc, site by site.
+
+    Both are weights (sites, rays, points on a ray); of values at the n points that are `inside`.
+    """
+    site, ray = np.divmod(np.arange(weights.size) // weights.shape[2], N_RAYS)
+    first, point = (N_RAYS + 1) * site[inside], np.arange(np.count_nonzero(inside))
+    rows, columns = np.concatenate([first + ray[inside], first + N_RAYS]), np.tile(point, 2)
+    data = np.concatenate([seen.ravel()[inside], weights.ravel()[inside]])
+    return csr_array((data, (rows, columns)), shape=((N_RAYS + 1) * len(weights), len(point)))
+
+
+def _rows_of(site: int, functions: Ints, sums: Sequence[csr_array]) -> Floats:
+    """The rows (q, k) of a site in some `sums`, one after the other, of these `functions` (k,) on it, ascending."""
+    first = (N_RAYS + 1) * site
+    rows = np.zeros((len(sums) * (N_RAYS + 1), len(functions)))
+    for each, table in zip(sums, np.split(rows, len(sums)), strict=True):
+        start = each.indptr[first : first + N_RAYS + 2]
+        own = slice(start[0], start[-1])
+        row = np.arange(N_RAYS + 1).repeat(np.diff(start))
+        table[row, np.searchsorted(functions, each.indices[own])] = each.data[own]
+    return rows
 
 
 def _sums(weights: Floats, seen: Floats) -> Floats:
@@ -162,21 +182,36 @@ def _sums(weights: Floats, seen: Floats) -> Floats:
     return sums.reshape(N_RAYS + 1, -1)
 
 
-def _averaged(cover: Cover, material: PlaneElasticity, u: Floats, known: FieldReading) -> TipField:
-    """The field of a site, of the coefficients `u` (k, 2) of what is read off."""
-    site, rule, (weights, seen) = known.site, known.rule, known.reading.more
-    by_x, by_y = known.reading.of(u).reshape(2, N_RAYS + 1, 2)
-    strain = np.stack([by_x[:, 0], by_y[:, 1], by_y[:, 0] + by_x[:, 1]], axis=1)
-    total = seen.sum(axis=1)
-    sums = strain @ material.matrix + np.append(total, weights.sum())[:, None] * np.array(material.initial.uniform)
-    if material.initial.varying:
-        sums += _sums(weights, seen) @ material.initial.more_at(cover.lattice.to_metres(rule.points(site.point)))
+def _averaged(
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, readings: Sequence[FieldReading]
+) -> list[TipField]:
+    """The fields of sites over one length each, of what is read off the displacement `u` (n_dofs,) m."""
+    if not readings:
+        return []
+    amplitudes = u.reshape(-1, 2)
+    by = np.stack([known.reading.of(amplitudes[known.functions]) for known in readings])
+    by_x, by_y = by.reshape(len(readings), 2, N_RAYS + 1, 2).swapaxes(0, 1)
+    strain = np.stack([by_x[..., 0], by_y[..., 1], by_y[..., 0] + by_x[..., 1]], axis=2)
+    weights, seen = (np.stack(each) for each in zip(*(known.reading.more for known in readings), strict=True))
+    total, whole = seen.sum(axis=2), weights.reshape(len(weights), -1).sum(axis=1)
+    sums, found = np.empty(strain.shape), []
+    for number, known in enumerate(readings):
+        material = materials[known.site.body]
+        sums[number] = strain[number] @ material.matrix
+        sums[number] += np.append(total[number], whole[number])[:, None] * np.array(material.initial.uniform)
+        if material.initial.varying:
+            places = cover.lattice.to_metres(known.rule.points(known.site.point))
+            sums[number] += _sums(weights[number], seen[number]) @ material.initial.more_at(places)
     # a ray that sees only a part R_c of R would see a singular field larger by sqrt(R / R_c)
-    whole = np.sqrt(total * rule.weight.sum())[:, None]
-    rays = np.divide(sums[:-1], whole, out=np.full((N_RAYS, 3), np.nan), where=whole > 0.0)
-    if site.both_ways:
-        rays = 0.5 * (rays + np.roll(rays, N_RAYS // 2, axis=0))  # a crack takes a ray and the one opposite
-    return TipField(rule.direction, rule.angles, rays, sums[-1] / weights.sum(), site.half_width, rule.radius)
+    least = np.sqrt(total * np.array([known.rule.weight.sum() for known in readings])[:, None])[:, :, None]
+    rays = np.divide(sums[:, :-1], least, out=np.full((len(readings), N_RAYS, 3), np.nan), where=least > 0.0)
+    opposite = 0.5 * (rays + np.roll(rays, N_RAYS // 2, axis=1))
+    for number, known in enumerate(readings):
+        site, rule = known.site, known.rule
+        own = opposite if site.both_ways else rays  # a crack takes a ray and the one opposite
+        mean = sums[number, -1] / whole[number]
+        found.append(TipField(rule.direction, rule.angles, own[number], mean, site.half_width, rule.radius))
+    return found
 
 
 def _in_sight(cover: Cover, site: Site, rule: Rule) -> Bools:

@@ -186,15 +186,37 @@ class Configuration:
         forces = np.tile(self.contact.weights, 2) * states.tractions
         return np.asarray(np.abs(units.conjugates @ share) + np.abs(units.jumps.T @ forces))
 
-    def equilibrium(self, level: LoadLevel, memory: ContactMemory, states: PointStates) -> Equilibrium:
+    def displacements(self, ends: Sequence[tuple[LoadLevel, PointStates]]) -> list[tuple[Floats, Floats]]:
+        """Displacements (n_dofs,) m and multipliers (m,) under loads with tractions of each of some states, together.
+
+        Those of `equilibrium` but for its corrections.
+        """
+        level, solved = zip(*ends, strict=True)
+        shares = np.stack([self.shares(each) for each in level], axis=1)
+        loads = np.stack([self.loads(each) for each in level], axis=1)
+        given = np.stack([self.given(each.factor) for each in level], axis=1)
+        tractions = np.stack([states.tractions for states in solved], axis=1)
+        none = np.zeros(len(self._units.pull))
+        motion = np.stack([none if each.solution is None else each.solution.motion for each in solved], axis=1)
+        without = (self._units.u @ shares, self._units.multipliers @ shares)
+        u, multipliers = self.contact.displacements((loads, given), without, tractions, motion)
+        return list(zip(np.ascontiguousarray(u.T), np.ascontiguousarray(multipliers.T), strict=True))
+
+    def equilibrium(
+        self,
+        level: LoadLevel,
+        memory: ContactMemory,
+        states: PointStates,
+        known: tuple[Floats, Floats] | None = None,
+    ) -> Equilibrium:
         """Displacements and tractions after an increment from `memory` on, at whose end the points have some `states`.
 
-        Raises SolveError where they can't be found to a small residual.
+        `known` is what `displacements` says of them. Raises SolveError where they can't be found to a small residual.
         """
         increment, free = self.increment(level, memory)
         loads, share = self.loads(level), self.shares(level)
         without = (self._units.u @ share, self._units.multipliers @ share)
-        outcome = increment.formed(states, free, (loads, self.given(level.factor)), without)
+        outcome = increment.formed(states, free, (loads, self.given(level.factor)), without, known)
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))

@@ -20,7 +20,7 @@ from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.criteria import CRITERIA, TipLoading, without_K
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment
-from crackgrow.run.judging import StepSolution, judged, stress_fields, tip_states, verdict
+from crackgrow.run.judging import StepSolution, judged, stress_fields, tip_states, verdicts
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""
@@ -237,10 +237,10 @@ class _Search:
 
     def _criticalities(self, loadings: Sequence[TipLoading | None]) -> Floats:
         """Criticality site by site (n,), zero where no crack can leave or no loading is known."""
-        scene, found = self._configuration.scene, np.zeros(len(loadings))
-        for number, (loading, site) in enumerate(zip(loadings, self._configuration.sites, strict=True)):
-            if self.can_grow[number] and loading is not None:
-                found[number] = verdict(scene, site, loading).criticality
+        sites, found = self._configuration.sites, np.zeros(len(loadings))
+        known = {n: loading for n, loading in enumerate(loadings) if self.can_grow[n] and loading is not None}
+        said = verdicts(self._configuration.scene, [sites[number] for number in known], list(known.values()))
+        found[list(known)] = [verdict.criticality for verdict in said]
         return found
 
 

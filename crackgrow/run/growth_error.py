@@ -12,12 +12,13 @@ stress says of the new tip. A tip that goes on in shear keeps the direction of t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 
 from crackgrow.case.model import CriticalLoad
 from crackgrow.fracture.criteria import TipLoading, Verdict, hoop_stress_kink
-from crackgrow.run.judging import StepSolution, verdict
+from crackgrow.run.judging import StepSolution, verdicts
 
 NAN = float("nan")
 CORNERS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
@@ -31,12 +32,14 @@ Judged = list[list[tuple[TipLoading, Verdict]]]
 
 def judged_when_off(solution: StepSolution, errors: Errors) -> Judged:
     """Each tip where K is off as far as it may be; nothing where that is not known."""
-    configuration, found = solution.configuration, []
-    tips = configuration.sites[: len(solution.tips)]
-    for site, state, error in zip(tips, solution.tips, errors, strict=True):
-        moved = _moved(state.loading, error) if state.verdict is not None else []
-        found.append([(loading, verdict(configuration.scene, site, loading)) for loading in moved])
-    return found
+    tips = solution.configuration.sites[: len(solution.tips)]
+    moved = [
+        _moved(state.loading, error) if state.verdict is not None else []
+        for state, error in zip(solution.tips, errors, strict=True)
+    ]
+    sites = [site for site, loadings in zip(tips, moved, strict=True) for _ in loadings]
+    said = iter(verdicts(solution.scene, sites, list(chain(*moved))))
+    return [[(loading, next(said)) for loading in loadings] for loadings in moved]
 
 
 def kink_errors(solution: StepSolution, off: Judged) -> list[float]:

@@ -151,10 +151,11 @@ def stress_fields(state: LoadState) -> list[TipField | None]:
 def _starts(configuration: Configuration, fields: Sequence[TipField | None]) -> Iterator[StartState]:
     """What the places say at which cracks may start, of the stress round all sites."""
     scene, n_tips = configuration.scene, len(configuration.cover.tips)
-    for site, field in zip(configuration.sites[n_tips:], fields[n_tips:], strict=True):
+    sites, loadings = configuration.sites[n_tips:], []
+    for site, field in zip(sites, fields[n_tips:], strict=True):
         assert field is not None  # they are in rock that has a strength
-        loading = without_K(field, scene.start_radius(site.body))
-        yield StartState(site, loading, verdict(scene, site, loading))
+        loadings.append(without_K(field, scene.start_radius(site.body)))
+    yield from map(StartState, sites, loadings, verdicts(scene, sites, loadings))
 
 
 def tip_states(state: LoadState, fields: Sequence[TipField | None]) -> tuple[TipState, ...]:
@@ -168,30 +169,43 @@ def tip_states(state: LoadState, fields: Sequence[TipField | None]) -> tuple[Tip
     forces = [scene.body_force(body, state.factor) for body in bodies]
     intensities = configuration.integrals.intensities(materials, u, tips, tractions, forces)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
-    for tip, field in enumerate(fields):
-        if field is not None:
-            loading = TipLoading(field, *found[tip].K, scene.averaging_radius(bodies[tip]))
-            found[tip] = replace(found[tip], loading=loading, verdict=verdict(scene, configuration.sites[tip], loading))
+    strong = [tip for tip, field in enumerate(fields) if field is not None]
+    loadings = [
+        TipLoading(field, *tip.K, scene.averaging_radius(body))
+        for tip, field, body in zip(found, fields, bodies, strict=True)
+        if field is not None
+    ]
+    said = verdicts(scene, [configuration.sites[tip] for tip in strong], loadings)
+    for tip, loading, verdict in zip(strong, loadings, said, strict=True):
+        found[tip] = replace(found[tip], loading=loading, verdict=verdict)
     return tuple(found)
 
 
-def verdict(scene: Scene, site: Site, loading: TipLoading) -> Verdict:
-    """What the case's criterion says of a site in a body that has a strength.
+def verdicts(scene: Scene, sites: Sequence[Site], loadings: Sequence[TipLoading]) -> list[Verdict]:
+    """What the case's criterion says of each of some sites in bodies that have a strength."""
+    alike: dict[tuple[int, bool], list[int]] = {}
+    for number, site in enumerate(sites):
+        alike.setdefault((site.body, site.kind == "tip"), []).append(number)
+    found: dict[int, Verdict] = {}
+    for (body, at_tip), numbers in alike.items():
+        growth, strength = scene.growing_in(body)
+        criterion = CRITERIA[growth.criterion]
+        judge = criterion.judge if at_tip else criterion.judge_starts
+        found.update(zip(numbers, judge([loadings[number] for number in numbers], strength), strict=True))
+        for number in numbers:
+            if at_tip and sites[number].in_shear:
+                found[number] = _goes_on(found[number], shear_growth(loadings[number], strength))
+    return [found[number] for number in range(len(sites))]
 
-    A crack that has started in shear goes on in shear where its law is met, or sooner than the rest: at loads that are
-    beyond both it would turn to and fro.
+
+def _goes_on(by_criterion: Verdict, shears: Verdict) -> Verdict:
+    """What is said of a tip whose crack has started in shear: it goes on so where the law of shear is met, or sooner.
+
+    At loads that are beyond both it would turn to and fro.
     """
-    growth, strength = scene.growing_in(site.body)
-    criterion = CRITERIA[growth.criterion]
-    if site.kind != "tip":
-        return criterion.judge_start(loading, strength)
-    goes_on = criterion.judge(loading, strength)
-    if not site.in_shear:
-        return goes_on
-    shears = shear_growth(loading, strength)
-    if shears.criticality < min(goes_on.criticality, 1.0 - AT_STRENGTH):
-        return goes_on
-    return replace(shears, criticality=max(shears.criticality, goes_on.criticality))
+    if shears.criticality < min(by_criterion.criticality, 1.0 - AT_STRENGTH):
+        return by_criterion
+    return replace(shears, criticality=max(shears.criticality, by_criterion.criticality))
 
 
 def _tractions(state: LoadState, crack: int) -> FaceTraction:

@@ -92,7 +92,7 @@ class RigidMotions:
         return connected(len(own), *np.nonzero(shared > HOLDS_NOTHING))
 
     def displacements(self, amplitudes: Floats) -> Floats:
-        """Unknowns (n_dofs,) of motions by `amplitudes` (l,) m."""
+        """Unknowns (n_dofs,) or (n_dofs, k) of motions by `amplitudes` (l,) or (l, k) m."""
         return np.asarray(self.of_pieces @ (self.free.T @ amplitudes))
 
     def along(self, loads: Floats) -> Floats:
@@ -112,9 +112,10 @@ class RigidMotions:
         return matrix.with_diagonal(self.dofs, self.stiffness)
 
     def carrying(self, amplitudes: Floats) -> Floats:
-        """Loads (n_dofs,) that move the supports along with motions by `amplitudes` (l,) m."""
-        loads = np.zeros(self.of_pieces.shape[0])
-        loads[self.dofs] = self.stiffness * self.displacements(amplitudes)[self.dofs]
+        """Loads (n_dofs,) or (n_dofs, k) that move the supports with motions by `amplitudes` (l,) or (l, k) m."""
+        moved = self.displacements(amplitudes)
+        loads = np.zeros(moved.shape)
+        loads[self.dofs] = (self.stiffness * moved[self.dofs].T).T
         return loads
 
     def held_once(self, stiffness: SymmetricMatrix) -> RigidMotions:

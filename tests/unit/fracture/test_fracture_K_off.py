@@ -58,7 +58,7 @@ def test_criteria_see_a_tip_that_has_this_K(K: tuple[float, float]) -> None:
     assert (loading.K_I, loading.K_II) == K
     kink = hoop_stress_kink(*K)
     assert max_hoop_stress(loading, LIMITS).kink == kink
-    by_ray = directional_strength(loading, LIMITS)
+    (by_ray,) = directional_strength([loading], LIMITS)
     assert by_ray.kink == pytest.approx(kink, abs=np.deg2rad(1.0))
     assert by_ray.criticality == pytest.approx(2.0 * max_hoop_stress(loading, LIMITS).criticality, rel=2e-3)
     assert set(CRITERIA) == {"strength", "directional_strength", "max_hoop_stress"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -87,6 +87,12 @@ def axis_apart(angle: float, axis: float) -> float:
     return float(abs((angle - axis + 0.5 * np.pi) % np.pi - 0.5 * np.pi))
 
 
+def by_rays(site: TipLoading, limits: Strength) -> Verdict:
+    """What `directional_strength` says of a single site."""
+    (verdict,) = directional_strength([site], limits)
+    return verdict
+
+
 AXES = np.deg2rad([-80.0, -33.0, 4.0, 41.0, 77.0])
 
 
@@ -160,14 +166,14 @@ def test_of_two_shear_planes_the_one_with_the_larger_shear_is_taken(sense: float
 @pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
 @pytest.mark.parametrize("stress", [(0.1, -0.2, 0.05), (-5.0, -5.0, 0.0), (0.0, 0.0, 0.0)])
 def test_below_both_strengths_nothing_is_met(stress: tuple[float, float, float], criterion: Criterion) -> None:
-    verdict = criterion.judge(uniform(stress), ROCK)
+    verdict = criterion.judge([uniform(stress)], ROCK)[0]
     assert verdict.branch == "none"
     assert verdict.criticality < 1.0
 
 
 @pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
 def test_criticality_grows_in_proportion_to_the_load_in_tension(criterion: Criterion) -> None:
-    one, ten = (criterion.judge(near_field(f, 0.3 * f), WEAK_IN_TENSION) for f in (1.0, 10.0))
+    one, ten = criterion.judge([near_field(f, 0.3 * f) for f in (1.0, 10.0)], WEAK_IN_TENSION)
     assert ten.criticality == pytest.approx(10.0 * one.criticality)
     assert ten.kink == pytest.approx(one.kink)
 
@@ -177,14 +183,14 @@ def test_criticality_grows_in_proportion_to_the_load_in_tension(criterion: Crite
     [(1.0, 0.0, 0.0), (1.0, 1.0, -53.13), (1.0, -1.0, 53.13), (0.0, 1.0, -70.53), (0.0, -1.0, 70.53)],
 )
 def test_directional_strength_turns_to_the_largest_hoop_stress(K_I: float, K_II: float, expected: float) -> None:
-    verdict = directional_strength(near_field(K_I, K_II), WEAK_IN_TENSION)
+    verdict = by_rays(near_field(K_I, K_II), WEAK_IN_TENSION)
     assert verdict.branch == "tension"
     assert np.rad2deg(verdict.kink) == pytest.approx(expected, abs=DIRECTION)
 
 
 @pytest.mark.parametrize("ratio", [0.25, 0.5, 2.0, 4.0])
 def test_directional_strength_between_the_modes(ratio: float) -> None:
-    verdict = directional_strength(near_field(ratio, 1.0), WEAK_IN_TENSION)
+    verdict = by_rays(near_field(ratio, 1.0), WEAK_IN_TENSION)
     assert np.rad2deg(verdict.kink) == pytest.approx(closed_form_kink(ratio, 1.0), abs=DIRECTION)
 
 
@@ -196,7 +202,7 @@ def test_strength_of_the_mean_turns_pure_shear_by_45_degrees() -> None:
 def test_shear_on_a_ray_runs_straight_on_in_mode_II_without_tension() -> None:
     """A crack pressed together and sheared, without friction in the rock: the largest shear is straight ahead."""
     no_friction = Strength(tension=1e9, cohesion=1.0, friction_angle=0.0)
-    verdict = directional_strength(near_field(0.0, 1.0), no_friction)
+    verdict = by_rays(near_field(0.0, 1.0), no_friction)
     assert verdict.branch == "shear"
     assert np.rad2deg(verdict.kink) == pytest.approx(0.0, abs=DIRECTION)
     assert verdict.criticality == pytest.approx(2.0 / np.sqrt(2.0 * np.pi * RADIUS), rel=RAYS)
@@ -207,7 +213,7 @@ def test_directional_shear_follows_mohr_coulomb_on_the_ray_of_uniform_stress() -
     axis, phi = np.deg2rad(20.0), np.deg2rad(30.0)
     limits = Strength(tension=1e3, cohesion=10.0, friction_angle=30.0)
     sigma = 2.0 * limits.cohesion * np.cos(phi) / (1.0 - np.sin(phi))
-    below, beyond = (directional_strength(uniform(uniaxial(-f * sigma, axis)), limits) for f in (0.97, 1.03))
+    below, beyond = (by_rays(uniform(uniaxial(-f * sigma, axis)), limits) for f in (0.97, 1.03))
     assert (below.branch, beyond.branch) == ("none", "shear")
     assert axis_apart(beyond.kink, axis) == pytest.approx(0.25 * np.pi - 0.5 * phi, abs=np.deg2rad(DIRECTION))
 
@@ -218,7 +224,7 @@ def test_effective_toughness_is_the_K_I_that_just_grows(criterion: Criterion, ra
     limits = Strength(tension=5e5, cohesion=1e9, friction_angle=40.0)
     toughness = toughness_of(criterion.name, limits.tension, radius)
     field = near_field(toughness * np.sqrt(RADIUS / radius), 0.0)  # made for RADIUS
-    assert criterion.judge(field, limits).criticality == pytest.approx(1.0, rel=RAYS)
+    assert criterion.judge([field], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
 
 
 @pytest.mark.parametrize("criterion", CRITERIA)
@@ -243,7 +249,7 @@ def test_turning_the_scene_turns_nothing_but_the_direction(
     direction: float, limits: Strength, criterion: Criterion
 ) -> None:
     scale = np.sqrt(2.0 * np.pi * RADIUS)
-    here, there = (criterion.judge(near_field(-0.2 * scale, scale, -1.0, d, 5.0), limits) for d in (0.0, direction))
+    here, there = criterion.judge([near_field(-0.2 * scale, scale, -1.0, d, 5.0) for d in (0.0, direction)], limits)
     assert there.branch == here.branch
     assert there.kink == pytest.approx(here.kink, abs=1e-9)
     assert there.criticality == pytest.approx(here.criticality, rel=1e-9)
@@ -262,7 +268,7 @@ def test_turning_the_scene_turns_nothing_but_the_direction(
 )
 def test_mirroring_the_load_turns_the_kink_round(criterion: Criterion, limits: Strength) -> None:
     pressure = {WEAK_IN_TENSION: 0.0, WEAK_IN_SHEAR: 30.0}[limits]  # else tension uses up the shear resistance
-    right, left = (criterion.judge(near_field(0.3, K_II, -1.0, pressure=pressure), limits) for K_II in (0.8, -0.8))
+    right, left = criterion.judge([near_field(0.3, K_II, -1.0, pressure=pressure) for K_II in (0.8, -0.8)], limits)
     assert left.branch == right.branch != "none"
     assert left.kink == pytest.approx(-right.kink, abs=1e-9)
     assert abs(right.kink) > 0.01
@@ -273,7 +279,7 @@ def test_rays_outside_of_the_body_are_left_out() -> None:
     field = near_field(0.0, -1.0).field  # the largest hoop stress is at 70.5 degrees
     rays = field.rays.copy()
     rays[np.abs(np.rad2deg(ANGLES) - 70.0) < 20.0] = np.nan
-    verdict = directional_strength(loading(TipField(0.0, ANGLES, rays, field.mean)), WEAK_IN_TENSION)
+    verdict = by_rays(loading(TipField(0.0, ANGLES, rays, field.mean)), WEAK_IN_TENSION)
     assert np.isfinite(verdict.kink)
     assert np.rad2deg(verdict.kink) == pytest.approx(92.5, abs=1e-9)  # larger than at 47.5: 1.035 to 1.012
 
@@ -282,7 +288,7 @@ def test_rays_along_the_crack_itself_are_no_way_forward() -> None:
     rays = np.tile([0.0, 0.0, 0.0], (N_RAYS, 1))
     rays[np.abs(np.rad2deg(ANGLES)) > 160.0] = (0.0, 100.0, 0.0)  # hoop tension behind the tip
     rays[36] = (0.0, 5.0, 0.0)  # at 2.5 degrees
-    verdict = directional_strength(loading(TipField(0.0, ANGLES, rays, rays.mean(axis=0))), ROCK)
+    verdict = by_rays(loading(TipField(0.0, ANGLES, rays, rays.mean(axis=0))), ROCK)
     assert abs(np.rad2deg(verdict.kink)) < 5.0
     assert verdict.criticality == pytest.approx(2.5, rel=0.01)
 
@@ -354,7 +360,7 @@ def tough_in_shear(field: TipField, part: float = 1.0) -> TipLoading:
     return loading(replace(field, shear=field.mapped(lambda stress: stress / np.sqrt(part))))
 
 
-@pytest.mark.parametrize("judge", [shear_growth, directional_strength])
+@pytest.mark.parametrize("judge", [shear_growth, by_rays])
 @pytest.mark.parametrize("pressure", [0.0, 0.1, 1.0])
 @pytest.mark.parametrize(("friction", "phi"), [(0.0, 0.0), (0.0, 32.0), (0.6, 32.0), (0.9, 32.0)])
 @pytest.mark.parametrize("sense", [1.0, -1.0])
@@ -386,7 +392,7 @@ def test_a_toughness_in_shear_leaves_tension_alone(part: float) -> None:
     """Without friction the load of shear rises with it, which is the square root of the length."""
     plain = near_field(0.0, 1.0)
     for limits in (WEAK_IN_TENSION, replace(WEAK_IN_SHEAR, friction_angle=0.0)):
-        one, both = (directional_strength(each, limits) for each in (plain, tough_in_shear(plain.field, part)))
+        one, both = (by_rays(each, limits) for each in (plain, tough_in_shear(plain.field, part)))
         assert both.mode == one.mode
         scale = 1.0 if one.mode == "tension" else np.sqrt(part)
         assert one.criticality == pytest.approx(scale * both.criticality, rel=1e-12)
@@ -420,4 +426,23 @@ def test_where_cracks_start_the_same_toughness_holds(criterion: Criterion) -> No
     )
     radius = start_radius(growth, limits)
     field = near_field(4e4 * np.sqrt(RADIUS / radius), 0.0)  # made for RADIUS
-    assert criterion.judge_start(field, limits).criticality == pytest.approx(1.0, rel=RAYS)
+    assert criterion.judge_starts([field], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
+
+
+@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+def test_a_site_is_judged_alike_alone_and_among_others(criterion: Criterion) -> None:
+    """Sites of all directions, with rays that cracks hide, with other rays, with none ahead, tough in shear."""
+    rng = np.random.default_rng(3)
+    sites = [near_field(*rng.normal(size=3), direction) for direction in rng.uniform(-3.0, 3.0, 20)]
+    hidden = [near_field(1.0, K_II) for K_II in (-0.5, 0.2, 0.5)]
+    for number, site in enumerate(hidden):
+        site.field.rays[20 + number : 30] = np.nan
+    few = uniform((1.0, -2.0, 0.3)).field
+    fewer = loading(replace(few, angles=few.angles[::2], rays=few.rays[::2]))
+    narrow = [loading(replace(site.field, half_width=width)) for site in sites[:4] for width in (0.05, 0.4)]
+    unseen = loading(replace(few, rays=np.full((N_RAYS, 3), np.nan)))
+    sites += [*hidden, fewer, *narrow, tough_in_shear(sites[0].field), unseen, tough_in_shear(unseen.field)]
+    for judge in (criterion.judge, criterion.judge_starts):
+        alone = [verdict for site in sites for verdict in judge([site], ROCK)]
+        assert list(map(astuple, judge(sites, ROCK))) == list(map(astuple, alone))
+        assert judge([], ROCK) == []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -9,7 +11,7 @@ import shapely
 from crackgrow.case.model import PointSupport
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import tip_site
-from crackgrow.fracture.tip_stress import N_RADIAL, N_RAYS, TipField
+from crackgrow.fracture.tip_stress import N_RADIAL, N_RAYS, SITES_AT_ONCE, TipField
 from crackgrow.quadrature.rules import gauss
 from crackgrow.solid.elasticity import plane_elasticity
 from tests.near_tips import site_fields
@@ -192,3 +194,21 @@ def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
             expected = np.sqrt(share) * np.array([xx, yy, 0.0]) if share else np.full(3, np.nan)
             np.testing.assert_allclose(stress, expected, atol=1e-10)
     assert hidden > 100
+
+
+def test_a_site_reads_the_same_alone_and_among_others(build) -> None:
+    """To the last bit: more sites than are evaluated together, some near an outline or a crack that hides rays."""
+    path = np.array([[0.0, 6.03], [3.3, 6.6]])
+    sample = build.sample((0.0, 0.0), (12.0, 12.0), [build.crack(path, (False, True))], support=2.0)
+    (tip,) = at_tips(sample.cover)
+    places = np.random.default_rng(5).uniform(0.6, 11.4, (2 * SITES_AT_ONCE, 2))
+    places = sample.lattice.to_lattice(places)
+    kinds = ["rock" if number % 2 else "tip" for number in range(len(places))]
+    sites = [replace(tip, kind=kind, point=at, direction=at[0]) for kind, at in zip(kinds, places, strict=True)]
+    sites.append(tip)
+    u, radii = np.random.default_rng(6).normal(size=sample.cover.n_dofs), np.linspace(0.5, 1.5, len(sites))
+    together = site_fields(sample.cover, [plane_elasticity(1.0, POISSON, "strain")], u, sites, radii.tolist())
+    for site, radius, field in zip(sites, radii.tolist(), together, strict=True):
+        (alone,) = site_fields(sample.cover, [plane_elasticity(1.0, POISSON, "strain")], u, [site], radius)
+        np.testing.assert_array_equal(field.rays, alone.rays)
+        np.testing.assert_array_equal(field.mean, alone.mean)

@@ -12,6 +12,7 @@ import pytest
 from crackgrow.__main__ import main
 from crackgrow.case import dump_case, load_case
 from crackgrow.errors import CaseError
+from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import History
 from tests.whole_run import whole_run
 
@@ -70,6 +71,17 @@ growth: {steps: 2, increment: 0.002, advance: all, criterion: max_hoop_stress, t
 numerics: {spacing: 0.002}
 output: {frames: none, figures: false, points: {mouth: {crack: notch, at: [-0.01, 0]}}}
 """
+
+CASES = Path(__file__).parents[3] / "cases"
+FLAW_ON_ITS_WAY = (
+    "growth.steps=0",
+    "numerics.spacing=1.5",
+    "cracks.flaw.contact.friction=0.3",
+    "cracks.flaw.contact.cohesion=2",
+    "output.points={mouth: {crack: flaw, at: [0, 0]}}",
+    "output.figures=false",
+    "output.frames=none",
+)
 
 
 def written(folder: Path, text: str, *edits: tuple[str, str]) -> Path:
@@ -176,3 +188,21 @@ def test_faults(text: str, edits: Sequence[tuple[str, str]], key: str, words: st
     (fault,) = caught.value.faults
     assert fault.key == f"output.points.{key}"
     assert words in fault.message
+
+
+@pytest.mark.parametrize("pressed", ["whole", "loose"])
+def test_states_found_together_are_those_found_alone(pressed: str, tmp_path: Path) -> None:
+    """Of a flaw on its way to slip, and of a block that contact alone holds: displacements and support forces."""
+    if pressed == "whole":
+        case = load_case(CASES / "compression30.yaml", FLAW_ON_ITS_WAY)
+    else:
+        case = load_case(written(tmp_path, STACK))
+    _, solution = next(iter(solved_steps(case)))
+    states = [*solution.passed, solution.state]
+    assert len(states) > 1
+    assert (solution.contact.loose is None) == (pressed == "whole")
+    together = solution.configuration.displacements([(state.level, state.states) for state in states])
+    for (u, multipliers), state in zip(together, states, strict=True):
+        outcome = state.outcome
+        np.testing.assert_allclose(u, outcome.u, atol=1e-10 * np.abs(outcome.u).max())
+        np.testing.assert_allclose(multipliers, outcome.multipliers, atol=1e-9 * np.abs(solution.loads).max())

@@ -16,7 +16,7 @@ from crackgrow.fracture.tip_stress import TipField
 from crackgrow.run import grow
 from crackgrow.run.caution import Cause
 from crackgrow.run.checkpoint import packed, restored
-from crackgrow.run.judging import verdict
+from crackgrow.run.judging import verdicts
 from crackgrow.run.result import Checkpoint
 from crackgrow.run.scene import make_scene
 from tests.whole_run import whole_run
@@ -225,7 +225,7 @@ def test_a_crack_that_has_started_in_shear_goes_on_so(in_shear: bool, K_I: float
     rays = np.column_stack([rays, tau * np.cos(2 * angles)])
     field = TipField(0.0, angles, rays, rays.mean(axis=0))
     site = Site("tip", np.zeros(2), 0.0, LARGEST_KINK, 0, 0, in_shear)
-    found = verdict(scene, site, TipLoading(field, K_I, 0.0, 1e-3))
+    (found,) = verdicts(scene, [site], [TipLoading(field, K_I, 0.0, 1e-3)])
     by_K = K_I / (strength.tension * np.sqrt(2.0 * np.pi * 1e-3))
     assert found.mode == mode
     if in_shear:
