@@ -15,7 +15,6 @@ import pandas as pd
 import shapely
 
 from crackgrow.case.units import UNITS
-from tests.stability.growing_scenes import growing_scene
 from tests.stability.judge.written import WrittenRun
 from tests.stability.random_scenes import Scene
 
@@ -152,19 +151,6 @@ def with_more_vertices(scene: Scene) -> Scene:
 
 TOLERANCE = 1e-6
 """Of K, of increments, of load factors."""
-
-QUADRATURE = 8
-"""Points a direction: the triangles that an element is cut into are not mirrored with it, so that mirrored scenes are
-as far apart as the singular functions are integrated wrongly: load factors 9e-6 with 4 points, 5e-9 with 8, 2e-11
-with 10."""
-
-
-def comparable_scene(seed: int) -> Scene:
-    """A random scene that grows, integrated finely enough to be written otherwise."""
-    scene = growing_scene(seed)
-    scene["numerics"]["quadrature"] = QUADRATURE
-    return scene
-
 
 AS_IT_IS = np.eye(2)
 CHANGES = (
