@@ -152,6 +152,9 @@ def with_more_vertices(scene: Scene) -> Scene:
 TOLERANCE = 1e-6
 """Of K, of increments, of load factors."""
 
+NO_K = 1e-3
+"""Of the stress at tips times the root of a spacing: smaller K are those of cracks that stick, and round-off."""
+
 AS_IT_IS = np.eye(2)
 CHANGES = (
     Change("turned by 90 degrees", turned(QUARTER), QUARTER),
@@ -201,7 +204,9 @@ def deviations(first: WrittenRun, other: WrittenRun, change: Change) -> Deviatio
 def _K_deviation(first: WrittenRun, other: WrittenRun, change: Change) -> pd.Series:
     """By step, of the largest K of the first run."""
     tables = [run.tables["tips"].copy() for run in (first, other)]
+    stress = float(np.nanmax(np.abs(tables[0][["sigma_1", "sigma_3"]].to_numpy(dtype=float)), initial=0.0))
     size = float(np.nanmax(np.abs(tables[0][["K_I", "K_II"]].to_numpy(dtype=float)), initial=0.0))
+    size = max(size, NO_K * stress * np.sqrt(first.spacing))
     by = change.stress * np.sqrt(change.size)
     tables[1]["K_I"] /= by
     tables[1]["K_II"] /= by * np.linalg.det(change.turn)
