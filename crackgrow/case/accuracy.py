@@ -49,6 +49,7 @@ class Preset:
     per_width: float  # across the smaller side of the narrowest body
     per_feature: float  # across holes, along sides at re-entrant corners, across curves
     per_bridge: float  # across the rock between holes, corners and outlines
+    per_distance: float  # from a re-entrant corner or the end of a held part to the nearest tip; of cells there
     per_support: float  # along supported parts of edges and interfaces
     per_load: float  # along loaded parts of edges
 
@@ -68,6 +69,7 @@ _CELLS: Final = {  # by preset: draft, standard, fine
     "per_width": (6.0, 10.0, 20.0),
     "per_feature": (6.0, 8.0, 16.0),
     "per_bridge": (2.0, 3.0, 6.0),
+    "per_distance": (30.0, 100.0, 300.0),
     "per_support": (2.0, 4.0, 8.0),
     "per_load": (1.0, 2.0, 4.0),
 }
@@ -80,6 +82,9 @@ PRESETS: Final[Mapping[str, Preset]] = {
 
 UNREFINED = 0.2
 """Error of K, over the largest, of closed and of grown flaws on cells as large as the flaw, as coarse ones have it."""
+
+RIMS = 2.0
+"""Cells from a re-entrant corner to the nearest tip, times a target: they leave a tenth of it."""
 
 FIRST_HALVINGS = 7
 """Of the largest cells at the tips of the shortest crack, for a target, and the most that a run begins with.
@@ -105,6 +110,7 @@ def preset_of(accuracy: str | float) -> Preset:
         per_crack=part * draft.per_crack,
         per_increment=part * draft.per_increment,
         per_radius=part * draft.per_radius,
+        per_distance=RIMS / accuracy,
         per_stretch=NOTHING,
         per_longer=NOTHING,
         per_room=NOTHING,

@@ -168,10 +168,10 @@ def _cut(
 
 
 def _touched(tiles: Squares, samples: Floats, tips: Floats) -> Bools:
-    """Which tiles (tiles,) one of `samples` (n, 2) touches, those round the tile of each tip (k, 2) included."""
+    """Which tiles (tiles,) one of `samples` (n, 2) touches, those round the tiles with a tip (k, 2) included."""
     touched = np.zeros(tiles.n + 1, dtype=bool)  # the last entry serves the number -1
     near = (samples + _TOUCHING[:, None]).reshape(-1, 2)
-    tip = tiles.around(tips)[:, -1]
+    tip = np.unique(tiles.around(tips))  # all that touch it: the mirrored tip has the mirrored ones
     tip = tip[tip >= 0]
     beside = tiles.low[tip] + (tiles.size[tip, None] * _ROUND_TIP[:, None]) // 8
     places = np.concatenate([np.floor(near * QUANTA).astype(np.int64), beside.reshape(-1, 2)])

@@ -80,26 +80,43 @@ def leaving(
 ) -> Ints:
     """Numbers of the sites that cracks leave: of those whose criticality (n,) is 1 or more, or within TIE of such a's.
 
-    `all`: all tips, from left to right, then the most critical starts; `most_critical`: the largest; `in_turn`: the
-    largest of those that have advanced least often, `n_advances` (n,), and of the starts, whose number is STARTS. Less
-    critical cracks do not start: what the others set free may save them. Of equally critical ones a tip goes before a
-    start, then that which has advanced least often, of those the leftmost, of those the lowest, by their `places`
-    (n, 2): what is left is the same by symmetry.
+    `all`: all tips, the most critical first, then the most critical starts; `most_critical`: the largest; `in_turn`:
+    the largest of those that have advanced least often, `n_advances` (n,), and of the starts, whose number is STARTS.
+    Less critical cracks do not start: what the others set free may save them. Of equally critical ones a tip goes
+    before a start, then that which has advanced least often, of those the leftmost, of those the lowest, by their
+    `places` (n, 2): what is left is the same by symmetry.
     """
     met = criticality[criticality >= 1.0 - 10.0 * AT_STRENGTH]
     if len(met) == 0:
         return np.empty(0, dtype=np.int64)
     critical = np.flatnonzero(criticality >= min(1.0 - 10.0 * AT_STRENGTH, (1.0 - TIE) * met.min()))
-    apart = AS_FAR_LEFT * float(np.ptp(places, axis=0).max()) or 1.0
-    critical = critical[np.lexsort((places[critical, 1], np.round(places[critical, 0] / apart)))]
+    critical = critical[_from_left(places)[critical].argsort()]
     tips, starts = critical[n_advances[critical] != STARTS], critical[n_advances[critical] == STARTS]
     if advance == "all":
-        return np.concatenate([tips, _tied(starts, criticality)])
+        return np.concatenate([largest_first(tips, criticality, places), _tied(starts, criticality)])
     if advance == "in_turn":
         tips = _least_advanced(tips, n_advances)
     tied = _tied(np.concatenate([tips, starts]), criticality)
     first = tied[n_advances[tied] != STARTS]
     return _least_advanced(first if len(first) else tied, n_advances)[:1]
+
+
+def largest_first(sites: Ints, sizes: Floats, places: Floats) -> Ints:
+    """The sites (k,) by their sizes (n,), and those of equal size from left to right, by their `places` (n, 2).
+
+    A segment ends on what those before it have made. By their places alone a scene and its mirror image would differ.
+    """
+    left, found = sites[_from_left(places)[sites].argsort()], []
+    while len(left):
+        found.append(_tied(left, sizes))
+        left = left[~np.isin(left, found[-1])]
+    return np.concatenate(found) if found else left
+
+
+def _from_left(places: Floats) -> Ints:
+    """The rank (n,) of places (n, 2) from left to right, of those equally far to the left upwards."""
+    apart = AS_FAR_LEFT * float(np.ptp(places, axis=0).max(initial=0.0)) or 1.0
+    return np.asarray(np.lexsort((places[:, 1], np.round(places[:, 0] / apart))).argsort())
 
 
 def _tied(sites: Ints, criticality: Floats) -> Ints:

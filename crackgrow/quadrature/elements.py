@@ -16,7 +16,7 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.arrangement import as_numbers, ring_vertices
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
-from crackgrow.ragged import Ragged
+from crackgrow.ragged import Ragged, places
 from crackgrow.vectors import cross
 
 LARGEST = 2.0
@@ -24,6 +24,10 @@ LARGEST = 2.0
 
 NEAREST = 1e-5
 """Triangles smaller than this part of their cell are not halved any further: their share is below that of the rules."""
+
+ALIKE = 1e-9
+"""What differs by less than this part is alike: which of two sides of a triangle rounding makes the longest must not
+matter. Halves of right triangles have two such sides."""
 
 MORE_POINTS_WHERE_FADING = 1
 """Points per direction on top where tip functions fade out: chi folds inside of elements. Without, 4e-4 of K_II."""
@@ -60,7 +64,7 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     corners, owner = corners[~smooth], owner[~smooth]
     if len(corners):
         tips = np.array([tip.point for tip in cover.tips])
-        at_tip, corners = _tip_first(corners, tips)
+        at_tip, corners, owner = _tip_first(corners, owner, tips)
         points, weights = on_tip_triangles(corners[at_tip], n + MORE_POINTS_AT_TIPS + more)
         sides = corners[at_tip, 1:] - corners[at_tip, :1]
         exact = 0.5 * np.abs(cross(sides[:, 0], sides[:, 1]))  # the rule gives areas to 1e-5
@@ -84,16 +88,35 @@ def triangulate(polygons: NDArray[np.object_]) -> tuple[Floats, Ints]:
 def _triangles(polygons: NDArray[np.object_]) -> tuple[Floats, Ints]:
     """Triangles (t, 3, 2) of polygons, and their polygon (t,), that a mirror image of the polygons has as well.
 
-    Delaunay triangles are unique unless four corners lie on a circle: rectangles are cut from their middle.
+    Delaunay triangles are unique unless four corners lie on a circle: such polygons are cut from their middle.
     """
-    x0, y0, x1, y1 = shapely.bounds(polygons).T
-    rectangular = shapely.area(polygons) == (x1 - x0) * (y1 - y0)  # exact: vertices are on a grid
-    others, rectangles = np.flatnonzero(~rectangular), np.flatnonzero(rectangular)
-    corners, owner = triangulate(polygons[others])
-    start, end, which = ring_vertices(polygons[rectangles])
-    middle = 0.5 * np.stack([x0 + x1, y0 + y1], axis=1)[rectangles[which]]
+    corners, owner = triangulate(polygons)
+    cut = shapely.area(polygons) >= (1.0 - ALIKE) * shapely.area(shapely.convex_hull(polygons))
+    cut[cut] = _on_a_circle(polygons, corners, owner)[cut]
+    start, end, which = ring_vertices(polygons[cut])
+    middle = shapely.get_coordinates(shapely.centroid(polygons[cut]))[which]
     fans = np.stack([start, start[end], middle], axis=1)
-    return np.concatenate([corners, fans]), np.concatenate([others[owner], rectangles[which]])
+    unique = ~cut[owner]
+    return np.concatenate([corners[unique], fans]), np.concatenate([owner[unique], np.flatnonzero(cut)[which]])
+
+
+def _on_a_circle(polygons: NDArray[np.object_], corners: Floats, owner: Ints) -> Bools:
+    """Of which polygons (n,) a corner lies on the circle round one of their triangles (t, 3, 2), besides those of it.
+
+    With a, b and p from one corner of a triangle to the others and to the point, it does where
+    |a|^2 b x p + |b|^2 p x a + |p|^2 a x b = 0.
+    """
+    points, _, ring = ring_vertices(polygons)
+    row, at = places(np.append(0, np.cumsum(np.bincount(ring, minlength=len(polygons)))), owner)
+    point, first = points[at], corners[row, 0]
+    a, b, p = corners[row, 1] - first, corners[row, 2] - first, point - first
+    aa, bb, pp = (np.sum(v * v, axis=1) for v in (a, b, p))
+    off = np.abs(aa * cross(b, p) + bb * cross(p, a) + pp * cross(a, b))
+    own = (corners[row] == point[:, None]).all(axis=2).any(axis=1)
+    on = (off <= ALIKE * np.maximum(np.maximum(aa, bb), pp) ** 2) & ~own
+    found = np.zeros(len(polygons), dtype=bool)
+    found[owner[row[on]]] = True
+    return found
 
 
 def _on_tiles(cover: Cover, elements: Ints, n: int) -> tuple[Floats, Floats, Ints]:
@@ -105,15 +128,36 @@ def _on_tiles(cover: Cover, elements: Ints, n: int) -> tuple[Floats, Floats, Int
 
 
 def _on_corners(corners: Floats, owner: Ints, n: int) -> tuple[Floats, Floats, Ints]:
-    points, weights = on_triangles(_longest_first(corners), n)
+    points, weights = on_triangles(_apex_second(corners), n)
     return _flat(points, weights, owner)
 
 
-def _longest_first(corners: Floats) -> Floats:
-    """Triangles (t, 3, 2) turned so that the rule sees them alike, mirrored or not: the longest side runs from the last
-    to the first corner."""
-    sides = np.sum((corners - np.roll(corners, 1, axis=1)) ** 2, axis=2)  # of each corner from the one before it
-    turn = (np.argmax(sides, axis=1)[:, None] + np.arange(3)) % 3
+def _apex_second(corners: Floats) -> Floats:
+    """Triangles (t, 3, 2) turned so that the rule sees them alike, mirrored or not.
+
+    The rule's apex, the second corner, lies opposite the longest side; opposite the third one if two are the longest.
+    """
+    sides, first, second = _longest(corners)
+    base = np.where(_alike(sides, first, second), 3 - first - second, first)
+    return _turned(corners, base + 1)
+
+
+def _longest(corners: Floats) -> tuple[Floats, Ints, Ints]:
+    """Lengths (t, 3) of the sides of triangles (t, 3, 2), each from its corner to the next, and the two longest."""
+    sides = np.sqrt(np.sum((np.roll(corners, -1, axis=1) - corners) ** 2, axis=2))
+    order = np.argsort(sides, axis=1)
+    return sides, order[:, 2], order[:, 1]
+
+
+def _alike(sides: Floats, first: Ints, second: Ints) -> Bools:
+    """Whether two sides (t,) of triangles are equally long, of lengths (t, 3)."""
+    at = np.arange(len(sides))
+    return np.asarray(sides[at, second] >= (1.0 - ALIKE) * sides[at, first])
+
+
+def _turned(corners: Floats, first: Ints) -> Floats:
+    """Triangles (t, 3, 2) that begin with their corners `first` (t,), or those counted on."""
+    turn = (first[:, None] + np.arange(3)) % 3
     return np.asarray(np.take_along_axis(corners, turn[:, :, None], axis=1))
 
 
@@ -121,24 +165,32 @@ def _flat(points: Floats, weights: Floats, owner: Ints) -> tuple[Floats, Floats,
     return points.reshape(-1, 2), weights.ravel(), np.repeat(owner, points.shape[1])
 
 
-def _tip_first(corners: Floats, tips: Floats) -> tuple[Bools, Floats]:
-    """Which triangles (t, 3, 2) have a tip as a corner, and all triangles with that corner turned to the front."""
-    is_tip = np.isin(as_numbers(corners), as_numbers(tips))
-    turn = np.argmax(is_tip, axis=1)
-    turned = np.take_along_axis(corners, ((np.arange(3) + turn[:, None]) % 3)[:, :, None], axis=1)
-    return np.asarray(is_tip.any(axis=1)), turned
+def _tip_first(corners: Floats, owner: Ints, tips: Floats) -> tuple[Bools, Floats, Ints]:
+    """Which triangles (t, 3, 2) have a tip as a corner, all of them with that corner in front, and their element (t,).
+
+    Those with a tip at several corners are halved between two of them.
+    """
+    numbers = as_numbers(tips)
+    while True:
+        is_tip = np.isin(as_numbers(corners), numbers)
+        several = is_tip.sum(axis=1) > 1
+        if not several.any():
+            return np.asarray(is_tip.any(axis=1)), _turned(corners, np.argmax(is_tip, axis=1)), owner
+        between = is_tip[several] & np.roll(is_tip[several], -1, axis=1)
+        halves = _halves(_turned(corners[several], np.argmax(between, axis=1)))
+        corners = np.concatenate([corners[~several], *halves])
+        owner = np.concatenate([owner[~several], *[owner[several]] * len(halves)])
 
 
 def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged, nearest: Floats) -> tuple[Floats, Ints]:
     """Halve triangles across their longest side until all are small by their distance from their tips.
 
     Those smaller than `nearest` (elements,) are left. Halving the longest side keeps needles, which a crack close to a
-    lattice line leaves, from being cut lengthwise.
+    lattice line leaves, from being cut lengthwise. Where two sides are the longest, all three are halved.
     """
     done_corners, done_owner = [np.empty((0, 3, 2))], [np.empty(0, dtype=np.int64)]
     while len(corners):
-        sides = np.sqrt(np.sum((np.roll(corners, -1, axis=1) - corners) ** 2, axis=2))
-        longest = np.argmax(sides, axis=1)
+        sides, longest, second = _longest(corners)
         size = sides.max(axis=1)
         distance = np.full(len(corners), np.inf)
         which, pair = acting.places(owner)
@@ -146,12 +198,27 @@ def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged, nearest:
         large = (size > LARGEST * distance) & (size > nearest[owner])
         done_corners.append(corners[~large])
         done_owner.append(owner[~large])
-        turn = (longest[large, None] + np.arange(3)) % 3  # the longest side runs from the first to the second corner
-        a, b, c = np.take_along_axis(corners[large], turn[:, :, None], axis=1).transpose(1, 0, 2)
-        middle = 0.5 * (a + b)
-        corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
-        owner = np.tile(owner[large], 2)
+        alike = _alike(sides, longest, second)
+        in_two, in_four = large & ~alike, large & alike
+        halves, quarters = _halves(_turned(corners, longest)[in_two]), _quarters(corners[in_four])
+        corners = np.concatenate([*halves, *quarters])
+        owner = np.concatenate([*[owner[in_two]] * len(halves), *[owner[in_four]] * len(quarters)])
     return np.concatenate(done_corners), np.concatenate(done_owner)
+
+
+def _halves(corners: Floats) -> tuple[Floats, ...]:
+    """Two parts of triangles (t, 3, 2) whose first side is halved."""
+    a, b, c = corners.transpose(1, 0, 2)
+    middle = 0.5 * (a + b)
+    return np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)
+
+
+def _quarters(corners: Floats) -> tuple[Floats, ...]:
+    """Four parts of triangles (t, 3, 2), of their shape."""
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=1))
+    a, b, c = corners.transpose(1, 0, 2)
+    ab, bc, ca = middles.transpose(1, 0, 2)
+    return tuple(np.stack(part, axis=1) for part in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (bc, ca, ab)))
 
 
 def _distance(corners: Floats, point: Floats) -> Floats:

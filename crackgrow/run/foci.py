@@ -26,13 +26,11 @@ from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.halvings import AS_GIVEN
+from crackgrow.run.rim_singularities import SHARP_CORNER, rim_singularities
 from crackgrow.run.scene import Scene
 
 Asking = Iterator[tuple[shapely.Geometry, float]]
 """Places and the largest cells that they allow, both in lattice units."""
-
-SHARP_CORNER = np.deg2rad(20.0)
-"""Less sharp re-entrant corners are those of a curve."""
 
 BESIDE = 1.5
 """Spacings from a tip: farther away cells are no smaller for a tip, once all of them are halved."""
@@ -48,7 +46,8 @@ def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Latt
 
 def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
     """The places that ask for cells smaller than the largest, and all of the scene where all cells are halved."""
-    asking = chain(_at_tips(scene, cracks), _at_kinks(scene, cracks), _at_corners(scene), _beside_tips(scene, cracks))
+    corners = (_at_corners(scene), _at_rims_beside_tips(scene, cracks), _beside_tips(scene, cracks))
+    asking = chain(_at_tips(scene, cracks), _at_kinks(scene, cracks), *corners)
     # sizes are those asked for where the cells that nothing is asked of have the side that the case gives
     everywhere = 0.5**scene.halvings.everywhere
     finer = everywhere * scene.lattice.spacing / scene.case.numerics.spacing
@@ -131,18 +130,34 @@ def _at_corners(scene: Scene) -> Asking:
             yield where, finer * length.metres / preset.parts(length.kind) / scene.lattice.spacing
 
 
+def _at_rims_beside_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
+    """Re-entrant corners and ends of held parts, by their distance from the nearest tip."""
+    tips = _tips(cracks)
+    if scene.case.numerics.refine.corners != AUTO or not len(tips):
+        return
+    finer, preset = 0.5**scene.halvings.corners, preset_of(scene.case.numerics.accuracy)
+    for place in rim_singularities(scene):
+        if (tips != place.point).any(axis=1).all():
+            yield shapely.Point(place.point), finer * place.size_for(tips, preset.per_distance)
+
+
+def _tips(cracks: Sequence[CrackGeometry]) -> Floats:
+    """All tips (n, 2)."""
+    return np.array([crack.seen_from(end)[0] for crack in cracks for end in crack.tips()]).reshape(-1, 2)
+
+
 def _beside_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     """To measure the error of K: forces and supports at points, ends of loaded and held parts, that lie beside a tip.
 
     Cells round a tip grow with the distance from it, however small its own are: these places lie among them. Where
     nothing else asks for cells there, those that K is held against are the same, and tell nothing of such a place.
     """
-    tips = [crack.seen_from(end)[0] for crack in cracks for end in crack.tips()]
-    if scene.halvings == AS_GIVEN or scene.case.numerics.measured_of != "K" or not tips:
+    tips = _tips(cracks)
+    if scene.halvings == AS_GIVEN or scene.case.numerics.measured_of != "K" or not len(tips):
         return
     finer = 0.5**scene.halvings.corners
     for place in chain(_ends_of_regions(scene), _forces(scene)):
-        apart = float(np.hypot(*(np.array(tips) - place).T).min())
+        apart = float(np.hypot(*(tips - place).T).min())
         if 0.0 < apart < BESIDE:
             yield shapely.Point(place), finer * apart / ACROSS
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Growth, Subcritical
-from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
+from crackgrow.fracture.advance import STARTS, GrowingCrack, largest_first, leaving
 from crackgrow.fracture.subcritical import lengths, mean_velocity, velocities
 from crackgrow.run.advancing import End
 from crackgrow.run.judging import StepSolution
@@ -47,10 +47,10 @@ def leaves(growth: Growth, solution: StepSolution) -> Leaving:
     criticality, n_tips, cracks = site_criticality(solution), len(solution.tips), solution.cracks
     ends = solution.cover.tip_ends
     if growth.subcritical is not None:
-        return _in_time(growth.subcritical, growth.increment, cracks, (ends, criticality[:n_tips]))
+        return _in_time(growth.subcritical, growth.increment, solution, criticality[:n_tips])
     n_advances = np.full(len(criticality), STARTS, dtype=np.int64)
     n_advances[:n_tips] = [cracks[index].n_advances(at_end) for index, at_end in ends]
-    places = np.array([site.point for site in solution.configuration.sites]).reshape(-1, 2)
+    places = _places(solution)
     sites = leaving(criticality, n_advances, places, growth.advance)
     on_cracks = [solution.configuration.sites[site].kind == "crack" for site in sites[sites >= n_tips].tolist()]
     if not all(on_cracks):  # on rims and in rock equal ones are neighbours: the first relieves them
@@ -84,14 +84,14 @@ def lapse(left: Leaving, solution: StepSolution) -> tuple[float, StepSolution]:
     return left.time * before / mean, solution
 
 
-def _in_time(
-    law: Subcritical,
-    increment: float,
-    cracks: tuple[GrowingCrack, ...],
-    tips: tuple[Sequence[End], Floats],
-) -> Leaving:
-    """What leaves by velocities; `tips` are their ends and criticality (n,)."""
-    ends, criticality = tips
+def _places(solution: StepSolution) -> Floats:
+    """Where the sites are (n, 2), those of tips first, in lattice coordinates."""
+    return np.array([site.point for site in solution.configuration.sites]).reshape(-1, 2)
+
+
+def _in_time(law: Subcritical, increment: float, solution: StepSolution, criticality: Floats) -> Leaving:
+    """What leaves by velocities; `criticality` (n,) of the tips."""
+    ends, cracks = solution.cover.tip_ends, solution.cracks
     velocity = velocities(criticality, law)
     gathered = np.array([cracks[index].gathered[at_end] for index, at_end in ends])
     length, left, first = lengths(velocity, gathered, increment)
@@ -102,7 +102,6 @@ def _in_time(
         replace(crack, gathered=(waiting.get((index, False), 0.0), waiting.get((index, True), 0.0)))
         for index, crack in enumerate(cracks)
     )
-    order = np.argsort(-length, kind="stable")
-    goes = order[length[order] > 0.0]
+    goes = largest_first(np.flatnonzero(length > 0.0), length, _places(solution))
     far, fast = ({ends[tip]: float(values[tip]) for tip in goes.tolist()} for values in (length, velocity))
     return Leaving(goes, kept, far, fast, float((increment - gathered[first]) / velocity[first]))

@@ -37,6 +37,7 @@ CELL_RULES: Final = {
     "per_radius": "averaging radius of the tip stress; of cells at tips",
     "per_feature": "width of a hole, diameter of a re-entrant corner or curve",
     "per_bridge": "rock between holes, outline and re-entrant corners",
+    "per_distance": "way from the nearest tip to a re-entrant corner or the end of a held part; of cells there",
     "per_support": "supported part of an edge or interface",
     "per_load": "loaded part of an edge",
 }

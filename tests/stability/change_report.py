@@ -19,8 +19,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from tests.stability.changed_scenes import CHANGES, TOLERANCE, comparable_scene, deviations
-from tests.stability.growing_scenes import KINDS
+from tests.stability.changed_scenes import CHANGES, TOLERANCE, deviations
+from tests.stability.growing_scenes import KINDS, growing_scene
 from tests.stability.growth_report import Record, options, read_records
 from tests.stability.judge.written import run_case
 from tests.stability.random_scenes import text_of
@@ -31,7 +31,7 @@ def compare(seed: int, folder: Path, limit: float) -> list[Record]:
     place = folder / str(seed)
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
-    scene, runs = comparable_scene(seed), {}
+    scene, runs = growing_scene(seed), {}
     for name, document in {"as it is": scene, **{change.name: change.apply(scene) for change in CHANGES}}.items():
         file = place / f"{name}.yaml"
         file.write_text(text_of(document), encoding="utf-8")

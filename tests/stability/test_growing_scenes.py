@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.stability.changed_scenes import CHANGES, TOLERANCE, comparable_scene, deviations
+from tests.stability.changed_scenes import CHANGES, TOLERANCE, deviations
 from tests.stability.growing_scenes import KINDS, growing_scene
 from tests.stability.judge.verdict import judged, outcome
 from tests.stability.judge.written import WrittenRun, run_case
@@ -58,7 +58,7 @@ def test_nothing_is_wrong_without_a_word_in_many_scenes(tmp_path: Path) -> None:
 @pytest.mark.parametrize("seeds", [(CHANGED,), pytest.param(range(40), marks=pytest.mark.slow)])
 def test_the_same_scene_written_otherwise_has_the_same_results(tmp_path: Path, seeds: range) -> None:
     for seed in seeds:
-        scene = comparable_scene(seed)
+        scene = growing_scene(seed)
         first = run_scene(tmp_path, f"{seed}", scene)
         for change in CHANGES:
             other = run_scene(tmp_path, f"{seed} {change.name}", change.apply(scene))

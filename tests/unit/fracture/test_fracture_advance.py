@@ -42,8 +42,9 @@ def numbers(
     return leaving(np.array(criticality), counts, places, advance).tolist()
 
 
-def test_all_critical_tips_grow_with_all() -> None:
-    assert numbers([1.2, 0.9, 1.0, 3.0], "all") == [0, 2, 3]
+def test_all_critical_tips_grow_with_all_the_most_critical_first() -> None:
+    assert numbers([1.2, 0.9, 1.0, 3.0], "all") == [3, 0, 2]
+    assert numbers([1.2, 3.0 * (1.0 + 0.5 * TIE), 1.2 * (1.0 + 0.5 * TIE), 3.0], "all") == [1, 3, 0, 2]
 
 
 @pytest.mark.parametrize("advance", ["most_critical", "in_turn", "all"])
@@ -438,7 +439,7 @@ def test_in_the_rock_a_new_crack_goes_both_ways() -> None:
 def test_the_most_critical_crack_starts_and_a_tip_that_is_equal_goes_first() -> None:
     places = np.array([[0.0, 0.0], [1.0, 0.0], [-2.0, 0.0], [3.0, 0.0]])
     counts = np.array([3, 5, STARTS, STARTS])
-    for way, expected in (("all", [0, 1, 3]), ("most_critical", [3]), ("in_turn", [3])):
+    for way, expected in (("all", [1, 0, 3]), ("most_critical", [3]), ("in_turn", [3])):
         assert leaving(np.array([1.1, 1.2, 1.3, 1.4]), counts, places, way).tolist() == expected
     for way in ("most_critical", "in_turn"):
         assert leaving(np.array([1.0, 0.5, 1.0 + 0.1 * TIE, 0.9]), counts, places, way).tolist() == [0]

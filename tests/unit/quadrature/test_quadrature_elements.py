@@ -138,3 +138,30 @@ def test_triangles_fill_polygons_with_holes_and_use_their_corners_only() -> None
     np.testing.assert_allclose(np.bincount(owner, area), [15.0, 5.0], rtol=1e-14)
     known = {tuple(p) for p in shapely.get_coordinates([frame, hook])}
     assert {tuple(p) for p in corners.reshape(-1, 2)} == known
+
+
+MIRRORED = {
+    "across cells": [(1.7, 2.2), (4.6, 3.4)],
+    "at 45 degrees, off the nodes": [(1.2, 1.7), (4.1, 4.6)],
+    "a tip on a line of the lattice": [(1.7, 2.2), (4.0, 3.4)],
+    "along a line of the lattice": [(1.7, 3.0), (4.6, 3.0)],
+    "within a cell": [(3.2, 2.3), (3.8, 2.7)],
+}
+
+
+@pytest.mark.parametrize("path", MIRRORED)
+@pytest.mark.parametrize("mirror", [(-1.0, 1.0), (1.0, -1.0)])
+def test_points_of_the_mirrored_body_are_the_mirrored_points(build, path: str, mirror: tuple[float, float]) -> None:
+    """Halves of right triangles have two longest sides, and rectangles four corners on a circle: rounding decides."""
+    middle, found = np.array([3.5, 3.0]), []
+    for way in (np.ones(2), np.array(mirror)):
+        points = middle + (np.array(MIRRORED[path]) - middle) * way
+        sample = build.block((6, 5), [build.crack(points)], 2.0)
+        of = element_points(sample.cover, 4)
+        places = middle + (sample.lattice.to_metres(of.points) - middle) * way
+        found.append(np.column_stack([places, of.weights]))
+    here, there = (shapely.points(points[:, :2]) for points in found)
+    near, distance = shapely.STRtree(there).query_nearest(here, return_distance=True)
+    assert len(here) == len(there)
+    assert distance.max() < 1e-9
+    assert np.abs(found[0][near[0], 2] - found[1][near[1], 2]).max() < 1e-9
