@@ -71,6 +71,18 @@ def test_a_crack_that_has_grown_more_than_the_others_has_the_fitted_bound() -> N
         assert math.isnan(known.expected[tip]) == (crack == 1)
 
 
+def test_a_crack_that_has_started_since_has_the_fitted_bound_at_every_step() -> None:
+    two = load_case(CASES / "two_flaws.yaml", ["numerics.accuracy=draft", *QUIET])
+    _, solution = next(solved_steps(two))
+    last = solution.accuracy
+    assert last is not None
+    known = replace(last, grown=(1e-3,), ends=last.ends[:2], bounds=last.bounds[:2], expected=last.expected[:2])
+    for _ in range(2):
+        known = carried_over(known, solution, (1.5e-3, 0.2e-3))
+        assert known.bounds == (*last.bounds[:2], *fitted_bounds(solution)[2:])
+        assert [math.isnan(error) for error in known.expected] == [False, False, True, True]
+
+
 def test_a_scene_with_very_many_unknowns_has_the_fitted_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(aim_file, "MOST_UNKNOWNS_OF_A_NAME", 100)
     large = case("growth.steps=0")
