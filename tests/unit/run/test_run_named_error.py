@@ -59,6 +59,15 @@ def test_cells_to_compare_are_half_as_large_and_an_eighth_at_kinks() -> None:
     assert other.sizes.max() == solution.cover.sizes.max()
 
 
+def test_they_are_half_as_large_at_tips_of_a_crack_that_the_largest_cells_resolve() -> None:
+    """It asks for cells 2.1 times as large as they are."""
+    long = case("cracks.flaw.path={center: [0 mm, 0 mm], length: 33 mm, angle: 90}", "growth.steps=0")
+    result, solution = next(solved_steps(long))
+    assert [tip.size for tip in solution.cover.tips] == [1.0, 1.0]
+    assert [tip.size for tip in cover_of(compared(solution), beginning(long).cracks).tips] == [0.5, 0.5]
+    assert all(math.isfinite(tip.K_error_expected) for tip in result.tips)
+
+
 def test_a_crack_that_has_grown_more_than_the_others_has_the_fitted_bound() -> None:
     two = load_case(CASES / "two_flaws.yaml", ["numerics.accuracy=draft", *QUIET])
     _, solution = next(solved_steps(two))
