@@ -97,6 +97,7 @@ def test_a_scene_with_very_many_unknowns_has_the_fitted_bound(monkeypatch: pytes
     large = case("growth.steps=0")
     result, solution = next(solved_steps(large))
     assert all(math.isnan(tip.K_error_expected) for tip in result.tips)
+    assert result.factorizations == 1  # nothing else is solved
     assert [tip.K_I_error for tip in result.tips] == list(accuracy_of(solution, None).bounds)
 
 
