@@ -79,7 +79,8 @@ TIPS: Final = File(
                "that of K; with `implicit` of the increment that led to the tip"),
         Column("velocity", "m/s", "of the tip, by v = v_max (K/K_c)^n; nan but with `growth.law: subcritical`"),
         Column("K_error_expected", "Pa sqrt(m)", "error of K_I and K_II together that is expected, mostly right within "
-               "a factor of two; nan where it is not measured: the spacing is given, or there are very many unknowns"),
+               "a factor of two; nan where it is not measured: the spacing is given, strength is reduced, "
+               "unknowns are very many, or what was added to the crack is over twice what it was when K was measured"),
     ),
 )  # fmt: skip
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Protocol
 
-from crackgrow.case.model import Case, Goal
+from crackgrow.case.model import Case, Goal, StrengthReduction
 from crackgrow.errors import NotSolvedError
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.goal import goal_bound
@@ -28,9 +28,13 @@ MOST_UNKNOWNS_OF_A_NAME: Final = 60_000
 
 
 def measures_by_name(case: Case, n_dofs: int) -> bool:
-    """Whether a step of so many unknowns on the cells of a name is held against smaller ones."""
-    numerics = case.numerics
-    return numerics.measured and numerics.target is None and n_dofs <= MOST_UNKNOWNS_OF_A_NAME
+    """Whether a step of so many unknowns on the cells of a name is held against smaller ones.
+
+    Not where strength is reduced: of that search the factor of safety counts, and K of no tip.
+    """
+    numerics, reduced = case.numerics, isinstance(case.loading, StrengthReduction)
+    by_name = numerics.measured and numerics.target is None
+    return by_name and not reduced and n_dofs <= MOST_UNKNOWNS_OF_A_NAME
 
 
 class Ways(Protocol):

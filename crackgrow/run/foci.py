@@ -60,13 +60,13 @@ def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
 def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     """Tips: by the length of the crack, of the stretch behind the tip, of what it grows by, and by its room."""
     halvings, growth = _asked(scene, scene.case.numerics.refine.tips), scene.case.growth
-    more = [0.5 ** scene.halvings.at_tips(number) for number in range(len(cracks))]
+    times = [scene.halvings.at_tips(number) for number in range(len(cracks))]
     tips = [(n, crack, crack.seen_from(end)) for n, crack in enumerate(cracks) for end in crack.tips()]
     if halvings != AUTO:
         given, gather = _given(scene, halvings), scene.case.numerics.refine.tips == AUTO
         for n, _, points in tips:
-            size = more[n] * given
-            if gather and scene.halvings.at_tips(n):
+            size = 0.5 ** times[n] * given
+            if gather and times[n]:
                 size = min(size, max(_gathering(points), 0.5 ** scene.halvings.at_kinks(n) * given))
             yield shapely.Point(points[0]), size
         return
@@ -80,7 +80,7 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         size = min(line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
         room = others.nearest(crack, points[0], size * preset.per_room) / preset.per_room
         least = line_length(points) / preset.per_rough
-        yield shapely.Point(points[0]), more[number] * min(grown, max(min(size, room), least))
+        yield shapely.Point(points[0]), _halved(scene, min(grown, max(min(size, room), least)), times[number])
 
 
 def _gathering(points: Floats) -> float:
@@ -96,24 +96,24 @@ def _gathering(points: Floats) -> float:
 def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     """Sharp kinks, meetings of cracks, and ends that are no tips: they lie on outlines or on other cracks."""
     halvings, preset = _asked(scene, scene.case.numerics.refine.kinks), preset_of(scene.case.numerics.accuracy)
-    more = [0.5 ** scene.halvings.at_kinks(number) for number in range(len(cracks))]
+    times = [scene.halvings.at_kinks(number) for number in range(len(cracks))]
     given = None if halvings == AUTO else _given(scene, halvings)
-    for line, finer in zip((*cracks, *scene.interfaces), more + [1.0] * len(scene.interfaces), strict=True):
+    for line, n in zip((*cracks, *scene.interfaces), times + [0] * len(scene.interfaces), strict=True):
         sharp, parts = stretches(line.points)
         beside = np.sort([parts[:-1], parts[1:]], axis=0)
         sizes = np.minimum(beside[0] / preset.per_stretch, beside[1] / preset.per_longer)
         sizes = np.maximum(sizes, line_length(line.points) / preset.per_rough)
         for place, size in zip(sharp.tolist(), sizes.tolist(), strict=True):
-            yield shapely.Point(line.points[place]), finer * (size if given is None else given)
-    more = [0.5 ** scene.halvings.at_ends(number) for number in range(len(cracks))]
-    for crack, finer in zip(cracks, more, strict=True):
+            yield shapely.Point(line.points[place]), _halved(scene, size if given is None else given, n)
+    times = [scene.halvings.at_ends(number) for number in range(len(cracks))]
+    for crack, n in zip(cracks, times, strict=True):
         size = line_length(crack.points) / preset.per_crack
         for place, is_tip in ((0, crack.tip_at_start), (-1, crack.tip_at_end)):
             if not is_tip:
-                yield shapely.Point(crack.points[place]), finer * (size if given is None else given)
+                yield shapely.Point(crack.points[place]), _halved(scene, size if given is None else given, n)
     for place, length, both in _meetings(cracks):
         size = length / preset.per_crack if given is None else given
-        yield shapely.Point(place), min(more[number] for number in both) * size
+        yield shapely.Point(place), _halved(scene, size, max(times[number] for number in both))
 
 
 def _at_corners(scene: Scene) -> Asking:
@@ -175,6 +175,11 @@ def _asked(scene: Scene, halvings: int | Literal["auto"]) -> int | Literal["auto
 def _given(scene: Scene, halvings: int) -> float:
     """The size (spacings) of cells of the case halved so often."""
     return 0.5**halvings * scene.case.numerics.spacing / scene.lattice.spacing
+
+
+def _halved(scene: Scene, size: float, times: int) -> float:
+    """Cells halved some times at a place that asks for such a size: those of the case are there where it is larger."""
+    return 0.5**times * min(size, _given(scene, 0))
 
 
 class _Others:

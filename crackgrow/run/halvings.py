@@ -1,4 +1,4 @@
-"""How often cells are halved to meet a target of the error of K, and what is known of that error on them."""
+"""How often cells are halved to meet a target of the error of K or to measure it, and what is known of it on them."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ class StepSolution:
     origin: Origin = FROM_REST
     passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
     steepness: float = 1.0  # at a critical load: d ln(criticality) / d ln(load factor); nan where none is found
-    accuracy: Accuracy | None = None  # what was measured of the error of K for a target; None: there is none
+    accuracy: Accuracy | None = None  # what was measured of its error; None: nothing was
 
     @property
     def configuration(self) -> Configuration:

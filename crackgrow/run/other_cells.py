@@ -17,7 +17,7 @@ one of them, and B the fitted bound (`run.intensity_error`):
                                                             expected                 at most
     kinks halved three times, or cracks without kinks       E = sqrt(D^2 + S^2)      2 E
     kinks halved twice: cells can't be halved more often    E = 1.5 sqrt(D^2 + S^2)  2 E
-    nor so often: all cells twice as large                  E = 0.45 sqrt(D B)       3 E
+    nor so often: all twice, or half, as large              E = 0.45 sqrt(D B)       3 E
     nothing to hold K against                               not known                B
 
 How often these are right: tests/benchmarks/targets.md. Cells that are the same but at kinks would cost a quarter less,

@@ -53,10 +53,11 @@ def carried_over(last: Accuracy, solution: StepSolution, grown: tuple[float, ...
     """What was known of the step before, in the same shares of the K of this one; of other tips the fitted bound."""
     largest = largest_K(solution)
     scale = largest / last.largest if last.largest > 0.0 else 1.0
+    then = dict(enumerate(last.grown))  # a crack that has started since had nothing
     known = {
         end: (scale * bound, scale * expected)
         for end, bound, expected in zip(last.ends, last.bounds, last.expected, strict=True)
-        if _is_like(grown[end[0]], last.grown[end[0]])
+        if _is_like(grown[end[0]], then.get(end[0], 0.0))
     }
     ends = tuple(solution.cover.tip_ends)
     fitted = [(bound, math.nan) for bound in fitted_bounds(solution)]

@@ -105,11 +105,11 @@ class _Comparison:
         """The state on the cells to compare, None where there is none."""
         last = self.last
         like = solution.configuration if last is None or last.compared is None else last.compared
-        self.n_solves += 1
         try:
             state, seconds = self.aim.other(solution, self.ways, like)
         except (GeometryError, SolveError):
             return None
+        self.n_solves += 1
         self.seconds.update(seconds)
         return state
 

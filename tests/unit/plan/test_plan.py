@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from crackgrow import cli
 from crackgrow.case import Case, load_case
+from crackgrow.case.model import StrengthReduction
 from crackgrow.plan import cost, glyphs
 from crackgrow.plan.cost import Cost, estimated_cost, probe
 from crackgrow.plan.picture import draw_scene
@@ -163,6 +165,15 @@ def test_cost_grows_with_the_scene_and_its_steps() -> None:
     assert costs[0].n_later == 22
     assert Cost(1.0, 0.5, 22, 100.0).total == 12.0
     assert 0.0 < probe() < 1.0
+
+
+def test_a_search_of_strength_by_a_name_costs_what_it_does_with_a_given_spacing() -> None:
+    """The error of K is not measured in it."""
+    named = load_case(CASES / "compression30.yaml")
+    searched = replace(named, growth=None, loading=StrengthReduction())
+    given = replace(searched, numerics=replace(searched.numerics, auto_rule=None))
+    memory = [estimated_cost(case, sizes_of(named)).memory for case in (searched, given)]
+    assert memory[0] == memory[1]
 
 
 def test_larger_supports_cost_more() -> None:

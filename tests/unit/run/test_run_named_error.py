@@ -59,6 +59,15 @@ def test_cells_to_compare_are_half_as_large_and_an_eighth_at_kinks() -> None:
     assert other.sizes.max() == solution.cover.sizes.max()
 
 
+def test_they_are_half_as_large_at_tips_of_a_crack_that_the_largest_cells_resolve() -> None:
+    """It asks for cells 2.1 times as large as they are."""
+    long = case("cracks.flaw.path={center: [0 mm, 0 mm], length: 33 mm, angle: 90}", "growth.steps=0")
+    result, solution = next(solved_steps(long))
+    assert [tip.size for tip in solution.cover.tips] == [1.0, 1.0]
+    assert [tip.size for tip in cover_of(compared(solution), beginning(long).cracks).tips] == [0.5, 0.5]
+    assert all(math.isfinite(tip.K_error_expected) for tip in result.tips)
+
+
 def test_a_crack_that_has_grown_more_than_the_others_has_the_fitted_bound() -> None:
     two = load_case(CASES / "two_flaws.yaml", ["numerics.accuracy=draft", *QUIET])
     _, solution = next(solved_steps(two))
@@ -71,11 +80,24 @@ def test_a_crack_that_has_grown_more_than_the_others_has_the_fitted_bound() -> N
         assert math.isnan(known.expected[tip]) == (crack == 1)
 
 
+def test_a_crack_that_has_started_since_has_the_fitted_bound_at_every_step() -> None:
+    two = load_case(CASES / "two_flaws.yaml", ["numerics.accuracy=draft", *QUIET])
+    _, solution = next(solved_steps(two))
+    last = solution.accuracy
+    assert last is not None
+    known = replace(last, grown=(1e-3,), ends=last.ends[:2], bounds=last.bounds[:2], expected=last.expected[:2])
+    for _ in range(2):
+        known = carried_over(known, solution, (1.5e-3, 0.2e-3))
+        assert known.bounds == (*last.bounds[:2], *fitted_bounds(solution)[2:])
+        assert [math.isnan(error) for error in known.expected] == [False, False, True, True]
+
+
 def test_a_scene_with_very_many_unknowns_has_the_fitted_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(aim_file, "MOST_UNKNOWNS_OF_A_NAME", 100)
     large = case("growth.steps=0")
     result, solution = next(solved_steps(large))
     assert all(math.isnan(tip.K_error_expected) for tip in result.tips)
+    assert result.factorizations == 1  # nothing else is solved
     assert [tip.K_I_error for tip in result.tips] == list(accuracy_of(solution, None).bounds)
 
 
