@@ -37,8 +37,7 @@ TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "ti
 MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R", "held N")
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
-HELD_FOR_TARGET: Final = 1.5  # of memory: the cells that K is held against are kept, too, and more may be needed
-HELD_FOR_NAME: Final = 2.5  # of it: those are smaller, and half as many more
+HELD_WITH_OTHER: Final = 1.5  # of memory: the cells that K is held against are there, too
 MEASURED: Final = 1.9  # of the CPU of a step: with K held against other cells (tests/benchmarks/names.md)
 PROBE_SIZE, PROBE_REPEATS = 260, 7
 USUAL_PAIRS = 115.0  # of patches on an element, by the dofs of the patches, at a support of 2
@@ -94,9 +93,10 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
     history = case.last_step + 1 if static else 1
     share = 1.0 if isinstance(case.loading, Stages) else STATIC_SHARE
     first, later = (slower * float(terms @ table[key]) for key in ("first", "later"))
-    held = 1.0 if case.numerics.target is None else HELD_FOR_TARGET
-    if sizes.n_tips and measures_by_name(case, sizes.n_dofs):
-        first, later, held = MEASURED * first, _now_and_then(case) * later, HELD_FOR_NAME
+    by_name = sizes.n_tips > 0 and measures_by_name(case, sizes.n_dofs)
+    held = HELD_WITH_OTHER if by_name or case.numerics.target is not None else 1.0
+    if by_name:
+        first, later = MEASURED * first, _now_and_then(case) * later
     return Cost(
         first_step=first,
         later_step=share * first if case.growth is None else solves * later,
@@ -108,7 +108,7 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
 def _now_and_then(case: Case) -> float:
     """What later steps take where their error is measured each time that what has grown is twice as long."""
     n = 0 if case.growth is None else case.growth.steps
-    return 1.0 if n == 0 else 1.0 + (MEASURED - 1.0) * n.bit_length() / n
+    return 1.0 + (MEASURED - 1.0) * ((n + 1).bit_length() - 1) / max(n, 1)
 
 
 def _memory(parts: np.ndarray[tuple[int], np.dtype[np.float64]], sizes: Sizes, held: float) -> float:
