@@ -29,6 +29,10 @@ ALIKE = 1e-9
 """What differs by less than this part is alike: which of two sides of a triangle rounding makes the longest must not
 matter. Halves of right triangles have two such sides."""
 
+THIN = 1e-4
+"""Triangles with a side below this part of the longest: the other two are alike whatever they are. Which of them is
+halved matters by the area, which is nothing."""
+
 MORE_POINTS_WHERE_FADING = 1
 """Points per direction on top where tip functions fade out: chi folds inside of elements. Without, 4e-4 of K_II."""
 
@@ -186,7 +190,8 @@ def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged, nearest:
     """Halve triangles across their longest side until all are small by their distance from their tips.
 
     Those smaller than `nearest` (elements,) are left. Halving the longest side keeps needles, which a crack close to a
-    lattice line leaves, from being cut lengthwise. Where two sides are the longest, all three are halved.
+    lattice line leaves, from being cut lengthwise. Where two sides are the longest, all three are halved; not so of
+    `THIN` ones: each part would be as thin, and two of its sides the longest.
     """
     done_corners, done_owner = [np.empty((0, 3, 2))], [np.empty(0, dtype=np.int64)]
     while len(corners):
@@ -198,7 +203,7 @@ def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged, nearest:
         large = (size > LARGEST * distance) & (size > nearest[owner])
         done_corners.append(corners[~large])
         done_owner.append(owner[~large])
-        alike = _alike(sides, longest, second)
+        alike = _alike(sides, longest, second) & (sides.min(axis=1) > THIN * size)
         in_two, in_four = large & ~alike, large & alike
         halves, quarters = _halves(_turned(corners, longest)[in_two]), _quarters(corners[in_four])
         corners = np.concatenate([*halves, *quarters])
