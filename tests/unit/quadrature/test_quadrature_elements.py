@@ -165,3 +165,13 @@ def test_points_of_the_mirrored_body_are_the_mirrored_points(build, path: str, m
     assert len(here) == len(there)
     assert distance.max() < 1e-9
     assert np.abs(found[0][near[0], 2] - found[1][near[1], 2]).max() < 1e-9
+
+
+@pytest.mark.parametrize("beside", [1e-9, -1e-9, 1e-7])
+def test_a_crack_just_beside_a_lattice_line_takes_not_many_more_points_than_one_on_it(build, beside: float) -> None:
+    """Its needles were cut into four as thin ones, each of them again: a million triangles."""
+    counts = []
+    for y in (2.0, 2.0 + beside):
+        sample = build.block((6, 5), [build.crack([[1.3, y], [3.0 + beside, y]])], 2.0)
+        counts.append(len(element_points(sample.cover, 4).points))
+    assert counts[1] < 12 * counts[0]
