@@ -24,9 +24,8 @@ from crackgrow.cover.gathered import STRAIGHT
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import CrackGeometry
-from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.halvings import AS_GIVEN
-from crackgrow.run.rim_singularities import SHARP_CORNER, rim_singularities
+from crackgrow.run.rim_singularities import SHARP_CORNER, rim_singularities, ring_turns
 from crackgrow.run.scene import Scene
 
 Asking = Iterator[tuple[shapely.Geometry, float]]
@@ -214,8 +213,7 @@ def _corners(scene: Scene) -> Iterator[Floats]:
     """Re-entrant corners; the rock lies on the left of all rings."""
     for body in scene.bodies:
         for ring in body.rings:
-            turns = kink_angles(np.concatenate([ring[-1:], ring, ring[:1]]))
-            yield from ring[turns < -SHARP_CORNER]
+            yield from ring[ring_turns(ring) < -SHARP_CORNER]
 
 
 def _ends_of_regions(scene: Scene) -> Iterator[Floats]:

@@ -83,14 +83,14 @@ def rock_angle(body: BodyGeometry, place: Floats) -> float:
     for ring in body.rings:
         near = np.flatnonzero(np.hypot(*(ring - place).T) < SAME_PLACE)
         if len(near):
-            return float(np.pi - _turns(ring)[near[0]])
+            return float(np.pi - ring_turns(ring)[near[0]])
     on_side = any(shapely.dwithin(shapely.LinearRing(ring), shapely.Point(place), SAME_PLACE) for ring in body.rings)
     return float(np.pi) if on_side else 0.0
 
 
 def _corners(ring: Floats) -> Iterator[RimSingularity]:
     """Re-entrant corners of a ring (n, 2) with the rock on its left, and the shorter of their sides."""
-    turns = _turns(ring)
+    turns = ring_turns(ring)
     sharp = np.flatnonzero(np.abs(turns) > SHARP_CORNER)
     along = np.append(0.0, np.cumsum(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)))
     sides = np.diff(along[sharp], append=along[sharp[:1]] + along[-1])
@@ -113,6 +113,6 @@ def _ends(region: EdgeRegion, body: BodyGeometry) -> Iterator[RimSingularity]:
             yield RimSingularity(end, extent, exponent)
 
 
-def _turns(ring: Floats) -> Floats:
+def ring_turns(ring: Floats) -> Floats:
     """How far (n,) rad a ring (n, 2) turns to the left at its corners."""
     return kink_angles(np.concatenate([ring[-1:], ring, ring[:1]]))

@@ -73,7 +73,7 @@ def test_a_crack_that_has_grown_more_than_the_others_has_the_fitted_bound() -> N
     _, solution = next(solved_steps(two))
     last = solution.accuracy
     assert last is not None
-    known = carried_over(replace(last, grown=(1e-3, 1e-3)), solution, (1.5e-3, 3e-3))
+    known = carried_over(replace(last, grown=(1e-3, 1e-3)), solution, (1.5e-3, 3e-3), fitted_bounds(solution))
     fitted = fitted_bounds(solution)
     for tip, (crack, _) in enumerate(solution.cover.tip_ends):
         assert known.bounds[tip] == (fitted[tip] if crack == 1 else last.bounds[tip])
@@ -87,9 +87,17 @@ def test_a_crack_that_has_started_since_has_the_fitted_bound_at_every_step() -> 
     assert last is not None
     known = replace(last, grown=(1e-3,), ends=last.ends[:2], bounds=last.bounds[:2], expected=last.expected[:2])
     for _ in range(2):
-        known = carried_over(known, solution, (1.5e-3, 0.2e-3))
+        known = carried_over(known, solution, (1.5e-3, 0.2e-3), fitted_bounds(solution))
         assert known.bounds == (*last.bounds[:2], *fitted_bounds(solution)[2:])
         assert [math.isnan(error) for error in known.expected] == [False, False, True, True]
+
+
+def test_what_was_not_measured_is_not_carried_over() -> None:
+    """The fitted bound is that of the step itself."""
+    _, solution = next(solved_steps(case("growth.steps=0")))
+    last = replace(accuracy_of(solution, None), grown=(0.0,), bounds=(1.0, 2.0))
+    fitted = fitted_bounds(solution)
+    assert carried_over(last, solution, (0.0,), fitted).bounds == tuple(fitted)
 
 
 def test_a_scene_with_very_many_unknowns_has_the_fitted_bound(monkeypatch: pytest.MonkeyPatch) -> None:
