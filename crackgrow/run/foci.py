@@ -25,6 +25,7 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.run.halvings import AS_GIVEN
+from crackgrow.run.nearby import Nearby
 from crackgrow.run.rim_singularities import SHARP_CORNER, rim_singularities, ring_turns
 from crackgrow.run.scene import Scene
 
@@ -60,24 +61,24 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     """Tips: by the length of the crack, of the stretch behind the tip, of what it grows by, and by its room."""
     halvings, growth = _asked(scene, scene.case.numerics.refine.tips), scene.case.growth
     times = [scene.halvings.at_tips(number) for number in range(len(cracks))]
-    tips = [(n, crack, crack.seen_from(end)) for n, crack in enumerate(cracks) for end in crack.tips()]
+    tips = [(n, crack.seen_from(end)) for n, crack in enumerate(cracks) for end in crack.tips()]
     if halvings != AUTO:
         given, gather = _given(scene, halvings), scene.case.numerics.refine.tips == AUTO
-        for n, _, points in tips:
+        for n, points in tips:
             size = 0.5 ** times[n] * given
             if gather and times[n]:
                 size = min(size, max(_gathering(points), 0.5 ** scene.halvings.at_kinks(n) * given))
             yield shapely.Point(points[0]), size
         return
     preset, spacing = preset_of(scene.case.numerics.accuracy), scene.lattice.spacing
-    others = _Others(scene, cracks)
-    for number, crack, points in tips:
+    nearby = Nearby(scene, cracks)
+    for number, points in tips:
         grown = np.inf
         if growth is not None and growth.steps > 0:
             radius = length_of_average(growth, scene.case.bodies[scene.crack_bodies[number]].strength)
             grown = min(growth.increment / preset.per_increment, radius / preset.per_radius) / spacing
         size = min(line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
-        room = others.nearest(crack, points[0], size * preset.per_room) / preset.per_room
+        room = nearby.distance(number, points[0], size * preset.per_room) / preset.per_room
         least = line_length(points) / preset.per_rough
         yield shapely.Point(points[0]), _halved(scene, min(grown, max(min(size, room), least)), times[number])
 
@@ -179,23 +180,6 @@ def _given(scene: Scene, halvings: int) -> float:
 def _halved(scene: Scene, size: float, times: int) -> float:
     """Cells halved some times at a place that asks for such a size: those of the case are there where it is larger."""
     return 0.5**times * min(size, _given(scene, 0))
-
-
-class _Others:
-    """Lines that a tip may come near to: cracks, interfaces, outlines."""
-
-    def __init__(self, scene: Scene, cracks: Sequence[CrackGeometry]) -> None:
-        rings = [np.concatenate([ring, ring[:1]]) for body in scene.bodies for ring in body.rings]
-        lines = [*(crack.points for crack in cracks), *(line.points for line in scene.interfaces), *rings]
-        self._lines = np.array([shapely.LineString(points) for points in lines], dtype=object)
-        self._number = {crack.name: number for number, crack in enumerate(cracks)}
-        self._tree = shapely.STRtree(self._lines)
-
-    def nearest(self, crack: CrackGeometry, place: Floats, reach: float) -> float:
-        """Distance of the nearest other line from a tip of a crack; inf where there is none within `reach`."""
-        tip, own = shapely.Point(place), self._number[crack.name]
-        near = self._tree.query(tip, "dwithin", distance=reach)
-        return float(shapely.distance(tip, self._lines[near[near != own]]).min(initial=np.inf))
 
 
 def _meetings(cracks: Sequence[CrackGeometry]) -> Iterator[tuple[Floats, float, tuple[int, int]]]:

@@ -104,6 +104,7 @@ class Accuracy:
     goal: float = math.nan  # what the goal is off by at most, over its largest value; nan where that is K
     compared: Configuration | None = field(default=None, repr=False)  # that it was measured against, where it is kept
     expected: tuple[float, ...] = ()  # Pa sqrt(m), like bounds: what K_I and K_II together are off by, most likely
+    rooms: tuple[float, ...] = ()  # m, like bounds: to what lies nearest to the tip when this was measured; or nan
 
     def shares(self, crack: int | None = None) -> list[float]:
         """Bounds over the largest K, of the tips of one crack or of all, where they are known; or that of the goal."""
@@ -118,8 +119,8 @@ def record_of(accuracy: Accuracy) -> dict[str, Any]:
     """An accuracy as plain data, which knows no nan."""
     record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "fitted", "missed")}
     record["goal"] = None if math.isnan(accuracy.goal) else accuracy.goal if math.isfinite(accuracy.goal) else "inf"
-    for name in ("bounds", "expected"):
-        record[name] = [None if math.isnan(error) else error for error in getattr(accuracy, name)]
+    for name in ("bounds", "expected", "rooms"):
+        record[name] = [None if math.isnan(number) else number for number in getattr(accuracy, name)]
     return {**asdict(accuracy.halvings), **record}
 
 
@@ -128,15 +129,16 @@ def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
     return Accuracy(
         Halvings(record["everywhere"], tuple(record["cracks"]), record.get("corners", 0), record.get("kinks", 0)),
         tuple((crack, at_end) for crack, at_end in record["ends"]),
-        _errors(record["bounds"]),
+        _numbers(record["bounds"]),
         record["largest"],
         tuple(record["grown"]),
         record["fitted"],
         record["missed"],
         math.nan if record.get("goal") is None else float(record["goal"]),
-        expected=_errors(record.get("expected", record["bounds"])),
+        expected=_numbers(record.get("expected", record["bounds"])),
+        rooms=_numbers(record.get("rooms", [None] * len(record["bounds"]))),
     )
 
 
-def _errors(record: Iterable[float | None]) -> tuple[float, ...]:
-    return tuple(math.nan if error is None else error for error in record)
+def _numbers(record: Iterable[float | None]) -> tuple[float, ...]:
+    return tuple(math.nan if number is None else number for number in record)

@@ -39,6 +39,7 @@ from crackgrow.run.halvings import Accuracy, half_as_large
 from crackgrow.run.increments import LoadState
 from crackgrow.run.intensity_error import intensity_errors, largest_kink
 from crackgrow.run.judging import StepSolution, TipState, tip_states
+from crackgrow.run.nearby import room_at_tips
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
 
@@ -89,6 +90,7 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
         fitted=fitted_share(solution, all_fitted),
         compared=other.configuration if other is not None and keep else None,
         expected=tuple(expected),
+        rooms=room_at_tips(scene, cover),
     )
 
 

@@ -1,8 +1,9 @@
 """For how long what was measured of the error of K holds while cracks grow.
 
 What is known of the K of a crack holds until what was added to it is over twice as long, or one of its tips more or
-less is there. For a target all of it has to hold. A name chooses no cells by it: it is measured anew once what was
-added to all cracks together is over twice as long, and until then the fitted bound tells of those that have grown more.
+less is there; of the K of a tip until what lies nearest is a third nearer. For a target all of it has to hold. A name
+chooses no cells by it: it is measured anew once what was added to all cracks together is over twice as long, and until
+then the fitted bound tells of the others.
 """
 
 from __future__ import annotations
@@ -14,12 +15,19 @@ from dataclasses import replace
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.nearby import room_at_tips
 from crackgrow.run.other_cells import fitted_share, largest_K
 
 GROWN = 2.0
 """What is known of the error holds until what was added to a crack is over so many times as long, or B so much of K.
 
 It still does at just so many times, as where increments are alike.
+"""
+
+NEARER = 1.5
+"""What is known of the error at a tip holds until it has so many times less room.
+
+Measured in a plate that a crack grows through: with two the error is 1.6 times its bound where half of it is left.
 """
 
 ROUND_OFF = 1e-9
@@ -41,29 +49,37 @@ def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitt
     `fitted` are the fitted bounds of its tips.
     """
     if solution.scene.case.numerics.target is None:
-        lengths_hold = _is_like(sum(grown), sum(last.grown))
+        still = _is_like(sum(grown), sum(last.grown))
     else:
         same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.scene.halvings
-        lengths_hold = same and all(_is_like(*lengths) for lengths in zip(grown, last.grown, strict=True))
-    return lengths_hold and fitted_share(solution, fitted) <= GROWN * last.fitted
+        still = same and all(_still_known(last, solution, grown))
+    return still and fitted_share(solution, fitted) <= GROWN * last.fitted
+
+
+def carried_over(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitted: Sequence[float]) -> Accuracy:
+    """What was measured before, in the same shares of the K of this step; of other tips the `fitted` bound."""
+    largest, then = largest_K(solution), {end: number for number, end in enumerate(last.ends)}
+    scale = largest / last.largest if last.largest > 0.0 else 1.0
+    ends = tuple(solution.cover.tip_ends)
+    bounds, expected, rooms = list(fitted), [math.nan] * len(ends), [math.nan] * len(ends)
+    for tip, still in enumerate(_still_known(last, solution, grown)):
+        number = then.get(ends[tip], -1)
+        if still and not math.isnan(last.expected[number]):
+            bounds[tip], expected[tip] = scale * last.bounds[number], scale * last.expected[number]
+            rooms[tip] = last.rooms[number]
+    return replace(last, ends=ends, largest=largest, bounds=tuple(bounds), expected=tuple(expected), rooms=tuple(rooms))
+
+
+def _still_known(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> list[bool]:
+    """Whether what was measured at it holds, tip by tip."""
+    lengths = dict(enumerate(last.grown))  # a crack that has started since had nothing
+    rooms = dict(zip(last.ends, last.rooms, strict=True))
+    return [
+        end in rooms and _is_like(grown[end[0]], lengths.get(end[0], 0.0)) and not NEARER * room < rooms[end]
+        for end, room in zip(solution.cover.tip_ends, room_at_tips(solution.scene, solution.cover), strict=True)
+    ]
 
 
 def _is_like(now: float, then: float) -> bool:
     """Whether what was known with a length `then` holds `now`."""
     return now <= (1.0 + ROUND_OFF) * GROWN * then
-
-
-def carried_over(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitted: Sequence[float]) -> Accuracy:
-    """What was measured before, in the same shares of the K of this step; of other tips the `fitted` bound."""
-    largest = largest_K(solution)
-    scale = largest / last.largest if last.largest > 0.0 else 1.0
-    then = dict(enumerate(last.grown))  # a crack that has started since had nothing
-    known = {
-        end: (scale * bound, scale * expected)
-        for end, bound, expected in zip(last.ends, last.bounds, last.expected, strict=True)
-        if not math.isnan(expected) and _is_like(grown[end[0]], then.get(end[0], 0.0))
-    }
-    ends = tuple(solution.cover.tip_ends)
-    of_tips = [known.get(end, (bound, math.nan)) for end, bound in zip(ends, fitted, strict=True)]
-    bounds, expected = zip(*of_tips, strict=True) if of_tips else ((), ())
-    return replace(last, ends=ends, bounds=bounds, expected=expected, largest=largest)

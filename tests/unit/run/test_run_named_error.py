@@ -17,9 +17,10 @@ from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cover_of
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
+from crackgrow.run.nearby import room_at_tips
 from crackgrow.run.other_cells import accuracy_of, compared, fitted_bounds
 from crackgrow.run.scene import make_scene
-from crackgrow.run.still_known import carried_over
+from crackgrow.run.still_known import carried_over, holds
 
 CASES = Path(__file__).parents[3] / "cases"
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
@@ -85,11 +86,30 @@ def test_a_crack_that_has_started_since_has_the_fitted_bound_at_every_step() -> 
     _, solution = next(solved_steps(two))
     last = solution.accuracy
     assert last is not None
-    known = replace(last, grown=(1e-3,), ends=last.ends[:2], bounds=last.bounds[:2], expected=last.expected[:2])
+    first = {name: getattr(last, name)[:2] for name in ("ends", "bounds", "expected", "rooms")}
+    known = replace(last, grown=(1e-3,), **first)
     for _ in range(2):
         known = carried_over(known, solution, (1.5e-3, 0.2e-3), fitted_bounds(solution))
         assert known.bounds == (*last.bounds[:2], *fitted_bounds(solution)[2:])
         assert [math.isnan(error) for error in known.expected] == [False, False, True, True]
+
+
+def test_a_tip_with_a_third_less_room_has_the_fitted_bound() -> None:
+    """K beside an outline rises, and its error with it, faster than what is added to the crack."""
+    _, solution = next(solved_steps(case("growth.steps=0")))
+    last = solution.accuracy
+    assert last is not None
+    assert last.rooms == room_at_tips(solution.scene, solution.cover)
+    assert last.rooms == pytest.approx([10e-3, 10e-3])  # the crack's length: nothing is nearer
+    fitted = fitted_bounds(solution)
+    known = carried_over(replace(last, rooms=(14e-3, 16e-3)), solution, (0.0,), fitted)
+    assert known.bounds == (last.bounds[0], fitted[1])
+    assert [math.isnan(error) for error in known.expected] == [False, True]
+    _, targeted = next(solved_steps(case("growth.steps=0", "numerics.accuracy=3 %")))
+    last, fitted = targeted.accuracy, fitted_bounds(targeted)
+    assert last is not None
+    for rooms, still in (((14e-3, math.nan), True), ((14e-3, 16e-3), False)):
+        assert holds(replace(last, rooms=rooms), targeted, (0.0,), fitted) == still
 
 
 def test_what_was_not_measured_is_not_carried_over() -> None:
