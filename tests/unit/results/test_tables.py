@@ -22,7 +22,7 @@ def test_columns_are_those_of_the_contract() -> None:
     assert ",".join(tables.HEADERS["tips"]) == (
         "step,crack,tip,x,y,K_I,K_II,sigma_1,sigma_3,criterion,kink_deg,advanced,load_factor,K_I_error,K_II_error,"
         "K_radius,K_note,K_I_faces,K_II_faces,K_I_spread,K_II_spread,"
-        "cell_size,kink_error_deg,velocity,K_error_expected"
+        "cell_size,kink_error_deg,velocity,K_error_expected,criticality"
     )
     assert ",".join(tables.HEADERS["events"]) == "step,kind,crack,tip,x,y,met"
     assert ",".join(tables.HEADERS["paths"]) == "crack,vertex,x,y,step"
@@ -55,6 +55,7 @@ def test_tips_round_trip(tmp_path: Path) -> None:
     columns = ("K_I_error", "K_II_error", "K_radius", "K_I_faces", "K_II_faces", "K_I_spread", "K_II_spread")
     assert [float(end[name]) for name in columns] == [1e4, 2e4, 0.005, 1.9e6, 1e3, 2e3, 1e3]
     assert float(end["cell_size"]) == 1.5e-3
+    assert [float(row["criticality"]) for row in (start, end)] == [tip.criticality for tip in result.tips]
 
 
 def test_contact_round_trip(tmp_path: Path) -> None:
