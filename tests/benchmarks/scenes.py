@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from crackgrow.case import load_case
@@ -25,6 +25,11 @@ LARGE = 100_000
 """Unknowns beyond which a size is measured on request only."""
 
 SIZES = (10_000, 20_000, 40_000, 100_000, 200_000, 500_000)
+
+
+def solved_once(case: Case) -> Case:
+    """The case on the same cells, whose error of K is not measured: that is another solve, on smaller ones."""
+    return replace(case, numerics=replace(case.numerics, auto_rule=None))
 
 
 @dataclass(frozen=True, slots=True)
