@@ -76,7 +76,7 @@ TIPS: Final = File(
         Column("K_II_spread", "Pa sqrt(m)", "difference of K_II between three discs"),
         Column("cell_size", "m", "side of the cells round the tip"),
         Column("kink_error_deg", "deg", "bound of what the direction of growth is off by, which follows from "
-               "that of K; with `implicit` of the increment that led to the tip"),
+               "that of K, or from the criterion on other cells; with `implicit` of the increment that led to the tip"),
         Column("velocity", "m/s", "of the tip, by v = v_max (K/K_c)^n; nan but with `growth.law: subcritical`"),
         Column("K_error_expected", "Pa sqrt(m)", "error of K_I and K_II together that is expected, mostly right within "
                "a factor of two; nan where it is not measured: the spacing is given, strength is reduced, "
@@ -212,7 +212,7 @@ STEPS: Final = File(
         Column("overlap_share", "", "overlap, or a gap of pressed faces, over what is small beside jump and "
                "displacement; the run warns above 1"),
         Column("load_factor_error", "%", "bound of what a critical load factor is off by, which follows from that of "
-               "K; nan for other loads"),
+               "K, or from the criterion on other cells; nan for other loads"),
         Column("goal_error", "%", "bound of what `numerics.goal` is off by, over its largest value; nan where that is "
                "K or the accuracy is a preset"),
         Column("time", "s", "at which the cracks have come here; nan but with `growth.law: subcritical`"),

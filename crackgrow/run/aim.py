@@ -93,10 +93,16 @@ class OfK:
         return f"no crack has a tip{' yet' if waits else ''}"
 
     def other(self, solution: StepSolution, ways: Ways, like: Configuration) -> tuple[LoadState, Counter[str]]:
-        """The state at the solution's load factor; a name takes no such time for a large scene."""
+        """The state at the solution's load factor, or where bonds break at it, which they do not elsewhere, at its own.
+
+        A name takes no such time for a large scene.
+        """
         case, n_dofs = solution.scene.case, solution.cover.n_dofs
         if case.numerics.target is None and not measures_by_name(case, n_dofs):
             raise NotSolvedError(f"{n_dofs:,} unknowns are more than {MOST_UNKNOWNS_OF_A_NAME:,}")
+        if any(solution.jumps):
+            solved = ways.solve(compared(solution), like)
+            return solved.state, Counter(solved.seconds)
         return ways.state(compared(solution), solution.state.factor, like)
 
     def still_tells(self, solution: StepSolution, other: LoadState) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
+from crackgrow.case.model import Gravity, PointSupport
 from crackgrow.case.units import Metres
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import worst_ripple
@@ -144,14 +144,9 @@ def _overlapping(surfaces: Sequence[Misfit]) -> Iterator[Caution]:
 
 def _jumps(solution: StepSolution) -> Iterator[Caution]:
     """Tips that can grow whose stress is beyond the strength at the critical load factor."""
-    case = solution.scene.case
-    if not isinstance(case.loading, CriticalLoad):
-        return
-    for state, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True):
-        crack, verdict = case.cracks[index], state.verdict
-        grows = crack.tip_at_end if at_end else crack.tip_at_start
-        if grows and verdict is not None and verdict.criticality - 1.0 > Cause.JUMP.limit:
-            yield Cause.JUMP.at(_tip_name(solution, index, at_end), verdict.criticality)
+    for beyond, (index, at_end) in zip(solution.jumps, solution.cover.tip_ends, strict=True):
+        if beyond:
+            yield Cause.JUMP.at(_tip_name(solution, index, at_end), 1.0 + beyond)
 
 
 def _tip_name(solution: StepSolution, crack: int, at_end: bool) -> str:

@@ -1,8 +1,12 @@
-"""What follows from the error of K: by how much the direction of growth and the critical load factor may be off.
+"""By how much the direction of growth and the critical load factor may be off: by K, and by the criterion.
 
 K that is off by d adds the singular field of d to the stress round the tip. The criterion is asked where K_I and K_II
 are as far off as their bounds let them, K_I +- d_I and K_II +- d_II: the direction is off by as much as its answer
 turns. The load factor is off by 1/n of what the criticality is, with n = d ln(criticality) / d ln(load factor).
+
+The stress at the distance of its average is not that of K alone, and has an error of its own. Where the step is held
+against other cells (`run.other_cells`) the criterion is asked there, too: direction and criticality are off by three
+times what it says otherwise, or by what follows from K where that is more.
 
 Where the direction is that without shear at the new tip (`growth.direction: implicit`), a kink that is off by dt leaves
 K_II = K_I dt / 2 there, so that K_II that is off by d_II has turned the last increment by 2 d_II / K_I: what the hoop
@@ -21,6 +25,7 @@ from crackgrow.fracture.criteria import TipLoading, Verdict, hoop_stress_kink
 from crackgrow.run.judging import StepSolution, verdicts
 
 NAN = float("nan")
+CRITERION_AT_MOST = 3.0
 CORNERS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 
 Errors = Sequence[tuple[float, float]]
@@ -46,35 +51,52 @@ def kink_errors(solution: StepSolution, off: Judged) -> list[float]:
     """What the direction of growth may be off by (rad), tip by tip; nan without growth, or where K is not known."""
     growth = solution.scene.case.growth
     found = []
-    for state, others in zip(solution.tips, off, strict=True):
+    for state, others, (apart, _) in zip(solution.tips, off, _measured(solution), strict=True):
         if state.verdict is None or growth is None:
             found.append(NAN)
             continue
+        least = 0.0
         if growth.direction == "implicit" and state.verdict.mode == "tension":
             kink, kinks = hoop_stress_kink(*state.K), [hoop_stress_kink(each.K_I, each.K_II) for each, _ in others]
         else:
-            kink, kinks = state.verdict.kink, [says.kink for _, says in others]
-        found.append(max((abs(other - kink) for other in kinks), default=NAN))
+            kink, kinks, least = state.verdict.kink, [says.kink for _, says in others], apart
+        found.append(max((least, *(abs(other - kink) for other in kinks))) if kinks else NAN)
     return found
 
 
 def load_error(solution: StepSolution, off: Judged) -> float:
-    """What the critical load factor may be off by, over itself; nan where no tip of known K sets the load."""
+    """What the critical load factor may be off by, over itself; nan where no tip of known K sets the load.
+
+    Where bonds break at it, it is held against that on other cells.
+    """
     if not isinstance(solution.scene.case.loading, CriticalLoad):
         return NAN
+    measured = _measured(solution)
+    if any(solution.jumps):
+        return max((apart for _, apart in measured), default=0.0) or NAN
     ranges = [(0.0, 0.0, 0.0)]  # of the criticality of tips: as it is, the least and the largest that it may be
-    for state, (crack, at_end), others in zip(solution.tips, solution.cover.tip_ends, off, strict=True):
-        if state.verdict is None or not solution.cracks[crack].can_grow(at_end):
+    for state, grows, others, (_, apart) in zip(solution.tips, solution.grows, off, measured, strict=True):
+        if state.verdict is None or not grows:
             continue
-        own = [says.criticality for _, says in others]
-        if not own:
+        if not others:
             return NAN
-        ranges.append((state.verdict.criticality, min(own), max(own)))
+        here = state.verdict.criticality
+        own = [*(says.criticality for _, says in others), (1.0 - apart) * here, (1.0 + apart) * here]
+        ranges.append((here, min(own), max(own)))
     found, least, most = (float(max(column)) for column in zip(*ranges, strict=True))
     starts = max((start.verdict.criticality for start in solution.starts), default=0.0)
     if found <= 0.0 or starts > found or not solution.steepness > 0.0:
         return NAN
     return max(most / found - 1.0, 1.0 - least / found) / solution.steepness
+
+
+def _measured(solution: StepSolution) -> list[tuple[float, float]]:
+    """Direction (rad) and criticality, over itself, of all tips: at most what they are off by; 0 where not measured."""
+    known = solution.accuracy
+    if known is None:
+        return [(0.0, 0.0)] * len(solution.tips)
+    apart = np.nan_to_num(np.array([known.turns, known.criticalities]))
+    return [(turn, criticality) for turn, criticality in (CRITERION_AT_MOST * apart).T.tolist()]
 
 
 def _moved(loading: TipLoading | None, error: tuple[float, float]) -> list[TipLoading]:

@@ -105,6 +105,8 @@ class Accuracy:
     compared: Configuration | None = field(default=None, repr=False)  # that it was measured against, where it is kept
     expected: tuple[float, ...] = ()  # Pa sqrt(m), like bounds: what K_I and K_II together are off by, most likely
     rooms: tuple[float, ...] = ()  # m, like bounds: to what lies nearest to the tip when this was measured; or nan
+    turns: tuple[float, ...] = ()  # rad, like bounds: by what the direction of growth was another there; nan: not known
+    criticalities: tuple[float, ...] = ()  # the same of the criticality, of itself
 
     def shares(self, crack: int | None = None) -> list[float]:
         """Bounds over the largest K, of the tips of one crack or of all, where they are known; or that of the goal."""
@@ -119,26 +121,29 @@ def record_of(accuracy: Accuracy) -> dict[str, Any]:
     """An accuracy as plain data, which knows no nan."""
     record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "fitted", "missed")}
     record["goal"] = None if math.isnan(accuracy.goal) else accuracy.goal if math.isfinite(accuracy.goal) else "inf"
-    for name in ("bounds", "expected", "rooms"):
+    for name in ("bounds", "expected", "rooms", "turns", "criticalities"):
         record[name] = [None if math.isnan(number) else number for number in getattr(accuracy, name)]
     return {**asdict(accuracy.halvings), **record}
 
 
 def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
-    """The accuracy that was written as plain data."""
+    """The accuracy that was written as plain data; earlier versions wrote less of tips."""
+
+    def of_tips(name: str) -> tuple[float, ...]:
+        numbers = record.get(name, [None] * len(record["bounds"]))
+        return tuple(math.nan if number is None else number for number in numbers)
+
     return Accuracy(
         Halvings(record["everywhere"], tuple(record["cracks"]), record.get("corners", 0), record.get("kinks", 0)),
         tuple((crack, at_end) for crack, at_end in record["ends"]),
-        _numbers(record["bounds"]),
+        of_tips("bounds"),
         record["largest"],
         tuple(record["grown"]),
         record["fitted"],
         record["missed"],
         math.nan if record.get("goal") is None else float(record["goal"]),
-        expected=_numbers(record.get("expected", record["bounds"])),
-        rooms=_numbers(record.get("rooms", [None] * len(record["bounds"]))),
+        expected=of_tips("expected"),
+        rooms=of_tips("rooms"),
+        turns=of_tips("turns"),
+        criticalities=of_tips("criticalities"),
     )
-
-
-def _numbers(record: Iterable[float | None]) -> tuple[float, ...]:
-    return tuple(math.nan if number is None else number for number in record)

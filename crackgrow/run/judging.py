@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case.model import CriticalLoad
 from crackgrow.contact.faces import ContactFaces, points_at
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
@@ -19,6 +20,7 @@ from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
 from crackgrow.fracture.tip_stress import TipField, fields_of
+from crackgrow.run.caution import Cause
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
@@ -116,6 +118,20 @@ class StepSolution:
     def loads(self) -> Floats:
         """Loads (n_dofs,) N/m."""
         return self.configuration.loads(self.state.level)
+
+    @property
+    def grows(self) -> list[bool]:
+        """Whether each tip may advance."""
+        return [self.cracks[crack].can_grow(at_end) for crack, at_end in self.cover.tip_ends]
+
+    @property
+    def jumps(self) -> list[float]:
+        """What the criticality of each tip is beyond 1 at a critical load factor, where bonds break: 0 elsewhere."""
+        if not isinstance(self.scene.case.loading, CriticalLoad):
+            return [0.0] * len(self.tips)
+        beyond = [0.0 if tip.verdict is None else tip.verdict.criticality - 1.0 for tip in self.tips]
+        limit = Cause.JUMP.limit
+        return [more if grows and more > limit else 0.0 for grows, more in zip(self.grows, beyond, strict=True)]
 
     @property
     def displacement_size(self) -> float:

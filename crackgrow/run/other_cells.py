@@ -20,7 +20,8 @@ one of them, and B the fitted bound (`run.intensity_error`):
     nor so often: all twice, or half, as large              E = 0.45 sqrt(D B)       3 E
     nothing to hold K against                               not known                B
 
-How often these are right: tests/benchmarks/targets.md. Cells that are the same but at kinks would cost a quarter less,
+How often these are right: tests/benchmarks/targets.md. What the criterion says on the other cells is kept, too
+(`run.growth_error`). Cells that are the same but at kinks would cost a quarter less,
 since what is integrated elsewhere serves again, but would tell nothing of cells elsewhere: of a kinked crack beside a
 square hole 0.001 % where K is off by 0.6 %.
 """
@@ -29,16 +30,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from crackgrow.cover.refinement import MOST_LEVELS
+from crackgrow.fracture.criteria import Verdict
 from crackgrow.run.advancing import End
 from crackgrow.run.halvings import Accuracy, half_as_large
 from crackgrow.run.increments import LoadState
 from crackgrow.run.intensity_error import intensity_errors, largest_kink
-from crackgrow.run.judging import StepSolution, TipState, tip_states
+from crackgrow.run.judging import StepSolution, TipState, stress_fields, tip_states
 from crackgrow.run.nearby import room_at_tips
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
@@ -61,7 +64,7 @@ def compared(solution: StepSolution) -> Scene:
 
 
 def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
-    """What K is off by, by the state under the same loads on the cells to compare.
+    """What K, and what follows from the stress at tips, is off by: by the state under the same loads on other cells.
 
     Where there is none B alone is known.
     """
@@ -69,7 +72,7 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
     off = {} if other is None else _differences(solution, other)
     expected, bounds, all_fitted = [], [], fitted_bounds(solution)
     for tip, end, fitted in zip(cover.tips, cover.tip_ends, all_fitted, strict=True):
-        worst = max((off[each] for each in off if each[0] == end[0]), default=np.nan)
+        worst = max((off[each].K for each in off if each[0] == end[0]), default=np.nan)
         more = 0 if other is None else _more_at_kinks(solution, other, end[0])
         if np.isnan(worst) or np.isnan(fitted):
             error, most = np.nan, fitted
@@ -82,6 +85,7 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
         expected.append(error)
         bounds.append(most)
     keep = scene.case.numerics.target is not None  # a name's error is measured too seldom for that
+    each = [off.get(end, UNKNOWN) for end in cover.tip_ends]
     return Accuracy(
         scene.halvings,
         tuple(cover.tip_ends),
@@ -91,6 +95,8 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
         compared=other.configuration if other is not None and keep else None,
         expected=tuple(expected),
         rooms=room_at_tips(scene, cover),
+        turns=tuple(difference.turn for difference in each),
+        criticalities=tuple(difference.criticality for difference in each),
     )
 
 
@@ -117,21 +123,44 @@ def _more_at_kinks(solution: StepSolution, other: LoadState, crack: int) -> int:
     return others.finer_at_kinks(crack, mine)
 
 
-def _differences(solution: StepSolution, other: LoadState) -> dict[End, float]:
-    """sqrt(D^2 + S^2) (Pa sqrt(m)) of the tips where it is known; none if both have the same smallest cells.
+@dataclass(frozen=True, slots=True)
+class _Difference:
+    """Of a tip on two kinds of cells."""
+
+    K: float = np.nan  # Pa sqrt(m), sqrt(D^2 + S^2)
+    turn: float = np.nan  # rad, of the direction of growth; nan without growth
+    criticality: float = np.nan  # of itself; of the load factor where both have their own
+
+
+UNKNOWN: Final = _Difference()
+
+
+def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Difference]:
+    """Of the tips where K is known; none if both have the same smallest cells.
 
     So they can have where cells are as small as they can be.
     """
     apart = solution.cover.sizes.min() / other.configuration.cover.sizes.min()
     if 0.6 < apart < 1.5:
         return {}
-    scene, others, found = solution.scene, _K_of(other), {}
+    scene, others, found = solution.scene, _tips_of(other), {}
     for tip, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
-        difference = float(np.hypot(*np.subtract(others.get(end, np.nan), tip.K)))
-        if np.isfinite(difference):
+        there = others.get(end)
+        if there is not None and np.isfinite((*there.K, *tip.K)).all():
             pressed = _below_zero(tip) if scene.laws[end[0]].contact is not None else 0.0
-            found[end] = float(np.linalg.norm([difference, _spread(tip), pressed]))
+            K = float(np.linalg.norm([*np.subtract(there.K, tip.K), _spread(tip), pressed]))
+            turn, criticality = _criterion_apart(tip.verdict, there.verdict)
+            if other.factor != solution.state.factor:
+                criticality = abs(other.factor / solution.state.factor - 1.0)
+            found[end] = _Difference(K, turn, criticality)
     return found
+
+
+def _criterion_apart(here: Verdict | None, there: Verdict | None) -> tuple[float, float]:
+    """What the criterion says otherwise: of the direction (rad), and of the criticality over itself; nan if nothing."""
+    if here is None or there is None or not here.criticality > 0.0:
+        return np.nan, np.nan
+    return abs(there.kink - here.kink), abs(there.criticality / here.criticality - 1.0)
 
 
 def _below_zero(tip: TipState) -> float:
@@ -160,7 +189,7 @@ def largest_K(solution: StepSolution) -> float:
     return max((float(np.hypot(*tip.K)) for tip in solution.tips if np.isfinite(tip.K).all()), default=0.0)
 
 
-def _K_of(state: LoadState) -> dict[End, tuple[float, float]]:
-    """K of all tips of a state."""
-    tips = tip_states(state, [None] * len(state.cover.tips))
-    return dict(zip(state.cover.tip_ends, (tip.K for tip in tips), strict=True))
+def _tips_of(state: LoadState) -> dict[End, TipState]:
+    """What all tips of a state make of it."""
+    tips = tip_states(state, stress_fields(state)[: len(state.cover.tips)])
+    return dict(zip(state.cover.tip_ends, tips, strict=True))

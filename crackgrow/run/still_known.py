@@ -58,16 +58,30 @@ def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitt
 
 def carried_over(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitted: Sequence[float]) -> Accuracy:
     """What was measured before, in the same shares of the K of this step; of other tips the `fitted` bound."""
-    largest, then = largest_K(solution), {end: number for number, end in enumerate(last.ends)}
+    largest, ends = largest_K(solution), tuple(solution.cover.tip_ends)
     scale = largest / last.largest if last.largest > 0.0 else 1.0
-    ends = tuple(solution.cover.tip_ends)
-    bounds, expected, rooms = list(fitted), [math.nan] * len(ends), [math.nan] * len(ends)
-    for tip, still in enumerate(_still_known(last, solution, grown)):
-        number = then.get(ends[tip], -1)
-        if still and not math.isnan(last.expected[number]):
-            bounds[tip], expected[tip] = scale * last.bounds[number], scale * last.expected[number]
-            rooms[tip] = last.rooms[number]
-    return replace(last, ends=ends, largest=largest, bounds=tuple(bounds), expected=tuple(expected), rooms=tuple(rooms))
+    then = {end: number for number, end in enumerate(last.ends)}
+    measured = [
+        then[end] if still and not math.isnan(last.expected[then[end]]) else None
+        for end, still in zip(ends, _still_known(last, solution, grown), strict=True)
+    ]
+
+    def carried(numbers: Sequence[float]) -> tuple[float, ...]:
+        return tuple(math.nan if tip is None else numbers[tip] for tip in measured)
+
+    bounds = tuple(
+        bound if tip is None else scale * last.bounds[tip] for tip, bound in zip(measured, fitted, strict=True)
+    )
+    return replace(
+        last,
+        ends=ends,
+        largest=largest,
+        bounds=bounds,
+        expected=tuple(scale * error for error in carried(last.expected)),
+        rooms=carried(last.rooms),
+        turns=carried(last.turns),
+        criticalities=carried(last.criticalities),
+    )
 
 
 def _still_known(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> list[bool]:

@@ -1,10 +1,12 @@
-"""Bounds of the direction of growth and of critical load factors, which follow from that of K: they hold for 90 %.
+"""Bounds of the direction of growth and of critical load factors: they hold for 90 %.
 
 The truth is the same cracks on cells halved for `fine`. Measured on the scenes below and one more, three criteria and
 two sizes of cells: tips whose direction is within the bound, load factors within theirs, median of bound over error.
 
     directions    72    90 %    8
     load factors  36   100 %   11
+
+Where a name chooses the cells the criterion is asked on other ones, too; the truth is on cells for 0.1 %.
 """
 
 from __future__ import annotations
@@ -57,9 +59,9 @@ def growing(
 
 
 @cache
-def solved(name: str, criterion: str, spacing: float | None) -> StepResult:
-    """The first step on cells of one size (mm), or on halved ones."""
-    numerics = {"accuracy": "fine"} if spacing is None else {"spacing": spacing}
+def solved(name: str, criterion: str, cells: float | str) -> StepResult:
+    """The first step on cells of one size (mm), or on those of an accuracy."""
+    numerics = {"accuracy": cells} if isinstance(cells, str) else {"spacing": cells}
     return next(run(growing(SCENES[name][0](), criterion, numerics, 0, "explicit")))
 
 
@@ -82,41 +84,67 @@ def turn(a: float, b: float) -> float:
     return abs((a - b + 180.0) % 360.0 - 180.0)
 
 
-def directions() -> list[tuple[float, float]]:
-    found = []
-    for name, (_, spacings) in SCENES.items():
-        for criterion in CRITERIA:
-            true = solved(name, criterion, None)
-            for spacing in spacings:
-                for tip, fine in zip(solved(name, criterion, spacing).tips, true.tips, strict=True):
-                    found.append((turn(tip.kink_deg, fine.kink_deg), tip.kink_error_deg))
-    return found
+Pairs = list[tuple[StepResult, StepResult]]
 
 
-def loads() -> list[tuple[float, float]]:
-    found = []
-    for name, (_, spacings) in SCENES.items():
-        for criterion in CRITERIA:
-            true = solved(name, criterion, None).load_factor
-            for spacing in spacings:
-                step = solved(name, criterion, spacing)
-                if np.isfinite(step.load_factor_error):
-                    found.append((100.0 * abs(step.load_factor / true - 1.0), step.load_factor_error))
-    return found
+def of_one_size() -> Pairs:
+    """Steps on cells of one size, and the truth."""
+    return [
+        (solved(name, criterion, spacing), solved(name, criterion, "fine"))
+        for name, (_, spacings) in SCENES.items()
+        for criterion in CRITERIA
+        for spacing in spacings
+    ]
+
+
+def by_name() -> Pairs:
+    """Steps on the cells of names, and the truth."""
+    return [
+        (solved(name, criterion, accuracy), solved(name, criterion, "0.1 %"))
+        for name in SCENES
+        for criterion in CRITERIA
+        for accuracy in ("draft", "standard")
+    ]
+
+
+def directions(pairs: Pairs) -> list[tuple[float, float]]:
+    """What the direction of each tip is off by, and its bound, degrees."""
+    return [
+        (turn(tip.kink_deg, true.kink_deg), tip.kink_error_deg)
+        for step, truth in pairs
+        for tip, true in zip(step.tips, truth.tips, strict=True)
+    ]
+
+
+def loads(pairs: Pairs) -> list[tuple[float, float]]:
+    """What each critical load factor is off by, and its bound, percent."""
+    return [
+        (100.0 * abs(step.load_factor / truth.load_factor - 1.0), step.load_factor_error)
+        for step, truth in pairs
+        if np.isfinite(step.load_factor_error)
+    ]
 
 
 def test_directions_are_within_their_bounds() -> None:
-    part, ratio = covered(directions())
+    part, ratio = covered(directions(of_one_size()))
     assert part >= 0.9
     assert ratio < 30.0
 
 
 def test_critical_load_factors_are_within_their_bounds() -> None:
-    found = loads()
+    found = loads(of_one_size())
     assert len(found) == 15
     part, ratio = covered(found)
     assert part >= 0.9
     assert ratio < 30.0
+
+
+def test_both_are_where_the_error_of_K_is_measured() -> None:
+    """That of K is smaller then, and not all that they are off by: the stress they go by has an error of its own."""
+    for found in (directions(by_name()), loads(by_name())):
+        part, ratio = covered(found)
+        assert part >= 0.9, found
+        assert ratio < 10.0
 
 
 def test_the_direction_without_shear_is_within_its_bound() -> None:

@@ -120,6 +120,39 @@ def test_what_was_not_measured_is_not_carried_over() -> None:
     assert carried_over(last, solution, (0.0,), fitted).bounds == tuple(fitted)
 
 
+def test_what_the_criterion_says_on_the_other_cells_is_kept_and_carried_over() -> None:
+    """K may be the same on both, where the stress at the distance of its average is not."""
+    case_ = case("growth.steps=0", "loading=critical")
+    result, solution = next(solved_steps(case_))
+    last = solution.accuracy
+    assert last is not None
+    other = load(compared(solution), solution.cracks)
+    here, there = (solution.tips[0].verdict, other.tips[0].verdict)
+    assert here is not None
+    assert there is not None
+    share = other.state.factor / solution.state.factor  # both just meet the criterion, and stress is linear
+    assert last.criticalities == pytest.approx([abs(1.0 / share - 1.0)] * 2, rel=1e-3)
+    assert last.turns == pytest.approx([abs(there.kink - here.kink)] * 2, rel=1e-3)
+    assert result.load_factor_error >= 299.99 * last.criticalities[0]
+    assert all(tip.kink_error_deg >= math.degrees(2.9999 * last.turns[0]) for tip in result.tips)
+    again = carried_over(last, solution, (0.0,), fitted_bounds(solution))
+    assert (again.turns, again.criticalities) == (last.turns, last.criticalities)
+
+
+def test_where_bonds_break_at_the_critical_load_the_other_cells_have_their_own() -> None:
+    """At the same load they may not break: K would differ by more than half."""
+    bonded = [f"cracks.flaw.contact.{name}" for name in ("cohesion=1 MPa", "friction=0.1")]
+    result, solution = next(solved_steps(case("growth.steps=0", "loading=critical", *bonded)))
+    assert any(solution.jumps)
+    known = solution.accuracy
+    assert known is not None
+    other = load(compared(solution), solution.cracks)
+    apart = abs(other.state.factor / solution.state.factor - 1.0)
+    assert 0.0 < apart < 0.1
+    assert result.load_factor_error == pytest.approx(300.0 * apart, rel=1e-6)
+    assert max(known.shares()) < 0.3
+
+
 def test_a_scene_with_very_many_unknowns_has_the_fitted_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(aim_file, "MOST_UNKNOWNS_OF_A_NAME", 100)
     large = case("growth.steps=0")
