@@ -49,6 +49,12 @@ class Verdict:
     mode: Literal["tension", "shear"]  # how the tip grows, or would
     criticality: float  # stress over strength: the tip grows from 1 on
     kink: float  # rad, from the tip's direction to the growth direction
+    of_shear: float = 0.0  # stress over strength in shear, where tension comes first: a lower load may have met it
+
+    @property
+    def largest(self) -> float:
+        """The largest ratio of all branches. While the load rises from none, its first 1 is where the tip grows."""
+        return max(self.criticality, self.of_shear)
 
     @property
     def branch(self) -> Literal["tension", "shear", "none"]:
@@ -144,7 +150,7 @@ def strength(loading: TipLoading, limits: Strength) -> Verdict:
     planes = [plane for plane in planes if _within(field, plane)]
     tension, shear = tension * _within(field, across), shear * bool(planes)
     if tension >= 1.0 or tension >= shear or not planes:
-        return Verdict(s1, s3, "tension", tension, across)
+        return Verdict(s1, s3, "tension", tension, across, shear)
     _, along = hoop_and_shear(field, field.rays)
     seen = np.isfinite(along)
     shears = [abs(np.interp(plane, field.angles[seen], along[seen])) for plane in planes]
@@ -170,12 +176,12 @@ def directional_strength(loadings: Sequence[TipLoading], limits: Strength) -> li
     found = []
     for number, (first, last, own) in enumerate(zip(s1.tolist(), s3.tolist(), peaks.T.tolist(), strict=True)):
         tension, kink, sliding, shear_kink = own
-        tough = loadings[number].field.shear
+        tough, of_shear = loadings[number].field.shear, sliding
         if tough is not None and sees[number]:
             toughness = _at_shear_toughness(tough, limits)
-            sliding, shear_kink = toughness.criticality, toughness.kink
+            sliding, shear_kink, of_shear = toughness.criticality, toughness.kink, toughness.of_shear
         if tension >= 1.0 or tension >= sliding:
-            found.append(Verdict(first, last, "tension", tension, kink))
+            found.append(Verdict(first, last, "tension", tension, kink, of_shear))
         else:
             found.append(Verdict(first, last, "shear", sliding, shear_kink))
     return found
@@ -220,7 +226,8 @@ def _at_shear_toughness(field: TipField, limits: Strength) -> Verdict:
     largest, kink = _peak(angles, np.abs(shear))
     across = float(np.interp(kink, angles, hoop))
     resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * across
-    return Verdict(s1, s3, "shear", float(_ratio(largest, resistance)) if across < limits.tension else 0.0, kink)
+    ratio = float(_ratio(largest, resistance))
+    return Verdict(s1, s3, "shear", ratio if across < limits.tension else 0.0, kink, ratio)
 
 
 def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:

@@ -236,11 +236,14 @@ class _Search:
         return _Trial(0.0, [None] * len(self.can_grow), np.zeros(len(self.can_grow)), None)
 
     def _criticalities(self, loadings: Sequence[TipLoading | None]) -> Floats:
-        """Criticality site by site (n,), zero where no crack can leave or no loading is known."""
+        """Criticality site by site (n,), zero where no crack can leave or no loading is known.
+
+        It is that of all branches: where tension is met as well, shear may have been at a lower load.
+        """
         sites, found = self._configuration.sites, np.zeros(len(loadings))
         known = {n: loading for n, loading in enumerate(loadings) if self.can_grow[n] and loading is not None}
         said = verdicts(self._configuration.scene, [sites[number] for number in known], list(known.values()))
-        found[list(known)] = [verdict.criticality for verdict in said]
+        found[list(known)] = [verdict.largest for verdict in said]
         return found
 
 

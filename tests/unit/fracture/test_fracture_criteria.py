@@ -430,6 +430,22 @@ def test_where_cracks_start_the_same_toughness_holds(criterion: Criterion) -> No
 
 
 @pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+def test_a_branch_that_is_met_stays_met_as_the_load_rises(criterion: Criterion) -> None:
+    """The criticality does: from shear's to tension's where that comes first, though shear was met at a lower load."""
+    rng, fell, weak = np.random.default_rng(5), False, replace(ROCK, cohesion=1.0)
+    for K_I, K_II, along in rng.normal(size=(10, 3)) * (0.1, 0.2, 4.0):
+        site = near_field(K_I, K_II, along, pressure=1.0)
+        for last in (site, tough_in_shear(site.field)):
+            loads = [TipLoading.between(last.none, last, share) for share in np.linspace(0.0, 2.0, 100)]
+            verdicts = criterion.judge(loads, weak)
+            met = np.array([verdict.largest >= 1.0 for verdict in verdicts])
+            assert (np.diff(met.astype(int)) >= 0).all()
+            assert all(verdict.largest >= verdict.criticality for verdict in verdicts)
+            fell |= bool(np.diff([verdict.criticality for verdict in verdicts]).min() < -0.1)
+    assert fell == (criterion.name != "max_hoop_stress")
+
+
+@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
 def test_a_site_is_judged_alike_alone_and_among_others(criterion: Criterion) -> None:
     """Sites of all directions, with rays that cracks hide, with other rays, with none ahead, tough in shear."""
     rng = np.random.default_rng(3)
