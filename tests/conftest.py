@@ -21,6 +21,7 @@ from crackgrow.case.model import (
     PointSupport,
     Ring,
 )
+from crackgrow.case.surface import crack_name
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.refinement import Focus, refined
@@ -137,7 +138,7 @@ class Build:
     def crack(
         points: ArrayLike, tips: tuple[bool, bool] = (True, True), name: str = "crack", gathered: bool = False
     ) -> CrackGeometry:
-        return CrackGeometry(name, np.asarray(points, dtype=float), *tips, gathered=gathered)
+        return CrackGeometry(crack_name(name), np.asarray(points, dtype=float), *tips, gathered=gathered)
 
     @staticmethod
     def graded(lattice: Lattice, places: ArrayLike, levels: int, rings: float = 2.0) -> Lattice:

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.case.surface import SurfaceName
 from crackgrow.cover.cell_lengths import CellLengths, cell_lengths, sizes_beside
 from crackgrow.cover.crumbs import with_crumbs
 from crackgrow.cover.elements import Elements, cut_elements
@@ -28,7 +29,7 @@ from crackgrow.ragged import Ragged, starts_of
 class Foundation:
     """A part of a body's rim that a rigid foundation lies under."""
 
-    name: str
+    name: SurfaceName
     body: int
     sides: Ints  # (k,) sides of the body
     limits: Floats  # (k, 2) fractions of each side's length
@@ -38,7 +39,7 @@ class Foundation:
 class Surface:
     """A line where two faces can touch: a crack, an interface, or a body's rim on a foundation."""
 
-    name: str
+    name: SurfaceName
     points: Floats  # (n, 2) its corners
     edges: FaceEdges
     tip_at_start: bool

@@ -9,13 +9,14 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
+from crackgrow.case.surface import SurfaceName
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CrackGeometry:
     """A crack in lattice coordinates, or an interface, which has no tips."""
 
-    name: str
+    name: SurfaceName
     points: Floats  # (n, 2)
     tip_at_start: bool
     tip_at_end: bool

@@ -119,7 +119,7 @@ def _told(
     number = index if met.kind == "own_path" else numbers[met.number]
     grown[number] = closed(grown[number], met.end)
     if earlier[number].can_grow(met.end):
-        name = "its own path" if number == index else f"crack '{grown[index].crack.name}'"
+        name = "its own path" if number == index else grown[index].crack.surface.words
         yield Event(before.step, kind, grown[number].crack.name, _END[met.end], met.point, name)
 
 
@@ -131,9 +131,9 @@ def _named(
         return "coalescence", "its own path"
     near = SAME_PLACE * scene.lattice.spacing
     paths = ((line.name, shapely.LineString(scene.lattice.to_metres(line.points))) for line in scene.interfaces)
-    there = [f"interface '{name}'" for name, path in paths if shapely.dwithin(path, shapely.Point(met.point), near)]
+    there = [name.words for name, path in paths if shapely.dwithin(path, shapely.Point(met.point), near)]
     if met.kind == "crack":
-        return "coalescence", " on ".join([f"crack '{others[met.number].crack.name}'", *there[:1]])
+        return "coalescence", " on ".join([others[met.number].crack.surface.words, *there[:1]])
     if there:
         return "interface", there[0]
     if met.kind == "hole":

@@ -188,7 +188,7 @@ def _kinks(solution: StepSolution) -> Iterator[Caution]:
         found = np.flatnonzero((turns > cause.limit) & (distance < near - ON_LINE))
         if len(found):
             size = 1.0 / distance[found[0]] if closed else turns[found[0]]
-            told = {"crack": f"crack '{crack.name}'", "turn": turns[found[0]], "near": near}
+            told = {"crack": crack.name.words, "turn": turns[found[0]], "near": near}
             yield cause.at(_tip_name(solution, index, at_end), size, end="end" if at_end else "start", **told)
 
 

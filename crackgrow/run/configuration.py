@@ -169,7 +169,7 @@ class Configuration:
     def check_can_hold(self, level: LoadLevel, memory: ContactMemory | None = None) -> None:
         """Raise FreePieceError where no tractions that contact can carry hold a piece."""
         if self.contact.loose is not None:
-            names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
+            names = [str(self.cover.surfaces[surface].name) for surface in self.faces.surface.tolist()]
             check_can_hold(self.contact, names, self.loads(level), memory)
 
     def conjugates(self, level: LoadLevel, states: PointStates) -> Floats:

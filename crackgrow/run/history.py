@@ -11,7 +11,6 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import FacePoint, PointPair, RockPoint
-from crackgrow.contact.face_loads import is_named
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
@@ -104,8 +103,8 @@ def _jump(state: LoadState, point: FacePoint) -> tuple[float, float]:
     at = shapely.Point(cover.lattice.to_lattice(point.point))
     lines = {
         index: shapely.LineString(surface.points)
-        for index, (surface, law) in enumerate(zip(cover.surfaces, state.scene.laws, strict=True))
-        if is_named(surface.name, law.kind == "crack", point.surface)
+        for index, surface in enumerate(cover.surfaces)
+        if surface.name.is_of(point.surface)
     }
     if not lines:
         return np.nan, np.nan

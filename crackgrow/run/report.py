@@ -109,7 +109,7 @@ def _stress(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
 
     The energy does not hold the stress in the ground, which presses on cracks that stick at no displacement.
     """
-    cracks = (face for law, face in zip(solution.scene.laws, faces, strict=True) if law.kind == "crack")
+    cracks = (face for surface, face in zip(solution.cover.surfaces, faces, strict=True) if surface.name.is_crack)
     pressure = max((float(np.abs(face.normal_traction).max(initial=0.0)) for face in cracks), default=0.0)
     return max(pressure, mean_stress(solution))
 
@@ -132,7 +132,7 @@ def _tip(solution: StepSolution, tip: int, advances: bool, K_error: tuple[float,
     verdict, law = state.verdict, solution.scene.case.subcritical
     nan = float("nan")
     return TipResult(
-        crack=cover.cracks[index].name,
+        crack=str(cover.cracks[index].name),
         tip="end" if at_end else "start",
         point=cover.lattice.to_metres(cover.tips[tip].point),
         K_I=state.intensity.K_I,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import shapely
@@ -14,6 +15,7 @@ from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
     ContactSupport,
+    CoulombContact,
     EdgeLoad,
     FluidPressure,
     Gravity,
@@ -25,6 +27,7 @@ from crackgrow.case.model import (
     Stages,
     Strength,
 )
+from crackgrow.case.surface import numbered
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
@@ -120,8 +123,8 @@ class Scene:
         return bool(self._fluids(crack))
 
     def _fluids(self, crack: int) -> list[FluidPressure]:
-        name = self.case.cracks[crack].name
-        return [load for load in self.case.loads if isinstance(load, FluidPressure) and load.surface == name]
+        surface = self.case.cracks[crack].surface
+        return [load for load in self.case.loads if isinstance(load, FluidPressure) and load.surface == surface]
 
     def body_force(self, body: int, load_factor: float) -> BodyForce | None:
         """What pulls at the rock of a body at a load factor, besides a uniform in-situ stress; None for nothing."""
@@ -159,11 +162,11 @@ class Scene:
             return self
         loads = list(case.loads)
         for growing_crack in new:
-            on = None if growing_crack.parent is None else growing[growing_crack.parent].crack.name
+            on = None if growing_crack.parent is None else growing[growing_crack.parent].crack.surface
             fluids = [load for load in loads if isinstance(load, FluidPressure) and load.surface == on]
-            loads += [replace(load, surface=growing_crack.crack.name) for load in fluids]
+            loads += [replace(load, surface=growing_crack.crack.surface) for load in fluids]
         cracks = [growing_crack.crack for growing_crack in new]
-        laws = [SurfaceLaw("crack", c.contact, False, contact_stiffness(case, (c.body,))) for c in cracks]
+        laws = [_law(case, crack.contact, crack.body) for crack in cracks]
         halvings, numerics = self.halvings, case.numerics
         if numerics.target is not None:
             lengths = (line_length(crack.points) for crack in cracks)
@@ -258,41 +261,35 @@ def without(case: Case, gone: set[str]) -> Case:
 
     def is_left(load: Load) -> bool:
         if isinstance(load, FluidPressure):
-            return isinstance(load.surface, str) or gone.isdisjoint(load.surface)
+            return not load.surface.bounds(gone)
         return (load.region.body if isinstance(load, EdgeLoad) else load.body) not in gone
 
     return replace(
         case,
         bodies=tuple(body for body in case.bodies if body.name not in gone),
-        interfaces=tuple(interface for interface in case.interfaces if gone.isdisjoint(interface.bodies)),
+        interfaces=tuple(interface for interface in case.interfaces if not interface.surface.bounds(gone)),
         loads=tuple(filter(is_left, case.loads)),
     )
 
 
 def _scene_on(case: Case, lattice: Lattice) -> Scene:
     """The scene of a case on a lattice."""
-    bodies = {body.name for body in case.bodies}
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
-    laws = [SurfaceLaw("crack", c.contact, False, contact_stiffness(case, (c.body,))) for c in case.cracks]
-    interfaces = []
-    for interface in case.interfaces:
-        bonded = interface.contact == "bonded"
-        contact = None if isinstance(interface.contact, str) else interface.contact
-        for number, line in enumerate(interface.lines):
-            suffix = f".{number}" if len(interface.lines) > 1 else ""
-            name = "/".join(interface.bodies) + suffix
-            interfaces.append(CrackGeometry(name, lattice.to_lattice(line), False, False))
-            laws.append(SurfaceLaw("interface", contact, bonded, contact_stiffness(case, interface.bodies)))
-    foundations: list[Foundation] = []
-    on_edge = [f"{s.region.body}.{s.region.edge}" for s in case.supports if isinstance(s, ContactSupport)]
-    for support in case.supports:
-        if isinstance(support, ContactSupport) and support.region.body in bodies:
-            region, number = support.region, len(foundations)
-            suffix = f".{on_edge[:number].count(on_edge[number])}" if on_edge.count(on_edge[number]) > 1 else ""
-            index = body_index(case.bodies, region.body)
-            foundations.append(Foundation(on_edge[number] + suffix, index, region.sides, region.limits))
-            laws.append(SurfaceLaw("foundation", support.contact, False, contact_stiffness(case, (region.body,))))
+    lines = [(interface, line) for interface in case.interfaces for line in interface.lines]
+    names = numbered([interface.surface for interface, _ in lines])
+    interfaces = (
+        CrackGeometry(name, lattice.to_lattice(line), False, False)
+        for name, (_, line) in zip(names, lines, strict=True)
+    )
+    bodies = {body.name for body in case.bodies}
+    supports = [each for each in case.supports if isinstance(each, ContactSupport) and each.region.body in bodies]
+    regions = [support.region for support in supports]
+    names = numbered([support.surface for support in supports])
+    foundations = (
+        Foundation(name, body_index(case.bodies, region.body), region.sides, region.limits)
+        for name, region in zip(names, regions, strict=True)
+    )
     return Scene(
         case=case,
         lattice=lattice,
@@ -303,8 +300,18 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
         foundations=tuple(foundations),
         crack_bodies=crack_bodies,
         lengths=_lengths(case),
-        laws=tuple(laws),
+        laws=(
+            *(_law(case, crack.contact, crack.body) for crack in case.cracks),
+            *(_law(case, interface.contact, *interface.bodies) for interface, _ in lines),
+            *(_law(case, support.contact, support.region.body) for support in supports),
+        ),
     )
+
+
+def _law(case: Case, contact: CoulombContact | Literal["bonded"] | None, *bodies: str) -> SurfaceLaw:
+    """What holds the faces of a surface on some bodies, of which the case says this."""
+    law = contact if isinstance(contact, CoulombContact) else None
+    return SurfaceLaw(law, contact == "bonded", contact_stiffness(case, bodies))
 
 
 def _lengths(case: Case) -> tuple[Length, ...]:

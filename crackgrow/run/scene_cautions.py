@@ -75,11 +75,11 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     yield from _incompressible(scene)
     for crack in case.cracks:
         if crack.left_out:
-            yield Cause.LEFT_OUT.at(f"crack '{crack.name}'", crack.left_out)
+            yield Cause.LEFT_OUT.at(crack.surface.words, crack.left_out)
     for index, shape in enumerate(cover.cracks):
         length = cover.surfaces[index].in_cells.total
         if length < Cause.SHORT_CRACK.limit - SAME_PLACE and not ends_on(shape, cover.cracks):
-            yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
+            yield Cause.SHORT_CRACK.at(shape.name.words, 1.0 / length, length=length)
     yield from _contradictions(scene, cover)
     yield from _unresolved(scene, cover)
     yield from _moved(scene)
@@ -143,14 +143,14 @@ def _wide_averages(scene: Scene) -> Iterator[Caution]:
         share = radius / line_length(crack.points)
         if share > Cause.WIDE_AVERAGE.limit:
             told = {"radius": Metres(radius), "criterion": criterion, "percent": 50.0 * share}
-            yield Cause.WIDE_AVERAGE.at(f"crack '{crack.name}'", share, **told)
+            yield Cause.WIDE_AVERAGE.at(crack.surface.words, share, **told)
     if criterion in BY_K:
         return  # the given cracks go on in tension alone
     for radius, crack in _by_shear_toughness(scene):
         share = radius / line_length(crack.points)
         if share > Cause.WIDE_SHEAR.limit:
             told = {"radius": Metres(radius), "percent": 100.0 * (1.0 - 1.0 / np.sqrt(1.0 + share))}
-            yield Cause.WIDE_SHEAR.at(f"crack '{crack.name}'", share, **told)
+            yield Cause.WIDE_SHEAR.at(crack.surface.words, share, **told)
 
 
 def _short_starts(scene: Scene) -> Iterator[Caution]:
@@ -297,6 +297,6 @@ def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     for index, crack in enumerate(cover.cracks):
         length = cover.surfaces[index].in_cells.total
         if length < Cause.SHORT_ARM.limit and (others := ends_on(crack, cover.cracks)):
-            yield Cause.SHORT_ARM.at(f"crack '{crack.name}'", 1.0 / length, others=" and ".join(others))
+            yield Cause.SHORT_ARM.at(crack.name.words, 1.0 / length, others=" and ".join(others))
     for first, second in close_pairs(cover, scene.interfaces, Cause.CLOSE.limit):
         yield Cause.CLOSE.at(f"{first} and {second}", first=first, second=second)

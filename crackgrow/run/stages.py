@@ -15,7 +15,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import FluidPressure
-from crackgrow.contact.face_loads import face_load_vector, is_named
+from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.errors import NotSolvedError
@@ -66,12 +66,11 @@ def _held_by(state: LoadState, body: str) -> Floats:
     configuration = state.configuration
     scene, cover = configuration.scene, configuration.cover
     forces = np.zeros(cover.n_dofs)
-    between = [pair.bodies for pair in scene.case.interfaces if body in pair.bodies]
     for index, surface in enumerate(cover.surfaces):
-        if index >= len(cover.cracks) and any(is_named(surface.name, False, pair) for pair in between):
+        if surface.name.bounds({body}):
             forces += face_forces(state, index)
     for load in scene.case.loads:
-        if isinstance(load, FluidPressure) and body in load.surface and not isinstance(load.surface, str):
+        if isinstance(load, FluidPressure) and load.surface.bounds({body}):
             forces += scene.share(load, state.factor) * face_load_vector(cover, [], [load])
     return forces
 

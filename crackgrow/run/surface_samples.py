@@ -28,7 +28,7 @@ def _contact(solution: StepSolution, jump: Floats) -> ContactPoints:
     """Tractions and states as solved, with the `jump` (2, n) m at the points."""
     faces, outcome, lattice = solution.faces, solution.outcome, solution.cover.lattice
     return ContactPoints(
-        crack=tuple(solution.cover.surfaces[index].name for index in faces.surface.tolist()),
+        crack=tuple(str(solution.cover.surfaces[index].name) for index in faces.surface.tolist()),
         s=faces.s * lattice.spacing,
         points=lattice.to_metres(faces.nodes.points),
         normal_traction=outcome.normal_traction,
@@ -54,7 +54,7 @@ def _faces(solution: StepSolution, index: int, samples: FacePoints, jump: Floats
     nearest = nearest_contact_point(faces, index, s)
     normal, tangential = between_contact_points(faces, index, s, outcome.normal_traction, outcome.tangential_traction)
     return CrackFaces(
-        crack=solution.cover.surfaces[index].name,
+        crack=str(solution.cover.surfaces[index].name),
         s=s * lattice.spacing,
         points=lattice.to_metres(samples.points),
         opening=jump[0],

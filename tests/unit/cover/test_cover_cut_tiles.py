@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+from crackgrow.case.surface import crack_name
 from crackgrow.cover.cut_tiles import NOTHING, content_of, cut_tiles
 from crackgrow.cover.elements import cut_elements
 from crackgrow.cover.lattice import place_lattice
@@ -92,7 +93,7 @@ def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_a
     for name, sign in (("up", 1.0), ("down", -1.0)):
         middle = np.array([(3.9, -0.4), (4.1, 0.4 + 2.0 * GRID)])
         path = np.concatenate([[(0.5, -1.4)], middle, [(7.5, 1.3)]]) * (1.0, sign) + (0.0, 3.5)
-        lines.append(CrackGeometry(name, lattice.to_lattice(path), False, False))
+        lines.append(CrackGeometry(crack_name(name), lattice.to_lattice(path), False, False))
     at = lattice.to_lattice(np.array([4.0, 3.5]))
     assert np.all(at % 1.0 == (0.0, 0.5))
     elements = cut_elements(lattice, [BodyGeometry((lattice.to_lattice(BOX),))], lines)

@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 from crackgrow.approximation.basis import values_at
+from crackgrow.case.surface import SurfaceName, crack_name
 from crackgrow.cover.cover import build_cover
 from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import place_lattice
@@ -23,7 +24,7 @@ DOWN = [P, (5.1, 2.1)]
 
 
 def lines_of(*paths, tips=(True, True)) -> list[CrackGeometry]:
-    return [CrackGeometry(str(k), np.array(path, dtype=float), *tips) for k, path in enumerate(paths)]
+    return [CrackGeometry(crack_name(str(k)), np.array(path, dtype=float), *tips) for k, path in enumerate(paths)]
 
 
 def joined_points(line: CrackGeometry) -> list[tuple[float, ...]]:
@@ -151,8 +152,10 @@ def test_crack_on_an_interface_does_not_bend_it_off_its_bodies(off: float) -> No
     upper = np.array([*across, (6.5, 5.5), (0.5, 5.5)])
     bodies = [BodyGeometry((lattice.to_lattice(outline),)) for outline in (lower, upper)]
     foot = across[0] + 0.45 * (across[1] - across[0])
-    crack = CrackGeometry("crack", lattice.to_lattice(np.array([(2.0, 1.4), (foot[0], foot[1] + off)])), True, False)
-    interface = CrackGeometry("interface", lattice.to_lattice(across), False, False)
+    crack = CrackGeometry(
+        crack_name("crack"), lattice.to_lattice(np.array([(2.0, 1.4), (foot[0], foot[1] + off)])), True, False
+    )
+    interface = CrackGeometry(SurfaceName("interface", ("left", "right")), lattice.to_lattice(across), False, False)
     cover = build_cover(lattice, bodies, [crack], [interface])
     assert cover.cracks[0].junctions.tolist() == [False, True]
     edges = cover.elements.lines[1]
