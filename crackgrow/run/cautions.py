@@ -75,7 +75,7 @@ def _all_cautions(
 def ripples(solution: StepSolution) -> Iterator[Caution]:
     """Contact tractions that oscillate as no rock makes them."""
     outcome, cover = solution.outcome, solution.cover
-    worst = worst_ripple(cover, solution.faces, outcome.normal_traction, outcome.tangential_traction)
+    worst = worst_ripple(cover, solution.faces, outcome.points.normal, outcome.points.tangential)
     if worst is not None and worst.part > Cause.RIPPLE.limit:
         place = f"'{cover.surfaces[worst.surface].name}'"
         yield Cause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part)
@@ -195,4 +195,4 @@ def _kinks(solution: StepSolution) -> Iterator[Caution]:
 def _pressed(solution: StepSolution, crack: int, at_end: bool) -> bool:
     """Whether the contact point next to a tip is closed."""
     mine = np.flatnonzero(solution.faces.surface == crack)
-    return len(mine) > 0 and bool(solution.outcome.state[mine[-1 if at_end else 0]] != OPEN)
+    return len(mine) > 0 and bool(solution.outcome.points.state[mine[-1 if at_end else 0]] != OPEN)

@@ -324,7 +324,8 @@ def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Flo
 
 def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> list[str]:
     """What to say of pieces that have rigid motions which neither supports nor pressed contact points see."""
-    pressed, stuck = outcome.state != OPEN, outcome.state == STICK
+    state = outcome.points.state
+    pressed, stuck = state != OPEN, state == STICK
     rows = [contact.system.constraints, contact.gap_of[pressed], contact.slip_of[stuck]]
     pieces = free_motions(cover, csr_array(vstack(rows, format="csr"))).pieces
     return [f"{piece} may move without any resistance ({piece.motion}): where it lies is arbitrary" for piece in pieces]

@@ -99,26 +99,25 @@ class LoadState:
     def scaled_to(self, factor: float) -> LoadState:
         """The state under another load factor, where states are in proportion to it."""
         share = factor / self.factor
-        equilibrium, energy, states = self.equilibrium, self.energy, self.states.scaled(share)
+        equilibrium, energy = self.equilibrium, self.energy
         work, strain, dissipated, released = (
             share**2 * part for part in (energy.work, energy.strain, energy.dissipated, energy.released)
         )
         return replace(
             self,
             level=self.level._replace(factor=factor),
-            states=states,
+            states=self.states.scaled(share),
             energy=Energy(work, strain, dissipated, released, energy.error),
             good_to=share**2 * self.good_to,
             conjugates=share * self.conjugates,
-            formed=Equilibrium(equilibrium.outcome.scaled(share, states.problem), equilibrium.residual),
+            formed=Equilibrium(equilibrium.outcome.scaled(share), equilibrium.residual),
         )
 
     @cached_property
     def remembered(self) -> Remembered:
         """What the next part of an increment needs."""
         increment, _ = self.configuration.increment(self.level, self.before)
-        states = self.states
-        return Remembered(increment.remembered(states), states.normal, states.tangential, states.dilation)
+        return Remembered.of(increment.remembered(self.states), self.states)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,11 +154,7 @@ def unloaded(configuration: Configuration) -> Start:
 
 def from_state(state: LoadState) -> Start:
     """Go on from a state of the same configuration."""
-    outcome = state.outcome
-    return replace(
-        _on_from(state),
-        remembered=Remembered(outcome.memory, outcome.normal_traction, outcome.tangential_traction, outcome.dilation),
-    )
+    return replace(_on_from(state), remembered=Remembered.of(state.outcome.memory, state.outcome.points))
 
 
 def _on_from(state: LoadState) -> Start:
@@ -173,7 +168,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     Contact points remember the slip of the faces that were there before, averaged as they average their own; tractions
     are interpolated. New faces know nothing.
     """
-    old, faces, outcome = state.configuration, configuration.faces, state.outcome
+    old, faces, outcome, points = state.configuration, configuration.faces, state.outcome, state.outcome.points
     n = faces.n
     jump = np.zeros(len(faces.lengths))  # at the integration points
     elastic, normal, tangential, dilation, lost = np.zeros((5, n))
@@ -182,19 +177,19 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     for index, surface in enumerate(old.cover.surfaces):
         if surface.name not in numbers:
             continue
-        points, s = _on_old_faces(faces.points, numbers[surface.name], surface)
-        jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
+        mine, s = _on_old_faces(faces.points, numbers[surface.name], surface)
+        jump[mine] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
         mine, s = _on_old_faces(faces.nodes, numbers[surface.name], surface)
         for values, found in (
-            (elastic, old.contact.law.shear_compliance * outcome.tangential_traction),
-            (normal, outcome.normal_traction),
-            (tangential, outcome.tangential_traction),
-            (dilation, outcome.dilation),
+            (elastic, old.contact.law.shear_compliance * points.tangential),
+            (normal, points.normal),
+            (tangential, points.tangential),
+            (dilation, points.dilation),
         ):
             (values[mine],) = between_contact_points(old.faces, index, s, found)
         nearest = nearest_contact_point(old.faces, index, s)
         lost[mine] = np.append(outcome.memory.lost, 0.0)[nearest]
-        closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
+        closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
     remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0)), normal, tangential, dilation)
     return Start(state.level, remembered, state.energy, state.conjugates, grown=True)

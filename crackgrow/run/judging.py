@@ -218,8 +218,8 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
         if pointwise:
             normal, tangential = elastic_tractions(cover, faces, crack, s, law, outcome)
         else:
-            known = (outcome.normal_traction, outcome.tangential_traction)
-            normal, tangential = between_contact_points(faces, crack, s, *known)
+            points = outcome.points
+            normal, tangential = between_contact_points(faces, crack, s, points.normal, points.tangential)
         if scene.has_fluid(crack):
             places = cover.lattice.to_metres(points_at(cover, crack, s).points)
             normal = normal - scene.fluid_pressure(crack, state.factor, places)

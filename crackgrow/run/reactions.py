@@ -49,11 +49,11 @@ def _on_surfaces(state: LoadState, surfaces: Sequence[CrackGeometry | Foundation
 
 def face_forces(state: LoadState, surface: int) -> Floats:
     """Forces (n_dofs,) N/m of a surface's contact or bond on the rock on both of its sides."""
-    held, contact, outcome = state.configuration.held, state.configuration.contact, state.outcome
+    held, contact, points = state.configuration.held, state.configuration.contact, state.outcome.points
     mine, here = held.surface == surface, state.configuration.faces.surface == surface
-    bond = held.matrix[mine].T @ outcome.multipliers[mine]
-    normal = contact.gap_of[here].T @ (contact.weights * outcome.normal_traction)[here]
-    tangential = contact.slip_of[here].T @ (contact.weights * outcome.tangential_traction)[here]
+    bond = held.matrix[mine].T @ state.outcome.multipliers[mine]
+    normal = contact.gap_of[here].T @ (contact.weights * points.normal)[here]
+    tangential = contact.slip_of[here].T @ (contact.weights * points.tangential)[here]
     return np.asarray(-(bond + normal + tangential))
 
 

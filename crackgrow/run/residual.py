@@ -50,8 +50,8 @@ def residual_of(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, 
     """
     internal, terms = matrix.weighed(outcome.u)
     reactions = contact.system.constraints.T @ outcome.multipliers
-    tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
-    tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)
+    tractions = contact.gap_of.T @ (contact.weights * outcome.points.normal)
+    tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.points.tangential)
     parts = (internal, reactions, tractions, loads)
     size = max(np.abs(part).max(initial=0.0) for part in parts)
     size = max(size, UNSTRESSED * terms.max(initial=0.0))

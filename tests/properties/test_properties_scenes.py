@@ -100,8 +100,8 @@ def test_patch_test_through_a_stuck_interface(tmp_path: Path, support: float) ->
         metres = places(low, high)
         exact = metres * (e_xx, e_yy)
         assert np.abs(displacement(scene, solution, metres, body) - exact).max() < PATCH_TEST[support] * largest
-    assert set(solution.outcome.state.tolist()) == {STICK}
-    np.testing.assert_allclose(solution.outcome.normal_traction, -1e6, rtol=1e-4)
+    assert set(solution.outcome.points.state.tolist()) == {STICK}
+    np.testing.assert_allclose(solution.outcome.points.normal, -1e6, rtol=1e-4)
 
 
 @pytest.mark.parametrize("contact", ["{friction: 0.5, cohesion: 0}", "bonded"])
@@ -127,7 +127,7 @@ def test_a_bond_carries_tension_where_contact_lets_go(tmp_path: Path) -> None:
     metres = places((0, 0.5), (1, 1.1))
     error = np.abs(displacement(scene, solution, metres) - metres * (e_xx, e_yy)).max()
     assert error < PATCH_TEST[2.0] * 1.1 * e_yy
-    assert solution.outcome.n_unknowns == 0  # a bond is no contact
+    assert solution.outcome.points.n_unknowns == 0  # a bond is no contact
     with pytest.raises(
         SolveError, match=r"body '\w+' is free to move: contact does not hold it, it moves off '\w+/\w+'"
     ):
@@ -139,7 +139,7 @@ def test_a_block_that_contact_alone_holds(tmp_path: Path) -> None:
     metres = places((-2, 0), (2, 2))
     exact = metres * (0.0, -0.1)
     assert np.abs(displacement(scene, solution, metres) - exact).max() < 1e-4 * 0.2
-    np.testing.assert_allclose(solution.outcome.normal_traction, -100.0, rtol=1e-4)
+    np.testing.assert_allclose(solution.outcome.points.normal, -100.0, rtol=1e-4)
 
 
 def test_reactions_balance_the_loads(tmp_path: Path) -> None:
@@ -171,8 +171,8 @@ def test_a_block_slides_off_beyond_its_friction(tmp_path: Path, push: float) -> 
 def test_a_frictionless_block_slides_at_any_push(tmp_path: Path) -> None:
     smooth = "supports.0.contact={friction: 0, cohesion: 0}"
     _, solution = solve(tmp_path, BLOCK, smooth)
-    assert set(solution.outcome.state.tolist()) == {SLIP}
-    assert solution.outcome.n_unknowns == solution.faces.n  # normal only
+    assert set(solution.outcome.points.state.tolist()) == {SLIP}
+    assert solution.outcome.points.n_unknowns == solution.faces.n  # normal only
     with pytest.raises(SolveError, match="contact does not hold it"):
         solve(tmp_path, BLOCK, smooth, "loads.0.traction=[1, -100]")
 
@@ -213,8 +213,8 @@ def test_in_situ_stress_that_tractions_balance_displaces_nothing(tmp_path: Path)
     np.testing.assert_allclose(
         stress(scene, solution, metres), np.broadcast_to([-20e6, -50e6, 3e6], (300, 3)), atol=1e-3
     )
-    np.testing.assert_allclose(solution.outcome.normal_traction, -50e6, rtol=1e-8)
-    np.testing.assert_allclose(solution.outcome.tangential_traction, 3e6, rtol=1e-8)
+    np.testing.assert_allclose(solution.outcome.points.normal, -50e6, rtol=1e-8)
+    np.testing.assert_allclose(solution.outcome.points.tangential, 3e6, rtol=1e-8)
 
 
 def test_in_situ_stress_loads_a_crack_as_tractions_do(tmp_path: Path) -> None:
@@ -226,8 +226,8 @@ def test_in_situ_stress_loads_a_crack_as_tractions_do(tmp_path: Path) -> None:
     _, found = solve(tmp_path, CRACKED, units, angle, f"loads=[{{body: rock, stress: [0, -100, 0]}}, {edges}]")
     for one, two in zip(pushed.tips, found.tips, strict=True):
         assert two.K[1] == pytest.approx(one.K[1], rel=1e-4)
-    np.testing.assert_allclose(found.outcome.normal_traction, pushed.outcome.normal_traction, rtol=1e-4)
-    np.testing.assert_allclose(found.outcome.slip, pushed.outcome.slip, rtol=1e-4)
+    np.testing.assert_allclose(found.outcome.points.normal, pushed.outcome.points.normal, rtol=1e-4)
+    np.testing.assert_allclose(found.outcome.points.slip, pushed.outcome.points.slip, rtol=1e-4)
 
 
 def test_fluid_pressure_opens_a_crack_as_tension_does(tmp_path: Path) -> None:
@@ -246,7 +246,7 @@ def test_fluid_pressure_opens_a_crack_as_tension_does(tmp_path: Path) -> None:
         " {on: {body: rock, edge: bottom}, traction: [0, 5]}]"
     )
     _, closed = solve(tmp_path, CRACKED, units, pressed)
-    np.testing.assert_allclose(closed.outcome.normal_traction, -3e6, rtol=1e-4)
+    np.testing.assert_allclose(closed.outcome.points.normal, -3e6, rtol=1e-4)
     assert max(abs(K) for tip in closed.tips for K in tip.K) < 1e-3 * blown.tips[0].K[0]
 
 
@@ -356,7 +356,7 @@ def test_patch_test_through_slanted_joints(tmp_path: Path, seed: int, contact: s
 def test_patch_test_through_inclusions(tmp_path: Path, shape: str, contact: str, support: float) -> None:
     """The core is held by the rock round it alone, on an interface that closes on itself."""
     solution = pressed_evenly(tmp_path, INCLUSION.format(shape=shape, contact=contact, support=support), support)
-    assert (solution.outcome.state == STICK).all()
+    assert (solution.outcome.points.state == STICK).all()
 
 
 def pressed_evenly(folder: Path, text: str, support: float) -> StepSolution:

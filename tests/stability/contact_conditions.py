@@ -126,7 +126,7 @@ def violations(increment: Increment) -> dict[str, float]:
     gap_there, slip_there, largest = jumps(configuration.cover, faces.points, outcome.u)
     total = faces.functions @ faces.lengths
     gap, slip = ((faces.functions @ (faces.lengths * jump)) / total for jump in (gap_there, slip_there))
-    p_n, p_t = outcome.normal_traction, outcome.tangential_traction
+    p_n, p_t = outcome.points.normal, outcome.points.tangential
     slid = slip - law.compliance * p_t
     opened = law.dilation * np.abs(slid)
     room = gap - opened - law.compliance * p_n

@@ -73,8 +73,8 @@ def test_faces_that_stick_do_not_open_by_dilation(tmp_path: Path, document: dict
         run(tmp_path, {**document, "numerics": numerics})
     (increment,) = increments
     outcome = increment.outcome
-    assert set(outcome.state.tolist()) == {STICK}
-    assert np.abs(outcome.dilation).max() < 1e-12 * np.ptp(outcome.u)
+    assert set(outcome.points.state.tolist()) == {STICK}
+    assert np.abs(outcome.points.dilation).max() < 1e-12 * np.ptp(outcome.u)
     assert max(violations(increment).values()) < 1e-9
 
 

@@ -67,7 +67,7 @@ class Solved:
         faces, outcome = self.solution.faces, self.solution.outcome
         mine = faces.points.surface == surface
         places = faces.points.s[mine] * self.scene.lattice.spacing
-        tractions = (outcome.normal_traction, outcome.tangential_traction)
+        tractions = (outcome.points.normal, outcome.points.tangential)
         normal, shear = (np.interp(s, places, (faces.functions.T @ p)[mine]) for p in tractions)
         return normal, shear
 

@@ -137,7 +137,7 @@ def test_half_released_is_half_way(tmp_path: Path) -> None:
 
 
 def slips(solution: StepSolution) -> np.ndarray:
-    return np.asarray(solution.outcome.slip)
+    return np.asarray(solution.outcome.points.slip)
 
 
 def test_stops_on_the_way_change_nothing_where_joints_slide(tmp_path: Path) -> None:
