@@ -181,11 +181,11 @@ def _same_bodies(before: Cover, bodies: Sequence[BodyGeometry]) -> bool:
 
 def _plain(lattice: Lattice, elements: Elements, touching: Bools, patches: Patches, enrichment: Enrichment) -> Bools:
     """Which elements (n,) are plain."""
-    step = elements.vertices[elements.ring_end] - elements.vertices[elements.ring_start]
+    step = elements.vertices[elements.rings.end] - elements.vertices[elements.rings.start]
     slanted = np.all(step != 0.0, axis=1)
-    plain = np.bincount(elements.ring_element, minlength=elements.n) == 4
+    plain = np.bincount(elements.rings.face, minlength=elements.n) == 4
     plain &= lattice.windows.regular[elements.tile]
-    plain[elements.ring_element[slanted]] = False
+    plain[elements.rings.face[slanted]] = False
     beside = np.concatenate([elements.edges.left[touching], elements.edges.right[touching]])
     plain[beside[beside >= 0]] = False
     return np.asarray(plain & ~enrichment.acted_on & ~patches.in_crumb)
