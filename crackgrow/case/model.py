@@ -716,11 +716,6 @@ class Case:
         return changed(self, settings)
 
     @property
-    def last_factor(self) -> float:
-        """The last load factor of the history; nan where factors are found."""
-        return self.loading.factors[-1] if isinstance(self.loading, LoadHistory) else float("nan")
-
-    @property
     def last_step(self) -> int:
         """Number of the last step, counted from 0, if nothing ends the run before."""
         if self.growth is not None:

@@ -39,18 +39,19 @@ class Foundation:
 class Surface:
     """A line where two faces can touch: a crack, an interface, or a body's rim on a foundation."""
 
-    name: SurfaceName
-    points: Floats  # (n, 2) its corners
+    line: CrackGeometry
     edges: FaceEdges
-    tip_at_start: bool
-    tip_at_end: bool
-    junctions: Bools  # (n,) which corners are junctions with other surfaces
     sizes: Floats  # (edges,) side of the cells beside each edge, spacings: of the larger on its two faces
+
+    @property
+    def name(self) -> SurfaceName:
+        """Which surface it is."""
+        return self.line.name
 
     @cached_property
     def in_cells(self) -> CellLengths:
         """Lengths along it in cells."""
-        return cell_lengths(self.points, self.edges, self.sizes)
+        return cell_lengths(self.line.points, self.edges, self.sizes)
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
@@ -161,16 +162,9 @@ def _surfaces(
     foundations: Sequence[Foundation],
 ) -> tuple[Surface, ...]:
     """The surfaces along `lines` and `foundations`."""
-    along = (
-        (line, edges, sizes_beside(edges, elements.size)) for line, edges in zip(lines, elements.lines, strict=True)
-    )
-    return (
-        *(
-            Surface(x.name, x.points, edges, x.tip_at_start, x.tip_at_end, x.junctions, size)
-            for x, edges, size in along
-        ),
-        *(_on_foundation(elements, bodies, foundation) for foundation in foundations),
-    )
+    along = [*zip(lines, elements.lines, strict=True)]
+    along += [_on_foundation(elements, bodies, foundation) for foundation in foundations]
+    return tuple(Surface(line, edges, sizes_beside(edges, elements.size)) for line, edges in along)
 
 
 def _same_bodies(before: Cover, bodies: Sequence[BodyGeometry]) -> bool:
@@ -196,13 +190,13 @@ def _on_grid(lines: Sequence[CrackGeometry]) -> list[CrackGeometry]:
     return [replace(line, points=on_grid(line.points)) for line in lines]
 
 
-def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation) -> Surface:
-    """The surface between a body's rim and a rigid foundation."""
+def _on_foundation(
+    elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation
+) -> tuple[CrackGeometry, FaceEdges]:
+    """The line between a body's rim and a rigid foundation, and the edges along it."""
     sides = bodies[foundation.body].sides
     edges = edges_of_region(elements.outlines, foundation.body, sides, foundation.sides, foundation.limits)
     start, step = sides[foundation.sides, 0], np.diff(sides[foundation.sides], axis=1)[:, 0]
     begin = start + foundation.limits[:, :1] * step
     end = start[-1:] + foundation.limits[-1:, 1:] * step[-1:]
-    points = np.concatenate([begin, end])
-    none = np.zeros(len(points), dtype=bool)
-    return Surface(foundation.name, points, edges, False, False, none, sizes_beside(edges, elements.size))
+    return CrackGeometry(foundation.name, np.concatenate([begin, end]), False, False), edges

@@ -42,7 +42,7 @@ class Elements:
     n_whole: int
     tile: Ints  # (n,) tile of the lattice that it is, or is a piece of
     cell: Floats  # (n, 2) lower left corner of the tile's cell
-    size: Floats  # (n,) side of the cell
+    size: Floats  # (n,) side of the cell, spacings
     body: Ints  # (n,)
     polygons: NDArray[np.object_]  # (n - n_whole,) shapely polygons
     reference: Floats  # (n, 2) a point inside

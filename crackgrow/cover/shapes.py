@@ -14,7 +14,7 @@ from crackgrow.case.surface import SurfaceName
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CrackGeometry:
-    """A crack in lattice coordinates, or an interface, which has no tips."""
+    """A crack in lattice coordinates, or an interface or a foundation, which have no tips."""
 
     name: SurfaceName
     points: Floats  # (n, 2)

@@ -102,7 +102,7 @@ def _jump(state: LoadState, point: FacePoint) -> tuple[float, float]:
     cover = state.cover
     at = shapely.Point(cover.lattice.to_lattice(point.point))
     lines = {
-        index: shapely.LineString(surface.points)
+        index: shapely.LineString(surface.line.points)
         for index, surface in enumerate(cover.surfaces)
         if surface.name.is_of(point.surface)
     }

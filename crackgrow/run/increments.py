@@ -198,7 +198,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
     """Which points of the surface of a number lie on it as it was, and their arc lengths there."""
     mine = np.flatnonzero(points.surface == index)
-    line, places = shapely.LineString(surface.points), shapely.points(points.points[mine])
+    line, places = shapely.LineString(surface.line.points), shapely.points(points.points[mine])
     there = shapely.dwithin(places, line, ON_OLD_FACES)
     return mine[there], shapely.line_locate_point(line, places[there])
 

@@ -219,7 +219,7 @@ def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:
         return
     softest, limit = min(material.young_prime for material in scene.materials), Cause.SOFT_CONTACT.limit
     for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
-        share = cover.surfaces[index].in_cells.mean_size / float(arc_lengths(surface.points)[-1])
+        share = cover.surfaces[index].in_cells.mean_size / float(arc_lengths(surface.line.points)[-1])
         ratio = 0.0 if law.contact is None or law.joint else 0.5 * share * softest / law.stiffness
         if ratio > limit:
             told = {"stiffness": stiffness, "percent": 100.0 / (1.0 + ratio), "enough": stiffness * ratio / limit}

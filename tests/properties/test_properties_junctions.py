@@ -27,7 +27,6 @@ from crackgrow.case.model import (
     Ring,
 )
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
-from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
 from crackgrow.cover.refinement import Focus, refined
@@ -35,7 +34,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
-from tests.solving import solve_step
+from tests.solving import face_vertices, solve_step
 
 SIZE = np.array([31.0, 55.0])  # mm, round the origin
 YOUNG, POISSON, LOAD = 1e10, 0.25, 1e8  # Pa

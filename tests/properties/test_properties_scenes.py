@@ -16,7 +16,7 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions, total_load
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at, stress_at
-from tests.solving import solve_step
+from tests.solving import last_factor, solve_step
 
 PATCH_TEST = {1.5: 1e-7, 2.0: 1e-9}
 """Relative displacement error under uniform stress, by support: vertices are rounded to 1e-9 spacings, and contact acts
@@ -71,7 +71,7 @@ def solve(folder: Path, text: str, *settings: str) -> tuple[Scene, StepSolution]
     case = load_case(path, settings)
     scene = make_scene(case)
     cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
-    return scene, solve_step(scene, cracks, case.last_factor)
+    return scene, solve_step(scene, cracks, last_factor(case))
 
 
 def displacement(scene: Scene, solution: StepSolution, metres: np.ndarray, body: int = 0) -> np.ndarray:

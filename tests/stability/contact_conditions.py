@@ -107,9 +107,9 @@ def _crowded(cover: Cover, points: FacePoints) -> NDArray[np.bool_]:
     crowded = np.zeros(len(places), dtype=bool)
     for index, surface in enumerate(cover.surfaces):
         mine = points.surface == index
-        corners = shapely.multipoints(surface.points)
+        corners = shapely.multipoints(surface.line.points)
         crowded[mine] |= shapely.dwithin(places[mine], corners, CROWDED)
-        crowded[~mine] |= shapely.dwithin(places[~mine], shapely.linestrings(surface.points), CROWDED)
+        crowded[~mine] |= shapely.dwithin(places[~mine], shapely.linestrings(surface.line.points), CROWDED)
     return crowded
 
 

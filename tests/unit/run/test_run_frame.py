@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import Elements
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
@@ -23,7 +22,7 @@ from crackgrow.run.output_mesh import LONGEST, SHORTEST, OutputMesh, output_mesh
 from crackgrow.run.result import Frame, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
-from tests.solving import solve_step
+from tests.solving import face_vertices, solve_step
 
 CASES = Path(__file__).parents[3] / "cases"
 AREA = 31e-3 * 55e-3  # m^2
