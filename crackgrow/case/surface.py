@@ -28,6 +28,10 @@ class SurfaceName:
         """The name in messages."""
         return f"{self.kind} '{self}'"
 
+    def end(self, at_end: bool) -> str:
+        """The name of its end in messages, or of its start."""
+        return f"the {end_word(at_end)} of {self.words}"
+
     @property
     def is_crack(self) -> bool:
         """Whether it is a crack."""
@@ -40,6 +44,11 @@ class SurfaceName:
     def bounds(self, bodies: Set[str]) -> bool:
         """Whether it is an interface of one of some bodies."""
         return self.kind == "interface" and not bodies.isdisjoint(self.of)
+
+
+def end_word(at_end: bool) -> Literal["start", "end"]:
+    """What an end of a crack is called in results."""
+    return "end" if at_end else "start"
 
 
 def crack_name(name: str) -> SurfaceName:

@@ -6,15 +6,9 @@ from collections.abc import Sequence
 
 import shapely
 
-from crackgrow.case.surface import SurfaceName
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.tolerance import ON_LINE
-
-
-def tip_name(crack: SurfaceName, at_end: bool) -> str:
-    """What the tip at the end (or start) of a crack is called."""
-    return f"the {'end' if at_end else 'start'} of {crack.words}"
 
 
 def ends_on(crack: CrackGeometry, cracks: Sequence[CrackGeometry]) -> list[str]:
@@ -42,7 +36,7 @@ def close_pairs(cover: Cover, interfaces: Sequence[CrackGeometry], within: float
     pairs = [(names[i], names[j]) for i, j in apart]
     outline = shapely.multilinestrings(shapely.linestrings(cover.elements.outlines.points))
     for tip, (index, at_end) in zip(cover.tips, cover.tip_ends, strict=True):
-        name, place, reach = tip_name(cover.cracks[index].name, at_end), shapely.Point(tip.point), within * tip.size
+        name, place, reach = cover.cracks[index].name.end(at_end), shapely.Point(tip.point), within * tip.size
         others = [i if j == index else j for i, j in meeting if index in (i, j)]
         pairs.extend((name, names[other]) for other in others if shapely.dwithin(lines[other], place, reach))
         if shapely.dwithin(outline, place, reach):

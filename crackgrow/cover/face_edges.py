@@ -14,6 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.case.surface import end_word
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.arrangement import Edges
@@ -111,10 +112,10 @@ def _searched(line: CrackGeometry, vertices: Floats, edges: Edges, n_whole: int)
     return candidates[hit[chain]], segment[chain]
 
 
-def _off(vertices: Floats, crack: CrackGeometry, end: int) -> str:
+def _off(vertices: Floats, crack: CrackGeometry, at_end: bool) -> str:
     """An end of a line, and how far from it the nearest vertex is."""
-    distance = float(np.hypot(*(vertices - crack.points[end]).T).min())
-    return f"{'end' if end else 'start'} (the nearest vertex is {distance:.2g} spacings from it)"
+    distance = float(np.hypot(*(vertices - crack.seen_from(at_end)[0]).T).min())
+    return f"{end_word(at_end)} (the nearest vertex is {distance:.2g} spacings from it)"
 
 
 def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, crack: CrackGeometry) -> Ints:
@@ -134,7 +135,7 @@ def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, cra
     number = coo_array((np.arange(1, len(a) + 1), tuple(ends)), shape=(n, n)).tocsr()
     is_end = [(used[0] == corners[corner]) & (used[1] == 2 * corner) for corner in (0, len(corners) - 1)]
     if not all(found.any() for found in is_end):
-        missed = " and ".join(_off(vertices, crack, end) for end in (0, -1))
+        missed = " and ".join(_off(vertices, crack, at_end) for at_end in (False, True))
         raise GeometryError(
             f"'{crack.name}' could not be cut along all of its {arc_lengths(crack.points)[-1]:.6g} spacings: no edge "
             f"of the cut lattice ends at its {missed}; use another spacing"

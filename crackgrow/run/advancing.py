@@ -10,20 +10,20 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.meetings import scene_size
+from crackgrow.case.surface import end_word
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Start, Way, advanced, closed, started
 from crackgrow.fracture.meeting import Meeting
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Event
 from crackgrow.run.scene import Scene
+from crackgrow.solid.supports import body_index
 
 LEAVES = 2.0
 """Sizes of the scene: so long a segment ends outside. Where a much longer one meets something has lost its digits."""
 
 End = tuple[int, bool]
 """Number of a crack, and whether it is its end or its start."""
-
-_END: dict[bool, Literal["start", "end"]] = {False: "start", True: "end"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,10 +95,10 @@ def _started(before: BeforeAdvance, start: Start, grown: list[GrowingCrack], way
     ends += [new.crack.points[k] for new in grown[n:] for k in (0, -1)]
     if any(shapely.dwithin(shapely.Point(end), place, near) for end in ends):
         return
-    body = [each.name for each in scene.case.bodies].index(start.crack.body)
+    body = body_index(scene.case.bodies, start.crack.body)
     crack, meetings = started(start, way, before.step, scene.regions[body], grown)
     grown.append(crack)
-    yield Event(before.step, "initiation", crack.crack.name, _END[False], start.point, start.where)
+    yield Event(before.step, "initiation", crack.crack.name, end_word(False), start.point, start.where)
     for at_end, met in meetings:
         yield from _told(before, earlier, grown, (len(earlier), at_end, met))
 
@@ -113,14 +113,14 @@ def _told(
     index, at_end, met = met_by
     numbers = [number for number in range(len(grown)) if number != index]
     kind, name = _named(before.scene, grown[index].crack.body, met, [grown[number] for number in numbers])
-    yield Event(before.step, kind, grown[index].crack.name, _END[at_end], met.point, name)
+    yield Event(before.step, kind, grown[index].crack.name, end_word(at_end), met.point, name)
     if met.end is None:
         return
     number = index if met.kind == "own_path" else numbers[met.number]
     grown[number] = closed(grown[number], met.end)
     if earlier[number].can_grow(met.end):
         name = "its own path" if number == index else grown[index].crack.surface.words
-        yield Event(before.step, kind, grown[number].crack.name, _END[met.end], met.point, name)
+        yield Event(before.step, kind, grown[number].crack.name, end_word(met.end), met.point, name)
 
 
 def _named(

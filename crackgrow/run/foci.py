@@ -27,6 +27,7 @@ from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.run.halvings import AS_GIVEN
 from crackgrow.run.rim_singularities import SHARP_CORNER, rim_singularities, ring_turns
 from crackgrow.run.scene import Scene
+from crackgrow.solid.supports import body_index
 
 Asking = Iterator[tuple[shapely.Geometry, float]]
 """Places and the largest cells that they allow, both in lattice units."""
@@ -219,14 +220,13 @@ def _corners(scene: Scene) -> Iterator[Floats]:
 def _ends_of_regions(scene: Scene) -> Iterator[Floats]:
     """Point supports, and ends of supported, loaded and founded parts within sides of bodies."""
     case = scene.case
-    numbers = {body.name: number for number, body in enumerate(case.bodies)}
     for support in case.supports:
         if isinstance(support, PointSupport):
             yield scene.lattice.to_lattice(support.point)
     on_edges = (*case.supports, *case.loads)
     regions = [part.region for part in on_edges if isinstance(part, EdgeSupport | ContactSupport | EdgeLoad)]
     for region in regions:
-        yield from _ends_within_sides(region, scene.bodies[numbers[region.body]].sides)
+        yield from _ends_within_sides(region, scene.bodies[body_index(case.bodies, region.body)].sides)
 
 
 def _ends_within_sides(region: EdgeRegion, sides: Floats) -> Iterator[Floats]:

@@ -38,7 +38,7 @@ from crackgrow.run.advancing import End
 from crackgrow.run.halvings import Accuracy, half_as_large
 from crackgrow.run.increments import LoadState
 from crackgrow.run.intensity_error import intensity_errors, largest_kink
-from crackgrow.run.judging import StepSolution, TipState, tip_states
+from crackgrow.run.judging import StepSolution, tip_states
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
 
@@ -127,18 +127,11 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, float]:
     for tip, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
         difference = float(np.hypot(*np.subtract(others.get(end, np.nan), tip.K)))
         if np.isfinite(difference):
-            pressed = _below_zero(tip) if scene.laws[end[0]].contact is not None else 0.0
-            found[end] = float(np.linalg.norm([difference, _spread(tip), pressed]))
+            K, touches = tip.intensity, scene.laws[end[0]].contact is not None
+            below_zero = max(-K.K_I, 0.0) if touches else 0.0  # faces that can't overlap have none
+            spread = float(np.hypot(K.K_I_spread, K.K_II_spread))
+            found[end] = float(np.linalg.norm([difference, spread, below_zero]))
     return found
-
-
-def _below_zero(tip: TipState) -> float:
-    """What K_I is below zero (Pa sqrt(m)): of faces that can't overlap it is zero at least."""
-    return max(-tip.intensity.K_I, 0.0)
-
-
-def _spread(tip: TipState) -> float:
-    return float(np.hypot(tip.intensity.K_I_spread, tip.intensity.K_II_spread))
 
 
 def fitted_bounds(solution: StepSolution) -> list[float]:

@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.surface import end_word
 from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
@@ -128,7 +129,7 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: StepErrors) -
     nan = float("nan")
     return TipResult(
         crack=str(cover.cracks[index].name),
-        tip="end" if at_end else "start",
+        tip=end_word(at_end),
         point=cover.lattice.to_metres(cover.tips[tip].point),
         K_I=state.intensity.K_I,
         K_II=state.intensity.K_II,

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
+from crackgrow.case.features import Length, line_length, rim_lengths, stretches
 from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
@@ -87,8 +87,7 @@ class Scene:
     @property
     def numbers_at_start(self) -> Ints:
         """Body by body (n,) its number in the case."""
-        names = [body.name for body in self.at_start.case.bodies]
-        return np.array([names.index(body.name) for body in self.case.bodies])
+        return np.array([body_index(self.at_start.case.bodies, body.name) for body in self.case.bodies])
 
     def parts(self, load: Load) -> tuple[float, float]:
         """a and b: at a load factor F a load acts with a + b F."""
@@ -318,12 +317,5 @@ def _lengths(case: Case) -> tuple[Length, ...]:
     """What the stress varies over besides cracks."""
     supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
     loads = [load.region for load in case.loads if isinstance(load, EdgeLoad)]
-    lengths = [length for body in case.bodies for length in feature_lengths(body)]
-    lengths += part_lengths("support", case.bodies, supports, "supported")
-    lengths += part_lengths("load", case.bodies, loads, "loaded")
-    for interface in case.interfaces:
-        between = " and ".join(f"'{name}'" for name in interface.bodies)
-        for line in interface.lines:
-            what, where = f"interface between bodies {between}", shapely.LineString(line)
-            lengths.append(Length("support", line_length(line), what, where))
-    return tuple(lengths)
+    interfaces = ((interface.bodies, interface.lines) for interface in case.interfaces)
+    return tuple(rim_lengths(case.bodies, interfaces, supports, loads))

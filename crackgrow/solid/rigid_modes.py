@@ -146,7 +146,7 @@ class RigidMotions:
 def free_motions(cover: Cover, constraints: csr_array) -> RigidMotions:
     """The rigid motions of pieces that `constraints` (m, n_dofs) do not see."""
     found, elements = _pieces(cover)
-    of_pieces = _motions_of(cover, found)
+    of_pieces = csr_array(hstack([rigid_motions(cover, functions) for functions in found], format="csr"))
     free = _free_directions((constraints @ of_pieces).toarray())
     by_piece = free.reshape(-1, len(found), 3)
     moving = np.abs(by_piece).max(axis=(0, 2), initial=0.0) > HOLDS_NOTHING
@@ -159,11 +159,6 @@ def free_motions(cover: Cover, constraints: csr_array) -> RigidMotions:
         name, whole = cover.bodies[body[index]].name, int(np.sum(body == body[index])) == 1
         pieces.append(FreePiece(index, found[index], name, whole, rows[sizes > HOLDS_NOTHING], centre, reach))
     return RigidMotions(tuple(pieces), cover.patch_nodes, of_pieces, free, np.empty(0, dtype=np.int64), np.empty(0))
-
-
-def _motions_of(cover: Cover, pieces: list[Ints]) -> csr_array:
-    """Unknowns (n_dofs, 3 p) of the rigid motions of p pieces."""
-    return csr_array(hstack([rigid_motions(cover, functions) for functions in pieces], format="csr"))
 
 
 def _free_directions(held: Floats) -> Floats:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from crackgrow.case import Case
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 from crackgrow.results import tables
 from crackgrow.results.declarations import PHASES
 from crackgrow.results.folder import FINISHED, FolderError, RunFolder, table_of
@@ -101,7 +101,7 @@ def read_rows(path: Path) -> list[Row]:
     except FolderError:
         table = None
     if table is None or tuple(table.columns) != COLUMNS:
-        raise CaseError([Fault(str(path), None, "", "has other columns than this version writes; leave out --resume")])
+        raise CaseError.at(path, "has other columns than this version writes; leave out --resume")
     return [Row(row) for row in table.rows()]
 
 
