@@ -46,7 +46,7 @@ def at_once(configuration: Configuration, factor: float, memory: ContactMemory |
     `memory` is that of the increment before, None for the first.
     """
     level, memory = LoadLevel(factor), memory or ContactMemory.fresh(configuration.faces.n)
-    return configuration.equilibrium(level, memory, configuration.states(level, memory)).outcome
+    return configuration.equilibrium(level, memory, configuration.states(level, memory))
 
 
 def solve_contact(

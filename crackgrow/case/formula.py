@@ -16,7 +16,7 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, did_you_mean, quoted
-from crackgrow.case.scalars import INVALID, Context, Quantity, given
+from crackgrow.case.scalars import Context, Quantity, given
 from crackgrow.case.units import UNITS, is_number, parse_number, place_text
 from crackgrow.errors import CaseError
 
@@ -155,8 +155,7 @@ class OrFormula:
             units = (float(UNITS[kind][context.units.of(kind)]) for kind in ("length", self.kind))
             formula = parse_formula(text, *units)
         except FormulaError as error:
-            context.report.fault(path, f"{given(node)} {error}; wanted: {self.describe()}")
-            return INVALID
+            return context.refused(path, f"{given(node)} {error}; wanted: {self.describe()}")
         return parse_number(formula) if is_number(formula) else formula
 
 

@@ -150,6 +150,7 @@ class ContactOutcome:
     penetration: float  # m: overlap beyond |p| / k
     complementarity: float  # relative
     notes: tuple[str, ...]  # what the user should know of how it was solved
+    residual: float = float("nan")  # of equilibrium, relative; nan where it was not looked at
 
     def scaled(self, share: float) -> ContactOutcome:
         """The outcome of `share` times the loads, where states are in proportion to them."""

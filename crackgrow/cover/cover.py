@@ -90,11 +90,6 @@ class Cover:
         return last.first_function + N_TIP_FUNCTIONS * last.carriers.n
 
     @property
-    def patch_nodes(self) -> Floats:
-        """Node (n_patches, 2) of each physical patch; corners of crumbs."""
-        return self.patches.nodes
-
-    @property
     def tip_ends(self) -> list[tuple[int, bool]]:
         """Tip by tip the number of its crack, and whether it is at the crack's end."""
         return [(tip.crack, tip.at_end) for tip in self.tips]

@@ -76,7 +76,7 @@ def sizes_of(case: Case) -> Sizes:
     ]
     return Sizes(
         n_dofs=cover.n_dofs,
-        n_patches=len(cover.patch_nodes),
+        n_patches=len(cover.patches.nodes),
         n_singular=sum(tip.carriers.n for tip in cover.tips),
         n_tips=len(cover.tips),
         n_elements=cover.elements.n,

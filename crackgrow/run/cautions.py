@@ -67,7 +67,7 @@ def _all_cautions(
     yield from closeness_cautions(scene, solution.cover)
     yield from _kinks(solution)
     yield from _on_points(solution)
-    sizes = ((Cause.RESIDUAL, solution.residual), (Cause.ENERGY, solution.state.energy.error))
+    sizes = ((Cause.RESIDUAL, solution.outcome.residual), (Cause.ENERGY, solution.state.energy.error))
     for cause, size in (*sizes, (Cause.IMBALANCE, imbalance(solution))):
         if size > cause.limit:
             yield cause.at(size=size, percent=100.0 * size)

@@ -48,14 +48,6 @@ SIGNS = np.array([1.0, 1.0, -1.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Equilibrium:
-    """Displacements and tractions under some loads."""
-
-    outcome: ContactOutcome
-    residual: float  # relative
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class _Units:
     """The rock without contact tractions, per unit of the scaled loads, of the held ones, of given displacements.
 
@@ -208,7 +200,7 @@ class Configuration:
         memory: ContactMemory,
         states: PointStates,
         known: tuple[Floats, Floats] | None = None,
-    ) -> Equilibrium:
+    ) -> ContactOutcome:
         """Displacements and tractions after an increment from `memory` on, at whose end the points have some `states`.
 
         `known` is what `displacements` says of them. Raises SolveError where they can't be found to a small residual.
@@ -223,7 +215,7 @@ class Configuration:
         residual = residual_of(self.matrix, self.contact, loads, outcome)
         if not residual.size <= WORST_RESIDUAL:
             raise NotSolvedError(residual.told(self.cover))
-        return Equilibrium(outcome, residual.size)
+        return replace(outcome, residual=residual.size)
 
     @property
     def _farthest(self) -> float:

@@ -28,7 +28,7 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
-from crackgrow.run.configuration import Configuration, Equilibrium, Gone
+from crackgrow.run.configuration import Configuration, Gone
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import MOST_JUMPS, Remembered, next_piece
 from crackgrow.run.result import BALANCED, Energy
@@ -59,7 +59,7 @@ class LoadState:
     seconds: float  # of all increments
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
-    formed: Equilibrium | None = None  # None: displacements are formed when they are asked for
+    formed: ContactOutcome | None = None  # None: displacements are formed when they are asked for
 
     @property
     def factor(self) -> float:
@@ -82,24 +82,14 @@ class LoadState:
         return self.scene.materials_at(self.factor)
 
     @cached_property
-    def equilibrium(self) -> Equilibrium:
+    def outcome(self) -> ContactOutcome:
         """Displacements and tractions. Raises SolveError where they don't balance."""
         return self.formed or self.configuration.equilibrium(self.level, self.before, self.states)
-
-    @property
-    def outcome(self) -> ContactOutcome:
-        """Displacements and tractions."""
-        return self.equilibrium.outcome
-
-    @property
-    def residual(self) -> float:
-        """Relative equilibrium residual."""
-        return self.equilibrium.residual
 
     def scaled_to(self, factor: float) -> LoadState:
         """The state under another load factor, where states are in proportion to it."""
         share = factor / self.factor
-        equilibrium, energy = self.equilibrium, self.energy
+        energy = self.energy
         work, strain, dissipated, released = (
             share**2 * part for part in (energy.work, energy.strain, energy.dissipated, energy.released)
         )
@@ -110,7 +100,7 @@ class LoadState:
             energy=Energy(work, strain, dissipated, released, energy.error),
             good_to=share**2 * self.good_to,
             conjugates=share * self.conjugates,
-            formed=Equilibrium(equilibrium.outcome.scaled(share), equilibrium.residual),
+            formed=self.outcome.scaled(share),
         )
 
     @cached_property
@@ -240,8 +230,7 @@ def taken_over(state: LoadState, configuration: Configuration) -> Start:
 
 def _told(state: LoadState, began: float) -> LoadState:
     """The state with its displacements and the time (s) that it took. Raises SolveError where there are none."""
-    formed = state.equilibrium
-    return replace(state, formed=formed, seconds=time.perf_counter() - began)
+    return replace(state, formed=state.outcome, seconds=time.perf_counter() - began)
 
 
 def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:

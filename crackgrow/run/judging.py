@@ -108,11 +108,6 @@ class StepSolution:
         return self.state.outcome
 
     @property
-    def residual(self) -> float:
-        """Relative equilibrium residual."""
-        return self.state.residual
-
-    @property
     def loads(self) -> Floats:
         """Loads (n_dofs,) N/m."""
         return self.configuration.loads(self.state.level)

@@ -66,7 +66,7 @@ def _resultant(cover: Cover, forces: Floats, body: int) -> tuple[float, float]:
 
 def total_load(solution: StepSolution) -> Floats:
     """Resultant (2,) N/m of all loads: the sum over the patches' own functions, which add up to one everywhere."""
-    n_patches = len(solution.cover.patch_nodes)
+    n_patches = len(solution.cover.patches.nodes)
     return np.asarray(solution.loads.reshape(-1, 2)[:n_patches].sum(axis=0))
 
 

@@ -59,7 +59,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         contact_iterations=outcome.points.iterations,
         contact_status=outcome.points.status,
         factorizations=solution.factorizations,
-        residual=solution.residual,
+        residual=outcome.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         overlap=max((surface.overlap for surface in missed), default=0.0),
@@ -115,7 +115,7 @@ def _load_displacement(solution: StepSolution) -> float:
 
     The loads on the physical patches add up to those on the rock, since their functions add up to one.
     """
-    on_patches = solution.configuration.scaled[: 2 * len(solution.cover.patch_nodes)]
+    on_patches = solution.configuration.scaled[: 2 * len(solution.cover.patches.nodes)]
     total = float(np.abs(on_patches).sum())
     if total > 0.0:
         return float(solution.state.conjugates[0]) / total

@@ -64,7 +64,7 @@ def residual_of(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, 
 
 def _place_of(cover: Cover, function: int) -> Floats:
     """The node of a physical patch (2,), or the tip that a singular function belongs to, in lattice coordinates."""
-    if function < len(cover.patch_nodes):
-        return np.asarray(cover.patch_nodes[function])
+    if function < len(cover.patches.nodes):
+        return np.asarray(cover.patches.nodes[function])
     first = [tip.first_function for tip in cover.tips]
     return cover.tips[int(np.searchsorted(first, function, side="right")) - 1].point

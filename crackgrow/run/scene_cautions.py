@@ -282,14 +282,14 @@ def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
 
 def _forces(case: Case, cover: Cover, loads: Sequence[Load]) -> Floats:
     """Loads (n, 2) in N/m on the patches' own functions, which add up to one everywhere."""
-    return load_vector(cover, case.bodies, loads, case.numerics.quadrature).reshape(-1, 2)[: len(cover.patch_nodes)]
+    return load_vector(cover, case.bodies, loads, case.numerics.quadrature).reshape(-1, 2)[: len(cover.patches.nodes)]
 
 
 def _unbalanced(cover: Cover, forces: Floats) -> float:
     """The resultant (N/m) of forces (n, 2) on the patches, or what their moment is over the size of the scene."""
-    arms = cover.patch_nodes - cover.patch_nodes.mean(axis=0)
+    arms = cover.patches.nodes - cover.patches.nodes.mean(axis=0)
     turning = float((arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum())
-    return max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / float(np.ptp(cover.patch_nodes, axis=0).max()))
+    return max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / float(np.ptp(cover.patches.nodes, axis=0).max()))
 
 
 def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:

@@ -154,11 +154,11 @@ def free_motions(cover: Cover, constraints: csr_array) -> RigidMotions:
     pieces = []
     for index in np.flatnonzero(moving).tolist():
         _, sizes, rows = np.linalg.svd(by_piece[:, index], full_matrices=False)
-        nodes = cover.patch_nodes[found[index]]
+        nodes = cover.patches.nodes[found[index]]
         centre, reach = cover.lattice.to_metres(nodes.mean(axis=0)), cover.lattice.spacing * _reach(nodes)
         name, whole = cover.bodies[body[index]].name, int(np.sum(body == body[index])) == 1
         pieces.append(FreePiece(index, found[index], name, whole, rows[sizes > HOLDS_NOTHING], centre, reach))
-    return RigidMotions(tuple(pieces), cover.patch_nodes, of_pieces, free, np.empty(0, dtype=np.int64), np.empty(0))
+    return RigidMotions(tuple(pieces), cover.patches.nodes, of_pieces, free, np.empty(0, dtype=np.int64), np.empty(0))
 
 
 def _free_directions(held: Floats) -> Floats:
@@ -197,7 +197,7 @@ def _pieces(cover: Cover) -> tuple[list[Ints], list[Ints]]:
 
 def rigid_motions(cover: Cover, functions: Ints) -> csc_array:
     """Unknowns (n_dofs, 3) of unit translations in x and y and of a rotation (1 at the rim) of physical patches."""
-    nodes = cover.patch_nodes[functions]
+    nodes = cover.patches.nodes[functions]
     arm = (nodes - nodes.mean(axis=0)) / _reach(nodes)
     x, y, one = 2 * functions, 2 * functions + 1, np.ones(len(functions))
     motions = coo_array(

@@ -53,7 +53,7 @@ def solved(seed: int) -> tuple[StepSolution, Frame, float]:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_equilibrium_and_complementarity_hold(seed: int) -> None:
     solution, _, _ = solved(seed)
-    assert solution.residual < RESIDUAL
+    assert solution.outcome.residual < RESIDUAL
     assert solution.outcome.complementarity < COMPLEMENTARITY
     assert solution.outcome.penetration < 1e-9 * np.ptp(solution.outcome.u)
 

@@ -210,7 +210,7 @@ def test_tip_functions_jump_on_their_own_crack_alone(build, name: str, support: 
     for number, edges in enumerate(cover.elements.lines):
         middle = edges.points.mean(axis=1)
         values = np.zeros((2, len(middle), cover.n_functions))
-        seen = np.zeros((2, len(middle), len(cover.patch_nodes)), dtype=bool)
+        seen = np.zeros((2, len(middle), len(cover.patches.nodes)), dtype=bool)
         for k, side in enumerate((edges.plus, edges.minus)):
             values[k] = values_at(cover, middle, side).values().toarray()
             patches = cover.patches.of_element.taken(side)
@@ -248,6 +248,6 @@ def test_patches_of_the_node_in_the_middle_counted_by_hand(
     """The node lies at (3, 3); arms end outside of its patch unless they have a tip inside."""
     cover = build.block((6, 5), [build.crack(path, name=str(k)) for k, path in enumerate(paths)], support).cover
     node = np.array([3, 3]) + cover.lattice.reach
-    mine = np.flatnonzero((cover.patch_nodes == node).all(axis=1))
+    mine = np.flatnonzero((cover.patches.nodes == node).all(axis=1))
     assert len(mine) == n_pieces
     assert sum(np.isin(mine, tip.patches).sum() for tip in cover.tips) == n_tips_inside

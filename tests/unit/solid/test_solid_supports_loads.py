@@ -19,7 +19,7 @@ KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 
 def resultant(sample, f: np.ndarray) -> np.ndarray:
     """Force (2,) and moment about the origin of a load vector: its work on the rigid motions."""
-    nodes = sample.lattice.to_metres(sample.cover.patch_nodes)
+    nodes = sample.lattice.to_metres(sample.cover.patches.nodes)
     forces = f.reshape(-1, 2)[: len(nodes)]
     moment = np.sum(nodes[:, 0] * forces[:, 1] - nodes[:, 1] * forces[:, 0])
     return np.append(forces.sum(axis=0), moment)
@@ -165,7 +165,7 @@ def test_constraint_rows_average_the_displacement_of_the_edge(build) -> None:
     """Each row gives a constant as it is, and their values of a linear field lie within the edge, in order."""
     sample = build.block((6, 5), support=2.0)
     held = constraints(sample.cover, (sample.body,), (EdgeSupport(build.edge("right"), (0.3, None)),))
-    nodes = sample.lattice.to_metres(sample.cover.patch_nodes)
+    nodes = sample.lattice.to_metres(sample.cover.patches.nodes)
     np.testing.assert_allclose(held.matrix @ np.tile([1.0, 7.0], len(nodes)), 1.0, rtol=1e-13)
     heights = held.matrix @ np.stack([nodes[:, 1], 0 * nodes[:, 0]], axis=1).ravel()
     np.testing.assert_allclose(heights[1:-1], [1.5, 2.5, 3.5, 4.5], atol=3e-2)  # 4 Gauss points on a kinked hat
