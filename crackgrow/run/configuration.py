@@ -21,7 +21,7 @@ from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import NOTHING, SymmetricMatrix
+from crackgrow.direct import NOTHING
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.readings import Readings
@@ -86,11 +86,6 @@ class Configuration:
     sites: tuple[Site, ...]  # the tips of the cover in their order, then places where cracks may start
     readings: Readings
     seconds: dict[str, float]
-
-    @property
-    def matrix(self) -> SymmetricMatrix:
-        """Stiffness (n_dofs, n_dofs) Pa."""
-        return self.stiffness.matrix
 
     def loads(self, level: LoadLevel) -> Floats:
         """Loads (n_dofs,) N/m."""
@@ -212,7 +207,7 @@ class Configuration:
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
-        residual = residual_of(self.matrix, self.contact, loads, outcome)
+        residual = residual_of(self.stiffness.matrix, self.contact, loads, outcome)
         if not residual.size <= WORST_RESIDUAL:
             raise NotSolvedError(residual.told(self.cover))
         return replace(outcome, residual=residual.size)

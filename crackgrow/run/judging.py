@@ -24,7 +24,6 @@ from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.linear_solver import displacement_size
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,11 +110,6 @@ class StepSolution:
     def loads(self) -> Floats:
         """Loads (n_dofs,) N/m."""
         return self.configuration.loads(self.state.level)
-
-    @property
-    def displacement_size(self) -> float:
-        """Size of the displacement field, m."""
-        return displacement_size(self.loads, self.outcome.u, self.configuration.given(self.state.factor))
 
 
 def judged(state: LoadState, fields: Sequence[TipField | None] | None = None) -> StepSolution:
