@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.case.regions import EdgeRegion
 from crackgrow.case.surface import SurfaceName
 from crackgrow.cover.cell_lengths import CellLengths, cell_lengths, sizes_beside
 from crackgrow.cover.crumbs import with_crumbs
@@ -30,9 +31,7 @@ class Foundation:
     """A part of a body's rim that a rigid foundation lies under."""
 
     name: SurfaceName
-    body: int
-    sides: Ints  # (k,) sides of the body
-    limits: Floats  # (k, 2) fractions of each side's length
+    region: EdgeRegion
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,9 +188,11 @@ def _on_foundation(
     elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation
 ) -> tuple[CrackGeometry, FaceEdges]:
     """The line between a body's rim and a rigid foundation, and the edges along it."""
-    sides = bodies[foundation.body].sides
-    edges = edges_of_region(elements.outlines, foundation.body, sides, foundation.sides, foundation.limits)
-    start, step = sides[foundation.sides, 0], np.diff(sides[foundation.sides], axis=1)[:, 0]
-    begin = start + foundation.limits[:, :1] * step
-    end = start[-1:] + foundation.limits[-1:, 1:] * step[-1:]
+    region = foundation.region
+    body = [each.name for each in bodies].index(region.body)
+    sides, limits = bodies[body].sides, region.limits
+    edges = edges_of_region(elements.outlines, body, sides, region.sides, limits)
+    start, step = sides[region.sides, 0], np.diff(sides[region.sides], axis=1)[:, 0]
+    begin = start + limits[:, :1] * step
+    end = start[-1:] + limits[-1:, 1:] * step[-1:]
     return CrackGeometry(foundation.name, np.concatenate([begin, end]), False, False), edges

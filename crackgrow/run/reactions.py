@@ -35,7 +35,7 @@ def _of_supports(state: LoadState) -> Iterator[Reaction]:
 
 
 def _on_surfaces(state: LoadState, surfaces: Sequence[CrackGeometry | Foundation]) -> Iterator[Reaction]:
-    """Forces of interfaces and foundations, on the body on the plus face of each."""
+    """Forces of interfaces and foundations, each on the body on its plus face; none of those that are gone."""
     cover = state.cover
     numbers = {surface.name: number for number, surface in enumerate(cover.surfaces)}
     for name in (surface.name for surface in surfaces):

@@ -276,19 +276,13 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
     lines = [(interface, line) for interface in case.interfaces for line in interface.lines]
-    names = numbered([interface.surface for interface, _ in lines])
     interfaces = (
         CrackGeometry(name, lattice.to_lattice(line), False, False)
-        for name, (_, line) in zip(names, lines, strict=True)
+        for name, (_, line) in zip(numbered([interface.surface for interface, _ in lines]), lines, strict=True)
     )
     bodies = {body.name for body in case.bodies}
     supports = [each for each in case.supports if isinstance(each, ContactSupport) and each.region.body in bodies]
-    regions = [support.region for support in supports]
     names = numbered([support.surface for support in supports])
-    foundations = (
-        Foundation(name, body_index(case.bodies, region.body), region.sides, region.limits)
-        for name, region in zip(names, regions, strict=True)
-    )
     return Scene(
         case=case,
         lattice=lattice,
@@ -296,7 +290,7 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
         regions=tuple(shapely.Polygon(b.rings[0].points, [r.points for r in b.rings[1:]]) for b in case.bodies),
         bodies=tuple(BodyGeometry(tuple(lattice.to_lattice(r.points) for r in b.rings), b.name) for b in case.bodies),
         interfaces=tuple(interfaces),
-        foundations=tuple(foundations),
+        foundations=tuple(Foundation(name, each.region) for name, each in zip(names, supports, strict=True)),
         crack_bodies=crack_bodies,
         lengths=_lengths(case),
         laws=(
