@@ -107,7 +107,7 @@ class Sample:
         return stiffness(self.cover, [self.material], quadrature)
 
     def system(self, supports: Sequence[Support], quadrature: int = 4) -> tuple[ConstrainedSystem, Floats]:
-        held = constraints(self.cover, (self.body,), tuple(supports))
+        held = constraints(self.cover, tuple(supports))
         check_held(free_motions(self.cover, held.matrix), np.empty(0, dtype=np.int64))
         return ConstrainedSystem(self.stiffness(quadrature), held.matrix, places_of_unknowns(self.cover)), held.given
 
@@ -165,7 +165,7 @@ class Build:
         lattice = cls.graded(lattice, lattice.to_lattice(np.asarray(places, dtype=float).reshape(-1, 2)), levels, rings)
         body = cls.body(lower, upper, young)
         inside = [replace(crack, points=lattice.to_lattice(crack.points)) for crack in cracks]
-        cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),))], inside)
+        cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),), body.name)], inside)
         return Sample(lattice, body, cover, plane_elasticity(young, 0.25, "strain"))
 
     @classmethod

@@ -20,7 +20,7 @@ from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches, physical_patches, without_specks
-from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.ragged import Ragged, starts_of
@@ -92,6 +92,10 @@ class Cover:
     def tip_ends(self) -> list[tuple[int, bool]]:
         """Tip by tip the number of its crack, and whether it is at the crack's end."""
         return [(tip.crack, tip.at_end) for tip in self.tips]
+
+    def edges_on(self, region: EdgeRegion) -> FaceEdges:
+        """The edges along a part of a rim."""
+        return edges_of_region(self.elements.outlines, self.bodies, region)
 
     def functions_on(self, elements: Ints) -> Ragged:
         """All functions of elements (n,): their physical patches, then four for each carrier, tip by tip."""
@@ -188,10 +192,8 @@ def _on_foundation(
     elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation
 ) -> tuple[CrackGeometry, FaceEdges]:
     """The line between a body's rim and a rigid foundation, and the edges along it."""
-    region = foundation.region
-    body = [each.name for each in bodies].index(region.body)
-    sides, limits = bodies[body].sides, region.limits
-    edges = edges_of_region(elements.outlines, body, sides, region.sides, limits)
+    region, limits = foundation.region, foundation.region.limits
+    edges, sides = edges_of_region(elements.outlines, bodies, region), bodies[body_index(bodies, region.body)].sides
     start, step = sides[region.sides, 0], np.diff(sides[region.sides], axis=1)[:, 0]
     begin = start + limits[:, :1] * step
     end = start[-1:] + limits[-1:, 1:] * step[-1:]

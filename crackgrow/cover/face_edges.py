@@ -14,8 +14,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.case.regions import EdgeRegion
 from crackgrow.case.surface import end_word
-from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.arrangement import Edges
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
@@ -196,15 +197,13 @@ def _search_sides(side: Ints, unknown: Ints, points: Floats, ends: Floats) -> No
         raise GeometryError("an element has a side that is neither shared nor on an outline")
 
 
-def edges_of_region(outlines: OutlineEdges, body: int, ends: Floats, sides: Ints, limits: Floats) -> FaceEdges:
-    """The edges along a part of a body's rim, with nothing on their right.
-
-    `ends` (n, 2, 2) are all sides of the body; the part is `sides` (k,), each between two fractions `limits` (k, 2) of
-    its length. Edges that reach out of the part are cut off.
-    """
+def edges_of_region(outlines: OutlineEdges, bodies: Sequence[BodyGeometry], region: EdgeRegion) -> FaceEdges:
+    """The edges along a part of a body's rim, with nothing on their right. Those that reach out of it are cut off."""
+    body = body_index(bodies, region.body)
+    ends = bodies[body].sides
     found = []
     begin = 0.0  # arc length
-    for side, (low, high) in zip(sides.tolist(), limits.tolist(), strict=True):
+    for side, (low, high) in zip(region.sides.tolist(), region.limits.tolist(), strict=True):
         mine = np.flatnonzero((outlines.body == body) & (outlines.side == side))
         corner, step = ends[side, 0], ends[side, 1] - ends[side, 0]
         fraction = (outlines.points[mine] - corner) @ step / (step @ step)

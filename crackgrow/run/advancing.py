@@ -11,13 +11,13 @@ import shapely
 from crackgrow.arrays import Floats
 from crackgrow.case.meetings import scene_size
 from crackgrow.case.surface import end_word
+from crackgrow.cover.shapes import body_index
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Start, Way, advanced, closed, started
 from crackgrow.fracture.meeting import Meeting
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Event
 from crackgrow.run.scene import Scene
-from crackgrow.solid.supports import body_index
 
 LEAVES = 2.0
 """Sizes of the scene: so long a segment ends outside. Where a much longer one meets something has lost its digits."""

@@ -23,11 +23,10 @@ from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.gathered import STRAIGHT
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
-from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.cover.shapes import CrackGeometry, body_index
 from crackgrow.run.halvings import AS_GIVEN
 from crackgrow.run.rim_singularities import SHARP_CORNER, rim_singularities, ring_turns
 from crackgrow.run.scene import Scene
-from crackgrow.solid.supports import body_index
 
 Asking = Iterator[tuple[shapely.Geometry, float]]
 """Places and the largest cells that they allow, both in lattice units."""
@@ -226,7 +225,7 @@ def _ends_of_regions(scene: Scene) -> Iterator[Floats]:
     on_edges = (*case.supports, *case.loads)
     regions = [part.region for part in on_edges if isinstance(part, EdgeSupport | ContactSupport | EdgeLoad)]
     for region in regions:
-        yield from _ends_within_sides(region, scene.bodies[body_index(case.bodies, region.body)].sides)
+        yield from _ends_within_sides(region, scene.bodies[body_index(scene.bodies, region.body)].sides)
 
 
 def _ends_within_sides(region: EdgeRegion, sides: Floats) -> Iterator[Floats]:

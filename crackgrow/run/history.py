@@ -14,11 +14,11 @@ from crackgrow.case.model import FacePoint, PointPair, RockPoint
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
+from crackgrow.cover.shapes import body_index
 from crackgrow.run.increments import LoadState
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import History
 from crackgrow.solid.recovery import displacement_at, stress_at
-from crackgrow.solid.supports import body_index
 
 MOST_ROWS = 100
 """Of more states on the way of one load these many are told of, evenly spread: each is a back substitution."""

@@ -77,7 +77,7 @@ def contact_faces(scene: Scene, cover: Cover) -> ContactFaces:
 
 def constraints_of(scene: Scene, cover: Cover) -> Constraints:
     """The supports, and bonded interfaces: no gap and no slip there, averaged at mortar nodes."""
-    held = constraints(cover, scene.case.bodies, scene.case.supports)
+    held = constraints(cover, scene.case.supports)
     bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
     if not bonded:
         return held

@@ -17,11 +17,10 @@ import shapely
 from crackgrow.arrays import Floats
 from crackgrow.case.model import ContactSupport, EdgeSupport
 from crackgrow.case.regions import EdgeRegion
-from crackgrow.cover.shapes import BodyGeometry
+from crackgrow.cover.shapes import BodyGeometry, body_index
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.scene import Scene
-from crackgrow.solid.supports import body_index
 
 SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
@@ -57,7 +56,7 @@ def rim_singularities(scene: Scene) -> Iterator[RimSingularity]:
         yield from chain.from_iterable(_corners(ring) for ring in body.rings)
     for support in scene.case.supports:
         if isinstance(support, EdgeSupport | ContactSupport):
-            yield from _ends(support.region, scene.bodies[body_index(scene.case.bodies, support.region.body)])
+            yield from _ends(support.region, scene.bodies[body_index(scene.bodies, support.region.body)])
     for line in scene.interfaces:
         for end in (line.points[0], line.points[-1]):
             angle = sum(rock_angle(body, end) for body in scene.bodies)

@@ -31,7 +31,7 @@ from crackgrow.case.surface import numbered
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
-from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import BodyForce
@@ -39,7 +39,6 @@ from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings, with_star
 from crackgrow.run.surface_laws import SurfaceLaw, contact_stiffness
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
-from crackgrow.solid.supports import body_index
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -36,7 +36,6 @@ from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.supports import edges_on
 
 MOST_MOVED = 8
 """Of more points that were moved only the number is told."""
@@ -88,10 +87,9 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
 
 def _contradictions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Points on an edge that are held otherwise than the edge is there."""
-    bodies, supports = scene.case.bodies, list(enumerate(scene.case.supports))
-    there = {body.name for body in bodies}
+    supports, there = list(enumerate(scene.case.supports)), {body.name for body in cover.bodies}
     edges = [
-        (m, edge, shapely.MultiLineString(list(edges_on(cover, bodies, edge.region).points)))
+        (m, edge, shapely.MultiLineString(list(cover.edges_on(edge.region).points)))
         for m, edge in supports
         if isinstance(edge, EdgeSupport) and edge.region.body in there
     ]

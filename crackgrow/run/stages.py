@@ -18,6 +18,7 @@ from crackgrow.case.model import FluidPressure
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
+from crackgrow.cover.shapes import body_index
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.quadrature.everywhere import all_points
@@ -82,8 +83,7 @@ def _same_functions(before: Cover, after: Cover) -> Ints:
     """
     points = all_points(after, 1)
     elements, first = np.unique(points.element, return_index=True)
-    names = [body.name for body in before.bodies]
-    numbers = np.array([names.index(body.name) for body in after.bodies])
+    numbers = np.array([body_index(before.bodies, body.name) for body in after.bodies])
     there = locate(before.lattice, before.elements, points.points[first], numbers[after.elements.body[elements]])
     same = np.full(after.n_functions, -1, dtype=np.int64)
     if (there >= 0).all():

@@ -35,7 +35,7 @@ class FreePiece:
 
     number: int  # among all pieces
     functions: Ints  # physical patches
-    body: str  # name of the body that it is a part of, "" for none
+    body: str  # name of the body that it is a part of
     whole: bool  # whether it is all of it
     motions: (
         Floats  # (k, 3) orthonormal, its free motions: translation x, y and rotation (1 at `reach` from the centre)
@@ -45,10 +45,8 @@ class FreePiece:
 
     def __str__(self) -> str:
         """Say which piece it is."""
-        if self.body and self.whole:
-            return f"body '{self.body}'"
-        of = f"of body '{self.body}'" if self.body else "of rock"
-        return f"the piece {of} round {place_text(self.centre, 3)}"
+        body = f"body '{self.body}'"
+        return body if self.whole else f"the piece of {body} round {place_text(self.centre, 3)}"
 
     @property
     def motion(self) -> str:
