@@ -50,6 +50,11 @@ class CaseError(CrackgrowError):
         self.faults = tuple(faults)
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
+    @classmethod
+    def at(cls, source: object, message: str, key: str = "") -> CaseError:
+        """That of one fault without a line: of an option such as "--steps", or of a whole file."""
+        return cls([Fault(str(source), None, key, message)])
+
 
 class GeometryError(CrackgrowError):
     """A geometry that the cover cannot represent; the message names the place and the remedy."""

@@ -21,6 +21,7 @@ from crackgrow.case.model import (
     PointSupport,
     Ring,
 )
+from crackgrow.case.surface import crack_name
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.refinement import Focus, refined
@@ -106,7 +107,7 @@ class Sample:
         return stiffness(self.cover, [self.material], quadrature)
 
     def system(self, supports: Sequence[Support], quadrature: int = 4) -> tuple[ConstrainedSystem, Floats]:
-        held = constraints(self.cover, (self.body,), tuple(supports))
+        held = constraints(self.cover, tuple(supports))
         check_held(free_motions(self.cover, held.matrix), np.empty(0, dtype=np.int64))
         return ConstrainedSystem(self.stiffness(quadrature), held.matrix, places_of_unknowns(self.cover)), held.given
 
@@ -137,7 +138,7 @@ class Build:
     def crack(
         points: ArrayLike, tips: tuple[bool, bool] = (True, True), name: str = "crack", gathered: bool = False
     ) -> CrackGeometry:
-        return CrackGeometry(name, np.asarray(points, dtype=float), *tips, gathered=gathered)
+        return CrackGeometry(crack_name(name), np.asarray(points, dtype=float), *tips, gathered=gathered)
 
     @staticmethod
     def graded(lattice: Lattice, places: ArrayLike, levels: int, rings: float = 2.0) -> Lattice:
@@ -164,7 +165,7 @@ class Build:
         lattice = cls.graded(lattice, lattice.to_lattice(np.asarray(places, dtype=float).reshape(-1, 2)), levels, rings)
         body = cls.body(lower, upper, young)
         inside = [replace(crack, points=lattice.to_lattice(crack.points)) for crack in cracks]
-        cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),))], inside)
+        cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),), body.name)], inside)
         return Sample(lattice, body, cover, plane_elasticity(young, 0.25, "strain"))
 
     @classmethod

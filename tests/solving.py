@@ -5,16 +5,33 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case.model import Case, LoadHistory
 from crackgrow.contact.coulomb import ContactMemory
+from crackgrow.contact.faces import FacePoints
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment
 from crackgrow.contact.system import ContactSystem
+from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.geometry.polyline import segment_directions
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import increment, unloaded
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import Scene
 from crackgrow.solid.linear_solver import displacement_size
+
+
+def last_factor(case: Case) -> float:
+    """The last load factor of a history; nan where factors are found."""
+    return case.loading.factors[-1] if isinstance(case.loading, LoadHistory) else np.nan
+
+
+def face_vertices(cover: Cover, surface: int) -> FacePoints:
+    """Both ends of all edges along a surface, in order of arc length."""
+    edges, tangents = cover.surfaces[surface].edges, segment_directions(cover.surfaces[surface].line.points)
+    tangent, plus, minus = (np.repeat(part, 2, axis=0) for part in (tangents[edges.segment], edges.plus, edges.minus))
+    s, points = edges.s.ravel(), edges.points.reshape(-1, 2)
+    return FacePoints(np.full(len(s), surface), s, points, tangent[:, ::-1] * [-1.0, 1.0], plus, minus)
 
 
 def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: float) -> StepSolution:
@@ -29,7 +46,7 @@ def at_once(configuration: Configuration, factor: float, memory: ContactMemory |
     `memory` is that of the increment before, None for the first.
     """
     level, memory = LoadLevel(factor), memory or ContactMemory.fresh(configuration.faces.n)
-    return configuration.equilibrium(level, memory, configuration.states(level, memory)).outcome
+    return configuration.equilibrium(level, memory, configuration.states(level, memory))
 
 
 def solve_contact(

@@ -69,7 +69,7 @@ class Basis:
 
         The factors are multiplied one after the other, which takes a fraction of the time.
         """
-        n_patches, m = len(self.cover.patch_nodes), coefficients.shape[1]
+        n_patches, m = len(self.cover.patches.nodes), coefficients.shape[1]
         found = [_sums(phi, self.patches, coefficients[:n_patches]) for phi in self.phi]
         if len(self.first.values):
             amplitudes = coefficients[n_patches:].reshape(-1, N_TIP_FUNCTIONS * m)
@@ -158,7 +158,7 @@ def _carriers(phi: Floats, patches: Ragged, enrichment: Enrichment, elements: In
 def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> tuple[Ragged, Floats]:
     """The physical patches of points, and the functions phi_i of all of them, (components, patches)."""
     patches = cover.patches.of_element.taken(elements)
-    nodes, half = np.ascontiguousarray(cover.patch_nodes.T), cover.patches.weight_half
+    nodes, half = np.ascontiguousarray(cover.patches.nodes.T), cover.patches.weight_half
     found = np.empty((3 if derivatives else 1, len(patches.values)))
     begin = 0
     while begin < len(points):

@@ -7,6 +7,7 @@ from crackgrow.case.declared import made
 from crackgrow.case.layout import Scene
 from crackgrow.case.neighbours import shared_lines
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
+from crackgrow.case.surface import SurfaceName, crack_name
 
 REDUCTION = "strength_reduction"
 
@@ -80,9 +81,9 @@ def _load(scene: Scene, index: int, load: Resolved) -> model.Load:
     return made(model.Gravity, load) if "gravity" in load else made(model.InSituStress, load)
 
 
-def _surface(item: Resolved) -> str | tuple[str, ...]:
-    """The crack that is named, or the bodies of the interface."""
-    return str(item["crack"]) if "crack" in item else tuple(item["interface"])
+def _surface(item: Resolved) -> SurfaceName:
+    """The crack or the interface that is named."""
+    return crack_name(item["crack"]) if "crack" in item else SurfaceName("interface", tuple(item["interface"]))
 
 
 def _loading(resolved: Resolved) -> model.Loading:

@@ -34,13 +34,7 @@ def dump_case(case: Case) -> str:
     All that is not drawn is written as the fields of the case have it. Raises CaseError where the geometry is another
     one than was read, or bodies, cracks, supports or loads are more or in another order: they cannot be written.
     """
-    text = yaml_text(_as_it_is(case))
-    try:
-        again = read_case(text, "the case as it is", case.name)
-    except CaseError as error:
-        raise CaseError(
-            [Fault("the case as it is", None, fault.key, fault.message) for fault in error.faults]
-        ) from None
+    again = _without_lines(yaml_text(_as_it_is(case)), "the case as it is", case.name)
     changed = [
         part.name
         for part in fields(case)
@@ -104,7 +98,7 @@ def case_from(mapping: AnyMapping[str, Any], name: str) -> Case:
     """
     if not isinstance(mapping, AnyMapping):
         raise TypeError(f"a mapping in the case format is wanted, not {type(mapping).__name__}")
-    return _without_lines(yaml_text(_plain(mapping, "")), name, ())
+    return _without_lines(yaml_text(_plain(mapping, "")), "the mapping", name)
 
 
 def mapping_of(case: Case) -> dict[str, Any]:
@@ -121,13 +115,13 @@ def changed(case: Case, settings: Sequence[str]) -> Case:
     mapping = mapping_of(case)
     if mapping["numerics"].pop("auto_rule", None) is not None:
         mapping["numerics"]["spacing"] = "auto"
-    return _without_lines(yaml_text(mapping), case.name, settings)
+    return _without_lines(yaml_text(mapping), "the mapping", case.name, settings)
 
 
-def _without_lines(text: str, name: str, settings: Sequence[str]) -> Case:
+def _without_lines(text: str, source: str, name: str, settings: Sequence[str] = ()) -> Case:
     """The case of a text that nobody has seen: its faults name no lines."""
     try:
-        return read_case(text, "the mapping", name, settings)
+        return read_case(text, source, name, settings)
     except CaseError as error:
         raise CaseError([Fault(fault.source, None, fault.key, fault.message) for fault in error.faults]) from None
 

@@ -63,6 +63,22 @@ class Outlined(Protocol):
         ...
 
 
+def rim_lengths(
+    bodies: Sequence[Outlined],
+    interfaces: Iterable[tuple[tuple[str, str], Sequence[Floats]]],
+    supported: Sequence[EdgeRegion],
+    loaded: Sequence[EdgeRegion],
+) -> Iterator[Length]:
+    """All lengths of rims, those that two bodies share by these and their lines (n, 2) m."""
+    for body in bodies:
+        yield from feature_lengths(body)
+    yield from part_lengths("support", bodies, supported, "supported")
+    yield from part_lengths("load", bodies, loaded, "loaded")
+    for (first, second), lines in interfaces:
+        what = f"interface between bodies '{first}' and '{second}'"
+        yield from (Length("support", line_length(line), what, shapely.LineString(line)) for line in lines)
+
+
 def feature_lengths(body: Outlined) -> Iterator[Length]:
     """Widths of the holes of a body, notches and re-entrant corners, and the rock between its rings and corners."""
     rings = [ring.points for ring in body.rings]

@@ -16,9 +16,9 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, did_you_mean, quoted
-from crackgrow.case.scalars import INVALID, Context, Quantity, given
+from crackgrow.case.scalars import Context, Quantity, given
 from crackgrow.case.units import UNITS, is_number, parse_number, place_text
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 
 LONGEST = 1000  # characters of a formula
 DEEPEST = 100  # levels of its tree
@@ -90,7 +90,7 @@ class CoordinateFormula:
         values, nowhere = self.values(points)
         if nowhere is not None:
             message = f"has no finite value at {place_text(nowhere)}"
-            raise CaseError([Fault(f"formula {quoted(self.text)}", None, "", message)])
+            raise CaseError.at(f"formula {quoted(self.text)}", message)
         return values
 
     def values(self, points: Floats) -> tuple[Floats, Floats | None]:
@@ -155,8 +155,7 @@ class OrFormula:
             units = (float(UNITS[kind][context.units.of(kind)]) for kind in ("length", self.kind))
             formula = parse_formula(text, *units)
         except FormulaError as error:
-            context.report.fault(path, f"{given(node)} {error}; wanted: {self.describe()}")
-            return INVALID
+            return context.refused(path, f"{given(node)} {error}; wanted: {self.describe()}")
         return parse_number(formula) if is_number(formula) else formula
 
 

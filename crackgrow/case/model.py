@@ -32,6 +32,7 @@ from crackgrow.case.scalars import (
 )
 from crackgrow.case.schema import BY_PARTS, OPTIONAL, Field, ListOf, Mapping, Same
 from crackgrow.case.spellings import DISPLACEMENT, PAIR, PATH, POINT, REGION, SHAPE, SIZE, TRACTION
+from crackgrow.case.surface import SurfaceName, crack_name
 
 __all__ = ["Component", "EdgeRegion", "Formula"]  # with the classes of this module
 
@@ -150,6 +151,11 @@ class Crack:
     body: str  # the body that it lies in
     left_out: int = 0  # vertices that were given besides: each repeats the one before it
 
+    @property
+    def surface(self) -> SurfaceName:
+        """Which surface it is."""
+        return crack_name(self.name)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Interface:
@@ -162,6 +168,11 @@ class Interface:
         ByName("law", "laws", ("bonded",)),
         Doc("law of the common faces; bonded: they never part or slip"),
     ]
+
+    @property
+    def surface(self) -> SurfaceName:
+        """Which surface all of its lines are."""
+        return SurfaceName("interface", self.bodies)
 
 
 OfPoint = Annotated[str, Doc("the body, if the point lies on more than one", default=OPTIONAL, drawn=True)]
@@ -200,6 +211,11 @@ class ContactSupport:
 
     region: OnEdge
     contact: Annotated[CoulombContact, ByName("law", "laws"), Doc("law of the contact with a rigid foundation")]
+
+    @property
+    def surface(self) -> SurfaceName:
+        """Which surface it is, but for its number among several on one edge."""
+        return SurfaceName("foundation", (self.region.body, self.region.edge))
 
 
 Held = Annotated[bool, Doc("acts in full at every load factor")]
@@ -257,7 +273,7 @@ class Gravity:
 class FluidPressure:
     """Pressure of a fluid on both faces of a crack or of an interface."""
 
-    surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
+    surface: SurfaceName  # a crack, or an interface with all of its lines
     pressure: Annotated[
         Component, OrFormula("stress"), Doc("pressure of a fluid on both faces; negative: it pulls")
     ]  # Pa, positive pushes the faces apart
@@ -593,7 +609,7 @@ class FacePoint:
     """A place on a crack or an interface: opening and slip."""
 
     name: str
-    surface: str | tuple[str, str]  # a crack, or the two bodies of an interface
+    surface: SurfaceName  # a crack, or an interface with all of its lines
     point: Annotated[
         Floats, POINT, Doc("where on it, [x, y]; at the mouth of a crack the crack-mouth opening", key="at", drawn=True)
     ]  # (2,) m
@@ -698,11 +714,6 @@ class Case:
         from crackgrow.case.dump import changed  # it stands on the classes of this module
 
         return changed(self, settings)
-
-    @property
-    def last_factor(self) -> float:
-        """The last load factor of the history; nan where factors are found."""
-        return self.loading.factors[-1] if isinstance(self.loading, LoadHistory) else float("nan")
 
     @property
     def last_step(self) -> int:

@@ -105,8 +105,7 @@ class OutlineFile:
             rings = [polygon.exterior, *polygon.interiors]
             return [_corners(shapely.get_coordinates(ring)[:-1], context) for ring in rings]
         except (ContentError, QuantityError) as error:
-            context.report.fault(path, f"{quoted(node.text)} {error}; wanted: {self.describe()}")
-            return INVALID
+            return context.refused(path, f"{quoted(node.text)} {error}; wanted: {self.describe()}")
 
 
 def _parts_of(file: FilePath) -> list[shapely.Geometry]:
@@ -191,8 +190,7 @@ def without_file(value: object, path: Path, context: Context) -> object:
         return INVALID
     outline, *holes = found[0]
     if holes:
-        context.report.fault((*path, "file"), "the polygon has holes; wanted for a hole: a polygon without any")
-        return INVALID
+        return context.refused((*path, "file"), "the polygon has holes; wanted for a hole: a polygon without any")
     return {"polygon": outline}
 
 
@@ -203,17 +201,14 @@ def with_file_points(value: object, path: Path, context: Context) -> object:
     source, curve = value["file"], value.get("curve")
     if not isinstance(source, PlaneMesh):
         if curve is not None:
-            context.report.fault((*path, "curve"), "the file has lines and no curves; a mesh has some")
-            return INVALID
+            return context.refused((*path, "curve"), "the file has lines and no curves; a mesh has some")
         return {"lines": source}
     if curve is None:
-        context.report.fault((*path, "curve"), "missing: name or number of a group of the mesh's lines (a text)")
-        return INVALID
+        return context.refused((*path, "curve"), "missing: name or number of a group of the mesh's lines (a text)")
     try:
         return {"points": _corners(source.path(curve), context)}
     except (ContentError, QuantityError) as error:
-        context.report.fault((*path, "curve"), f"the mesh {error}")
-        return INVALID
+        return context.refused((*path, "curve"), f"the mesh {error}")
 
 
 def _outline_of(shape: dict[str, Any], path: Path, context: Context) -> tuple[list[Corners], dict[str, object]] | None:

@@ -57,8 +57,7 @@ class Reference:
         known = context.defined.get(self.thing, {})
         if node.text not in known:
             has = f"`{self.where}` has: {', '.join(known) or 'none'}{did_you_mean(node.text, [*known, *words])}"
-            context.report.fault(path, f"{quoted(node.text)} given; wanted: {self.describe()}; {has}")
-            return INVALID
+            return context.refused(path, f"{quoted(node.text)} given; wanted: {self.describe()}; {has}")
         found = known[node.text]
         if not found.sound:
             context.report.doubt(path)  # its faults are reported where it is defined

@@ -14,7 +14,7 @@ import numpy as np
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, quoted
-from crackgrow.case.scalars import INVALID, Context, refuse
+from crackgrow.case.scalars import Context, refuse
 from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
 from crackgrow.case.units import UNITS, QuantityError, is_number, parse_quantity
 
@@ -177,8 +177,7 @@ class LengthOrAngle:
             return refuse(node, wanted, path, context)
         text = node.text.strip()
         if not node.plain and is_number(text):
-            context.report.fault(path, f'"{text}" in quotes is a text; write {self.describe()} without quotes')
-            return INVALID
+            return context.refused(path, f'"{text}" in quotes is a text; write {self.describe()} without quotes')
         values: dict[str, float | None] = {}
         for kind in ("length", "angle"):
             try:
@@ -186,6 +185,5 @@ class LengthOrAngle:
             except QuantityError as error:
                 values[kind], reason = None, error
         if values["length"] is None and values["angle"] is None:
-            context.report.fault(path, f"{quoted(text)} {reason}; wanted: {wanted}")
-            return INVALID
+            return context.refused(path, f"{quoted(text)} {reason}; wanted: {wanted}")
         return Along(values["length"], values["angle"])

@@ -36,6 +36,11 @@ class Context:
     folders: dict[str, FilePath] = field(default_factory=dict)  # the same of the file and its bases, by name in faults
     defined: dict[str, dict[str, Definition]] = field(default_factory=dict)  # by kind and name, as they are read
 
+    def refused(self, path: Path, message: str) -> object:
+        """Report the fault of a value, and return INVALID in its place."""
+        self.report.fault(path, message)
+        return INVALID
+
     def folder_of(self, node: Node) -> FilePath:
         """What a file name is relative to: the folder of the file that it stands in."""
         return self.folders.get(node.place.source, self.folder)
@@ -98,8 +103,7 @@ class Choice:
         if node.text in self.words:
             return node.text
         message = f"{quoted(node.text)} is not one of {self.describe()}{did_you_mean(node.text, self.words)}"
-        context.report.fault(path, message)
-        return INVALID
+        return context.refused(path, message)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,16 +158,13 @@ def _read_float(
         return refuse(node, spec.describe() + hint, path, context)
     if not node.plain and is_number(node.text.strip()):
         message = f'"{node.text.strip()}" in quotes is a text; write {spec.describe()} without quotes'
-        context.report.fault(path, message)
-        return INVALID
+        return context.refused(path, message)
     try:
         value = convert(node.text)
     except QuantityError as error:
-        context.report.fault(path, f"{quoted(node.text)} {error}; wanted: {spec.describe()}{hint}")
-        return INVALID
+        return context.refused(path, f"{quoted(node.text)} {error}; wanted: {spec.describe()}{hint}")
     if not spec.bounds.hold(value):
-        context.report.fault(path, f"{quoted(node.text)} is out of range; wanted: {spec.describe()}")
-        return INVALID
+        return context.refused(path, f"{quoted(node.text)} is out of range; wanted: {spec.describe()}")
     return value
 
 
@@ -274,5 +275,4 @@ class WordOr:
             return self.spec.read(node, path, context)
         hint = did_you_mean(node.text, self.words)
         note = self.spec.note if isinstance(self.spec, Number) and node.text[:1] in _BEGIN_OF_NUMBER else ""
-        context.report.fault(path, f"{given(node)} given; wanted: {self.describe()}{note}{hint}")
-        return INVALID
+        return context.refused(path, f"{given(node)} given; wanted: {self.describe()}{note}{hint}")

@@ -244,11 +244,9 @@ class ListOf:
             return refuse(node, self.describe(), path, context)
         if self.length is not None and len(node.items) != self.length:
             message = f"a list of {len(node.items)} given; wanted: {self.describe()}"
-            context.report.fault(path, message)
-            return INVALID
+            return context.refused(path, message)
         if len(node.items) > self.at_most:
-            context.report.fault(path, f"a list of {len(node.items)} given; wanted: {self.at_most} at most")
-            return INVALID
+            return context.refused(path, f"a list of {len(node.items)} given; wanted: {self.at_most} at most")
         values = []
         for index, item in enumerate(node.items):
             context.report.put((*path, index), item.place)
@@ -313,8 +311,7 @@ class Named:
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
         if len(node.entries) > self.at_most:
-            context.report.fault(path, f"{len(node.entries)} names given; wanted: {self.at_most} at most")
-            return INVALID
+            return context.refused(path, f"{len(node.entries)} names given; wanted: {self.at_most} at most")
         values: dict[str, object] = {}
         for name, entry in node.entries.items():
             inner = (*path, name)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing, preset_of
-from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
+from crackgrow.case.features import Length, line_length, rim_lengths, stretches
 from crackgrow.case.layout import Scene, named, points_of
 
 SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
@@ -51,14 +51,9 @@ def _lengths(scene: Scene) -> Iterator[Length]:
     bodies = list(scene.bodies.values())
     for body in bodies:
         yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")
-        yield from feature_lengths(body)
-    for (first, second), lines in scene.shared.items():
-        shortest = min(line_length(line) for line in lines)
-        yield Length("support", shortest, f"interface between bodies '{first}' and '{second}'")
     supported = [region for key, region in scene.regions.items() if key[0] == "supports"]
     loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
-    yield from part_lengths("support", bodies, supported, "supported")
-    yield from part_lengths("load", bodies, loaded, "loaded")
+    yield from rim_lengths(bodies, scene.shared.items(), supported, loaded)
     increment = scene.get("growth", "increment")
     if increment is not None:
         yield Length("increment", increment, "growth.increment")

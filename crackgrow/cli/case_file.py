@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import crackgrow
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
@@ -19,7 +19,7 @@ def load_case_file(arguments: argparse.Namespace) -> Case:
     """The case of the arguments `case` and `overrides`; raises CaseError."""
     path: Path = arguments.case
     if not os.path.isfile(path):  # noqa: PTH113  (Path's fails on a long name)
-        raise CaseError([Fault(str(path), None, "", _missing_message(path))])
+        raise CaseError.at(path, _missing_message(path))
     return crackgrow.load_case(path, arguments.overrides)
 
 

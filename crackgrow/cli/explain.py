@@ -6,7 +6,7 @@ import argparse
 
 from crackgrow.cli.console import EXIT_DONE, hand_out
 from crackgrow.cli.parser import Commands, add_command
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 
 HELP = """\
 Say what a key of a case means, its type, unit, default and what is allowed; or what a word means that a key takes; or
@@ -32,7 +32,7 @@ def explain_name(arguments: argparse.Namespace) -> int:
     if not found:
         near = nearest(name)
         hint = f"; did you mean {' or '.join(near)}?" if near else "; `crackgrow explain` lists what there is"
-        raise CaseError([Fault("explain", None, name, f"is no key of a case, file or column of results{hint}")])
+        raise CaseError.at("explain", f"is no key of a case, file or column of results{hint}", name)
     hand_out("\n".join(line for entry in found for line in entry.lines()) + "\n")
     return EXIT_DONE
 

@@ -11,7 +11,7 @@ import yaml
 from crackgrow.cli.console import EXIT_DONE, hand_out
 from crackgrow.cli.new import templates
 from crackgrow.cli.parser import Commands, add_command
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 from crackgrow.results.units import aligned
 
 HELP = "List the cases of a folder with their titles, its sweeps, and the templates of `crackgrow new`."
@@ -26,7 +26,7 @@ def list_cases(arguments: argparse.Namespace) -> int:
     """`crackgrow list`: what there is to run, and to start from."""
     folder: Path = arguments.folder or Path("cases")
     if arguments.folder is not None and not folder.is_dir():
-        raise CaseError([Fault(str(folder), None, "", "is no folder")])
+        raise CaseError.at(folder, "is no folder")
     lines = [*_listed(folder, "cases", "run"), *_listed(folder / "sweeps", "sweeps", "sweep")]
     lines += ["templates: crackgrow new NAME --template ...", *aligned(templates().items(), 2, "  ")]
     hand_out("\n".join(lines) + "\n")

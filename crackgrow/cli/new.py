@@ -10,7 +10,7 @@ from typing import Final, TextIO
 
 from crackgrow.cli.console import EXIT_DONE, say
 from crackgrow.cli.parser import Commands, add_command
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 from crackgrow.results.units import aligned
 
 SCHEMA_FILE: Final = "case.schema.json"
@@ -60,7 +60,7 @@ def new(arguments: argparse.Namespace) -> int:
         message = f"cannot be written: {getattr(error, 'strerror', None) or error}"
         if isinstance(error, FileExistsError) and file.exists():
             message = "exists already, and is left as it is"
-        raise CaseError([Fault(str(file), None, "", message)]) from None
+        raise CaseError.at(file, message) from None
     quoted = shlex.quote(str(file))
     say(f"wrote {file}\nnext: crackgrow check {quoted}, then crackgrow run {quoted}")
     return EXIT_DONE
@@ -79,7 +79,7 @@ def _write_or_remove(stream: TextIO, text: str, file: Path) -> None:
 def _file_of(name: str) -> Path:
     path = Path(name)
     if not path.name:
-        raise CaseError([Fault(repr(name), None, "", "is no name of a case; allowed are those such as my_slope")])
+        raise CaseError.at(repr(name), "is no name of a case; allowed are those such as my_slope")
     if path.suffix in (".yaml", ".yml"):
         return path
     folder = Path("cases")

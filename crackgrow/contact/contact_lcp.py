@@ -34,7 +34,7 @@ class _ContactLcp:
     size: float  # sqrt(Pa m)
 
 
-def solve_by_lemke(problem: ContactProblem, max_pivots: int | None = None) -> ContactSolution:
+def solve_by_lemke(problem: ContactProblem) -> ContactSolution:
     """Tractions of the contact problem by Lemke's method; for comparison and as a second opinion on Newton's.
 
     Status "solved", "limit", "ray", or "inaccurate" where the tractions violate the law by more than
@@ -42,7 +42,7 @@ def solve_by_lemke(problem: ContactProblem, max_pivots: int | None = None) -> Co
     Raises NotSolvedError where the compliance is singular (rigid contact at more points than the displacement follows).
     """
     lcp = _contact_lcp(problem)
-    result = lemke(lcp.M, lcp.q, lcp.d, max_pivots)
+    result = lemke(lcp.M, lcp.q, lcp.d)
     p, du = _tractions(problem, lcp.size * result.z / lcp.root, lcp.size * lcp.root * result.w)
     active = active_set(problem, p, du)
     x, polished = np.append(p, _motion(problem, p, du)), solve_active(problem, active)

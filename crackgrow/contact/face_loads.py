@@ -24,11 +24,10 @@ def face_load_vector(cover: Cover, crack_bodies: Sequence[str], loads: Sequence[
     """
     f = np.zeros((cover.n_functions, 2))
     for index, surface in enumerate(cover.surfaces):
-        is_crack = index < len(cover.cracks)
         fluids = [load for load in loads if isinstance(load, FluidPressure)]
-        pressures = [load.pressure for load in fluids if is_named(surface.name, is_crack, load.surface)]
+        pressures = [load.pressure for load in fluids if surface.name.is_of(load.surface)]
         stress = InSitu()
-        for load in loads if is_crack else ():
+        for load in loads if surface.name.is_crack else ():
             if isinstance(load, InSituStress) and load.body == crack_bodies[index]:
                 stress = stress.plus(load, 1.0)
         if stress == InSitu() and all(pressure == 0.0 for pressure in pressures):
@@ -50,11 +49,3 @@ def _breaks(cover: Cover, index: int, pressures: Sequence[Component]) -> Floats:
     edges = cover.surfaces[index].edges
     edge, limits = subdivided(edges.points, lambda at, _: _sum_at(pressures, cover.lattice.to_metres(at))[:, None])
     return np.asarray(edges.parts(edge, limits).s[limits[:, 0] > 0.0, 0])
-
-
-def is_named(name: str, is_crack: bool, wanted: str | tuple[str, str]) -> bool:
-    """Whether a surface is the crack that is `wanted`, or a line between the two bodies."""
-    if isinstance(wanted, str):
-        return is_crack and name == wanted
-    first, second = wanted
-    return not is_crack and name.partition(".")[0] in (f"{first}/{second}", f"{second}/{first}")

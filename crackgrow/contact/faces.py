@@ -89,10 +89,10 @@ def stretch_ends(cover: Cover, index: int) -> Floats:
     Of a stretch that would be too short the less sharp of its kinks is passed over.
     """
     surface = cover.surfaces[index]
-    s = arc_lengths(surface.points)
+    s = arc_lengths(surface.line.points)
     xi = cover.surfaces[index].in_cells.at(s)
-    turns = np.concatenate([[np.inf], np.abs(kink_angles(surface.points)), [np.inf]])  # of what may end a stretch
-    turns[surface.junctions] = np.inf
+    turns = np.concatenate([[np.inf], np.abs(kink_angles(surface.line.points)), [np.inf]])  # of what may end a stretch
+    turns[surface.line.junctions] = np.inf
     ends = np.flatnonzero(turns > STRETCH_KINK)
     while True:
         sharpness = np.minimum(turns[ends[:-1]], turns[ends[1:]])  # of the less sharp end of each stretch
@@ -109,7 +109,7 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
     ends = {surface: stretch_ends(cover, surface) for surface in touching}
     x, w = gauss(GAUSS_POINTS)
     for surface in touching:
-        path = cover.surfaces[surface].points
+        path = cover.surfaces[surface].line.points
         bent = np.concatenate([[True], np.abs(kink_angles(path)) > STRAIGHT, [True]])
         corners = arc_lengths(path)[bent]
         size = np.repeat(np.diff(corners) / GAUSS_PARTS, GAUSS_PARTS)
@@ -120,13 +120,6 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
         stretch = np.searchsorted(ends[surface][1:-1], s, side="right")
         parts.append((points_at(cover, surface, s), (size[:, None] * w).ravel(), functions, s, stretch))
     return joined_faces(cover, ends, parts)
-
-
-def face_vertices(cover: Cover, surface: int) -> FacePoints:
-    """Both ends of all edges of the arrangement along a surface, in order of arc length."""
-    edges = cover.surfaces[surface].edges
-    owner = np.repeat(np.arange(len(edges.s)), 2)
-    return _on_edges(cover, surface, owner, edges.s.ravel())
 
 
 Part = tuple[FacePoints, Floats, csr_array, Floats, Ints]  # integration points, lengths, N_k, s and stretch of nodes
@@ -157,7 +150,7 @@ def integration_points(cover: Cover, index: int, breaks: Floats) -> tuple[FacePo
     keep = size > 1e-9  # edges that are the same place but for rounding
     start, size = start[keep], size[keep]
     tip_at_start, tip_at_end = np.zeros((2, len(start)), dtype=bool)
-    tip_at_start[0], tip_at_end[-1] = surface.tip_at_start, surface.tip_at_end
+    tip_at_start[0], tip_at_end[-1] = surface.line.tip_at_start, surface.line.tip_at_end
     position, weights = on_edges_with_tips(tip_at_start, tip_at_end, POINTS_PER_EDGE)
     s = (start[:, None] + size[:, None] * position).ravel()
     return points_at(cover, index, s), (size[:, None] * weights).ravel()
@@ -183,7 +176,7 @@ def _nodes_at(cover: Cover, surface: int, s: Floats, stretch: Ints, ends: Floats
 def _on_edges(cover: Cover, surface: int, owner: Ints, s: Floats) -> FacePoints:
     """Face points at arc lengths s (n,) that lie on edges `owner` (n,) of a surface."""
     edges = cover.surfaces[surface].edges
-    tangent = segment_directions(cover.surfaces[surface].points)[edges.segment[owner]]
+    tangent = segment_directions(cover.surfaces[surface].line.points)[edges.segment[owner]]
     points = edges.points[owner, 0] + (s - edges.s[owner, 0])[:, None] * tangent
     return FacePoints(
         np.full(len(s), surface),

@@ -101,9 +101,9 @@ def _kinds(cover: Cover, index: int, ends: Floats, in_cells: Floats) -> Ints:
     """
     surface, m = cover.surfaces[index], len(ends) - 1
     kind = np.full(m + 1, KINK)
-    kind[[0, -1]] = [TIP if at_tip else RIM for at_tip in (surface.tip_at_start, surface.tip_at_end)]
-    at_junction = np.isin(ends, arc_lengths(surface.points)[surface.junctions])
-    kind[at_junction] = JUNCTION if index < len(cover.cracks) else TIP
+    kind[[0, -1]] = [TIP if at_tip else RIM for at_tip in (surface.line.tip_at_start, surface.line.tip_at_end)]
+    at_junction = np.isin(ends, arc_lengths(surface.line.points)[surface.line.junctions])
+    kind[at_junction] = JUNCTION if surface.name.is_crack else TIP
     of_stretch = kind[np.arange(m)[:, None] + np.arange(2)]
     neighbour = np.concatenate([[np.inf], np.diff(in_cells), [np.inf]])[np.arange(m)[:, None] + np.array([0, 2])]
     return np.where((of_stretch == KINK) & (neighbour < KINK_ROOM - TIE), BARE_KINK, of_stretch)

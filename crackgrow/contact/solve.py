@@ -73,45 +73,6 @@ With stiff ones the problem is well conditioned, and its solution is close to th
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactOutcome:
-    """Displacements and the state of all contact points."""
-
-    u: Floats  # (n_dofs,) m
-    multipliers: Floats  # (m,) of the supports
-    normal_traction: Floats  # (n,) Pa, negative in compression
-    tangential_traction: Floats  # (n,) Pa
-    gap: Floats  # (n,) m
-    slip: Floats  # (n,) m
-    state: Ints  # (n,)
-    memory: ContactMemory
-    dilation: Floats  # (n,) m: the part of the gap that slip has opened
-    n_unknowns: int
-    iterations: int
-    penetration: float  # m: overlap beyond |p| / k
-    complementarity: float  # relative
-    status: Literal["none", "solved"]
-    notes: tuple[str, ...]  # what the user should know of how it was solved
-    rows: Ints  # (k,) points that the solver had to deal with: all others stay open
-    problem: ContactProblem | None  # what it solved for them last
-
-    def scaled(self, share: float, problem: ContactProblem | None) -> ContactOutcome:
-        """The outcome of `share` times the loads, where states are in proportion to them, and its problem."""
-        return replace(
-            self,
-            u=share * self.u,
-            multipliers=share * self.multipliers,
-            normal_traction=share * self.normal_traction,
-            tangential_traction=share * self.tangential_traction,
-            gap=share * self.gap,
-            slip=share * self.slip,
-            memory=replace(self.memory, slip=share * self.memory.slip),
-            dilation=share * self.dilation,
-            penetration=share * self.penetration,
-            problem=problem,
-        )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Trial:
     """What an increment is taken to do."""
 
@@ -126,11 +87,11 @@ class PointStates:
     """What comes of a trial, at all points."""
 
     trial: Trial
-    normal: Floats  # (n,) Pa
+    normal: Floats  # (n,) Pa, negative in compression
     tangential: Floats  # (n,) Pa
     gap: Floats  # (n,) m, less what dilation opens
     slip: Floats  # (n,) m
-    dilation: Floats  # (n,) m
+    dilation: Floats  # (n,) m: what slip has opened
     state: Ints  # (n,)
     coheres: Bools  # (n,)
     solution: ContactSolution | None = None  # None: no point has to be dealt with
@@ -140,6 +101,21 @@ class PointStates:
     complementarity: float = 0.0  # relative
     iterations: int = 0  # of all trials
     notes: frozenset[str] = frozenset()
+
+    @property
+    def status(self) -> Literal["none", "solved"]:
+        """Whether any point had to be dealt with."""
+        return "none" if self.solution is None else "solved"
+
+    @property
+    def rows(self) -> Ints:
+        """Points (k,) that the solver had to deal with: all others stay open."""
+        return np.flatnonzero(self.trial.taken)
+
+    @property
+    def opening(self) -> Floats:
+        """Gaps (n,) m."""
+        return self.gap + self.dilation
 
     @property
     def touching(self) -> Floats:
@@ -161,6 +137,31 @@ class PointStates:
         if solution is not None:
             solution = replace(solution, traction=share * solution.traction, motion=share * solution.motion)
         return replace(self, **numbers, solution=solution, problem=problem)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactOutcome:
+    """Displacements with the states of the contact points that are in equilibrium with them."""
+
+    u: Floats  # (n_dofs,) m
+    multipliers: Floats  # (m,) of the supports
+    points: PointStates
+    memory: ContactMemory
+    penetration: float  # m: overlap beyond |p| / k
+    complementarity: float  # relative
+    notes: tuple[str, ...]  # what the user should know of how it was solved
+    residual: float = float("nan")  # of equilibrium, relative; nan where it was not looked at
+
+    def scaled(self, share: float) -> ContactOutcome:
+        """The outcome of `share` times the loads, where states are in proportion to them."""
+        return replace(
+            self,
+            u=share * self.u,
+            multipliers=share * self.multipliers,
+            points=self.points.scaled(share),
+            memory=replace(self.memory, slip=share * self.memory.slip),
+            penetration=share * self.penetration,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -230,21 +231,11 @@ class Increment:
         return ContactOutcome(
             u=rock[0],
             multipliers=rock[1],
-            normal_traction=state.normal,
-            tangential_traction=state.tangential,
-            gap=state.gap + state.dilation,
-            slip=state.slip,
-            state=state.state,
+            points=state,
             memory=self.remembered(state),
-            dilation=state.dilation,
-            n_unknowns=state.n_unknowns,
-            iterations=state.iterations,
             penetration=float(np.max(-(state.gap - elastic), initial=0.0)),
             complementarity=max(state.complementarity, off),
-            status="none" if state.solution is None else "solved",
             notes=tuple(notes),
-            rows=np.flatnonzero(state.trial.taken),
-            problem=state.problem,
         )
 
     def _untouched(self, free: Floats) -> PointStates:
@@ -424,7 +415,7 @@ def _missing(contact: ContactSystem, free: Floats, state: PointStates, u: Floats
     The compliance is good to the round-off of one elimination, the displacements are refined. Raises NotSolvedError
     where the compliance is wrong altogether.
     """
-    jumps = np.concatenate([state.gap + state.dilation, state.slip])
+    jumps = np.concatenate([state.opening, state.slip])
     more = contact.operator @ u - jumps
     faint = FAINT * float((contact.operator_sizes @ np.abs(u)).max())
     off, farthest = float(np.abs(more).max()), max(float(np.abs(np.concatenate([jumps, free])).max()), faint)

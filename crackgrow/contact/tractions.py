@@ -56,13 +56,14 @@ def elastic_tractions(
         return np.zeros(len(s)), np.zeros(len(s))
     nearest = nearest_contact_point(faces, crack, s)
     gap, slip = gap_and_slip(cover, points_at(cover, crack, s), outcome.u)
-    known = (outcome.normal_traction, outcome.tangential_traction, law.compliance, law.shear_compliance)
+    points = outcome.points
+    known = (points.normal, points.tangential, law.compliance, law.shear_compliance)
     normal, tangential, across, along = between_contact_points(faces, crack, s, *known)
     broken = outcome.memory.broken
     gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - along * tangential)
     p_n = np.where(normal < 0.0, np.minimum(gap, 0.0) / across, 0.0)
     ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal < 0.0)
     _, cohesion = law.bound_of(outcome.memory.lost)
-    cohesive = np.where(outcome.state == SLIP, np.copysign(cohesion, outcome.tangential_traction), 0.0)[nearest]
-    never_slipped = ((outcome.state == STICK) & ~broken)[nearest]
+    cohesive = np.where(points.state == SLIP, np.copysign(cohesion, points.tangential), 0.0)[nearest]
+    never_slipped = ((points.state == STICK) & ~broken)[nearest]
     return p_n, np.where(never_slipped, slip / along, cohesive + ratio * (tangential - cohesive))

@@ -11,18 +11,13 @@ from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.tolerance import ON_LINE
 
 
-def tip_name(crack: str, at_end: bool) -> str:
-    """What the tip at the end (or start) of a crack is called."""
-    return f"the {'end' if at_end else 'start'} of crack '{crack}'"
-
-
 def ends_on(crack: CrackGeometry, cracks: Sequence[CrackGeometry]) -> list[str]:
     """The cracks that one with a tip at its other end ends on."""
     if crack.tip_at_start == crack.tip_at_end:
         return []
     end = shapely.Point(crack.seen_from(not crack.tip_at_end)[0])
     lines = [(other, shapely.LineString(other.points)) for other in cracks if other is not crack]
-    return [f"crack '{other.name}'" for other, line in lines if shapely.dwithin(line, end, ON_LINE)]
+    return [other.name.words for other, line in lines if shapely.dwithin(line, end, ON_LINE)]
 
 
 def close_pairs(cover: Cover, interfaces: Sequence[CrackGeometry], within: float) -> list[tuple[str, str]]:
@@ -31,7 +26,7 @@ def close_pairs(cover: Cover, interfaces: Sequence[CrackGeometry], within: float
     Cracks that meet are close to each other there: of them only tips count.
     """
     lines = [shapely.LineString(crack.points) for crack in cover.cracks]
-    names = [f"crack '{crack.name}'" for crack in cover.cracks]
+    names = [crack.name.words for crack in cover.cracks]
     largest = within * float(cover.sizes.max())
     found = cover.crack_tree.query(cover.crack_tree.geometries, predicate="dwithin", distance=largest).T.tolist()
     near = sorted((i, j) for i, j in found if j < i)
@@ -41,12 +36,12 @@ def close_pairs(cover: Cover, interfaces: Sequence[CrackGeometry], within: float
     pairs = [(names[i], names[j]) for i, j in apart]
     outline = shapely.multilinestrings(shapely.linestrings(cover.elements.outlines.points))
     for tip, (index, at_end) in zip(cover.tips, cover.tip_ends, strict=True):
-        name, place, reach = tip_name(cover.cracks[index].name, at_end), shapely.Point(tip.point), within * tip.size
+        name, place, reach = cover.cracks[index].name.end(at_end), shapely.Point(tip.point), within * tip.size
         others = [i if j == index else j for i, j in meeting if index in (i, j)]
         pairs.extend((name, names[other]) for other in others if shapely.dwithin(lines[other], place, reach))
         if shapely.dwithin(outline, place, reach):
-            there = [x.name for x in interfaces if shapely.dwithin(shapely.LineString(x.points), place, reach)]
-            pairs.append((name, f"interface '{there[0]}'" if there else "the outline"))
+            there = [x.name.words for x in interfaces if shapely.dwithin(shapely.LineString(x.points), place, reach)]
+            pairs.append((name, there[0] if there else "the outline"))
     return pairs
 
 

@@ -10,6 +10,8 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.case.regions import EdgeRegion
+from crackgrow.case.surface import SurfaceName
 from crackgrow.cover.cell_lengths import CellLengths, cell_lengths, sizes_beside
 from crackgrow.cover.crumbs import with_crumbs
 from crackgrow.cover.elements import Elements, cut_elements
@@ -18,7 +20,7 @@ from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches, physical_patches, without_specks
-from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.ragged import Ragged, starts_of
@@ -28,28 +30,27 @@ from crackgrow.ragged import Ragged, starts_of
 class Foundation:
     """A part of a body's rim that a rigid foundation lies under."""
 
-    name: str
-    body: int
-    sides: Ints  # (k,) sides of the body
-    limits: Floats  # (k, 2) fractions of each side's length
+    name: SurfaceName
+    region: EdgeRegion
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
     """A line where two faces can touch: a crack, an interface, or a body's rim on a foundation."""
 
-    name: str
-    points: Floats  # (n, 2) its corners
+    line: CrackGeometry
     edges: FaceEdges
-    tip_at_start: bool
-    tip_at_end: bool
-    junctions: Bools  # (n,) which corners are junctions with other surfaces
     sizes: Floats  # (edges,) side of the cells beside each edge, spacings: of the larger on its two faces
+
+    @property
+    def name(self) -> SurfaceName:
+        """Which surface it is."""
+        return self.line.name
 
     @cached_property
     def in_cells(self) -> CellLengths:
         """Lengths along it in cells."""
-        return cell_lengths(self.points, self.edges, self.sizes)
+        return cell_lengths(self.line.points, self.edges, self.sizes)
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
@@ -88,14 +89,13 @@ class Cover:
         return last.first_function + N_TIP_FUNCTIONS * last.carriers.n
 
     @property
-    def patch_nodes(self) -> Floats:
-        """Node (n_patches, 2) of each physical patch; corners of crumbs."""
-        return self.patches.nodes
-
-    @property
     def tip_ends(self) -> list[tuple[int, bool]]:
         """Tip by tip the number of its crack, and whether it is at the crack's end."""
         return [(tip.crack, tip.at_end) for tip in self.tips]
+
+    def edges_on(self, region: EdgeRegion) -> FaceEdges:
+        """The edges along a part of a rim."""
+        return edges_of_region(self.elements.outlines, self.bodies, region)
 
     def functions_on(self, elements: Ints) -> Ragged:
         """All functions of elements (n,): their physical patches, then four for each carrier, tip by tip."""
@@ -160,16 +160,9 @@ def _surfaces(
     foundations: Sequence[Foundation],
 ) -> tuple[Surface, ...]:
     """The surfaces along `lines` and `foundations`."""
-    along = (
-        (line, edges, sizes_beside(edges, elements.size)) for line, edges in zip(lines, elements.lines, strict=True)
-    )
-    return (
-        *(
-            Surface(x.name, x.points, edges, x.tip_at_start, x.tip_at_end, x.junctions, size)
-            for x, edges, size in along
-        ),
-        *(_on_foundation(elements, bodies, foundation) for foundation in foundations),
-    )
+    along = [*zip(lines, elements.lines, strict=True)]
+    along += [_on_foundation(elements, bodies, foundation) for foundation in foundations]
+    return tuple(Surface(line, edges, sizes_beside(edges, elements.size)) for line, edges in along)
 
 
 def _same_bodies(before: Cover, bodies: Sequence[BodyGeometry]) -> bool:
@@ -180,11 +173,11 @@ def _same_bodies(before: Cover, bodies: Sequence[BodyGeometry]) -> bool:
 
 def _plain(lattice: Lattice, elements: Elements, touching: Bools, patches: Patches, enrichment: Enrichment) -> Bools:
     """Which elements (n,) are plain."""
-    step = elements.vertices[elements.ring_end] - elements.vertices[elements.ring_start]
+    step = elements.vertices[elements.rings.end] - elements.vertices[elements.rings.start]
     slanted = np.all(step != 0.0, axis=1)
-    plain = np.bincount(elements.ring_element, minlength=elements.n) == 4
+    plain = np.bincount(elements.rings.face, minlength=elements.n) == 4
     plain &= lattice.windows.regular[elements.tile]
-    plain[elements.ring_element[slanted]] = False
+    plain[elements.rings.face[slanted]] = False
     beside = np.concatenate([elements.edges.left[touching], elements.edges.right[touching]])
     plain[beside[beside >= 0]] = False
     return np.asarray(plain & ~enrichment.acted_on & ~patches.in_crumb)
@@ -195,13 +188,13 @@ def _on_grid(lines: Sequence[CrackGeometry]) -> list[CrackGeometry]:
     return [replace(line, points=on_grid(line.points)) for line in lines]
 
 
-def _on_foundation(elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation) -> Surface:
-    """The surface between a body's rim and a rigid foundation."""
-    sides = bodies[foundation.body].sides
-    edges = edges_of_region(elements.outlines, foundation.body, sides, foundation.sides, foundation.limits)
-    start, step = sides[foundation.sides, 0], np.diff(sides[foundation.sides], axis=1)[:, 0]
-    begin = start + foundation.limits[:, :1] * step
-    end = start[-1:] + foundation.limits[-1:, 1:] * step[-1:]
-    points = np.concatenate([begin, end])
-    none = np.zeros(len(points), dtype=bool)
-    return Surface(foundation.name, points, edges, False, False, none, sizes_beside(edges, elements.size))
+def _on_foundation(
+    elements: Elements, bodies: Sequence[BodyGeometry], foundation: Foundation
+) -> tuple[CrackGeometry, FaceEdges]:
+    """The line between a body's rim and a rigid foundation, and the edges along it."""
+    region, limits = foundation.region, foundation.region.limits
+    edges, sides = edges_of_region(elements.outlines, bodies, region), bodies[body_index(bodies, region.body)].sides
+    start, step = sides[region.sides, 0], np.diff(sides[region.sides], axis=1)[:, 0]
+    begin = start + limits[:, :1] * step
+    end = start[-1:] + limits[-1:, 1:] * step[-1:]
+    return CrackGeometry(foundation.name, np.concatenate([begin, end]), False, False), edges

@@ -61,7 +61,7 @@ def _crumbs(elements: Elements, at_tips: Ints) -> tuple[Ints, Floats]:
     n = int(label.max(initial=-1)) + 1
     low, high = np.full((2, 2, n), np.inf)
     high, cell = -high, np.zeros(n)
-    points, piece = elements.vertices[elements.ring_start], label[elements.ring_element]
+    points, piece = elements.vertices[elements.rings.start], label[elements.rings.face]
     for axis in range(2):
         np.minimum.at(low[axis], piece, points[:, axis])
         np.maximum.at(high[axis], piece, points[:, axis])

@@ -20,11 +20,12 @@ from crackgrow.cover.extensions import extensions_of
 from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_on_lines, edges_on_outlines
 from crackgrow.cover.junctions import sides_through_junctions
 from crackgrow.cover.lattice import Lattice
-from crackgrow.cover.numbering import number_edges, number_vertices
+from crackgrow.cover.numbering import Vertices, number_edges, number_vertices
 from crackgrow.cover.pieces import Pieces, cut_in_pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.squares import QUANTA, Squares
-from crackgrow.geometry.arrangement import Edges, ring_vertices
+from crackgrow.cover.tiling import Tiling
+from crackgrow.geometry.arrangement import Edges, Rings, ring_vertices
 from crackgrow.geometry.tolerance import ON_LINE, TOUCH
 from crackgrow.ragged import starts_of
 
@@ -41,14 +42,12 @@ class Elements:
     n_whole: int
     tile: Ints  # (n,) tile of the lattice that it is, or is a piece of
     cell: Floats  # (n, 2) lower left corner of the tile's cell
-    size: Floats  # (n,) side of the cell
+    size: Floats  # (n,) side of the cell, spacings
     body: Ints  # (n,)
     polygons: NDArray[np.object_]  # (n - n_whole,) shapely polygons
     reference: Floats  # (n, 2) a point inside
     vertices: Floats  # (v, 2) all vertices
-    ring_start: Ints  # (r,) directed ring edges: first vertex id,
-    ring_end: Ints  # (r,) second vertex id,
-    ring_element: Ints  # (r,) element on the left
+    rings: Rings  # round the elements
     edges: Edges  # undirected edges between elements
     is_crack: Bools  # (e,) which of `edges` lie on a crack or an interface
     lines: tuple[FaceEdges, ...]  # crack by crack, then interface by interface
@@ -77,32 +76,25 @@ def cut_elements(
     What the elements `before`, of the same bodies, share with them is taken over.
     """
     cutting = _cutting_lines(lattice, bodies, lines)
-    tiles, tiling = lattice.tiles.squares, lattice.tiling
     regions = [body.region for body in bodies]
     shapely.prepare(regions)
     body_of_tile = bodies_at(regions, lattice.tile_low + 0.5 * lattice.tile_size[:, None])
     touched, cut = _cut(lattice, cutting, regions, NOTHING if before is None else before.cut)
     whole = np.flatnonzero(~touched & (body_of_tile >= 0))
-    n_whole = len(whole)
-    points, ends, polygon = ring_vertices(cut.polygons)
-    vertices, ids = number_vertices(tiling, points)
-    of_whole, place = tiling.ring.places(whole)
-    ring_start = np.concatenate([tiling.ring.values[place], ids])
-    ring_end = np.concatenate([tiling.following[place], ids[ends]])
-    ring_element = np.concatenate([of_whole, polygon + n_whole])
-    edges, numbers = number_edges(vertices, ring_start, ring_end, ring_element)
+    vertices, rings = _rings(lattice.tiling, whole, cut.polygons)
+    edges, numbers = number_edges(vertices, rings)
     every, places = vertices.points, vertices.at(cutting.pieces.points)
     edge = numbers.between(places[cutting.pieces.first], places[cutting.pieces.first + 1])
     on_sides, on_lines = ([(edge[at], part) for at, part in traces] for traces in (cutting.sides, cutting.lines))
-    line_edges, is_crack = edges_on_lines(lines, on_lines, every, edges, n_whole)
-    whole_of_tile = np.full(tiles.n, -1, dtype=np.int64)
-    whole_of_tile[whole] = np.arange(n_whole)
+    line_edges, is_crack = edges_on_lines(lines, on_lines, every, edges, len(whole))
+    whole_of_tile = np.full(lattice.tiles.squares.n, -1, dtype=np.int64)
+    whole_of_tile[whole] = np.arange(len(whole))
     body = np.concatenate([body_of_tile[whole], cut.body])
     tile = np.concatenate([whole, cut.tile])
     cell = lattice.tiles.cell[tile]
     middles = lattice.tile_low[whole] + 0.5 * lattice.tile_size[whole, None]
     return Elements(
-        n_whole=n_whole,
+        n_whole=len(whole),
         tile=tile,
         cell=lattice.cells.low[cell] / QUANTA,
         size=lattice.cells.size[cell] / QUANTA,
@@ -110,9 +102,7 @@ def cut_elements(
         polygons=cut.polygons,
         reference=np.concatenate([middles, cut.reference]),
         vertices=every,
-        ring_start=ring_start,
-        ring_end=ring_end,
-        ring_element=ring_element,
+        rings=rings,
         edges=edges,
         is_crack=is_crack,
         lines=line_edges,
@@ -120,6 +110,18 @@ def cut_elements(
         tree=shapely.STRtree(cut.polygons),
         whole_of_tile=whole_of_tile,
         cut=cut,
+    )
+
+
+def _rings(tiling: Tiling, whole: Ints, polygons: NDArray[np.object_]) -> tuple[Vertices, Rings]:
+    """The vertices, and the rings of the `whole` tiles (n_whole,), then of the polygons that others are cut into."""
+    points, ends, polygon = ring_vertices(polygons)
+    vertices, ids = number_vertices(tiling, points)
+    of_whole, place = tiling.ring.places(whole)
+    return vertices, Rings(
+        start=np.concatenate([tiling.ring.values[place], ids]),
+        end=np.concatenate([tiling.following[place], ids[ends]]),
+        face=np.concatenate([of_whole, polygon + len(whole)]),
     )
 
 

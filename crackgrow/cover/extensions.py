@@ -41,7 +41,7 @@ def extensions_of(lattice: Lattice, cracks: Sequence[CrackGeometry]) -> list[Flo
         if extension is not None:
             found.append(extension)
         elif length == 0.0:
-            raise GeometryError(f"crack '{crack.name}': its tip lies outside of the lattice")
+            raise GeometryError(f"{crack.name.words}: its tip lies outside of the lattice")
     return found
 
 

@@ -14,7 +14,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.case.regions import EdgeRegion
+from crackgrow.case.surface import end_word
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.arrangement import Edges
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
@@ -111,10 +113,10 @@ def _searched(line: CrackGeometry, vertices: Floats, edges: Edges, n_whole: int)
     return candidates[hit[chain]], segment[chain]
 
 
-def _off(vertices: Floats, crack: CrackGeometry, end: int) -> str:
+def _off(vertices: Floats, crack: CrackGeometry, at_end: bool) -> str:
     """An end of a line, and how far from it the nearest vertex is."""
-    distance = float(np.hypot(*(vertices - crack.points[end]).T).min())
-    return f"{'end' if end else 'start'} (the nearest vertex is {distance:.2g} spacings from it)"
+    distance = float(np.hypot(*(vertices - crack.seen_from(at_end)[0]).T).min())
+    return f"{end_word(at_end)} (the nearest vertex is {distance:.2g} spacings from it)"
 
 
 def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, crack: CrackGeometry) -> Ints:
@@ -134,7 +136,7 @@ def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, cra
     number = coo_array((np.arange(1, len(a) + 1), tuple(ends)), shape=(n, n)).tocsr()
     is_end = [(used[0] == corners[corner]) & (used[1] == 2 * corner) for corner in (0, len(corners) - 1)]
     if not all(found.any() for found in is_end):
-        missed = " and ".join(_off(vertices, crack, end) for end in (0, -1))
+        missed = " and ".join(_off(vertices, crack, at_end) for at_end in (False, True))
         raise GeometryError(
             f"'{crack.name}' could not be cut along all of its {arc_lengths(crack.points)[-1]:.6g} spacings: no edge "
             f"of the cut lattice ends at its {missed}; use another spacing"
@@ -195,15 +197,13 @@ def _search_sides(side: Ints, unknown: Ints, points: Floats, ends: Floats) -> No
         raise GeometryError("an element has a side that is neither shared nor on an outline")
 
 
-def edges_of_region(outlines: OutlineEdges, body: int, ends: Floats, sides: Ints, limits: Floats) -> FaceEdges:
-    """The edges along a part of a body's rim, with nothing on their right.
-
-    `ends` (n, 2, 2) are all sides of the body; the part is `sides` (k,), each between two fractions `limits` (k, 2) of
-    its length. Edges that reach out of the part are cut off.
-    """
+def edges_of_region(outlines: OutlineEdges, bodies: Sequence[BodyGeometry], region: EdgeRegion) -> FaceEdges:
+    """The edges along a part of a body's rim, with nothing on their right. Those that reach out of it are cut off."""
+    body = body_index(bodies, region.body)
+    ends = bodies[body].sides
     found = []
     begin = 0.0  # arc length
-    for side, (low, high) in zip(sides.tolist(), limits.tolist(), strict=True):
+    for side, (low, high) in zip(region.sides.tolist(), region.limits.tolist(), strict=True):
         mine = np.flatnonzero((outlines.body == body) & (outlines.side == side))
         corner, step = ends[side, 0], ends[side, 1] - ends[side, 0]
         fraction = (outlines.points[mine] - corner) @ step / (step @ step)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.tiling import Tiling
-from crackgrow.geometry.arrangement import Edges, as_numbers, edges_between
+from crackgrow.geometry.arrangement import Edges, Rings, as_numbers, edges_between
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,16 +79,16 @@ def number_vertices(tiling: Tiling, points: Floats) -> tuple[Vertices, Ints]:
     return Vertices(tiling, others), number
 
 
-def number_edges(vertices: Vertices, start: Ints, end: Ints, face: Ints) -> tuple[Edges, EdgeNumbers]:
-    """The edges of faces, and their numbers; directed ones lead from `start` to `end` (e,) round their `face` (e,)."""
-    tiling = vertices.tiling
+def number_edges(vertices: Vertices, rings: Rings) -> tuple[Edges, EdgeNumbers]:
+    """The edges of faces, and their numbers."""
+    tiling, start, end, face = vertices.tiling, rings.start, rings.end, rings.face
     left, right = np.full((2, len(tiling.sides)), -1, dtype=np.int64)
     side = tiling.sides_between(start, end)
     forward, backward = (side >= 0) & (start < end), (side >= 0) & (start > end)
     left[side[forward]], right[side[backward]] = face[forward], face[backward]
     # from the lower number to the higher: upwards or to the right, as with the others
     rest = side < 0
-    others = edges_between(start[rest], end[rest], face[rest])
+    others = edges_between(Rings(start[rest], end[rest], face[rest]))
 
     sides = np.flatnonzero((left >= 0) | (right >= 0))
     a, b = np.divmod(tiling.sides[sides], len(tiling.corners))

@@ -85,9 +85,9 @@ def without_specks(lattice: Lattice, elements: Elements, patches: Patches) -> Pa
     of_element, nodes, skipped = patches.of_element, patches.nodes, elements.n_whole
     sure = np.zeros(len(nodes), dtype=bool)
     sure[of_element.values[: of_element.start[skipped]]] = True
-    ring = slice(int(np.searchsorted(elements.ring_element, skipped)), None)
-    owner = np.concatenate([elements.ring_element[ring], np.arange(skipped, elements.n)])
-    points = np.concatenate([elements.vertices[elements.ring_start[ring]], elements.reference[skipped:]])
+    ring = slice(int(np.searchsorted(elements.rings.face, skipped)), None)
+    owner = np.concatenate([elements.rings.face[ring], np.arange(skipped, elements.n)])
+    points = np.concatenate([elements.vertices[elements.rings.start[ring]], elements.reference[skipped:]])
     unsure = of_element.kept(~sure[of_element.values])
     which, place = unsure.places(owner)
     used = unsure.values[place]

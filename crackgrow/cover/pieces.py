@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.squares import QUANTA, Squares
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.ragged import spans
@@ -40,9 +40,9 @@ def cut_in_pieces(segments: Floats, tiles: Squares) -> Pieces:
     every = np.arange(len(ends))
     owner = [every, every]
     share, points = [np.zeros(len(ends)), np.ones(len(ends))], [ends[:, 0], ends[:, 1]]
-    for which, axis, at in _crossings(ends, tiles):
-        t, place = _places(ends, which, axis, at)
-        owner.append(which)
+    for crossings in _crossings(ends, tiles):
+        t, place = crossings.places(ends)
+        owner.append(crossings.segment)
         share.append(t)
         points.append(place)
     segment, along = np.concatenate(owner), np.concatenate(share)
@@ -53,63 +53,87 @@ def cut_in_pieces(segments: Floats, tiles: Squares) -> Pieces:
     return Pieces(places, first, segment[first])
 
 
-def _places(ends: Floats, which: Ints, axis: Ints, at: Floats) -> tuple[Floats, Floats]:
-    """Where segments `which` (k,) of `ends` (n, 2, 2) cross lines at `at` (k,): share (k,), point (k, 2)."""
-    start, step, rows = ends[which, 0], ends[which, 1] - ends[which, 0], np.arange(len(which))
-    t = (at - start[rows, axis]) / step[rows, axis]
-    places = start + t[:, None] * step
-    places[rows, axis] = at
-    return t, places
+@dataclass(frozen=True, slots=True, eq=False)
+class _Crossings:
+    """Where segments cross lines between squares."""
+
+    segment: Ints  # (k,)
+    axis: Ints  # (k,) that the line is across
+    at: Floats  # (k,) its coordinate on this axis
+
+    def places(self, ends: Floats) -> tuple[Floats, Floats]:
+        """Shares (k,) of the segments with these ends (n, 2, 2), and points (k, 2)."""
+        start, rows = ends[self.segment, 0], np.arange(len(self.segment))
+        step = ends[self.segment, 1] - start
+        t = (self.at - start[rows, self.axis]) / step[rows, self.axis]
+        places = start + t[:, None] * step
+        places[rows, self.axis] = self.at
+        return t, places
 
 
-def _crossings(ends: Floats, tiles: Squares) -> Iterator[tuple[Ints, Ints, Floats]]:
-    """Size by size of squares, from the largest on: segments (k,), axes (k,) and coordinates (k,) at which they cross
-    the lines between squares of this size.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Parts:
+    """Parts of segments, each between two shares of its length."""
+
+    ends: Floats  # (n, 2, 2) of all segments
+    segment: Ints  # (m,)
+    begin: Floats  # (m,)
+    end: Floats  # (m,)
+
+    def beside(self, tiles: Squares) -> Ints:
+        """The tiles (m, 4) round their middles, -1 for none."""
+        step = self.ends[self.segment, 1] - self.ends[self.segment, 0]
+        return tiles.around(self.ends[self.segment, 0] + (0.5 * (self.begin + self.end))[:, None] * step)
+
+    def taken(self, some: Bools) -> _Parts:
+        """Some (m,) of them."""
+        return _Parts(self.ends, self.segment[some], self.begin[some], self.end[some])
+
+    def divided(self, crossings: _Crossings) -> _Parts:
+        """They, divided there; what lies between two parts of a segment comes with them."""
+        t, _ = crossings.places(self.ends)
+        owner = np.concatenate([self.segment, self.segment, crossings.segment])
+        limits = np.concatenate([self.begin, self.end, t])
+        order = np.lexsort((limits, owner))
+        owner, limits = owner[order], limits[order]
+        first = np.flatnonzero((owner[1:] == owner[:-1]) & (limits[1:] > limits[:-1]))
+        return _Parts(self.ends, owner[first], limits[first], limits[first + 1])
+
+    def halving(self, part: Ints, middles: Floats) -> _Crossings:
+        """Where parts (k,) cross the lines through the `middles` (k, 2) of squares, each place once."""
+        part, axis, at = np.repeat(part, 2), np.tile(np.arange(2), len(part)), middles.ravel()
+        ends = self.ends[self.segment[part]]
+        rows = np.arange(len(part))
+        moving = np.flatnonzero(ends[rows, 0, axis] != ends[rows, 1, axis])
+        part, found = part[moving], _Crossings(self.segment[part[moving]], axis[moving], at[moving])
+        t, _ = found.places(self.ends)
+        inside = (self.begin[part] < t) & (t < self.end[part])
+        once = np.unique(np.column_stack([found.segment, found.axis, found.at])[inside], axis=0)
+        return _Crossings(once[:, 0].astype(np.int64), once[:, 1].astype(np.int64), once[:, 2])
+
+
+def _crossings(ends: Floats, tiles: Squares) -> Iterator[_Crossings]:
+    """Size by size of squares, from the largest on: where segments cross the lines between squares of this size.
 
     Smaller squares are looked at only where a part of a segment, between the lines before, runs through or along one.
     """
-    size = int(tiles.size.max())
+    size, n = int(tiles.size.max()), len(ends)
     found = _lines_between(ends.min(axis=1), ends.max(axis=1), size / QUANTA)
     yield found
-    every = np.arange(len(ends))
-    owner, begin, end = _divided(ends, every, np.zeros(len(ends)), np.ones(len(ends)), *found)
-    while len(owner):
-        tile = tiles.around(ends[owner, 0] + (0.5 * (begin + end))[:, None] * (ends[owner, 1] - ends[owner, 0]))
+    parts = _Parts(ends, np.arange(n), np.zeros(n), np.ones(n)).divided(found)
+    while len(parts.segment):
+        tile = parts.beside(tiles)
         smaller = (tile >= 0) & (tiles.size[tile] < size)
-        part, column = np.nonzero(smaller)
-        square = tiles.low[tile[part, column]] // size
-        part, axis = np.repeat(part, 2), np.tile(np.arange(2), len(part))
-        at = np.asarray((square + 0.5) * (size / QUANTA), dtype=np.float64).ravel()
-        moving = np.flatnonzero(ends[owner[part], 0, axis] != ends[owner[part], 1, axis])
-        part, axis, at = part[moving], axis[moving], at[moving]
-        t, _ = _places(ends, owner[part], axis, at)
-        inside = (begin[part] < t) & (t < end[part])
-        lines = np.unique(np.column_stack([owner[part], axis, at])[inside], axis=0)
-        found = lines[:, 0].astype(np.int64), lines[:, 1].astype(np.int64), lines[:, 2]
+        middles = (tiles.low[tile[smaller]] // size + 0.5) * (size / QUANTA)
+        found = parts.halving(np.nonzero(smaller)[0], np.asarray(middles, dtype=np.float64))
         yield found
-        some = smaller.any(axis=1)
-        owner, begin, end = _divided(ends, owner[some], begin[some], end[some], *found)
+        parts = parts.taken(np.asarray(smaller.any(axis=1))).divided(found)
         size //= 2
 
 
-def _lines_between(low: Floats, high: Floats, size: float) -> tuple[Ints, Ints, Floats]:
-    """Boxes (k,), axes (k,) and coordinates (k,) of multiples of `size` between `low` and `high` (n, 2)."""
+def _lines_between(low: Floats, high: Floats, size: float) -> _Crossings:
+    """Where segments from `low` to `high` (n, 2) cross lines at multiples of `size`."""
     first = np.floor(low / size).astype(np.int64) + 1
     counts = np.maximum(np.ceil(high / size).astype(np.int64) - first, 0).ravel()
-    which, axis = np.divmod(np.repeat(np.arange(low.size), counts), 2)
-    return which, axis, np.asarray(size * spans(first.ravel(), counts), dtype=np.float64)
-
-
-def _divided(
-    ends: Floats, owner: Ints, begin: Floats, end: Floats, which: Ints, axis: Ints, at: Floats
-) -> tuple[Ints, Floats, Floats]:
-    """Parts of segments, by owner (m,) and shares, divided where segments `which` (k,) cross lines at `at` (k,).
-
-    What lies between two parts of a segment comes with them.
-    """
-    t, _ = _places(ends, which, axis, at)
-    owners, limits = np.concatenate([owner, owner, which]), np.concatenate([begin, end, t])
-    order = np.lexsort((limits, owners))
-    owners, limits = owners[order], limits[order]
-    first = np.flatnonzero((owners[1:] == owners[:-1]) & (limits[1:] > limits[:-1]))
-    return owners[first], limits[first], limits[first + 1]
+    segment, axis = np.divmod(np.repeat(np.arange(low.size), counts), 2)
+    return _Crossings(segment, axis, np.asarray(size * spans(first.ravel(), counts), dtype=np.float64))

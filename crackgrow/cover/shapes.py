@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
+from crackgrow.case.surface import SurfaceName
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CrackGeometry:
-    """A crack in lattice coordinates, or an interface, which has no tips."""
+    """A crack in lattice coordinates, or an interface or a foundation, which have no tips."""
 
-    name: str
+    name: SurfaceName
     points: Floats  # (n, 2)
     tip_at_start: bool
     tip_at_end: bool
@@ -36,12 +39,26 @@ class CrackGeometry:
         return np.asarray(self.points[::-1] if at_end else self.points)
 
 
+class Named(Protocol):
+    """A body, or what is known of it in some other form."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+
+def body_index(bodies: Sequence[Named], name: str) -> int:
+    """Number of the body of that name."""
+    return next(index for index, body in enumerate(bodies) if body.name == name)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class BodyGeometry:
     """A body in lattice coordinates: its outline counter-clockwise, its holes clockwise."""
 
     rings: tuple[Floats, ...]  # each (n, 2), not closed
-    name: str = ""  # for messages
+    name: str = ""
 
     @property
     def sides(self) -> Floats:

@@ -72,7 +72,7 @@ def error_estimate(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, singular: Sequence[Singular]
 ) -> ErrorEstimate:
     """Estimate for displacements `u` (n_dofs,) m in bodies of `materials`, in-situ stress included."""
-    of_element, n_patches = cover.patches.of_element, len(cover.patch_nodes)
+    of_element, n_patches = cover.patches.of_element, len(cover.patches.nodes)
     acting = np.zeros((len(singular), n_patches), dtype=bool)
     for row, part in zip(acting, singular, strict=True):
         row[:] = part.patches
@@ -156,7 +156,7 @@ def _free(
         mine, back = numbered(point[sees], len(points))
         less[sees] += energy_components(materials, part.at(points[mine], element[mine]), body[mine])[back]
     half = cover.patches.half[patches.values] / cover.lattice.support
-    distance = (points[point] - cover.patch_nodes[patches.values]) / half[:, None]
+    distance = (points[point] - cover.patches.nodes[patches.values]) / half[:, None]
     owner, area, own = element[point], weights[point] * phi, values[point] - less
     some = [slice(start, start + AT_ONCE) for start in range(0, len(point), AT_ONCE)]
     samples = [FreeSamples(owner[at], patches.values[at], distance[at], area[at], own[at]) for at in some]

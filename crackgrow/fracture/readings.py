@@ -106,7 +106,8 @@ class Readings:
     def _elements_near(self, places: Sequence[Place]) -> Ragged:
         """The elements that touch the box of each place, ascending."""
         cover, elements = self.cover, self.cover.elements
-        low, high = (np.array([corner(place) for place in places]).reshape(-1, 2) for corner in (_low, _high))
+        low = np.array([place.low for place in places]).reshape(-1, 2) - BEYOND
+        high = np.array([place.high for place in places]).reshape(-1, 2) + BEYOND
         boxes = shapely.box(*low.T, *high.T)
         tile, size = elements.tile[: elements.n_whole], cover.lattice.tile_size
         corner = cover.lattice.tile_low[tile]
@@ -116,14 +117,6 @@ class Readings:
         element = np.concatenate([whole[1], cut[1] + elements.n_whole])
         order = np.lexsort((element, at))
         return by_row(at[order], element[order], len(places))
-
-
-def _low(place: Place) -> Floats:
-    return place.low - BEYOND
-
-
-def _high(place: Place) -> Floats:
-    return place.high + BEYOND
 
 
 def compressed(rows: csr_array) -> tuple[Ints, csr_array]:

@@ -44,7 +44,7 @@ class SingularStress:
     def patches(self) -> Bools:
         """The physical patches (n_patches,) in which it jumps on the crack alone and is worth telling apart."""
         tip, support = self._tip, self.cover.lattice.support
-        distance = np.hypot(*(self.cover.patch_nodes - tip.point).T)
+        distance = np.hypot(*(self.cover.patches.nodes - tip.point).T)
         reach = REACH * tip.size
         if not self._ends_inside:
             jumps_inside = max(reach_of_tips(support) * tip.size, float(tip.radii[-1]))

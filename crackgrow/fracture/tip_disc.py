@@ -83,7 +83,7 @@ def clearance(cover: Cover, tip: Tip) -> tuple[float, str]:
     for number in cover.crack_tree.query(place, predicate="dwithin", distance=reach):
         if number != tip.crack:
             line = cover.crack_tree.geometries[number]
-            obstacles[f"crack '{cover.cracks[number].name}'"] = shapely.distance(place, line)
+            obstacles[cover.cracks[number].name.words] = shapely.distance(place, line)
     sides = cover.outline_tree.geometries[cover.outline_tree.query(place, predicate="dwithin", distance=reach)]
     if len(sides):
         obstacles["the outline"] = shapely.distance(place, sides).min()

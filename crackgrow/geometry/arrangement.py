@@ -26,6 +26,15 @@ class Edges:
     right: Ints  # (n,) face on the right, -1 where there is none
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Rings:
+    """Directed edges round faces, which lie on their left."""
+
+    start: Ints  # (r,) vertex ids
+    end: Ints  # (r,)
+    face: Ints  # (r,)
+
+
 _COMPLEX = np.array([1.0, 1.0j])
 
 
@@ -88,8 +97,9 @@ def connected(n: int, first: Ints, second: Ints) -> Ints:
     return np.asarray((np.cumsum(root == np.arange(n)) - 1)[root])
 
 
-def edges_between(start: Ints, end: Ints, face: Ints) -> Edges:
-    """Pair directed face edges (start vertex, end vertex, face), all (n,), into undirected ones."""
+def edges_between(rings: Rings) -> Edges:
+    """Pair directed edges into undirected ones."""
+    start, end, face = rings.start, rings.end, rings.face
     low, high = np.minimum(start, end), np.maximum(start, end)
     forward = start < end
     key = low * (int(high.max(initial=0)) + 1) + high

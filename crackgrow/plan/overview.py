@@ -15,7 +15,7 @@ from crackgrow.case.meetings import meeting_places
 from crackgrow.case.model import Case, CoulombContact, Crack
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
 from crackgrow.case.units import Metres
-from crackgrow.results.places import component_text, length_unit, surface_text
+from crackgrow.results.places import component_text, length_unit
 from crackgrow.results.units import counted, stress_text
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
@@ -132,7 +132,7 @@ def _loads(case: Case) -> str:
         if isinstance(load, model.Gravity):
             words.append(f"gravity on {load.body}{held}")
         elif isinstance(load, model.FluidPressure):
-            words.append(f"pressure {component_text(load.pressure)} in {surface_text(load.surface)}{held}")
+            words.append(f"pressure {component_text(load.pressure)} in {load.surface}{held}")
         elif isinstance(load, model.EdgePressure):
             words.append(f"pressure {component_text(load.pressure)} on {load.region.body}.{load.region.edge}{held}")
         elif isinstance(load, model.PointForce):

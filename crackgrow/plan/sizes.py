@@ -65,7 +65,7 @@ def sizes_of(case: Case) -> Sizes:
     faces, held = contact_faces(scene, cover), constraints_of(scene, cover)
     n_points = np.bincount(faces.surface, minlength=len(cover.surfaces)).tolist()
     surfaces = tuple(
-        SurfacePlan(surface.name, n, law.bonded, law.contact is not None, _rough(law))
+        SurfacePlan(str(surface.name), n, law.bonded, law.contact is not None, _rough(law))
         for surface, law, n in zip(cover.surfaces, scene.laws, n_points, strict=True)
     )
     known = [
@@ -76,7 +76,7 @@ def sizes_of(case: Case) -> Sizes:
     ]
     return Sizes(
         n_dofs=cover.n_dofs,
-        n_patches=len(cover.patch_nodes),
+        n_patches=len(cover.patches.nodes),
         n_singular=sum(tip.carriers.n for tip in cover.tips),
         n_tips=len(cover.tips),
         n_elements=cover.elements.n,

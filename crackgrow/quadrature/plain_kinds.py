@@ -20,8 +20,8 @@ from crackgrow.cover.windows import regular_window
 
 def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:
     """Lower left corners (n, 2) and sizes (n, 2) of plain elements (n,)."""
-    ring = np.searchsorted(cover.elements.ring_element, elements)
-    corners = cover.elements.vertices[cover.elements.ring_start[ring[:, None] + np.arange(4)]]
+    ring = np.searchsorted(cover.elements.rings.face, elements)
+    corners = cover.elements.vertices[cover.elements.rings.start[ring[:, None] + np.arange(4)]]
     low = corners.min(axis=1)
     return low, corners.max(axis=1) - low
 

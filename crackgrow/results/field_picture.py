@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Floats
 from crackgrow.case.report import quoted
 from crackgrow.case.units import QuantityError, Units, is_number, parse_number, parse_quantity
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 from crackgrow.results.drawn_frame import DrawnFrame, field_kind, field_unit
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.results.units import LENGTHS, Unit, factor_text, unit_of
@@ -238,10 +238,10 @@ def limits_of(field: str, texts: tuple[str, str], unit: Unit) -> tuple[float, fl
             found.append(parse_number(text.strip()) if bare else parse_quantity(text, kind or "", Units()) / unit[0])
         except QuantityError as error:
             wanted = f"a number, in {unit[1]}, or with a unit such as '{unit[1]}'" if kind else "a number"
-            raise CaseError([Fault("--range", None, "", f"{quoted(text)} {error}; wanted: {wanted}")]) from None
+            raise CaseError.at("--range", f"{quoted(text)} {error}; wanted: {wanted}") from None
     if found[0] >= found[1]:
         message = f"{quoted(texts[0])} is not less than {quoted(texts[1])}; wanted: the lower limit first"
-        raise CaseError([Fault("--range", None, "", message)])
+        raise CaseError.at("--range", message)
     return found[0], found[1]
 
 

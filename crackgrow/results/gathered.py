@@ -47,10 +47,10 @@ class Gathered:
         """Count in those of a step; returns the words of those that nothing has told before."""
         news = []
         for caution in cautions:
-            key = (_kind(caution), caution.place)
+            name = caution.cause.name.lower()
+            key = (_kind_of(name, caution.words), caution.place)
             known = self._told.get(key)
             if known is None:
-                name = caution.cause.name.lower()
                 row = _Told(name, caution.rank, caution.place, caution.size, caution.words, step, [[step, step]])
                 self._told[key] = row
                 news.append(caution.words)
@@ -80,10 +80,6 @@ class Gathered:
             row = _Told(**record)
             gathered._told[(_kind_of(row.cause, row.words), row.place)] = row
         return gathered
-
-
-def _kind(caution: Caution) -> str:
-    return _kind_of(caution.cause.name.lower(), caution.words)
 
 
 def _kind_of(cause: str, words: str) -> str:

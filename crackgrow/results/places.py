@@ -7,6 +7,7 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.model import Case, Component
+from crackgrow.case.surface import SurfaceName
 from crackgrow.results.units import STRESSES, stress_text
 
 LONGEST = 60  # signs of a formula that are shown
@@ -29,16 +30,11 @@ def length_unit(case: Case) -> tuple[float, str]:
     return (1e3, "mm") if size_of(case) < 1 else (1.0, "m")
 
 
-def surface_text(surface: str | tuple[str, str]) -> str:
-    """The name of a crack, or of the surface between two bodies."""
-    return surface if isinstance(surface, str) else "/".join(surface)
-
-
-def lines_of(case: Case, surface: str | tuple[str, str]) -> list[Floats]:
-    """The lines, each (n, 2) m, of a crack or of the interface of two bodies."""
-    if isinstance(surface, str):
-        return [next(crack.points for crack in case.cracks if crack.name == surface)]
-    return list(next(pair.lines for pair in case.interfaces if set(pair.bodies) == set(surface)))
+def lines_of(case: Case, surface: SurfaceName) -> list[Floats]:
+    """The lines, each (n, 2) m, of a crack or of an interface."""
+    if surface.is_crack:
+        return [next(crack.points for crack in case.cracks if crack.surface == surface)]
+    return list(next(pair.lines for pair in case.interfaces if pair.surface.is_of(surface)))
 
 
 def component_text(value: Component) -> str:

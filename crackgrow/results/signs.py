@@ -13,7 +13,7 @@ from crackgrow.case import model
 from crackgrow.case.formula import CoordinateFormula, component_at
 from crackgrow.case.model import Body, Case, Component
 from crackgrow.case.segments import nearest_places
-from crackgrow.results.places import component_text, length_unit, lines_of, size_of, surface_text
+from crackgrow.results.places import component_text, length_unit, lines_of, size_of
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it
@@ -164,7 +164,7 @@ def _pressure(case: Case, load: model.FluidPressure, size: float, held: str) -> 
         marks += [Arrow(place, place + side, "load") for place, _ in places for side in (-across, across)]
     place = np.concatenate(lines).mean(axis=0) - [0.0, 0.06 * size]
     words = Words(place, f"p = {component_text(load.pressure)}{held}", "load")
-    return Sign(f"pressure in {surface_text(load.surface)}", tuple(marks), (words,))
+    return Sign(f"pressure in {load.surface}", tuple(marks), (words,))
 
 
 def _traction(case: Case, load: model.EdgeLoad, size: float, held: str) -> Sign | None:

@@ -10,6 +10,8 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.meetings import scene_size
+from crackgrow.case.surface import end_word
+from crackgrow.cover.shapes import body_index
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Start, Way, advanced, closed, started
 from crackgrow.fracture.meeting import Meeting
 from crackgrow.geometry.tolerance import SAME_PLACE
@@ -22,8 +24,6 @@ LEAVES = 2.0
 
 End = tuple[int, bool]
 """Number of a crack, and whether it is its end or its start."""
-
-_END: dict[bool, Literal["start", "end"]] = {False: "start", True: "end"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,10 +95,10 @@ def _started(before: BeforeAdvance, start: Start, grown: list[GrowingCrack], way
     ends += [new.crack.points[k] for new in grown[n:] for k in (0, -1)]
     if any(shapely.dwithin(shapely.Point(end), place, near) for end in ends):
         return
-    body = [each.name for each in scene.case.bodies].index(start.crack.body)
+    body = body_index(scene.case.bodies, start.crack.body)
     crack, meetings = started(start, way, before.step, scene.regions[body], grown)
     grown.append(crack)
-    yield Event(before.step, "initiation", crack.crack.name, _END[False], start.point, start.where)
+    yield Event(before.step, "initiation", crack.crack.name, end_word(False), start.point, start.where)
     for at_end, met in meetings:
         yield from _told(before, earlier, grown, (len(earlier), at_end, met))
 
@@ -113,14 +113,14 @@ def _told(
     index, at_end, met = met_by
     numbers = [number for number in range(len(grown)) if number != index]
     kind, name = _named(before.scene, grown[index].crack.body, met, [grown[number] for number in numbers])
-    yield Event(before.step, kind, grown[index].crack.name, _END[at_end], met.point, name)
+    yield Event(before.step, kind, grown[index].crack.name, end_word(at_end), met.point, name)
     if met.end is None:
         return
     number = index if met.kind == "own_path" else numbers[met.number]
     grown[number] = closed(grown[number], met.end)
     if earlier[number].can_grow(met.end):
-        name = "its own path" if number == index else f"crack '{grown[index].crack.name}'"
-        yield Event(before.step, kind, grown[number].crack.name, _END[met.end], met.point, name)
+        name = "its own path" if number == index else grown[index].crack.surface.words
+        yield Event(before.step, kind, grown[number].crack.name, end_word(met.end), met.point, name)
 
 
 def _named(
@@ -131,9 +131,9 @@ def _named(
         return "coalescence", "its own path"
     near = SAME_PLACE * scene.lattice.spacing
     paths = ((line.name, shapely.LineString(scene.lattice.to_metres(line.points))) for line in scene.interfaces)
-    there = [f"interface '{name}'" for name, path in paths if shapely.dwithin(path, shapely.Point(met.point), near)]
+    there = [name.words for name, path in paths if shapely.dwithin(path, shapely.Point(met.point), near)]
     if met.kind == "crack":
-        return "coalescence", " on ".join([f"crack '{others[met.number].crack.name}'", *there[:1]])
+        return "coalescence", " on ".join([others[met.number].crack.surface.words, *there[:1]])
     if there:
         return "interface", there[0]
     if met.kind == "hole":

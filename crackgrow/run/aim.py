@@ -7,6 +7,7 @@ in the cells that come next where it is too large.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -47,35 +48,43 @@ class Ways(Protocol):
         """Its state at a load factor, and the seconds that it has taken."""
 
 
-class Aim(Protocol):
-    """What the error is of."""
+class Aim(ABC):
+    """What the error is of. Where nothing else is said: what any solution has, and another state tells of once."""
 
-    def is_there(self, solution: StepSolution) -> bool:
+    def is_there(self, _: StepSolution) -> bool:
         """Whether a solution has it."""
+        return True
 
-    def why_not(self, solution: StepSolution, grown: Sequence[float]) -> str:
-        """Why it has not, where that is no matter of course; `grown` (m) is what was added to each crack."""
+    def why_not(self, _: StepSolution, __: Sequence[float]) -> str:
+        """Why it has not, where that is no matter of course; with what was added to each crack, m."""
+        return ""
 
+    @abstractmethod
     def other(self, solution: StepSolution, ways: Ways, like: Configuration) -> tuple[LoadState, Counter[str]]:
         """The state on the cells that a solution is held against, and its seconds. Raises as `Ways` do."""
 
-    def still_tells(self, solution: StepSolution, other: LoadState) -> bool:
+    def still_tells(self, _: StepSolution, __: LoadState) -> bool:
         """Whether a state that was made for a solution on larger cells tells the error of this one, too."""
+        return False
 
+    @abstractmethod
     def accuracy(self, solution: StepSolution, other: LoadState | None) -> Accuracy:
         """What a state on the other cells tells, None where there is none."""
 
+    @abstractmethod
     def off(self, known: Accuracy) -> float:
         """The bound over the largest value, where it is largest."""
 
+    @abstractmethod
     def next_cells(self, solution: StepSolution, now: Accuracy, before: Accuracy | None) -> Wanted:
         """The cells to try for a step that misses its target, by what is known on these and those before."""
 
     def cells_after(self, solution: StepSolution) -> Halvings:
         """The cells that the step after a solution begins with."""
+        return solution.scene.halvings
 
 
-class OfK:
+class OfK(Aim):
     """K of the tips."""
 
     def is_there(self, solution: StepSolution) -> bool:
@@ -127,18 +136,13 @@ class OfK:
 
 
 @dataclass(frozen=True, slots=True)
-class OfGoal:
-    """A goal other than K. What is known of K besides is its fitted bound."""
+class OfGoal(Aim):
+    """A goal other than K, which any solution has: the check of the case sees to that.
+
+    A state tells of cells just half as large. What is known of K besides is its fitted bound.
+    """
 
     goal: Goal
-
-    def is_there(self, _: StepSolution) -> bool:
-        """It always is: the check of the case sees to that."""
-        return True
-
-    def why_not(self, _: StepSolution, __: Sequence[float]) -> str:
-        """It is there."""
-        return ""
 
     def other(self, solution: StepSolution, ways: Ways, like: Configuration) -> tuple[LoadState, Counter[str]]:
         """The state on cells that are all twice as large: at the same load factor, or at its own where that is it."""
@@ -147,10 +151,6 @@ class OfGoal:
             return ways.state(doubled, solution.state.factor, like)
         solved = ways.solve(doubled, like)
         return solved.state, Counter(solved.seconds)
-
-    def still_tells(self, _: StepSolution, __: LoadState) -> bool:
-        """It tells of cells just half as large."""
-        return False
 
     def accuracy(self, solution: StepSolution, other: LoadState | None) -> Accuracy:
         """By the goal of both."""
@@ -165,15 +165,8 @@ class OfGoal:
         """At all cracks and corners."""
         return for_goal(solution, now, before)
 
-    def cells_after(self, solution: StepSolution) -> Halvings:
-        """The same."""
-        return solution.scene.halvings
-
-
-OF_K: Final = OfK()
-
 
 def aim_of(scene: Scene) -> Aim:
     """What a scene's error is measured of."""
     goal = scene.case.numerics.measured_of
-    return OF_K if goal == "K" else OfGoal(goal)
+    return OfK() if goal == "K" else OfGoal(goal)

@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from crackgrow.case.model import Gravity, PointSupport
+from crackgrow.case.surface import end_word
 from crackgrow.case.units import Metres
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import worst_ripple
-from crackgrow.cover.closeness import tip_name
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.caution import Cause, Caution
@@ -57,16 +57,17 @@ def _all_cautions(
     yield from _jumps(solution)
     yield from _sawing(solution)
     yield from ripples(solution)
-    for state, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
+    for state, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True):
         if state.intensity.small:
             radius = state.intensity.radius
             size = np.inf if np.isnan(radius) else 1.0 / radius
-            yield Cause.SMALL_DISC.at(_tip_name(solution, *end), size, note=state.intensity.note)
+            place = solution.cover.cracks[index].name.end(at_end)
+            yield Cause.SMALL_DISC.at(place, size, note=state.intensity.note)
     yield from _unstable(solution)
     yield from closeness_cautions(scene, solution.cover)
     yield from _kinks(solution)
     yield from _on_points(solution)
-    sizes = ((Cause.RESIDUAL, solution.residual), (Cause.ENERGY, solution.state.energy.error))
+    sizes = ((Cause.RESIDUAL, solution.outcome.residual), (Cause.ENERGY, solution.state.energy.error))
     for cause, size in (*sizes, (Cause.IMBALANCE, imbalance(solution))):
         if size > cause.limit:
             yield cause.at(size=size, percent=100.0 * size)
@@ -75,7 +76,7 @@ def _all_cautions(
 def ripples(solution: StepSolution) -> Iterator[Caution]:
     """Contact tractions that oscillate as no rock makes them."""
     outcome, cover = solution.outcome, solution.cover
-    worst = worst_ripple(cover, solution.faces, outcome.normal_traction, outcome.tangential_traction)
+    worst = worst_ripple(cover, solution.faces, outcome.points.normal, outcome.points.tangential)
     if worst is not None and worst.part > Cause.RIPPLE.limit:
         place = f"'{cover.surfaces[worst.surface].name}'"
         yield Cause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part)
@@ -85,9 +86,10 @@ def _unstable(solution: StepSolution) -> Iterator[Caution]:
     """Tips that are beyond their toughness, where a law of subcritical growth gives them a velocity."""
     if solution.scene.case.subcritical is None:
         return
-    for state, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
+    for state, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True):
         if state.verdict is not None and state.verdict.criticality >= Cause.UNSTABLE.limit:
-            yield Cause.UNSTABLE.at(_tip_name(solution, *end), state.verdict.criticality)
+            place = solution.cover.cracks[index].name.end(at_end)
+            yield Cause.UNSTABLE.at(place, state.verdict.criticality)
 
 
 def _off_target(solution: StepSolution) -> Iterator[Caution]:
@@ -146,11 +148,7 @@ def _jumps(solution: StepSolution) -> Iterator[Caution]:
     """Tips that can grow whose stress is beyond the strength at the critical load factor."""
     for beyond, (index, at_end) in zip(solution.jumps, solution.cover.tip_ends, strict=True):
         if beyond:
-            yield Cause.JUMP.at(_tip_name(solution, index, at_end), 1.0 + beyond)
-
-
-def _tip_name(solution: StepSolution, crack: int, at_end: bool) -> str:
-    return tip_name(solution.cover.cracks[crack].name, at_end)
+            yield Cause.JUMP.at(solution.scene.case.cracks[index].surface.end(at_end), 1.0 + beyond)
 
 
 def _sawing(solution: StepSolution) -> Iterator[Caution]:
@@ -167,7 +165,7 @@ def _sawing(solution: StepSolution) -> Iterator[Caution]:
         if len(turns) < SAW_TEETH or np.abs(turns).min() < Cause.SAWING.limit or (turns[1:] * turns[:-1]).max() > 0.0:
             continue
         criterion = "" if growth.criterion == "max_hoop_stress" else "growth.criterion: max_hoop_stress with "
-        yield Cause.SAWING.at(_tip_name(solution, index, at_end), np.abs(turns).min(), criterion=criterion)
+        yield Cause.SAWING.at(crack.name.end(at_end), np.abs(turns).min(), criterion=criterion)
 
 
 def _kinks(solution: StepSolution) -> Iterator[Caution]:
@@ -183,11 +181,11 @@ def _kinks(solution: StepSolution) -> Iterator[Caution]:
         found = np.flatnonzero((turns > cause.limit) & (distance < near - ON_LINE))
         if len(found):
             size = 1.0 / distance[found[0]] if closed else turns[found[0]]
-            told = {"crack": f"crack '{crack.name}'", "turn": turns[found[0]], "near": near}
-            yield cause.at(_tip_name(solution, index, at_end), size, end="end" if at_end else "start", **told)
+            told = {"crack": crack.name.words, "turn": turns[found[0]], "near": near}
+            yield cause.at(crack.name.end(at_end), size, end=end_word(at_end), **told)
 
 
 def _pressed(solution: StepSolution, crack: int, at_end: bool) -> bool:
     """Whether the contact point next to a tip is closed."""
     mine = np.flatnonzero(solution.faces.surface == crack)
-    return len(mine) > 0 and bool(solution.outcome.state[mine[-1 if at_end else 0]] != OPEN)
+    return len(mine) > 0 and bool(solution.outcome.points.state[mine[-1 if at_end else 0]] != OPEN)

@@ -21,7 +21,7 @@ from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import NOTHING, SymmetricMatrix
+from crackgrow.direct import NOTHING
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.readings import Readings
@@ -45,14 +45,6 @@ from crackgrow.solid.supports import Constraints
 
 SIGNS = np.array([1.0, 1.0, -1.0])
 """Of works: loads do work on displacements; what supports are given does it on forces of theirs, which resist."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Equilibrium:
-    """Displacements and tractions under some loads."""
-
-    outcome: ContactOutcome
-    residual: float  # relative
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,11 +86,6 @@ class Configuration:
     sites: tuple[Site, ...]  # the tips of the cover in their order, then places where cracks may start
     readings: Readings
     seconds: dict[str, float]
-
-    @property
-    def matrix(self) -> SymmetricMatrix:
-        """Stiffness (n_dofs, n_dofs) Pa."""
-        return self.stiffness.matrix
 
     def loads(self, level: LoadLevel) -> Floats:
         """Loads (n_dofs,) N/m."""
@@ -169,7 +156,7 @@ class Configuration:
     def check_can_hold(self, level: LoadLevel, memory: ContactMemory | None = None) -> None:
         """Raise FreePieceError where no tractions that contact can carry hold a piece."""
         if self.contact.loose is not None:
-            names = [self.cover.surfaces[surface].name for surface in self.faces.surface.tolist()]
+            names = [str(self.cover.surfaces[surface].name) for surface in self.faces.surface.tolist()]
             check_can_hold(self.contact, names, self.loads(level), memory)
 
     def conjugates(self, level: LoadLevel, states: PointStates) -> Floats:
@@ -208,7 +195,7 @@ class Configuration:
         memory: ContactMemory,
         states: PointStates,
         known: tuple[Floats, Floats] | None = None,
-    ) -> Equilibrium:
+    ) -> ContactOutcome:
         """Displacements and tractions after an increment from `memory` on, at whose end the points have some `states`.
 
         `known` is what `displacements` says of them. Raises SolveError where they can't be found to a small residual.
@@ -220,10 +207,10 @@ class Configuration:
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
-        residual = residual_of(self.matrix, self.contact, loads, outcome)
+        residual = residual_of(self.stiffness.matrix, self.contact, loads, outcome)
         if not residual.size <= WORST_RESIDUAL:
             raise NotSolvedError(residual.told(self.cover))
-        return Equilibrium(outcome, residual.size)
+        return replace(outcome, residual=residual.size)
 
     @property
     def _farthest(self) -> float:
@@ -324,7 +311,8 @@ def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Flo
 
 def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> list[str]:
     """What to say of pieces that have rigid motions which neither supports nor pressed contact points see."""
-    pressed, stuck = outcome.state != OPEN, outcome.state == STICK
+    state = outcome.points.state
+    pressed, stuck = state != OPEN, state == STICK
     rows = [contact.system.constraints, contact.gap_of[pressed], contact.slip_of[stuck]]
     pieces = free_motions(cover, csr_array(vstack(rows, format="csr"))).pieces
     return [f"{piece} may move without any resistance ({piece.motion}): where it lies is arbitrary" for piece in pieces]

@@ -23,7 +23,7 @@ from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.gathered import STRAIGHT
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
-from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.cover.shapes import CrackGeometry, body_index
 from crackgrow.run.halvings import AS_GIVEN
 from crackgrow.run.nearby import Nearby
 from crackgrow.run.rim_singularities import SHARP_CORNER, rim_singularities, ring_turns
@@ -203,14 +203,13 @@ def _corners(scene: Scene) -> Iterator[Floats]:
 def _ends_of_regions(scene: Scene) -> Iterator[Floats]:
     """Point supports, and ends of supported, loaded and founded parts within sides of bodies."""
     case = scene.case
-    numbers = {body.name: number for number, body in enumerate(case.bodies)}
     for support in case.supports:
         if isinstance(support, PointSupport):
             yield scene.lattice.to_lattice(support.point)
     on_edges = (*case.supports, *case.loads)
     regions = [part.region for part in on_edges if isinstance(part, EdgeSupport | ContactSupport | EdgeLoad)]
     for region in regions:
-        yield from _ends_within_sides(region, scene.bodies[numbers[region.body]].sides)
+        yield from _ends_within_sides(region, scene.bodies[body_index(scene.bodies, region.body)].sides)
 
 
 def _ends_within_sides(region: EdgeRegion, sides: Floats) -> Iterator[Floats]:

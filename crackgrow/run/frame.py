@@ -77,8 +77,8 @@ def _means(row: Ints, values: Floats, n: int) -> Floats:
 
 def _densities(elements: Elements, spacing: float, error: ErrorEstimate) -> Floats:
     """Root of the energy density of the error in each element (n,), by the mean density of the computed stress."""
-    start, end = elements.vertices[elements.ring_start], elements.vertices[elements.ring_end]
-    area = 0.5 * spacing**2 * np.bincount(elements.ring_element, cross(start, end), elements.n)
+    start, end = elements.vertices[elements.rings.start], elements.vertices[elements.rings.end]
+    area = 0.5 * spacing**2 * np.bincount(elements.rings.face, cross(start, end), elements.n)
     mean = error.norm**2 / area.sum()
     there = area > 0.0  # slivers that the grid leaves no area hold no error
     density = np.divide(error.elements, area, out=np.zeros(elements.n), where=there)

@@ -16,13 +16,16 @@ stress says of the new tip. A tip that goes on in shear keeps the direction of t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
 
 from crackgrow.case.model import CriticalLoad
 from crackgrow.fracture.criteria import TipLoading, Verdict, hoop_stress_kink
+from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution, verdicts
+from crackgrow.run.result import CrackFaces
 
 NAN = float("nan")
 CRITERION_AT_MOST = 3.0
@@ -33,6 +36,26 @@ Errors = Sequence[tuple[float, float]]
 
 Judged = list[list[tuple[TipLoading, Verdict]]]
 """Loadings and what the criterion says of them, tip by tip."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepErrors:
+    """What a step may be off by; nan where that is not known."""
+
+    K: Errors
+    expected: Sequence[float]  # Pa sqrt(m), tip by tip: what K_I and K_II together are off by, most likely
+    kinks: Sequence[float]  # rad, tip by tip, of the direction of growth
+    load_factor: float  # of a critical one, over itself
+    goal: float  # of its largest value; nan where that is K
+
+
+def errors_of(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> StepErrors:
+    """What was measured of the errors of K, or else their bounds from the fit, and what follows from them."""
+    known = solution.accuracy
+    K = intensity_errors(solution, faces) if known is None else [(bound, bound) for bound in known.bounds]
+    expected, goal = ([NAN] * len(K), NAN) if known is None else (known.expected, known.goal)
+    off = judged_when_off(solution, K)
+    return StepErrors(K, expected, kink_errors(solution, off), load_error(solution, off), goal)
 
 
 def judged_when_off(solution: StepSolution, errors: Errors) -> Judged:

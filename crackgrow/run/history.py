@@ -11,15 +11,14 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import FacePoint, PointPair, RockPoint
-from crackgrow.contact.face_loads import is_named
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
+from crackgrow.cover.shapes import body_index
 from crackgrow.run.increments import LoadState
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import History
 from crackgrow.solid.recovery import displacement_at, stress_at
-from crackgrow.solid.supports import body_index
 
 MOST_ROWS = 100
 """Of more states on the way of one load these many are told of, evenly spread: each is a back substitution."""
@@ -103,9 +102,9 @@ def _jump(state: LoadState, point: FacePoint) -> tuple[float, float]:
     cover = state.cover
     at = shapely.Point(cover.lattice.to_lattice(point.point))
     lines = {
-        index: shapely.LineString(surface.points)
-        for index, (surface, law) in enumerate(zip(cover.surfaces, state.scene.laws, strict=True))
-        if is_named(surface.name, law.kind == "crack", point.surface)
+        index: shapely.LineString(surface.line.points)
+        for index, surface in enumerate(cover.surfaces)
+        if surface.name.is_of(point.surface)
     }
     if not lines:
         return np.nan, np.nan

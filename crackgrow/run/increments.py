@@ -28,7 +28,7 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
-from crackgrow.run.configuration import Configuration, Equilibrium, Gone
+from crackgrow.run.configuration import Configuration, Gone
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import MOST_JUMPS, Remembered, next_piece
 from crackgrow.run.result import BALANCED, Energy
@@ -59,7 +59,7 @@ class LoadState:
     seconds: float  # of all increments
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
-    formed: Equilibrium | None = None  # None: displacements are formed when they are asked for
+    formed: ContactOutcome | None = None  # None: displacements are formed when they are asked for
 
     @property
     def factor(self) -> float:
@@ -82,43 +82,32 @@ class LoadState:
         return self.scene.materials_at(self.factor)
 
     @cached_property
-    def equilibrium(self) -> Equilibrium:
+    def outcome(self) -> ContactOutcome:
         """Displacements and tractions. Raises SolveError where they don't balance."""
         return self.formed or self.configuration.equilibrium(self.level, self.before, self.states)
-
-    @property
-    def outcome(self) -> ContactOutcome:
-        """Displacements and tractions."""
-        return self.equilibrium.outcome
-
-    @property
-    def residual(self) -> float:
-        """Relative equilibrium residual."""
-        return self.equilibrium.residual
 
     def scaled_to(self, factor: float) -> LoadState:
         """The state under another load factor, where states are in proportion to it."""
         share = factor / self.factor
-        equilibrium, energy, states = self.equilibrium, self.energy, self.states.scaled(share)
+        energy = self.energy
         work, strain, dissipated, released = (
             share**2 * part for part in (energy.work, energy.strain, energy.dissipated, energy.released)
         )
         return replace(
             self,
             level=self.level._replace(factor=factor),
-            states=states,
+            states=self.states.scaled(share),
             energy=Energy(work, strain, dissipated, released, energy.error),
             good_to=share**2 * self.good_to,
             conjugates=share * self.conjugates,
-            formed=Equilibrium(equilibrium.outcome.scaled(share, states.problem), equilibrium.residual),
+            formed=self.outcome.scaled(share),
         )
 
     @cached_property
     def remembered(self) -> Remembered:
         """What the next part of an increment needs."""
         increment, _ = self.configuration.increment(self.level, self.before)
-        states = self.states
-        return Remembered(increment.remembered(states), states.normal, states.tangential, states.dilation)
+        return Remembered.of(increment.remembered(self.states), self.states)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,11 +144,7 @@ def unloaded(configuration: Configuration) -> Start:
 
 def from_state(state: LoadState) -> Start:
     """Go on from a state of the same configuration."""
-    outcome = state.outcome
-    return replace(
-        _on_from(state),
-        remembered=Remembered(outcome.memory, outcome.normal_traction, outcome.tangential_traction, outcome.dilation),
-    )
+    return replace(_on_from(state), remembered=Remembered.of(state.outcome.memory, state.outcome.points))
 
 
 def _on_from(state: LoadState) -> Start:
@@ -173,7 +158,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     Contact points remember the slip of the faces that were there before, averaged as they average their own; tractions
     are interpolated. New faces know nothing.
     """
-    old, faces, outcome = state.configuration, configuration.faces, state.outcome
+    old, faces, outcome, points = state.configuration, configuration.faces, state.outcome, state.outcome.points
     n = faces.n
     jump = np.zeros(len(faces.lengths))  # at the integration points
     elastic, normal, tangential, dilation, lost = np.zeros((5, n))
@@ -182,19 +167,19 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     for index, surface in enumerate(old.cover.surfaces):
         if surface.name not in numbers:
             continue
-        points, s = _on_old_faces(faces.points, numbers[surface.name], surface)
-        jump[points] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
+        mine, s = _on_old_faces(faces.points, numbers[surface.name], surface)
+        jump[mine] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
         mine, s = _on_old_faces(faces.nodes, numbers[surface.name], surface)
         for values, found in (
-            (elastic, old.contact.law.shear_compliance * outcome.tangential_traction),
-            (normal, outcome.normal_traction),
-            (tangential, outcome.tangential_traction),
-            (dilation, outcome.dilation),
+            (elastic, old.contact.law.shear_compliance * points.tangential),
+            (normal, points.normal),
+            (tangential, points.tangential),
+            (dilation, points.dilation),
         ):
             (values[mine],) = between_contact_points(old.faces, index, s, found)
         nearest = nearest_contact_point(old.faces, index, s)
         lost[mine] = np.append(outcome.memory.lost, 0.0)[nearest]
-        closed[mine] = np.append(outcome.state != OPEN, True)[nearest]
+        closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
     remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0)), normal, tangential, dilation)
     return Start(state.level, remembered, state.energy, state.conjugates, grown=True)
@@ -203,7 +188,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
     """Which points of the surface of a number lie on it as it was, and their arc lengths there."""
     mine = np.flatnonzero(points.surface == index)
-    line, places = shapely.LineString(surface.points), shapely.points(points.points[mine])
+    line, places = shapely.LineString(surface.line.points), shapely.points(points.points[mine])
     there = shapely.dwithin(places, line, ON_OLD_FACES)
     return mine[there], shapely.line_locate_point(line, places[there])
 
@@ -245,8 +230,7 @@ def taken_over(state: LoadState, configuration: Configuration) -> Start:
 
 def _told(state: LoadState, began: float) -> LoadState:
     """The state with its displacements and the time (s) that it took. Raises SolveError where there are none."""
-    formed = state.equilibrium
-    return replace(state, formed=formed, seconds=time.perf_counter() - began)
+    return replace(state, formed=state.outcome, seconds=time.perf_counter() - began)
 
 
 def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:

@@ -87,7 +87,7 @@ def largest_kink(solution: StepSolution, tip: Tip) -> float:
     if not sharp.any():
         return 0.0
     lengths = arc_lengths(tip.points)
-    closed = (solution.faces.surface == tip.crack) & (solution.outcome.state != OPEN)
+    closed = (solution.faces.surface == tip.crack) & (solution.outcome.points.state != OPEN)
     pressed = tip.from_start(solution.faces.s[closed])  # from the tip: each of the two lengths gives the other so
     ends = np.concatenate([[0.0], lengths[1:-1][sharp], lengths[-1:]])
     sizes = solution.cover.surfaces[tip.crack].in_cells.size(tip.from_start(ends))

@@ -26,7 +26,6 @@ from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.linear_solver import displacement_size
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,11 +109,6 @@ class StepSolution:
         return self.state.outcome
 
     @property
-    def residual(self) -> float:
-        """Relative equilibrium residual."""
-        return self.state.residual
-
-    @property
     def loads(self) -> Floats:
         """Loads (n_dofs,) N/m."""
         return self.configuration.loads(self.state.level)
@@ -132,11 +126,6 @@ class StepSolution:
         beyond = [0.0 if tip.verdict is None else tip.verdict.criticality - 1.0 for tip in self.tips]
         limit = Cause.JUMP.limit
         return [more if grows and more > limit else 0.0 for grows, more in zip(self.grows, beyond, strict=True)]
-
-    @property
-    def displacement_size(self) -> float:
-        """Size of the displacement field, m."""
-        return displacement_size(self.loads, self.outcome.u, self.configuration.given(self.state.factor))
 
 
 def judged(state: LoadState, fields: Sequence[TipField | None] | None = None) -> StepSolution:
@@ -234,8 +223,8 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
         if pointwise:
             normal, tangential = elastic_tractions(cover, faces, crack, s, law, outcome)
         else:
-            known = (outcome.normal_traction, outcome.tangential_traction)
-            normal, tangential = between_contact_points(faces, crack, s, *known)
+            points = outcome.points
+            normal, tangential = between_contact_points(faces, crack, s, points.normal, points.tangential)
         if scene.has_fluid(crack):
             places = cover.lattice.to_metres(points_at(cover, crack, s).points)
             normal = normal - scene.fluid_pressure(crack, state.factor, places)

@@ -63,7 +63,7 @@ def crack_geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeome
     given = shapely.get_coordinates(shapely.simplify(shapely.LineString(points[first : last + 1]), ON_LINE))
     points = np.concatenate([points[:first], given, points[last + 1 :]])
     gathered = scene.case.numerics.gathers_tip_functions
-    return CrackGeometry(growing.crack.name, points, inside[0], inside[1], gathered=gathered)
+    return CrackGeometry(growing.crack.surface, points, inside[0], inside[1], gathered=gathered)
 
 
 def contact_faces(scene: Scene, cover: Cover) -> ContactFaces:
@@ -77,7 +77,7 @@ def contact_faces(scene: Scene, cover: Cover) -> ContactFaces:
 
 def constraints_of(scene: Scene, cover: Cover) -> Constraints:
     """The supports, and bonded interfaces: no gap and no slip there, averaged at mortar nodes."""
-    held = constraints(cover, scene.case.bodies, scene.case.supports)
+    held = constraints(cover, scene.case.supports)
     bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
     if not bonded:
         return held

@@ -43,11 +43,11 @@ class Misfit:
 def misfits(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[Misfit]:
     """Overlap, or gap under pressure, of each surface. It is small beside its jump, or what pressure does to rock."""
     strain, found = pressed_strain(solution, faces), []
-    for law, face in zip(solution.scene.laws, faces, strict=True):
+    for surface, law, face in zip(solution.cover.surfaces, solution.scene.laws, faces, strict=True):
         overlap = np.zeros(len(face.s)) if law.contact is None else np.abs(np.minimum(unexplained(law, face), 0.0))
         ways = (("overlap", overlap), ("stand apart under pressure", _apart(law, face)))
         how, off = max(ways, key=lambda way: float(way[1].max()))
-        part = PRESSED_FLAT if law.kind == "crack" else AT_CORNERS
+        part = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS
         small = np.maximum(Cause.OVERLAP.limit * largest_jump(face), part * strain * face.cell_size)
         shares = np.divide(off, small, out=np.zeros(len(off)), where=off > 0.0)
         found.append(Misfit(face, float(overlap.max()), how, off, shares, strain))

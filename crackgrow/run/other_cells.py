@@ -147,12 +147,14 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Differe
     for tip, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
         there = others.get(end)
         if there is not None and np.isfinite((*there.K, *tip.K)).all():
-            pressed = _below_zero(tip) if scene.laws[end[0]].contact is not None else 0.0
-            K = float(np.linalg.norm([*np.subtract(there.K, tip.K), _spread(tip), pressed]))
+            K, touches = tip.intensity, scene.laws[end[0]].contact is not None
+            below_zero = max(-K.K_I, 0.0) if touches else 0.0  # faces that can't overlap have none
+            spread = float(np.hypot(K.K_I_spread, K.K_II_spread))
             turn, criticality = _criterion_apart(tip.verdict, there.verdict)
             if other.factor != solution.state.factor:
                 criticality = abs(other.factor / solution.state.factor - 1.0)
-            found[end] = _Difference(K, turn, criticality)
+            apart = float(np.linalg.norm([*np.subtract(there.K, tip.K), spread, below_zero]))
+            found[end] = _Difference(apart, turn, criticality)
     return found
 
 
@@ -161,15 +163,6 @@ def _criterion_apart(here: Verdict | None, there: Verdict | None) -> tuple[float
     if here is None or there is None or not here.criticality > 0.0:
         return np.nan, np.nan
     return abs(there.kink - here.kink), abs(there.criticality / here.criticality - 1.0)
-
-
-def _below_zero(tip: TipState) -> float:
-    """What K_I is below zero (Pa sqrt(m)): of faces that can't overlap it is zero at least."""
-    return max(-tip.intensity.K_I, 0.0)
-
-
-def _spread(tip: TipState) -> float:
-    return float(np.hypot(tip.intensity.K_I_spread, tip.intensity.K_II_spread))
 
 
 def fitted_bounds(solution: StepSolution) -> list[float]:

@@ -68,14 +68,14 @@ def output_mesh(elements: Elements, tips: Sequence[Tip]) -> OutputMesh:
 def _cells_of(elements: Elements) -> _Cells:
     """Undivided cells; a whole tile with corners in its sides is a fan of triangles."""
     triangles, owner = triangulate(elements.polygons)
-    counts = np.bincount(elements.ring_element, minlength=elements.n)[: elements.n_whole]
+    counts = np.bincount(elements.rings.face, minlength=elements.n)[: elements.n_whole]
     square = np.flatnonzero(counts == 4)
     between = (elements.edges.right >= 0) & ~elements.passable
     cells = _Cells(
         vertices=elements.vertices,
         triangles=_vertex_of(elements, triangles.reshape(-1, 2)).reshape(-1, 3),
         owners=owner + elements.n_whole,
-        quads=elements.ring_start[starts_of(counts)[square, None] + np.arange(4)],
+        quads=elements.rings.start[starts_of(counts)[square, None] + np.arange(4)],
         whole=square,
         closed=np.stack([elements.edges.a[between], elements.edges.b[between]], axis=1),
     )
@@ -86,9 +86,9 @@ def _fanned(elements: Elements, cells: _Cells, chosen: Ints) -> _Cells:
     """The whole tiles `chosen` (k,) as triangles from their middles to their sides."""
     number = np.full(elements.n, -1)
     number[chosen] = len(cells.vertices) + np.arange(len(chosen))
-    side = np.flatnonzero(number[elements.ring_element] >= 0)
-    owner = elements.ring_element[side]
-    fans = np.stack([elements.ring_start[side], elements.ring_end[side], number[owner]], axis=1)
+    side = np.flatnonzero(number[elements.rings.face] >= 0)
+    owner = elements.rings.face[side]
+    fans = np.stack([elements.rings.start[side], elements.rings.end[side], number[owner]], axis=1)
     kept = number[cells.whole] < 0
     return replace(
         cells,

@@ -56,6 +56,11 @@ class Remembered:
     tangential: Floats  # (n,) Pa
     dilation: Floats  # (n,) m
 
+    @classmethod
+    def of(cls, memory: ContactMemory, points: PointStates) -> Remembered:
+        """What is needed of points with such a memory."""
+        return cls(memory, points.normal, points.tangential, points.dilation)
+
     @property
     def tractions(self) -> Floats:
         """(2 n,) Pa, all normals, then all tangentials."""

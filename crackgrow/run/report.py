@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.surface import end_word
 from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate
@@ -20,9 +21,8 @@ from crackgrow.run.cautions import cautions
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
-from crackgrow.run.growth_error import judged_when_off, kink_errors, load_error
+from crackgrow.run.growth_error import StepErrors, errors_of
 from crackgrow.run.history import history
-from crackgrow.run.intensity_error import intensity_errors
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.misfit import mean_stress, misfits
 from crackgrow.run.reactions import reactions
@@ -42,35 +42,24 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     started = time.perf_counter()
     outcome, scene, paths = solution.outcome, solution.scene, paths_of(state.cracks)
     contact, faces = along_surfaces(solution)
-    known = solution.accuracy
-    errors = intensity_errors(solution, faces) if known is None else [(bound, bound) for bound in known.bounds]
-    off = judged_when_off(solution, errors)
-    kinks = np.rad2deg(kink_errors(solution, off)).tolist()
-    expected = [float("nan")] * len(errors) if known is None else known.expected
-    tips = tuple(
-        replace(_tip(solution, tip, tip in chosen, error), kink_error_deg=kink, K_error_expected=likely)
-        for tip, (error, kink, likely) in enumerate(zip(errors, kinks, expected, strict=True))
-    )
-    missed = misfits(solution, faces)
-    error = estimated_error(solution) if state.step == 0 else None
-    K = [tip.K for tip in solution.tips]
-    make = partial(_frame, solution.cover, solution.materials, outcome.u, K, error, scene.numbers_at_start)
+    errors, missed = errors_of(solution, faces), misfits(solution, faces)
+    estimate = estimated_error(solution) if state.step == 0 else None
     return StepResult(
         step=state.step,
         load_factor=solution.state.factor,
         cracks=paths,
         events=state.events,
-        tips=tips,
+        tips=tuple(_tip(solution, tip, tip in chosen, errors) for tip in range(len(solution.tips))),
         contact=contact,
         faces=faces,
         reactions=reactions(solution.state),
-        mesh=FrameOnDemand(make) if with_frame else None,
+        mesh=FrameOnDemand(_mesh(solution, estimate)) if with_frame else None,
         n_dofs=solution.cover.n_dofs,
-        n_contact=outcome.n_unknowns,
-        contact_iterations=outcome.iterations,
-        contact_status=outcome.status,
+        n_contact=outcome.points.n_unknowns,
+        contact_iterations=outcome.points.iterations,
+        contact_status=outcome.points.status,
         factorizations=solution.factorizations,
-        residual=solution.residual,
+        residual=outcome.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         overlap=max((surface.overlap for surface in missed), default=0.0),
@@ -80,15 +69,22 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         effective_toughness=_toughness(scene),
         cautions=cautions(solution, faces, missed, state.step),
-        norm_error=error.relative if error else float("nan"),
+        norm_error=estimate.relative if estimate else float("nan"),
         time=float("nan") if scene.case.subcritical is None else state.time,
-        goal_error=float("nan") if known is None else 100.0 * known.goal,
-        load_factor_error=100.0 * load_error(solution, off),
+        goal_error=100.0 * errors.goal,
+        load_factor_error=100.0 * errors.load_factor,
         stress=_stress(solution, faces),
         history=history([*solution.passed, solution.state]),
         start=_start(solution),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
+
+
+def _mesh(solution: StepSolution, error: ErrorEstimate | None) -> Callable[[], Frame]:
+    """Makes the mesh of a solution, of which it keeps what that takes and no more."""
+    K = [tip.K for tip in solution.tips]
+    bodies = solution.scene.numbers_at_start
+    return partial(_frame, solution.cover, solution.materials, solution.outcome.u, K, error, bodies)
 
 
 def _frame(
@@ -109,7 +105,7 @@ def _stress(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
 
     The energy does not hold the stress in the ground, which presses on cracks that stick at no displacement.
     """
-    cracks = (face for law, face in zip(solution.scene.laws, faces, strict=True) if law.kind == "crack")
+    cracks = (face for surface, face in zip(solution.cover.surfaces, faces, strict=True) if surface.name.is_crack)
     pressure = max((float(np.abs(face.normal_traction).max(initial=0.0)) for face in cracks), default=0.0)
     return max(pressure, mean_stress(solution))
 
@@ -119,21 +115,21 @@ def _load_displacement(solution: StepSolution) -> float:
 
     The loads on the physical patches add up to those on the rock, since their functions add up to one.
     """
-    on_patches = solution.configuration.scaled[: 2 * len(solution.cover.patch_nodes)]
+    on_patches = solution.configuration.scaled[: 2 * len(solution.cover.patches.nodes)]
     total = float(np.abs(on_patches).sum())
     if total > 0.0:
         return float(solution.state.conjugates[0]) / total
     return float(np.abs(solution.configuration.given(solution.state.factor)).max(initial=0.0))
 
 
-def _tip(solution: StepSolution, tip: int, advances: bool, K_error: tuple[float, float]) -> TipResult:
+def _tip(solution: StepSolution, tip: int, advances: bool, errors: StepErrors) -> TipResult:
     cover, state, spacing = solution.cover, solution.tips[tip], solution.cover.lattice.spacing
     index, at_end = cover.tip_ends[tip]
     verdict, law = state.verdict, solution.scene.case.subcritical
     nan = float("nan")
     return TipResult(
-        crack=cover.cracks[index].name,
-        tip="end" if at_end else "start",
+        crack=str(cover.cracks[index].name),
+        tip=end_word(at_end),
         point=cover.lattice.to_metres(cover.tips[tip].point),
         K_I=state.intensity.K_I,
         K_II=state.intensity.K_II,
@@ -143,8 +139,8 @@ def _tip(solution: StepSolution, tip: int, advances: bool, K_error: tuple[float,
         criticality=verdict.criticality if verdict else nan,
         kink_deg=float(np.rad2deg(verdict.kink)) if verdict else nan,
         advanced=advances,
-        K_I_error=K_error[0],
-        K_II_error=K_error[1],
+        K_I_error=errors.K[tip][0],
+        K_II_error=errors.K[tip][1],
         K_radius=state.intensity.radius,
         K_note=state.intensity.note,
         K_I_faces=state.K_faces[0],
@@ -152,7 +148,9 @@ def _tip(solution: StepSolution, tip: int, advances: bool, K_error: tuple[float,
         K_I_spread=state.intensity.K_I_spread,
         K_II_spread=state.intensity.K_II_spread,
         cell_size=cover.tips[tip].size * spacing,
+        kink_error_deg=float(np.rad2deg(errors.kinks[tip])),
         velocity=nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0]),
+        K_error_expected=errors.expected[tip],
     )
 
 

@@ -50,8 +50,8 @@ def residual_of(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, 
     """
     internal, terms = matrix.weighed(outcome.u)
     reactions = contact.system.constraints.T @ outcome.multipliers
-    tractions = contact.gap_of.T @ (contact.weights * outcome.normal_traction)
-    tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.tangential_traction)
+    tractions = contact.gap_of.T @ (contact.weights * outcome.points.normal)
+    tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.points.tangential)
     parts = (internal, reactions, tractions, loads)
     size = max(np.abs(part).max(initial=0.0) for part in parts)
     size = max(size, UNSTRESSED * terms.max(initial=0.0))
@@ -64,7 +64,7 @@ def residual_of(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, 
 
 def _place_of(cover: Cover, function: int) -> Floats:
     """The node of a physical patch (2,), or the tip that a singular function belongs to, in lattice coordinates."""
-    if function < len(cover.patch_nodes):
-        return np.asarray(cover.patch_nodes[function])
+    if function < len(cover.patches.nodes):
+        return np.asarray(cover.patches.nodes[function])
     first = [tip.first_function for tip in cover.tips]
     return cover.tips[int(np.searchsorted(first, function, side="right")) - 1].point

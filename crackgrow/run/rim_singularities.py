@@ -17,7 +17,7 @@ import shapely
 from crackgrow.arrays import Floats
 from crackgrow.case.model import ContactSupport, EdgeSupport
 from crackgrow.case.regions import EdgeRegion
-from crackgrow.cover.shapes import BodyGeometry
+from crackgrow.cover.shapes import BodyGeometry, body_index
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.scene import Scene
@@ -52,12 +52,11 @@ class RimSingularity:
 
 def rim_singularities(scene: Scene) -> Iterator[RimSingularity]:
     """All of a scene."""
-    numbers = {body.name: number for number, body in enumerate(scene.case.bodies)}
     for body in scene.bodies:
         yield from chain.from_iterable(_corners(ring) for ring in body.rings)
     for support in scene.case.supports:
         if isinstance(support, EdgeSupport | ContactSupport):
-            yield from _ends(support.region, scene.bodies[numbers[support.region.body]])
+            yield from _ends(support.region, scene.bodies[body_index(scene.bodies, support.region.body)])
     for line in scene.interfaces:
         for end in (line.points[0], line.points[-1]):
             angle = sum(rock_angle(body, end) for body in scene.bodies)

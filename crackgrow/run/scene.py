@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.features import Length, feature_lengths, line_length, part_lengths, stretches
+from crackgrow.case.features import Length, line_length, rim_lengths, stretches
 from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
     ContactSupport,
+    CoulombContact,
     EdgeLoad,
     FluidPressure,
     Gravity,
@@ -25,10 +27,11 @@ from crackgrow.case.model import (
     Stages,
     Strength,
 )
+from crackgrow.case.surface import numbered
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
-from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import BodyForce
@@ -36,7 +39,6 @@ from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings, with_star
 from crackgrow.run.surface_laws import SurfaceLaw, contact_stiffness
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
-from crackgrow.solid.supports import body_index
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,8 +86,7 @@ class Scene:
     @property
     def numbers_at_start(self) -> Ints:
         """Body by body (n,) its number in the case."""
-        names = [body.name for body in self.at_start.case.bodies]
-        return np.array([names.index(body.name) for body in self.case.bodies])
+        return np.array([body_index(self.at_start.case.bodies, body.name) for body in self.case.bodies])
 
     def parts(self, load: Load) -> tuple[float, float]:
         """a and b: at a load factor F a load acts with a + b F."""
@@ -120,8 +121,8 @@ class Scene:
         return bool(self._fluids(crack))
 
     def _fluids(self, crack: int) -> list[FluidPressure]:
-        name = self.case.cracks[crack].name
-        return [load for load in self.case.loads if isinstance(load, FluidPressure) and load.surface == name]
+        surface = self.case.cracks[crack].surface
+        return [load for load in self.case.loads if isinstance(load, FluidPressure) and load.surface == surface]
 
     def body_force(self, body: int, load_factor: float) -> BodyForce | None:
         """What pulls at the rock of a body at a load factor, besides a uniform in-situ stress; None for nothing."""
@@ -159,11 +160,11 @@ class Scene:
             return self
         loads = list(case.loads)
         for growing_crack in new:
-            on = None if growing_crack.parent is None else growing[growing_crack.parent].crack.name
+            on = None if growing_crack.parent is None else growing[growing_crack.parent].crack.surface
             fluids = [load for load in loads if isinstance(load, FluidPressure) and load.surface == on]
-            loads += [replace(load, surface=growing_crack.crack.name) for load in fluids]
+            loads += [replace(load, surface=growing_crack.crack.surface) for load in fluids]
         cracks = [growing_crack.crack for growing_crack in new]
-        laws = [SurfaceLaw("crack", c.contact, False, contact_stiffness(case, (c.body,))) for c in cracks]
+        laws = [_law(case, crack.contact, crack.body) for crack in cracks]
         halvings, numerics = self.halvings, case.numerics
         if numerics.target is not None:
             lengths = (line_length(crack.points) for crack in cracks)
@@ -258,41 +259,29 @@ def without(case: Case, gone: set[str]) -> Case:
 
     def is_left(load: Load) -> bool:
         if isinstance(load, FluidPressure):
-            return isinstance(load.surface, str) or gone.isdisjoint(load.surface)
+            return not load.surface.bounds(gone)
         return (load.region.body if isinstance(load, EdgeLoad) else load.body) not in gone
 
     return replace(
         case,
         bodies=tuple(body for body in case.bodies if body.name not in gone),
-        interfaces=tuple(interface for interface in case.interfaces if gone.isdisjoint(interface.bodies)),
+        interfaces=tuple(interface for interface in case.interfaces if not interface.surface.bounds(gone)),
         loads=tuple(filter(is_left, case.loads)),
     )
 
 
 def _scene_on(case: Case, lattice: Lattice) -> Scene:
     """The scene of a case on a lattice."""
-    bodies = {body.name for body in case.bodies}
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
-    laws = [SurfaceLaw("crack", c.contact, False, contact_stiffness(case, (c.body,))) for c in case.cracks]
-    interfaces = []
-    for interface in case.interfaces:
-        bonded = interface.contact == "bonded"
-        contact = None if isinstance(interface.contact, str) else interface.contact
-        for number, line in enumerate(interface.lines):
-            suffix = f".{number}" if len(interface.lines) > 1 else ""
-            name = "/".join(interface.bodies) + suffix
-            interfaces.append(CrackGeometry(name, lattice.to_lattice(line), False, False))
-            laws.append(SurfaceLaw("interface", contact, bonded, contact_stiffness(case, interface.bodies)))
-    foundations: list[Foundation] = []
-    on_edge = [f"{s.region.body}.{s.region.edge}" for s in case.supports if isinstance(s, ContactSupport)]
-    for support in case.supports:
-        if isinstance(support, ContactSupport) and support.region.body in bodies:
-            region, number = support.region, len(foundations)
-            suffix = f".{on_edge[:number].count(on_edge[number])}" if on_edge.count(on_edge[number]) > 1 else ""
-            index = body_index(case.bodies, region.body)
-            foundations.append(Foundation(on_edge[number] + suffix, index, region.sides, region.limits))
-            laws.append(SurfaceLaw("foundation", support.contact, False, contact_stiffness(case, (region.body,))))
+    lines = [(interface, line) for interface in case.interfaces for line in interface.lines]
+    interfaces = (
+        CrackGeometry(name, lattice.to_lattice(line), False, False)
+        for name, (_, line) in zip(numbered([interface.surface for interface, _ in lines]), lines, strict=True)
+    )
+    bodies = {body.name for body in case.bodies}
+    supports = [each for each in case.supports if isinstance(each, ContactSupport) and each.region.body in bodies]
+    names = numbered([support.surface for support in supports])
     return Scene(
         case=case,
         lattice=lattice,
@@ -300,23 +289,26 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
         regions=tuple(shapely.Polygon(b.rings[0].points, [r.points for r in b.rings[1:]]) for b in case.bodies),
         bodies=tuple(BodyGeometry(tuple(lattice.to_lattice(r.points) for r in b.rings), b.name) for b in case.bodies),
         interfaces=tuple(interfaces),
-        foundations=tuple(foundations),
+        foundations=tuple(Foundation(name, each.region) for name, each in zip(names, supports, strict=True)),
         crack_bodies=crack_bodies,
         lengths=_lengths(case),
-        laws=tuple(laws),
+        laws=(
+            *(_law(case, crack.contact, crack.body) for crack in case.cracks),
+            *(_law(case, interface.contact, *interface.bodies) for interface, _ in lines),
+            *(_law(case, support.contact, support.region.body) for support in supports),
+        ),
     )
+
+
+def _law(case: Case, contact: CoulombContact | Literal["bonded"] | None, *bodies: str) -> SurfaceLaw:
+    """What holds the faces of a surface on some bodies, of which the case says this."""
+    law = contact if isinstance(contact, CoulombContact) else None
+    return SurfaceLaw(law, contact == "bonded", contact_stiffness(case, bodies))
 
 
 def _lengths(case: Case) -> tuple[Length, ...]:
     """What the stress varies over besides cracks."""
     supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
     loads = [load.region for load in case.loads if isinstance(load, EdgeLoad)]
-    lengths = [length for body in case.bodies for length in feature_lengths(body)]
-    lengths += part_lengths("support", case.bodies, supports, "supported")
-    lengths += part_lengths("load", case.bodies, loads, "loaded")
-    for interface in case.interfaces:
-        between = " and ".join(f"'{name}'" for name in interface.bodies)
-        for line in interface.lines:
-            what, where = f"interface between bodies {between}", shapely.LineString(line)
-            lengths.append(Length("support", line_length(line), what, where))
-    return tuple(lengths)
+    interfaces = ((interface.bodies, interface.lines) for interface in case.interfaces)
+    return tuple(rim_lengths(case.bodies, interfaces, supports, loads))

@@ -36,7 +36,6 @@ from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.supports import edges_on
 
 MOST_MOVED = 8
 """Of more points that were moved only the number is told."""
@@ -75,11 +74,11 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     yield from _incompressible(scene)
     for crack in case.cracks:
         if crack.left_out:
-            yield Cause.LEFT_OUT.at(f"crack '{crack.name}'", crack.left_out)
+            yield Cause.LEFT_OUT.at(crack.surface.words, crack.left_out)
     for index, shape in enumerate(cover.cracks):
         length = cover.surfaces[index].in_cells.total
         if length < Cause.SHORT_CRACK.limit - SAME_PLACE and not ends_on(shape, cover.cracks):
-            yield Cause.SHORT_CRACK.at(f"crack '{shape.name}'", 1.0 / length, length=length)
+            yield Cause.SHORT_CRACK.at(shape.name.words, 1.0 / length, length=length)
     yield from _contradictions(scene, cover)
     yield from _unresolved(scene, cover)
     yield from _moved(scene)
@@ -88,10 +87,9 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
 
 def _contradictions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """Points on an edge that are held otherwise than the edge is there."""
-    bodies, supports = scene.case.bodies, list(enumerate(scene.case.supports))
-    there = {body.name for body in bodies}
+    supports, there = list(enumerate(scene.case.supports)), {body.name for body in cover.bodies}
     edges = [
-        (m, edge, shapely.MultiLineString(list(edges_on(cover, bodies, edge.region).points)))
+        (m, edge, shapely.MultiLineString(list(cover.edges_on(edge.region).points)))
         for m, edge in supports
         if isinstance(edge, EdgeSupport) and edge.region.body in there
     ]
@@ -143,14 +141,14 @@ def _wide_averages(scene: Scene) -> Iterator[Caution]:
         share = radius / line_length(crack.points)
         if share > Cause.WIDE_AVERAGE.limit:
             told = {"radius": Metres(radius), "criterion": criterion, "percent": 50.0 * share}
-            yield Cause.WIDE_AVERAGE.at(f"crack '{crack.name}'", share, **told)
+            yield Cause.WIDE_AVERAGE.at(crack.surface.words, share, **told)
     if criterion in BY_K:
         return  # the given cracks go on in tension alone
     for radius, crack in _by_shear_toughness(scene):
         share = radius / line_length(crack.points)
         if share > Cause.WIDE_SHEAR.limit:
             told = {"radius": Metres(radius), "percent": 100.0 * (1.0 - 1.0 / np.sqrt(1.0 + share))}
-            yield Cause.WIDE_SHEAR.at(f"crack '{crack.name}'", share, **told)
+            yield Cause.WIDE_SHEAR.at(crack.surface.words, share, **told)
 
 
 def _short_starts(scene: Scene) -> Iterator[Caution]:
@@ -219,7 +217,7 @@ def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:
         return
     softest, limit = min(material.young_prime for material in scene.materials), Cause.SOFT_CONTACT.limit
     for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
-        share = cover.surfaces[index].in_cells.mean_size / float(arc_lengths(surface.points)[-1])
+        share = cover.surfaces[index].in_cells.mean_size / float(arc_lengths(surface.line.points)[-1])
         ratio = 0.0 if law.contact is None or law.joint else 0.5 * share * softest / law.stiffness
         if ratio > limit:
             told = {"stiffness": stiffness, "percent": 100.0 / (1.0 + ratio), "enough": stiffness * ratio / limit}
@@ -282,14 +280,14 @@ def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
 
 def _forces(case: Case, cover: Cover, loads: Sequence[Load]) -> Floats:
     """Loads (n, 2) in N/m on the patches' own functions, which add up to one everywhere."""
-    return load_vector(cover, case.bodies, loads, case.numerics.quadrature).reshape(-1, 2)[: len(cover.patch_nodes)]
+    return load_vector(cover, case.bodies, loads, case.numerics.quadrature).reshape(-1, 2)[: len(cover.patches.nodes)]
 
 
 def _unbalanced(cover: Cover, forces: Floats) -> float:
     """The resultant (N/m) of forces (n, 2) on the patches, or what their moment is over the size of the scene."""
-    arms = cover.patch_nodes - cover.patch_nodes.mean(axis=0)
+    arms = cover.patches.nodes - cover.patches.nodes.mean(axis=0)
     turning = float((arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum())
-    return max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / float(np.ptp(cover.patch_nodes, axis=0).max()))
+    return max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / float(np.ptp(cover.patches.nodes, axis=0).max()))
 
 
 def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
@@ -297,6 +295,6 @@ def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     for index, crack in enumerate(cover.cracks):
         length = cover.surfaces[index].in_cells.total
         if length < Cause.SHORT_ARM.limit and (others := ends_on(crack, cover.cracks)):
-            yield Cause.SHORT_ARM.at(f"crack '{crack.name}'", 1.0 / length, others=" and ".join(others))
+            yield Cause.SHORT_ARM.at(crack.name.words, 1.0 / length, others=" and ".join(others))
     for first, second in close_pairs(cover, scene.interfaces, Cause.CLOSE.limit):
         yield Cause.CLOSE.at(f"{first} and {second}", first=first, second=second)

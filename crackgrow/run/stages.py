@@ -15,9 +15,10 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import FluidPressure
-from crackgrow.contact.face_loads import face_load_vector, is_named
+from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
+from crackgrow.cover.shapes import body_index
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.quadrature.everywhere import all_points
@@ -66,12 +67,11 @@ def _held_by(state: LoadState, body: str) -> Floats:
     configuration = state.configuration
     scene, cover = configuration.scene, configuration.cover
     forces = np.zeros(cover.n_dofs)
-    between = [pair.bodies for pair in scene.case.interfaces if body in pair.bodies]
     for index, surface in enumerate(cover.surfaces):
-        if index >= len(cover.cracks) and any(is_named(surface.name, False, pair) for pair in between):
+        if surface.name.bounds({body}):
             forces += face_forces(state, index)
     for load in scene.case.loads:
-        if isinstance(load, FluidPressure) and body in load.surface and not isinstance(load.surface, str):
+        if isinstance(load, FluidPressure) and load.surface.bounds({body}):
             forces += scene.share(load, state.factor) * face_load_vector(cover, [], [load])
     return forces
 
@@ -83,8 +83,7 @@ def _same_functions(before: Cover, after: Cover) -> Ints:
     """
     points = all_points(after, 1)
     elements, first = np.unique(points.element, return_index=True)
-    names = [body.name for body in before.bodies]
-    numbers = np.array([names.index(body.name) for body in after.bodies])
+    numbers = np.array([body_index(before.bodies, body.name) for body in after.bodies])
     there = locate(before.lattice, before.elements, points.points[first], numbers[after.elements.body[elements]])
     same = np.full(after.n_functions, -1, dtype=np.int64)
     if (there >= 0).all():

@@ -109,7 +109,7 @@ def _where(scene: Scene, growing: Sequence[GrowingCrack], site: Site) -> str:
     """What a site lies on, in words."""
     body = scene.case.bodies[site.body]
     if site.crack is not None:
-        return f"crack '{growing[site.crack].crack.name}'"
+        return growing[site.crack].crack.surface.words
     if site.kind == "rock":
         return f"the rock of body '{body.name}'"
     for number, ring in enumerate(scene.bodies[site.body].rings[1:]):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -24,7 +23,6 @@ ON_GIVEN_FACES = 1e-6
 class SurfaceLaw:
     """What holds the two faces of a surface."""
 
-    kind: Literal["crack", "interface", "foundation"]
     contact: CoulombContact | None  # None: they never touch
     bonded: bool
     stiffness: float  # Pa: kappa E, of which k = kappa E / h; infinite for rigid contact
@@ -73,7 +71,7 @@ def laws_at_points(
         residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
         dilation[mine] = np.tan(np.deg2rad(law.contact.dilation_angle))
         weakening[mine] = law.contact.weakening_length
-        if index < len(growing):
+        if cover.surfaces[index].name.is_crack:
             crack = growing[index]
             given = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
             new = mine & ((faces.s < given[0] - ON_GIVEN_FACES) | (faces.s > given[-1] + ON_GIVEN_FACES))

@@ -26,18 +26,18 @@ def along_surfaces(solution: StepSolution) -> tuple[ContactPoints, tuple[CrackFa
 
 def _contact(solution: StepSolution, jump: Floats) -> ContactPoints:
     """Tractions and states as solved, with the `jump` (2, n) m at the points."""
-    faces, outcome, lattice = solution.faces, solution.outcome, solution.cover.lattice
+    faces, at_points, lattice = solution.faces, solution.outcome.points, solution.cover.lattice
     return ContactPoints(
-        crack=tuple(solution.cover.surfaces[index].name for index in faces.surface.tolist()),
+        crack=tuple(str(solution.cover.surfaces[index].name) for index in faces.surface.tolist()),
         s=faces.s * lattice.spacing,
         points=lattice.to_metres(faces.nodes.points),
-        normal_traction=outcome.normal_traction,
-        tangential_traction=outcome.tangential_traction,
+        normal_traction=at_points.normal,
+        tangential_traction=at_points.tangential,
         opening=jump[0],
         slip=jump[1],
-        state=outcome.state,
-        mean_opening=outcome.gap,
-        mean_slip=outcome.slip,
+        state=at_points.state,
+        mean_opening=at_points.opening,
+        mean_slip=at_points.slip,
     )
 
 
@@ -50,17 +50,17 @@ def _samples(solution: StepSolution, index: int) -> FacePoints:
 
 def _faces(solution: StepSolution, index: int, samples: FacePoints, jump: Floats) -> CrackFaces:
     """Jump (2, n) m, tractions and state of one surface at its samples."""
-    faces, outcome, s, lattice = solution.faces, solution.outcome, samples.s, solution.cover.lattice
+    faces, at_points, s, lattice = solution.faces, solution.outcome.points, samples.s, solution.cover.lattice
     nearest = nearest_contact_point(faces, index, s)
-    normal, tangential = between_contact_points(faces, index, s, outcome.normal_traction, outcome.tangential_traction)
+    normal, tangential = between_contact_points(faces, index, s, at_points.normal, at_points.tangential)
     return CrackFaces(
-        crack=solution.cover.surfaces[index].name,
+        crack=str(solution.cover.surfaces[index].name),
         s=s * lattice.spacing,
         points=lattice.to_metres(samples.points),
         opening=jump[0],
         slip=jump[1],
         normal_traction=normal,
         tangential_traction=tangential,
-        state=np.append(outcome.state, OPEN)[nearest],  # the last entry serves the index -1
+        state=np.append(at_points.state, OPEN)[nearest],  # the last entry serves the index -1
         cell_size=solution.cover.surfaces[index].in_cells.size(s) * lattice.spacing,
     )

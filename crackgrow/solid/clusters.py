@@ -70,11 +70,6 @@ class Clusters:
         """The places of a cluster's elements in `elements.values`."""
         return slice(int(self.elements.start[cluster]), int(self.elements.start[cluster + 1]))
 
-    def local_of(self, cluster: int) -> Ints:
-        """The places among its functions of those of a cluster's elements, one element after the other."""
-        mine = self.span(cluster)
-        return self.local.values[self.local.start[mine.start] : self.local.start[mine.stop]]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Named:

@@ -14,6 +14,7 @@ from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import FaceEdges
+from crackgrow.cover.shapes import body_index
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.everywhere import all_points
@@ -22,7 +23,7 @@ from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.rules import square
 from crackgrow.quadrature.subdivision import subdivided
 from crackgrow.solid.in_situ import InSitu, across
-from crackgrow.solid.supports import body_index, edges_on, points_along
+from crackgrow.solid.supports import points_along
 from crackgrow.vectors import outward_normals
 
 
@@ -31,7 +32,7 @@ def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: 
 
     `n` Gauss points per direction, as for the stiffness.
     """
-    f = _edge_tractions(cover, bodies, [load for load in loads if isinstance(load, EdgeLoad)])
+    f = _edge_tractions(cover, [load for load in loads if isinstance(load, EdgeLoad)])
     for load in loads:
         if isinstance(load, Gravity):
             body = body_index(bodies, load.body)
@@ -57,11 +58,11 @@ def _at_point(cover: Cover, body: int, load: PointForce) -> Floats:
     return np.asarray(values_at(cover, at, element).values().T @ np.asarray(load.force)[None])
 
 
-def _edge_tractions(cover: Cover, bodies: Sequence[Body], loads: Sequence[EdgeLoad]) -> Floats:
+def _edge_tractions(cover: Cover, loads: Sequence[EdgeLoad]) -> Floats:
     """Integral of phi t (n_functions, 2) N/m of all tractions and pressures along edges."""
     if not loads:
         return np.zeros((cover.n_functions, 2))
-    edges = points_along(cover, [_fine_enough(cover, load, edges_on(cover, bodies, load.region)) for load in loads])
+    edges = points_along(cover, [_fine_enough(cover, load, cover.edges_on(load.region)) for load in loads])
     points, elements = (np.concatenate(arrays) for arrays in zip(*((e.points, e.elements) for e in edges), strict=True))
     forces = []
     for edge, load in zip(edges, loads, strict=True):

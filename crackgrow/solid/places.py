@@ -17,9 +17,9 @@ FINEST = 1 << 17
 def places_of_unknowns(cover: Cover) -> Places:
     """Boxes of the displacement unknowns: those of their patches; those of a crumb share the node next to it."""
     lattice, first = cover.lattice, cover.patches.n_of_lattice
-    nodes = np.rint(QUANTA * cover.patch_nodes).astype(np.int64)
+    nodes = np.rint(QUANTA * cover.patches.nodes).astype(np.int64)
     half = np.rint(QUANTA * cover.patches.half).astype(np.int64)
-    middles = QUANTA * cover.patch_nodes[first:].reshape(-1, 3, 2).mean(axis=1)
+    middles = QUANTA * cover.patches.nodes[first:].reshape(-1, 3, 2).mean(axis=1)
     for crumb, middle in enumerate(middles):
         near = np.argmin(np.abs(lattice.nodes.places - middle).max(axis=1))
         mine = slice(first + 3 * crumb, first + 3 * crumb + 3)

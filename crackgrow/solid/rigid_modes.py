@@ -35,7 +35,7 @@ class FreePiece:
 
     number: int  # among all pieces
     functions: Ints  # physical patches
-    body: str  # name of the body that it is a part of, "" for none
+    body: str  # name of the body that it is a part of
     whole: bool  # whether it is all of it
     motions: (
         Floats  # (k, 3) orthonormal, its free motions: translation x, y and rotation (1 at `reach` from the centre)
@@ -45,10 +45,8 @@ class FreePiece:
 
     def __str__(self) -> str:
         """Say which piece it is."""
-        if self.body and self.whole:
-            return f"body '{self.body}'"
-        of = f"of body '{self.body}'" if self.body else "of rock"
-        return f"the piece {of} round {place_text(self.centre, 3)}"
+        body = f"body '{self.body}'"
+        return body if self.whole else f"the piece of {body} round {place_text(self.centre, 3)}"
 
     @property
     def motion(self) -> str:
@@ -146,7 +144,7 @@ class RigidMotions:
 def free_motions(cover: Cover, constraints: csr_array) -> RigidMotions:
     """The rigid motions of pieces that `constraints` (m, n_dofs) do not see."""
     found, elements = _pieces(cover)
-    of_pieces = _motions_of(cover, found)
+    of_pieces = csr_array(hstack([rigid_motions(cover, functions) for functions in found], format="csr"))
     free = _free_directions((constraints @ of_pieces).toarray())
     by_piece = free.reshape(-1, len(found), 3)
     moving = np.abs(by_piece).max(axis=(0, 2), initial=0.0) > HOLDS_NOTHING
@@ -154,16 +152,11 @@ def free_motions(cover: Cover, constraints: csr_array) -> RigidMotions:
     pieces = []
     for index in np.flatnonzero(moving).tolist():
         _, sizes, rows = np.linalg.svd(by_piece[:, index], full_matrices=False)
-        nodes = cover.patch_nodes[found[index]]
+        nodes = cover.patches.nodes[found[index]]
         centre, reach = cover.lattice.to_metres(nodes.mean(axis=0)), cover.lattice.spacing * _reach(nodes)
         name, whole = cover.bodies[body[index]].name, int(np.sum(body == body[index])) == 1
         pieces.append(FreePiece(index, found[index], name, whole, rows[sizes > HOLDS_NOTHING], centre, reach))
-    return RigidMotions(tuple(pieces), cover.patch_nodes, of_pieces, free, np.empty(0, dtype=np.int64), np.empty(0))
-
-
-def _motions_of(cover: Cover, pieces: list[Ints]) -> csr_array:
-    """Unknowns (n_dofs, 3 p) of the rigid motions of p pieces."""
-    return csr_array(hstack([rigid_motions(cover, functions) for functions in pieces], format="csr"))
+    return RigidMotions(tuple(pieces), cover.patches.nodes, of_pieces, free, np.empty(0, dtype=np.int64), np.empty(0))
 
 
 def _free_directions(held: Floats) -> Floats:
@@ -202,7 +195,7 @@ def _pieces(cover: Cover) -> tuple[list[Ints], list[Ints]]:
 
 def rigid_motions(cover: Cover, functions: Ints) -> csc_array:
     """Unknowns (n_dofs, 3) of unit translations in x and y and of a rotation (1 at the rim) of physical patches."""
-    nodes = cover.patch_nodes[functions]
+    nodes = cover.patches.nodes[functions]
     arm = (nodes - nodes.mean(axis=0)) / _reach(nodes)
     x, y, one = 2 * functions, 2 * functions + 1, np.ones(len(functions))
     motions = coo_array(

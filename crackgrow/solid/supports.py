@@ -14,11 +14,12 @@ from scipy.sparse import block_diag, csr_array, vstack
 
 from crackgrow.approximation.basis import of_component, values_at
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import Body, Component, ContactSupport, EdgeRegion, EdgeSupport, PointSupport, Support
+from crackgrow.case.model import Component, ContactSupport, EdgeSupport, PointSupport, Support
 from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.cover.face_edges import FaceEdges, edges_of_region
+from crackgrow.cover.face_edges import FaceEdges
+from crackgrow.cover.shapes import body_index
 from crackgrow.cover.squares import QUANTA
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.rims import points_on_outlines
@@ -39,12 +40,12 @@ class Constraints:
     surface: Ints  # (m,) number of the bonded surface that a row belongs to, -1 for none
 
 
-def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support]) -> Constraints:
-    """The conditions of all supports of these bodies; contact supports have none.
+def constraints(cover: Cover, supports: Sequence[Support]) -> Constraints:
+    """The conditions of all supports of the bodies that are there; contact supports have none.
 
     Raises GeometryError for a support outside of its body.
     """
-    names = {body.name for body in bodies}
+    names = {body.name for body in cover.bodies}
     prescribing = [
         (n, support)
         for n, support in enumerate(supports)
@@ -53,7 +54,7 @@ def constraints(cover: Cover, bodies: Sequence[Body], supports: Sequence[Support
     if not prescribing:
         none = np.empty(0, dtype=np.int64)
         return Constraints(csr_array((0, cover.n_dofs)), np.empty(0), none, none, none)
-    averages = _averages(cover, bodies, [support for _, support in prescribing])
+    averages = _averages(cover, [support for _, support in prescribing])
     values = _averaged_values(cover, averages)
     first = np.cumsum([0, *(average.n for average in averages)])
     rows: list[csr_array] = []
@@ -93,17 +94,6 @@ class EdgePoints:
     sizes: Floats  # (n,) side of the cells there, spacings: see `_sizes_along`
     stretched: Floats  # (n,) m, s where every cell were as large as the spacing
     outward: Floats  # (n, 2) unit normals out of the rock
-
-
-def edge_points(cover: Cover, bodies: Sequence[Body], regions: Sequence[EdgeRegion]) -> list[EdgePoints]:
-    """The points of each of the regions."""
-    return points_along(cover, [edges_on(cover, bodies, region) for region in regions])
-
-
-def edges_on(cover: Cover, bodies: Sequence[Body], region: EdgeRegion) -> FaceEdges:
-    """The edges along a region."""
-    body = body_index(bodies, region.body)
-    return edges_of_region(cover.elements.outlines, body, cover.bodies[body].sides, region.sides, region.limits)
 
 
 def points_along(cover: Cover, edges: Sequence[FaceEdges]) -> list[EdgePoints]:
@@ -158,11 +148,6 @@ def held_body(support: Support) -> str:
     return support.body if isinstance(support, PointSupport) else support.region.body
 
 
-def body_index(bodies: Sequence[Body], name: str) -> int:
-    """Number of the body of that name."""
-    return next(index for index, body in enumerate(bodies) if body.name == name)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Averages:
     """Averages of values at points."""
@@ -184,13 +169,12 @@ def _prescribed(displacement: Component, average: _Averages, places: Floats) -> 
     return np.full(average.n, displacement)
 
 
-def _averages(cover: Cover, bodies: Sequence[Body], supports: Sequence[PointSupport | EdgeSupport]) -> list[_Averages]:
+def _averages(cover: Cover, supports: Sequence[PointSupport | EdgeSupport]) -> list[_Averages]:
     """What each of the supports holds."""
-    regions = [support.region for support in supports if not isinstance(support, PointSupport)]
-    along_edges = (_along_edge(points, cover.lattice.spacing) for points in edge_points(cover, bodies, regions))
+    edges = [cover.edges_on(support.region) for support in supports if not isinstance(support, PointSupport)]
+    along_edges = (_along_edge(points, cover.lattice.spacing) for points in points_along(cover, edges))
     return [
-        _at_point(cover, bodies, support) if isinstance(support, PointSupport) else next(along_edges)
-        for support in supports
+        _at_point(cover, support) if isinstance(support, PointSupport) else next(along_edges) for support in supports
     ]
 
 
@@ -200,9 +184,9 @@ def _averaged_values(cover: Cover, averages: Sequence[_Averages]) -> csr_array:
     return csr_array(block_diag([a.shares for a in averages], "csr") @ values_at(cover, points, elements).values())
 
 
-def _at_point(cover: Cover, bodies: Sequence[Body], support: PointSupport) -> _Averages:
+def _at_point(cover: Cover, support: PointSupport) -> _Averages:
     at = cover.lattice.to_lattice(support.point[None])
-    element = locate(cover.lattice, cover.elements, at, body_index(bodies, support.body))
+    element = locate(cover.lattice, cover.elements, at, body_index(cover.bodies, support.body))
     if element[0] < 0:
         raise GeometryError(f"the support at {place_text(support.point)} lies outside of body '{support.body}'")
     return _Averages(csr_array(np.ones((1, 1))), at, element)

@@ -83,7 +83,7 @@ def compare_paths(
     only_a = tuple(name for name in names_a if name not in names_b)
     only_b = tuple(name for name in names_b if name not in names_a)
     if tip is not None and shared and not pairs:
-        raise CaseError([Fault("--tip", None, "", f"the {tip} has not grown in {a} nor in {b}")])
+        raise CaseError.at("--tip", f"the {tip} has not grown in {a} nor in {b}")
     return Comparison(set_a, set_b, tuple(pairs), only_a, only_b, limit)
 
 
@@ -108,12 +108,12 @@ def _chosen(a: PathSet, b: PathSet, crack: str | None) -> tuple[dict[str, str], 
     names = list(dict.fromkeys(name for paths in (a, b) for name in paths.cracks if name))
     if crack is not None and names and crack not in names:
         message = f"no crack {quoted(crack)}{did_you_mean(crack, names)}; there are {', '.join(names)}"
-        raise CaseError([Fault("--crack", None, "", message)])
+        raise CaseError.at("--crack", message)
     wanted = [crack] if crack is not None else names
     if any("" in paths.cracks for paths in (a, b)) and len(wanted) > 1:
         source = a.source if "" in a.cracks else b.source
         message = f"has no column crack; choose the one to compare with by --crack: {', '.join(names)}"
-        raise CaseError([Fault(source, None, "", message)])
+        raise CaseError.at(source, message)
     nameless = wanted[0] if wanted else ""
 
     def of(paths: PathSet) -> dict[str, str]:
@@ -171,10 +171,10 @@ def _partial(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> Pair:
     """Paths of which one is not known to be whole: the part that they have in common."""
     if tip is not None:
         if a.steps is None and b.steps is None:
-            raise CaseError([Fault("--tip", None, "", "neither path has the column step, which tells what has grown")])
+            raise CaseError.at("--tip", "neither path has the column step, which tells what has grown")
         a, b = (line if line.steps is None else _wing(line, tip) for line in (a, b))
         if min(len(a.points), len(b.points)) < 2:
-            raise CaseError([Fault("--tip", None, "", f"the {tip} of crack {quoted(name)} has not grown")])
+            raise CaseError.at("--tip", f"the {tip} of crack {quoted(name)} has not grown")
     if (a.steps is None, -_length(a)) > (b.steps is None, -_length(b)):  # a is the one of unknown extent, or shorter
         on_b, on_a = _side_by_side(b, a)
     else:

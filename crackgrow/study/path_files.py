@@ -66,11 +66,11 @@ def read_paths(source: str | Path, columns: Sequence[str] | None = None) -> Path
     path = Path(source)
     if not path.is_dir():
         if not path.is_file():
-            raise CaseError([Fault(str(path), None, "", _missing(path))])
+            raise CaseError.at(path, _missing(path))
         return PathSet(str(source), _read_csv(path, columns), "", None)
     run = RunFolder(path)
     if not run.has("paths.csv"):
-        raise CaseError([Fault(str(path), None, "", _no_results(path))])
+        raise CaseError.at(path, _no_results(path))
     steps = run.found_summary.get("steps_done")
     status = f"{run.status}, {steps} steps" if run.status and steps is not None else ""
     return PathSet(str(source), _read_csv(path / "paths.csv", None), status, _settings(run))
@@ -94,7 +94,7 @@ def _settings(run: RunFolder) -> dict[str, str] | None:
     try:
         return read_settings(run.case_text)
     except (FolderError, RecursionError) as error:
-        raise CaseError([Fault(str(path), None, "", f"cannot be read: {_reason(error.__cause__ or error)}")]) from error
+        raise CaseError.at(path, f"cannot be read: {_reason(error.__cause__ or error)}") from error
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         problem = getattr(error, "problem", None) or "is no YAML"
@@ -109,7 +109,7 @@ def _read_csv(path: Path, columns: Sequence[str] | None) -> dict[str, PathLine]:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise CaseError([Fault(str(path), None, "", f"cannot be read: {_reason(error)}")]) from error
+        raise CaseError.at(path, f"cannot be read: {_reason(error)}") from error
     return _CsvReader(str(path), columns).read(text)
 
 

@@ -13,6 +13,7 @@ from typing import Final
 from crackgrow.case import Case, load_case
 from crackgrow.case.declared import keys_of
 from crackgrow.case.model import ContactNumerics, LoadHistory, Numerics, StrengthReduction
+from crackgrow.errors import CaseError
 
 UNWRITTEN: Final = ("output.frames=none", "output.figures=false", "output.report=false")
 HALVED: Final = "numerics.refine={tips: auto, kinks: auto, corners: auto}"
@@ -39,6 +40,13 @@ class Setting:
     name: str  # "spacing=1.5 support=2", or the preset
     overrides: tuple[str, ...]
     preset: str = ""
+
+
+def check_steps(case: Case, steps: int | None) -> None:
+    """Raise CaseError where a number of growth steps is asked for that the case can't grow."""
+    if steps is not None and (case.growth is None or steps < 0):
+        wanted = "wanted: 0 or more" if case.growth else "the case has no `growth`, so no steps"
+        raise CaseError.at("--steps", f"{steps} given; {wanted}")
 
 
 def under_its_loads(case: Case) -> Case:

@@ -38,7 +38,7 @@ from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set
 from crackgrow.contact.newton import solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
-from crackgrow.contact.solve import OVERLAP, ContactOutcome
+from crackgrow.contact.solve import OVERLAP, ContactOutcome, PointStates
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import NotSolvedError
 from crackgrow.run.checkpoint import beginning
@@ -141,15 +141,15 @@ def unique_text(case: Case) -> Iterator[str]:
 
 def _found(solution: StepSolution) -> str:
     """What is known of the solutions of a loaded configuration."""
-    contact, outcome = solution.contact, solution.outcome
-    why = why_not_examined(contact, outcome)
+    contact, points = solution.contact, solution.outcome.points
+    why = why_not_examined(contact, points)
     if why:
         return why
-    limit = proven_limit(contact, outcome)
+    limit = proven_limit(contact, points)
     if limit is None:
-        touching = "no faces touch: " if (outcome.state == OPEN).all() else ""
+        touching = "no faces touch: " if (points.state == OPEN).all() else ""
         return f"{touching}there is exactly one solution"
-    second = second_solution(contact, outcome)
+    second = second_solution(contact, solution.outcome)
     beyond = f"it is certain only where friction is below {limit:.2g}"
     if second is None:
         return f"no second solution was found, which is no proof that there is none: {beyond}"
@@ -158,46 +158,47 @@ def _found(solution: StepSolution) -> str:
     place = solution.cover.surfaces[solution.faces.surface[point]].name
     return (
         f"friction leaves more than one solution ({beyond}): in another one the point {place_text(there, 4)} of "
-        f"'{place}', which {WORDS[int(outcome.state[point])]}, {WORDS[int(second.states[0])]}, its faces moved by "
+        f"'{place}', which {WORDS[int(points.state[point])]}, {WORDS[int(second.states[0])]}, its faces moved by "
         f"{Metres(second.change[0]):.2g}; apply the loads in steps (loading.history), or lower the friction there"
     )
 
 
-def why_not_examined(contact: ContactSystem, outcome: ContactOutcome) -> str:
+def why_not_examined(contact: ContactSystem, points: PointStates) -> str:
     """Why nothing is to be examined, or nothing can be; empty otherwise.
 
     The bound takes supports that hold all of the rock, and a symmetric compliance, which dilation has not.
     """
-    if outcome.problem is None:
+    if points.problem is None:
         return "no faces touch: there is exactly one solution"
-    if outcome.problem.motions is not None:
+    if points.problem.motions is not None:
         return "not known: contact alone holds a piece of rock, which is not examined"
     if contact.law.dilation.any():
         return "not known: faces that dilate are not examined"
-    return "" if outcome.problem.friction.any() else "there is no friction: there is exactly one solution"
+    return "" if points.problem.friction.any() else "there is no friction: there is exactly one solution"
 
 
-def proven_limit(contact: ContactSystem, outcome: ContactOutcome) -> float | None:
+def proven_limit(contact: ContactSystem, points: PointStates) -> float | None:
     """The friction below which there is certainly one solution; None where all of it is below."""
-    problem = outcome.problem
+    problem = points.problem
     assert problem is not None
-    limit = friction_limit(problem.compliance, contact.weights[outcome.rows])
+    limit = friction_limit(problem.compliance, contact.weights[points.rows])
     return None if problem.friction.max() < limit else limit
 
 
 def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
     """A second solution, if there is one and some start leads to it; None below the limit at the cost of the bound."""
-    if why_not_examined(contact, outcome):
+    points = outcome.points
+    if why_not_examined(contact, points):
         return None
-    limit, problem, rows = proven_limit(contact, outcome), outcome.problem, outcome.rows
+    limit, problem, rows = proven_limit(contact, points), points.problem, points.rows
     if limit is None or problem is None:
         return None
-    known = np.concatenate([outcome.normal_traction[rows], outcome.tangential_traction[rows]])
+    known = np.concatenate([points.normal[rows], points.tangential[rows]])
     for p in other_solutions(problem, known):
         states = active_set(problem, p, problem.jump(p)).states()
         whole = contact.law.breakable[rows] & ~outcome.memory.broken[rows]
         breaks = bool((whole & (states != STICK)).any())  # then it is one of another law, with lost cohesion
-        if not breaks and not _closes_others(contact, outcome, p - known):
+        if not breaks and not _closes_others(contact, points, p - known):
             moved = problem.compliance @ (p - known)
             change = np.hypot(*moved.reshape(2, -1))
             order = np.argsort(-change, kind="stable")
@@ -205,9 +206,9 @@ def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSo
     return None
 
 
-def _closes_others(contact: ContactSystem, outcome: ContactOutcome, change: Floats) -> bool:
+def _closes_others(contact: ContactSystem, points: PointStates, change: Floats) -> bool:
     """Whether a change (2 k,) Pa of the tractions lets points overlap that the solver did not have to deal with."""
-    rows, n = outcome.rows, len(contact.weights)
-    gap = outcome.gap - outcome.dilation - contact.rock[:n, np.concatenate([rows, n + rows])] @ change
+    rows, n = points.rows, len(contact.weights)
+    gap = points.gap - contact.rock[:n, np.concatenate([rows, n + rows])] @ change
     gap[rows] = 0.0
     return bool(gap.min() < -OVERLAP * np.abs(gap).max())

@@ -96,7 +96,7 @@ def slip_and_pressure(spacing: float, n: int, friction: float) -> tuple[float, f
     s = solution.faces.s * solution.cover.lattice.spacing - closed.HALF_LENGTH
     away = np.abs(s) < closed.HALF_LENGTH - solution.cover.lattice.spacing
     pressure = np.interp(s[away], table["s_mm"] * 1e-3, table["normal_pressure_MPa"] * 1e6)
-    error = np.abs(-solution.outcome.normal_traction[away] / pressure - 1.0).max()
+    error = np.abs(-solution.outcome.points.normal[away] / pressure - 1.0).max()
     return K_II / closed.reference_K_II(friction) - 1.0, float(error)
 
 

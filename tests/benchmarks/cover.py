@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from crackgrow.case import load_case
+from crackgrow.case.surface import crack_name
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.run.scene import Scene, make_scene
@@ -31,7 +32,7 @@ def wings(scene: Scene) -> list[list[CrackGeometry]]:
         angles = np.deg2rad(TURNS[:n])
         wing = STEP * np.cumsum(np.stack([sign * np.cos(angles), np.sin(angles)], axis=1), axis=0)
         path = np.concatenate([(points[0] - wing)[::-1], points, points[-1] + wing])
-        found.append([CrackGeometry("flaw", scene.lattice.to_lattice(path), True, True)])
+        found.append([CrackGeometry(crack_name("flaw"), scene.lattice.to_lattice(path), True, True)])
     return found
 
 
@@ -41,7 +42,10 @@ def one_of_many(scene: Scene) -> list[list[CrackGeometry]]:
     along = paths[0][-1] - paths[0][-2]
     along *= 0.25 * STEP / scene.lattice.spacing / np.hypot(*along)
     first = [np.vstack([paths[0], *(paths[0][-1] + (k + 1) * along for k in range(n))]) for n in range(5)]
-    return [[CrackGeometry(str(k), path, True, True) for k, path in enumerate([grown, *paths[1:]])] for grown in first]
+    return [
+        [CrackGeometry(crack_name(str(k)), path, True, True) for k, path in enumerate([grown, *paths[1:]])]
+        for grown in first
+    ]
 
 
 def row(name: str, spacing: str, repeats: int) -> str:

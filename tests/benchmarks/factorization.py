@@ -140,7 +140,7 @@ def measure(name: str, case: Case, repetitions: int, by_superlu: bool) -> None:
     if by_superlu:
         rows.append(("SuperLU", first, NOTHING))
     for how, configuration, known in rows:
-        matrix, held = configuration.matrix, configuration.held.matrix
+        matrix, held = configuration.stiffness.matrix, configuration.held.matrix
         places, n_fronts, n_new = places_of_unknowns(configuration.cover), "", ""
         make = partial(ConstrainedSystem, matrix, held, places, known)
         if how == "SuperLU":

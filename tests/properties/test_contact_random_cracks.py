@@ -53,7 +53,7 @@ def solved(seed: int) -> tuple[StepSolution, Frame, float]:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_equilibrium_and_complementarity_hold(seed: int) -> None:
     solution, _, _ = solved(seed)
-    assert solution.residual < RESIDUAL
+    assert solution.outcome.residual < RESIDUAL
     assert solution.outcome.complementarity < COMPLEMENTARITY
     assert solution.outcome.penetration < 1e-9 * np.ptp(solution.outcome.u)
 
@@ -62,17 +62,17 @@ def test_equilibrium_and_complementarity_hold(seed: int) -> None:
 def test_every_contact_point_obeys_coulomb(seed: int) -> None:
     solution, _, friction = solved(seed)
     outcome = solution.outcome
-    p_n, p_t = outcome.normal_traction, outcome.tangential_traction
+    p_n, p_t = outcome.points.normal, outcome.points.tangential
     size, length = max(np.abs(p_n).max(), 1.0), np.ptp(outcome.u)
     assert p_n.max() <= 0.0
-    is_open, stick, slip = (outcome.state == state for state in (OPEN, STICK, SLIP))
+    is_open, stick, slip = (outcome.points.state == state for state in (OPEN, STICK, SLIP))
     assert np.abs(p_n[is_open]).max(initial=0.0) == 0.0
     assert np.abs(p_t[is_open]).max(initial=0.0) == 0.0
-    assert np.abs(outcome.gap[~is_open]).max(initial=0.0) < 1e-9 * length
-    assert np.abs(outcome.slip[stick]).max(initial=0.0) < 1e-9 * length
+    assert np.abs(outcome.points.opening[~is_open]).max(initial=0.0) < 1e-9 * length
+    assert np.abs(outcome.points.slip[stick]).max(initial=0.0) < 1e-9 * length
     assert np.max(np.abs(p_t) + friction * p_n) < 1e-9 * size
     np.testing.assert_allclose(np.abs(p_t[slip]), -friction * p_n[slip], atol=1e-9 * size)
-    assert np.min(p_t[slip] * outcome.slip[slip], initial=0.0) >= -1e-9 * size * length  # friction takes energy
+    assert np.min(p_t[slip] * outcome.points.slip[slip], initial=0.0) >= -1e-9 * size * length  # friction takes energy
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -96,5 +96,5 @@ def test_contact_weights_sum_to_the_length_of_the_crack(seed: int) -> None:
 
 
 def test_the_sample_has_open_sticking_and_slipping_cracks() -> None:
-    seen = set(np.concatenate([solved(seed)[0].outcome.state for seed in SEEDS]).tolist())
+    seen = set(np.concatenate([solved(seed)[0].outcome.points.state for seed in SEEDS]).tolist())
     assert seen == {OPEN, STICK, SLIP}

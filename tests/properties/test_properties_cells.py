@@ -32,7 +32,7 @@ def graded(build, support: float, levels: int):
 def test_rigid_motions_produce_no_forces_and_stiffness_is_symmetric(build, support: float, levels: int) -> None:
     sample = graded(build, support, levels)
     matrix = sample.stiffness()
-    motions = rigid_motions(sample.cover, np.arange(len(sample.cover.patch_nodes))).toarray()
+    motions = rigid_motions(sample.cover, np.arange(len(sample.cover.patches.nodes))).toarray()
     size = matrix.diagonal().max()
     assert np.abs(matrix @ motions).max() < 1e-12 * size
     rng = np.random.default_rng(levels)

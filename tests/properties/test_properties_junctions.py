@@ -27,7 +27,6 @@ from crackgrow.case.model import (
     Ring,
 )
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
-from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
 from crackgrow.cover.refinement import Focus, refined
@@ -35,7 +34,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
-from tests.solving import solve_step
+from tests.solving import face_vertices, solve_step
 
 SIZE = np.array([31.0, 55.0])  # mm, round the origin
 YOUNG, POISSON, LOAD = 1e10, 0.25, 1e8  # Pa
@@ -165,9 +164,9 @@ def test_uniform_compression_passes_through_stuck_cracks(name: str, support: flo
     exact = strain * (metres - 1e-3 * LOWER_EDGE)
     assert np.abs(found - exact).max() < 1e-6 * np.abs(exact).max()
     outcome, normal = solution.outcome, solution.faces.nodes.normal
-    np.testing.assert_allclose(outcome.normal_traction, -LOAD * normal[:, 1] ** 2, atol=1e-5 * LOAD)
-    np.testing.assert_allclose(outcome.tangential_traction, LOAD * normal[:, 0] * normal[:, 1], atol=1e-5 * LOAD)
-    assert solution.residual < 1e-7
+    np.testing.assert_allclose(outcome.points.normal, -LOAD * normal[:, 1] ** 2, atol=1e-5 * LOAD)
+    np.testing.assert_allclose(outcome.points.tangential, LOAD * normal[:, 0] * normal[:, 1], atol=1e-5 * LOAD)
+    assert solution.outcome.residual < 1e-7
 
 
 NODE = (-1.5, -1.5)
@@ -204,7 +203,7 @@ def stress_vectors(solution: StepSolution) -> np.ndarray:
     normal = solution.faces.nodes.normal
     outcome = solution.outcome
     tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
-    return outcome.normal_traction[:, None] * normal + outcome.tangential_traction[:, None] * tangent
+    return outcome.points.normal[:, None] * normal + outcome.points.tangential[:, None] * tangent
 
 
 def differences(solution: StepSolution, other: StepSolution, matrix: np.ndarray) -> float:
@@ -227,7 +226,7 @@ ORIENTATION = 1e-9
 )
 def test_mirrored_points_carry_the_same(paths: Paths, mirror: tuple[float, float], friction: float) -> None:
     _, solution = solved(paths, friction)
-    assert SLIP in solution.outcome.state
+    assert SLIP in solution.outcome.points.state
     assert differences(solution, solution, np.diag(mirror)) < ORIENTATION
     K = np.array([tip.K for tip in solution.tips])
     ends = solution.cover.lattice.to_metres(np.array([tip.point for tip in solution.cover.tips]))
@@ -249,12 +248,12 @@ def test_turned_scene_gives_turned_tractions(name: str, friction: float) -> None
 def test_slipping_branches_neither_overlap_nor_tear_the_rock(name: str) -> None:
     _, solution = solved(LAYOUTS[name], 0.0)
     cover, outcome = solution.cover, solution.outcome
-    size = np.abs(outcome.slip).max()
-    assert (outcome.state == SLIP).any()
-    assert STICK not in outcome.state
-    assert outcome.normal_traction.max() <= 0.0
-    assert outcome.gap[outcome.state != OPEN] == pytest.approx(0.0, abs=1e-9 * size)
-    assert outcome.gap.min() > -1e-9 * size
+    size = np.abs(outcome.points.slip).max()
+    assert (outcome.points.state == SLIP).any()
+    assert STICK not in outcome.points.state
+    assert outcome.points.normal.max() <= 0.0
+    assert outcome.points.opening[outcome.points.state != OPEN] == pytest.approx(0.0, abs=1e-9 * size)
+    assert outcome.points.opening.min() > -1e-9 * size
     edges, elements = cover.elements.edges, cover.elements
     inner = np.flatnonzero((edges.right >= 0) & ~elements.is_crack)
     for share in (0.1, 0.5, 0.9):

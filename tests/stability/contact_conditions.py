@@ -26,7 +26,7 @@ from crackgrow.contact.faces import FacePoints
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.run.configuration import Configuration, Equilibrium
+from crackgrow.run.configuration import Configuration
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.solid.linear_solver import displacement_size
 from crackgrow.solid.recovery import displacement_at
@@ -57,7 +57,6 @@ class Increment:
     level: LoadLevel
     memory: ContactMemory  # before it
     outcome: ContactOutcome
-    residual: float
 
 
 @contextmanager
@@ -68,9 +67,9 @@ def recorded() -> Iterator[list[Increment]]:
 
     def equilibrium(
         configuration: Configuration, level: LoadLevel, memory: ContactMemory, states: PointStates
-    ) -> Equilibrium:
+    ) -> ContactOutcome:
         state = solve(configuration, level, memory, states)
-        found.append(Increment(configuration, level, memory, state.outcome, state.residual))
+        found.append(Increment(configuration, level, memory, state))
         return state
 
     Configuration.equilibrium = equilibrium  # type: ignore[method-assign]
@@ -107,9 +106,9 @@ def _crowded(cover: Cover, points: FacePoints) -> NDArray[np.bool_]:
     crowded = np.zeros(len(places), dtype=bool)
     for index, surface in enumerate(cover.surfaces):
         mine = points.surface == index
-        corners = shapely.multipoints(surface.points)
+        corners = shapely.multipoints(surface.line.points)
         crowded[mine] |= shapely.dwithin(places[mine], corners, CROWDED)
-        crowded[~mine] |= shapely.dwithin(places[~mine], shapely.linestrings(surface.points), CROWDED)
+        crowded[~mine] |= shapely.dwithin(places[~mine], shapely.linestrings(surface.line.points), CROWDED)
     return crowded
 
 
@@ -126,7 +125,7 @@ def violations(increment: Increment) -> dict[str, float]:
     gap_there, slip_there, largest = jumps(configuration.cover, faces.points, outcome.u)
     total = faces.functions @ faces.lengths
     gap, slip = ((faces.functions @ (faces.lengths * jump)) / total for jump in (gap_there, slip_there))
-    p_n, p_t = outcome.normal_traction, outcome.tangential_traction
+    p_n, p_t = outcome.points.normal, outcome.points.tangential
     slid = slip - law.compliance * p_t
     opened = law.dilation * np.abs(slid)
     room = gap - opened - law.compliance * p_n
@@ -143,7 +142,7 @@ def violations(increment: Increment) -> dict[str, float]:
     length = max(length, pressure / stiffness)
     if length <= noise:
         return {}
-    tolerance = max(LENGTH_TOLERANCE, increment.residual, outcome.complementarity)
+    tolerance = max(LENGTH_TOLERANCE, increment.outcome.residual, outcome.complementarity)
     broken = memory.broken | (np.abs(change) > tolerance * length) | (room > tolerance * length)
     friction, cohesion = law.bound_of(broken)
     is_open = room > tolerance * length

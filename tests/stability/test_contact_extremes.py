@@ -72,7 +72,7 @@ def K_II(step: StepResult) -> float:
 
 
 def swing(found: StepSolution) -> float:
-    worst = worst_ripple(found.cover, found.faces, found.outcome.normal_traction, found.outcome.tangential_traction)
+    worst = worst_ripple(found.cover, found.faces, found.outcome.points.normal, found.outcome.points.tangential)
     assert worst is not None
     return worst.part
 
@@ -97,14 +97,14 @@ def test_mortar_tractions_are_smooth_at_every_stiffness(stiffness: str, friction
     spacing = "numerics.spacing=0.75"  # enough nodes for waves to show
     case = load_case(CASE, [*law(friction), *stiff(stiffness), *SETTINGS[:-1], spacing])
     found = solve_step(make_scene(case), (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),), 1.0)
-    p = found.outcome.normal_traction
+    p = found.outcome.points.normal
     assert len(p) >= 9
     assert swing(found) == 0.0
     middle = np.abs(found.faces.s - 0.5 * found.faces.s.max()) < 0.25 * found.faces.s.max()
     bends = np.diff(p[middle], 2)
     assert np.abs(bends).max() < 4.0 * 1e-3 * PRESSURE  # of values that are good to 0.1 %
     np.testing.assert_allclose(p[middle], -PRESSURE, rtol=0.015)  # 74.2 MPa: the flaw is not short for the plate
-    np.testing.assert_allclose(np.abs(found.outcome.tangential_traction), -friction * p, rtol=1e-9, atol=1.0)
+    np.testing.assert_allclose(np.abs(found.outcome.points.tangential), -friction * p, rtol=1e-9, atol=1.0)
 
 
 def test_stiff_mortar_contact_is_not_sent_to_gauss_points() -> None:
@@ -118,7 +118,7 @@ def test_stiff_mortar_contact_is_not_sent_to_gauss_points() -> None:
 
 def roughness(found: StepSolution) -> float:
     """Deviation of the pressure from a smooth curve (quartic) a spacing and more from the tips, over its mean."""
-    s, p = found.faces.s, found.outcome.normal_traction
+    s, p = found.faces.s, found.outcome.points.normal
     inside = (s > 1.0) & (s < s.max() - 1.0)
     x = s[inside] / s.max()
     smooth = np.polynomial.Polynomial.fit(x, p[inside], 4)(x)
@@ -226,7 +226,7 @@ def test_a_slipping_flaw_is_not() -> None:
 def test_a_stuck_flaw_of_elastic_contact_gives_way_by_its_stiffness_alone(stiffness: str) -> None:
     """Shear p/k over the flaw: below 0.1 % of the displacement field from 1e2 on."""
     found = solution(*law(2.0), *stiff(stiffness))
-    assert set(found.outcome.state.tolist()) == {STICK}
+    assert set(found.outcome.points.state.tolist()) == {STICK}
     assert distance_from_intact(found) < 1e-3 * 1e2 / float(stiffness)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
+from crackgrow.case.surface import crack_name
 from crackgrow.contact.coulomb import STICK
 from crackgrow.cover.cover import build_cover
 from crackgrow.cover.lattice import place_lattice
@@ -72,8 +73,8 @@ def test_faces_that_stick_do_not_open_by_dilation(tmp_path: Path, document: dict
         run(tmp_path, {**document, "numerics": numerics})
     (increment,) = increments
     outcome = increment.outcome
-    assert set(outcome.state.tolist()) == {STICK}
-    assert np.abs(outcome.dilation).max() < 1e-12 * np.ptp(outcome.u)
+    assert set(outcome.points.state.tolist()) == {STICK}
+    assert np.abs(outcome.points.dilation).max() < 1e-12 * np.ptp(outcome.u)
     assert max(violations(increment).values()) < 1e-9
 
 
@@ -101,7 +102,9 @@ def test_cracks_start_anywhere_on_a_slanting_side(support: float) -> None:
     body = BodyGeometry((lattice.to_lattice(corners),))
     for share in np.random.default_rng(4).uniform(0.15, 0.85, 40):
         start = (1.0 - share) * corners[0] + share * corners[1]
-        crack = CrackGeometry("flaw", lattice.to_lattice(np.array([start, corners.mean(axis=0)])), False, True)
+        crack = CrackGeometry(
+            crack_name("flaw"), lattice.to_lattice(np.array([start, corners.mean(axis=0)])), False, True
+        )
         cover = build_cover(lattice, [body], [crack])
         edges = cover.surfaces[0].edges
         assert edges.s[0, 0] == pytest.approx(0.0, abs=ON_LINE)
@@ -116,6 +119,6 @@ def test_short_cracks_start_on_sides_anywhere_in_a_tile(width: float, slope: flo
     corners = np.array([[0.0, 0.0], [width, 0.0], [width, 4.0], [0.0, 4.0]])
     body = BodyGeometry((lattice.to_lattice(corners),))
     path = np.array([[width, 1.9], [width - 1.5, 1.9 - 1.5 * slope]])
-    cover = build_cover(lattice, [body], [CrackGeometry("flaw", lattice.to_lattice(path), False, True)])
+    cover = build_cover(lattice, [body], [CrackGeometry(crack_name("flaw"), lattice.to_lattice(path), False, True)])
     assert len(cover.tips) == 1
     assert cover.surfaces[0].edges.s[-1, 1] == pytest.approx(np.hypot(1.5, 1.5 * slope), abs=ON_LINE)

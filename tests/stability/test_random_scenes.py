@@ -94,16 +94,16 @@ def check(folder: Path, seeds: range) -> Counter[str]:
         trial, violated = attempt(folder, seed), False
         for increment in trial.increments:
             assert np.isfinite(increment.outcome.u).all(), f"seed {seed}"
-            assert increment.residual <= WORST_RESIDUAL, f"seed {seed}"
+            assert increment.outcome.residual <= WORST_RESIDUAL, f"seed {seed}"
             worst = {name: value for name, value in violations(increment).items() if not value < VIOLATION}
-            told = increment.residual > RESIDUAL or any(JUMPS in note for note in increment.outcome.notes)
+            told = increment.outcome.residual > RESIDUAL or any(JUMPS in note for note in increment.outcome.notes)
             assert not worst or told, f"seed {seed}: {worst}"
             violated |= bool(worst)
         known = [words for words in REASONS if words in trial.reason]
         assert not trial.reason or not trial.read or known, f"seed {seed}: {trial.reason}"
         ends["violated"] += violated
         ends["long"] += trial.seconds > LONGEST
-        ends["ill conditioned"] += any(increment.residual > RESIDUAL for increment in trial.increments)
+        ends["ill conditioned"] += any(increment.outcome.residual > RESIDUAL for increment in trial.increments)
         ends["solved" if not trial.reason else known[0] if trial.read else "not read"] += 1
     return ends
 

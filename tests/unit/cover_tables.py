@@ -20,7 +20,7 @@ def patch_table(cover: Cover) -> np.ndarray:
 
 def function_table(cover: Cover) -> np.ndarray:
     """First of the four functions of every tip on every patch (tips, n_patches), -1 for none."""
-    table = np.full((len(cover.tips), len(cover.patch_nodes)), -1)
+    table = np.full((len(cover.tips), len(cover.patches.nodes)), -1)
     for row, tip in zip(table, cover.tips, strict=True):
         row[tip.patches] = tip.functions
     return table

@@ -25,7 +25,7 @@ from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
-from tests.solving import solve_step
+from tests.solving import last_factor, solve_step
 
 ROOT = Path(__file__).parents[2]
 CASES = ROOT / "cases"
@@ -67,7 +67,7 @@ class Solved:
         faces, outcome = self.solution.faces, self.solution.outcome
         mine = faces.points.surface == surface
         places = faces.points.s[mine] * self.scene.lattice.spacing
-        tractions = (outcome.normal_traction, outcome.tangential_traction)
+        tractions = (outcome.points.normal, outcome.points.tangential)
         normal, shear = (np.interp(s, places, (faces.functions.T @ p)[mine]) for p in tractions)
         return normal, shear
 
@@ -91,7 +91,7 @@ def solve_case(case: Case) -> Solved:
     """Solve a case before growth."""
     scene = make_scene(case)
     growing = before_growth(case)
-    solution = solve_step(scene, growing, case.last_factor)
+    solution = solve_step(scene, growing, last_factor(case))
     result = step_result(RunState(0, growing), solution, np.empty(0, dtype=np.int64), True)
     return Solved(case, scene, solution, result)
 

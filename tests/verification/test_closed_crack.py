@@ -78,8 +78,8 @@ def test_contact_tractions_along_the_crack(friction: float, spacing: float) -> N
     away = np.abs(s) < HALF_LENGTH - solution.cover.lattice.spacing  # more than a spacing from the tips
     assert away.sum() >= 3
     pressure = np.interp(s[away], table["s_mm"] * 1e-3, table["normal_pressure_MPa"] * 1e6)
-    np.testing.assert_allclose(-solution.outcome.normal_traction[away], pressure, rtol=2e-3)
-    shear = np.abs(solution.outcome.tangential_traction[away])
+    np.testing.assert_allclose(-solution.outcome.points.normal[away], pressure, rtol=2e-3)
+    shear = np.abs(solution.outcome.points.tangential[away])
     np.testing.assert_allclose(shear, friction * pressure, rtol=2e-3, atol=1.0)
 
 
@@ -98,9 +98,9 @@ def test_slip_along_the_crack_follows_the_reference() -> None:
 @pytest.mark.parametrize("spacing", [3.0, 1.5])
 def test_crack_with_more_friction_than_it_can_overcome_sticks(spacing: float) -> None:
     solution = closed_crack(0.6, spacing)  # above cot(60 degrees) = 0.577
-    assert set(solution.outcome.state.tolist()) == {STICK}
-    assert np.abs(solution.outcome.slip).max() < 1e-9
-    np.testing.assert_allclose(solution.outcome.normal_traction, -75e6, rtol=1e-4)  # exact: sin^2(60 degrees) 100 MPa
+    assert set(solution.outcome.points.state.tolist()) == {STICK}
+    assert np.abs(solution.outcome.points.slip).max() < 1e-9
+    np.testing.assert_allclose(solution.outcome.points.normal, -75e6, rtol=1e-4)  # exact: sin^2(60 degrees) 100 MPa
 
 
 def test_stuck_crack_leaves_the_field_of_the_intact_plate() -> None:
@@ -109,7 +109,7 @@ def test_stuck_crack_leaves_the_field_of_the_intact_plate() -> None:
         solution.cover, 0, np.linspace(0.05, 0.95, 31) * 2.0 * HALF_LENGTH / solution.cover.lattice.spacing
     )
     gap, slip = gap_and_slip(solution.cover, points, solution.outcome.u)
-    largest = np.abs(solution.outcome.u[: 2 * len(solution.cover.patch_nodes)]).max()
+    largest = np.abs(solution.outcome.u[: 2 * len(solution.cover.patches.nodes)]).max()
     assert max(np.abs(gap).max(), np.abs(slip).max()) < 1e-9 * largest
 
 
@@ -133,14 +133,14 @@ def test_elastic_contact_overlaps_by_pressure_over_stiffness() -> None:
     kappa = 100.0
     solution = solved(f"numerics.contact.stiffness={kappa}")
     k = kappa * 1e10 / 1.5e-3
-    np.testing.assert_allclose(solution.outcome.gap, solution.outcome.normal_traction / k, rtol=1e-9)
+    np.testing.assert_allclose(solution.outcome.points.opening, solution.outcome.points.normal / k, rtol=1e-9)
     assert abs(slip_at_middle(solution)) == pytest.approx(abs(slip_at_middle(solved())), rel=1e-2)
 
 
 def test_equilibrium_and_contact_conditions_hold_at_round_off() -> None:
     solution = closed_crack(0.3, 1.5)
-    assert solution.residual < 1e-11
+    assert solution.outcome.residual < 1e-11
     assert solution.outcome.complementarity < 1e-10
     assert solution.outcome.penetration < 1e-15  # m, rigid contact
-    assert solution.outcome.n_unknowns == 2 * solution.faces.n
-    assert closed_crack(0.0, 1.5).outcome.n_unknowns == solution.faces.n  # no friction, no friction rows
+    assert solution.outcome.points.n_unknowns == 2 * solution.faces.n
+    assert closed_crack(0.0, 1.5).outcome.points.n_unknowns == solution.faces.n  # no friction, no friction rows

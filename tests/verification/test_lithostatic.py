@@ -63,8 +63,8 @@ def test_a_joint_in_rock_at_rest_carries_what_the_rock_beside_it_does(tmp_path: 
     (n_x, n_y), stress = nodes.normal[mine].T, WEIGHT * (y - 20.0)
     normal, shear = stress * (0.25 * n_x**2 + n_y**2), stress * (0.25 - 1.0) * n_x * n_y
     size = np.abs(normal).max()
-    np.testing.assert_allclose(solution.outcome.normal_traction[mine], normal, rtol=0, atol=0.02 * size)
-    np.testing.assert_allclose(solution.outcome.tangential_traction[mine], shear, rtol=0, atol=0.02 * size)
+    np.testing.assert_allclose(solution.outcome.points.normal[mine], normal, rtol=0, atol=0.02 * size)
+    np.testing.assert_allclose(solution.outcome.points.tangential[mine], shear, rtol=0, atol=0.02 * size)
 
 
 CRACKED = """
@@ -136,10 +136,10 @@ def test_water_in_an_interface_takes_its_pressure_off_the_faces(tmp_path: Path, 
     """Effective stress: the faces carry 1e5 + 1e4 x less the pressure of the water."""
     solution = solve_case(case_of(tmp_path, WATER.replace("PAIR", pair))).solution
     weights = solution.contact.weights
-    assert weights @ solution.outcome.normal_traction == pytest.approx(-4 * 6e4, rel=1e-9)
+    assert weights @ solution.outcome.points.normal == pytest.approx(-4 * 6e4, rel=1e-9)
     x = solution.faces.nodes.points[:, 0] * solution.scene.lattice.spacing
     x = x - (weights @ x) / weights.sum()
-    assert weights @ (x * solution.outcome.normal_traction) == pytest.approx(0.0, abs=1e-6 * 4 * 6e4)
+    assert weights @ (x * solution.outcome.points.normal) == pytest.approx(0.0, abs=1e-6 * 4 * 6e4)
 
 
 def test_water_that_lifts_the_block_off_is_told(tmp_path: Path) -> None:

@@ -137,7 +137,7 @@ def test_half_released_is_half_way(tmp_path: Path) -> None:
 
 
 def slips(solution: StepSolution) -> np.ndarray:
-    return np.asarray(solution.outcome.slip)
+    return np.asarray(solution.outcome.points.slip)
 
 
 def test_stops_on_the_way_change_nothing_where_joints_slide(tmp_path: Path) -> None:
@@ -445,3 +445,33 @@ def test_a_target_holds_at_the_end_of_stages(tmp_path: Path) -> None:
     again = next(grow(case, steps[1].checkpoint))
     assert np.array_equal(K_of(again), K_of(steps[1]))
     assert again.factorizations == steps[1].factorizations
+
+
+BLOCKS = """
+title: two blocks apart, 2 m and 1 m wide, each on its own foundation
+plane: strain
+bodies:
+  one: {shape: {rectangle: {center: [0, 0.5], width: 2, height: 1}}, material: {young: 1e9, poisson: 0.2}}
+  two: {shape: {rectangle: {center: [4, 0.5], width: 1, height: 1}}, material: {young: 1e9, poisson: 0.2}}
+supports:
+  - {on: {body: one, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}
+  - {on: {body: two, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}
+loads:
+  - {on: {body: one, edge: top}, traction: [0, -1e6]}
+  - {on: {body: two, edge: top}, traction: [2e5, -1e6]}
+loading: {stages: [{name: all}, {name: one goes, excavate: one}]}
+numerics: {spacing: 0.5}
+output: {frames: none, figures: false}
+"""
+
+
+def test_the_foundation_of_a_block_that_stays_carries_it_by_its_own_name(tmp_path: Path) -> None:
+    path = tmp_path / "blocks.yaml"
+    path.write_text(BLOCKS, encoding="utf-8")
+    steps, _ = whole_run(load_case(path))
+    forces = [{reaction.where: reaction.force for reaction in step.reactions} for step in steps]
+    assert [list(each) for each in forces] == [["one.bottom", "two.bottom"]] * 2
+    np.testing.assert_allclose(forces[0]["one.bottom"], [0.0, 2e6], atol=1.0)
+    for each in forces:
+        np.testing.assert_allclose(each["two.bottom"], [-2e5, 1e6], atol=1.0)
+    assert forces[1]["one.bottom"] == (0.0, 0.0)

@@ -124,7 +124,7 @@ def _body(body: Body, view: View) -> Markup:
 def _interfaces(case: Case, view: View) -> Iterator[Markup]:
     for interface in case.interfaces:
         for line in interface.lines:
-            name = tag("title", f"interface {'/'.join(interface.bodies)}")
+            name = tag("title", f"interface {interface.surface}")
             yield tag("path", name, d=line_data(view.pixels(line)), class_="interface")
 
 

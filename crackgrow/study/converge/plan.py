@@ -11,7 +11,7 @@ from typing import Final
 from crackgrow.case import Case
 from crackgrow.case.accuracy import PRESETS
 from crackgrow.errors import CaseError, Fault
-from crackgrow.study.setting import UNWRITTEN, CaseFile, Setting, accuracy_overrides
+from crackgrow.study.setting import UNWRITTEN, CaseFile, Setting, accuracy_overrides, check_steps
 
 OWN: Final = "own"
 HALF: Final = "half increments"
@@ -57,10 +57,8 @@ def plan_convergence(
     """
     file = CaseFile(case, tuple(overrides))
     given = file.load()
+    check_steps(given, steps)
     if steps is not None:
-        if given.growth is None or steps < 0:
-            message = f"{steps} given; " + ("wanted: 0 or more" if given.growth else "the case has no `growth`")
-            raise CaseError([Fault("--steps", None, "", message)])
         file = CaseFile(case, (*overrides, f"growth.steps={steps}"))
         given = file.load()
     three = _three(file, settings)
@@ -69,7 +67,7 @@ def plan_convergence(
     own = next(same, Setting(OWN, UNWRITTEN))
     grows = given.growth is not None and given.growth.steps > 0
     if increments and not grows:
-        raise CaseError([Fault("--increments", None, "", "the case does not grow: it has no increments to halve")])
+        raise CaseError.at("--increments", "the case does not grow: it has no increments to halve")
     half = _halved(given, own) if grows and increments is not False else None
     return ConvergencePlan(file, given, three, own, half, increments, _tolerance(tolerance), folder)
 
@@ -78,7 +76,7 @@ def _three(file: CaseFile, names: Sequence[str]) -> tuple[Setting, ...]:
     """The three settings."""
     if len(names) != THREE or len(set(names)) != THREE:
         message = f"{', '.join(names)} given; wanted: three settings, the coarsest first, such as draft standard fine"
-        raise CaseError([Fault("--at", None, "", message)])
+        raise CaseError.at("--at", message)
     found = []
     for name in names:
         try:
@@ -91,7 +89,7 @@ def _three(file: CaseFile, names: Sequence[str]) -> tuple[Setting, ...]:
     targets = [file.load(*setting.overrides).numerics.target for setting in found]
     if any(a is not None and b is not None and a <= b for a, b in pairwise(targets)):
         message = f"{', '.join(names)} given; wanted: the largest error first"
-        raise CaseError([Fault("--at", None, "", message)])
+        raise CaseError.at("--at", message)
     return tuple(found)
 
 
@@ -112,5 +110,5 @@ def _tolerance(given: str | float) -> float:
         value = -1.0
     if not 0.0 < value < 1.0:
         message = f"'{text}' given; wanted: a part of the largest K such as 0.01 or '1 %'"
-        raise CaseError([Fault("--tolerance", None, "", message)])
+        raise CaseError.at("--tolerance", message)
     return value

@@ -20,6 +20,7 @@ from crackgrow.run.reactions import imbalance
 from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
+from crackgrow.solid.linear_solver import displacement_size
 from crackgrow.study.invariance.placed import Placement, placed, scaled
 from crackgrow.study.setting import under_its_loads
 
@@ -47,6 +48,7 @@ def _told(case: Case, solution: StepSolution, result: StepResult, by: Placement)
     """What a placed scene gives."""
     tips, contact, energy = result.tips, result.contact, result.energy
     flip = np.array([[1.0], [-1.0 if by.mirrors else 1.0]])  # of what goes along faces
+    given = solution.configuration.given(solution.state.factor)
     forces = np.array([reaction.force for reaction in result.reactions]).reshape(-1, 2)
     return Solved(
         case,
@@ -60,7 +62,7 @@ def _told(case: Case, solution: StepSolution, result: StepResult, by: Placement)
         energies=np.array([energy.work, energy.strain, energy.dissipated]) / (by.displacement * by.stress * by.size),
         forces=np.hypot(*forces.T) / (by.stress * by.size),
         load_displacement=result.load_displacement / by.displacement,
-        displacement_size=solution.displacement_size / by.displacement,
+        displacement_size=displacement_size(solution.loads, solution.outcome.u, given) / by.displacement,
         load_size=float(np.abs(solution.loads).sum() / (by.stress * by.size)),
     )
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from crackgrow.arrays import Floats
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.results.folder import RunFolder, TextTable
 from crackgrow.study.compare import compare_paths
@@ -32,7 +32,7 @@ def check_results(folder: Path) -> None:
     missing = [name for name in FILES if not run.has(name)]
     if missing:
         message = f"is no result folder of a run: it has no {', '.join(missing)}"
-        raise CaseError([Fault("--reference", None, str(folder), message)])
+        raise CaseError.at("--reference", message, str(folder))
 
 
 def errors_of(run: Path, reference: Path, *, grows: bool) -> dict[str, float]:

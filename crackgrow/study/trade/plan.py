@@ -20,7 +20,7 @@ from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import Metres
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.atomic import write_text
-from crackgrow.study.setting import UNWRITTEN, CaseFile, Setting, accuracy_overrides
+from crackgrow.study.setting import UNWRITTEN, CaseFile, Setting, accuracy_overrides, check_steps
 from crackgrow.study.trade.measures import check_results
 
 Axes = Mapping[str, tuple[str, ...]]
@@ -188,12 +188,12 @@ class Plan:
         """Raise CaseError where the folder holds another study, or none."""
         path = self.folder / PLAN_FILE
         if not path.is_file():
-            raise CaseError([Fault("--resume", None, "", f"{self.folder} holds no trade to go on with")])
+            raise CaseError.at("--resume", f"{self.folder} holds no trade to go on with")
         before, now = json.loads(path.read_text(encoding="utf-8")), self.identity()
         different = [key for key in now if before.get(key) != now[key]]
         if different:
             message = f"the trade in {self.folder} had another {' and '.join(different)}; leave out --resume"
-            raise CaseError([Fault("--resume", None, "", message)])
+            raise CaseError.at("--resume", message)
 
 
 def plan_trade(
@@ -214,10 +214,8 @@ def plan_trade(
 
     Raises CaseError with what is wrong.
     """
-    grows = file.load().growth is not None
-    if steps is not None and not (grows and steps >= 0):
-        message = f"{steps} given; " + ("wanted: 0 or more" if grows else "the case has no `growth`, so no steps")
-        raise CaseError([Fault("--steps", None, "", message)])
+    case = file.load()
+    check_steps(case, steps)
     chosen = chosen_axes(file, axes)
     settings = settings_of(chosen) if presets else settings_of(chosen, ())
     true: tuple[str, ...] | Path
@@ -229,4 +227,4 @@ def plan_trade(
     else:
         true = tuple(reference)
         file.load(*true)
-    return Plan(file, grows, tuple(settings), true, steps, folder)
+    return Plan(file, case.growth is not None, tuple(settings), true, steps, folder)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from crackgrow.case import Case
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 from crackgrow.results import tables
 from crackgrow.results.declarations import PHASES
 from crackgrow.results.folder import FINISHED, FolderError, RunFolder, table_of
@@ -69,7 +69,7 @@ def row_of(run: Run, errors: Mapping[str, float] | None = None) -> Row:
     values: dict[str, Any] = {
         "setting": setting.name,
         "preset": setting.preset,
-        **({} if case is None else _settings(case)),
+        **{axis: None if case is None else _value(case.resolved, key.split(".")) for axis, key in KEYS.items()},
         "status": cost.status,
         "reason": " ".join(cost.reason.split()),
         "repeats": run.repeats,
@@ -101,7 +101,7 @@ def read_rows(path: Path) -> list[Row]:
     except FolderError:
         table = None
     if table is None or tuple(table.columns) != COLUMNS:
-        raise CaseError([Fault(str(path), None, "", "has other columns than this version writes; leave out --resume")])
+        raise CaseError.at(path, "has other columns than this version writes; leave out --resume")
     return [Row(row) for row in table.rows()]
 
 
@@ -112,11 +112,6 @@ def trade_line(row: Row) -> str:
     names = ("K_error", "path_hausdorff", "pressure_error", "slip_error", *ENERGY)
     shown = " ".join(f"{name.removesuffix('_error')} {row.number(name):.2g}" for name in names if row.cells[name])
     return f"{row.name:48} {row.cells['n_dofs']:>7} dofs {row.number('cpu_seconds'):8.2f} s  {shown}".rstrip()
-
-
-def _settings(case: Case) -> dict[str, Any]:
-    """What the run had, whatever set it."""
-    return {axis: _value(case.resolved, key.split(".")) for axis, key in KEYS.items()}
 
 
 def _value(mapping: Any, key: Sequence[str]) -> Any:

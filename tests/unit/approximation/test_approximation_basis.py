@@ -59,10 +59,10 @@ def test_plain_functions_sum_to_one_and_reproduce_positions_everywhere(build, su
     """On both sides of the crack: constants and linear fields cross it, as if it were not there."""
     sample = kinked(build, support)
     points = element_points(sample.cover, 2)
-    n = len(sample.cover.patch_nodes)
+    n = len(sample.cover.patches.nodes)
     values = values_at(sample.cover, points.points, points.element).values()[:, :n]
     np.testing.assert_allclose(values.sum(axis=1), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(values @ sample.cover.patch_nodes, points.points, atol=1e-12)
+    np.testing.assert_allclose(values @ sample.cover.patches.nodes, points.points, atol=1e-12)
 
 
 @pytest.mark.parametrize("support", [1.5, 2.0])
@@ -74,7 +74,7 @@ def test_values_differ_on_the_faces_only_by_pieces_and_sines(build, support: flo
     plus, minus = (basis_at(sample.cover, middles, side) for side in (edges.plus, edges.minus))
     np.testing.assert_array_equal(plus.patches.start, minus.patches.start)
     np.testing.assert_allclose(plus.phi[0], minus.phi[0], atol=1e-14)
-    n_patches = len(sample.cover.patch_nodes)
+    n_patches = len(sample.cover.patches.nodes)
     first, second = (basis.values().toarray() for basis in (plus, minus))
     np.testing.assert_allclose((first - second)[:, :n_patches].sum(axis=1), 0.0, atol=1e-13)
     cut = plus.patches.row[plus.patches.values != minus.patches.values]
@@ -90,7 +90,7 @@ def test_faces_next_to_a_tip_share_the_patches_and_open_by_the_sines(build) -> N
         values_at(sample.cover, point[None], side[-1:]).values().toarray()[0] for side in (edges.plus, edges.minus)
     )
     singular, first = tip.patches, tip.functions
-    phi = plus[: len(sample.cover.patch_nodes)]
+    phi = plus[: len(sample.cover.patches.nodes)]
     jump = plus - minus
     r = 1e-3
     chi = (1 - (r / 2.5) ** 2) ** 2
@@ -110,7 +110,7 @@ def test_every_uncut_cell_has_the_same_functions(build, support: float) -> None:
     functions = sample.cover.functions_on(basis.elements).values.reshape(len(cells), -1)
     for row in (1, 2):
         np.testing.assert_allclose(rows[:, row], rows[:, 0], atol=1e-13)
-        moved = sample.cover.patch_nodes[functions[row]] - sample.cover.patch_nodes[functions[0]]
+        moved = sample.cover.patches.nodes[functions[row]] - sample.cover.patches.nodes[functions[0]]
         np.testing.assert_array_equal(moved, np.broadcast_to(cells[row] - cells[0], moved.shape))
 
 
@@ -167,7 +167,7 @@ def test_many_tips_leave_unity_and_derivatives_as_they_are(build) -> None:
     sample = build.field_of_cracks(4)
     points, elements = inner_points(sample, 24, 300)
     basis = basis_at(sample.cover, points, elements)
-    n_patches = len(sample.cover.patch_nodes)
+    n_patches = len(sample.cover.patches.nodes)
     np.testing.assert_allclose(basis.values()[:, :n_patches].sum(axis=1), 1.0, rtol=1e-12)
     step = 1e-6
     for axis in range(2):

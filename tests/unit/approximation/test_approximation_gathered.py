@@ -28,10 +28,10 @@ def test_functions_are_the_carriers_times_the_tip_functions(build, levels: int) 
     sample = sample_with(build, levels)
     cover = sample.cover
     points, elements = inner_points(sample, 30)
-    found, n_patches = values_at(cover, points, elements).values().toarray(), len(cover.patch_nodes)
+    found, n_patches = values_at(cover, points, elements).values().toarray(), len(cover.patches.nodes)
     phi = found[:, :n_patches]
     np.testing.assert_allclose(phi.sum(axis=1), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(phi @ cover.patch_nodes, points, atol=1e-12)
+    np.testing.assert_allclose(phi @ cover.patches.nodes, points, atol=1e-12)
     for tip in cover.tips:
         four = tip_values(tip, *tip_angle(tip, points, cover.elements.reference[elements]))
         for carrier in range(3):
@@ -64,7 +64,7 @@ def test_functions_jump_on_the_crack_and_nowhere_else(build, levels: int) -> Non
     edges, vertices = cover.elements.edges, cover.elements.vertices
     inside = (edges.left >= 0) & (edges.right >= 0)
     passable = cover.elements.passable
-    n_patches = len(cover.patch_nodes)
+    n_patches = len(cover.patches.nodes)
     for chosen, jumps in ((inside & passable, False), (inside & ~passable, True)):
         some = np.flatnonzero(chosen)
         middle = 0.5 * (vertices[edges.a[some]] + vertices[edges.b[some]])

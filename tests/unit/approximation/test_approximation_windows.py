@@ -33,7 +33,7 @@ def some_points(sample, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 def plain(cover: Cover, components: list) -> list[np.ndarray]:
     """The columns of the functions that are no tip functions."""
-    return [component[:, : len(cover.patch_nodes)] for component in components]
+    return [component[:, : len(cover.patches.nodes)] for component in components]
 
 
 @pytest.mark.parametrize("levels", range(7))
@@ -41,7 +41,7 @@ def plain(cover: Cover, components: list) -> list[np.ndarray]:
 def test_unity_and_linear_fields_through_changes_of_size(build, support: float, levels: int) -> None:
     sample = graded(build, support, levels if support > 1.25 else min(levels, 3))
     points, elements = some_points(sample, levels)
-    cover, nodes = sample.cover, sample.cover.patch_nodes
+    cover, nodes = sample.cover, sample.cover.patches.nodes
     assert cover.sizes[elements].min() == 0.5 ** (levels if support > 1.25 else min(levels, 3))
     basis = basis_at(cover, points, elements)
     values, along_x, along_y = plain(cover, [basis.values(), *basis.gradients()])

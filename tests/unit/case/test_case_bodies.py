@@ -19,6 +19,7 @@ from crackgrow.case.model import (
     InSituStress,
     PointSupport,
 )
+from crackgrow.case.surface import crack_name
 from tests.unit.case.scenes import EVERYTHING, blocks, changed, fault, faults, held, load, rectangle, with_body
 from tests.unit.case.test_case_load import reread, same
 
@@ -483,7 +484,7 @@ def test_loads(tmp_path: Path):
     assert isinstance(gravity, Gravity)
     assert (gravity.body, gravity.acceleration) == ("low", (1.0, -9.81))
     assert isinstance(pressure, FluidPressure)
-    assert (pressure.surface, pressure.pressure) == ("flaw", -2e6)
+    assert (pressure.surface, pressure.pressure) == (crack_name("flaw"), -2e6)
     assert isinstance(stress, InSituStress)
     assert (stress.body, stress.stress) == ("top", (-2e7, -1e10, 3e6))
 

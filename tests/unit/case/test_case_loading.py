@@ -45,7 +45,6 @@ def test_history(setting: str, factors: tuple[float, ...]):
     case = load_case(FILE, [setting])
     assert isinstance(case.loading, LoadHistory)
     assert case.loading.factors == factors
-    assert case.last_factor == factors[-1]
 
 
 def test_critical_load(tmp_path: Path):

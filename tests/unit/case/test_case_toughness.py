@@ -10,6 +10,7 @@ import pytest
 
 from crackgrow.case import Case, load_case
 from crackgrow.case.dump import dump_case
+from crackgrow.case.surface import crack_name
 from crackgrow.case.toughness import averaging_radius, length_of_average, shear_radius
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import CaseError, Fault
@@ -183,7 +184,9 @@ def test_cells_at_tips_resolve_the_radius_that_is_averaged_over(criterion: str, 
     small = ["numerics.spacing=auto", "growth.steps=1", f"growth.criterion={criterion}"]
     case = load_case(tough(tmp_path, "0.005 MPa sqrt(m)"), small)
     scene = make_scene(case)
-    focus = focus_of(scene, [CrackGeometry("flaw", scene.lattice.to_lattice(case.cracks[0].points), True, True)])
+    focus = focus_of(
+        scene, [CrackGeometry(crack_name("flaw"), scene.lattice.to_lattice(case.cracks[0].points), True, True)]
+    )
     finest = float(focus.size.min(initial=1.0)) * case.numerics.spacing
     assert (finest <= 2.0 * radius_of(case) * (1.0 + 1e-9)) == halved
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 import pytest
@@ -47,14 +48,14 @@ def solve(block: Block, **law: float) -> ContactOutcome:
 
 
 def assert_alike(one: ContactOutcome, other: ContactOutcome, tolerance: float = 1e-10) -> None:
-    np.testing.assert_array_equal(one.state, other.state)
+    np.testing.assert_array_equal(one.points.state, other.points.state)
     size = np.abs(other.u).max()
-    for name in ("u", "gap", "slip", "dilation"):
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=tolerance * size, err_msg=name)
-    names = ("normal_traction", "tangential_traction")
-    largest = max(np.abs(getattr(other, name)).max() for name in names)
+    for name in ("u", "points.opening", "points.slip", "points.dilation"):
+        np.testing.assert_allclose(*map(attrgetter(name), (one, other)), atol=tolerance * size, err_msg=name)
+    names = ("points.normal", "points.tangential")
+    largest = max(np.abs(attrgetter(name)(other)).max() for name in names)
     for name in names:
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=tolerance * largest, err_msg=name)
+        np.testing.assert_allclose(*map(attrgetter(name), (one, other)), atol=tolerance * largest, err_msg=name)
     np.testing.assert_allclose(one.multipliers, other.multipliers, atol=tolerance * np.abs(other.multipliers).max())
 
 
@@ -73,12 +74,12 @@ def test_both_ways_lead_to_the_same_state(build, loading: str, law: str) -> None
     """Without fronts the compliance comes from displacements per unit traction."""
     block = tilting(build) if loading == "tilting" else uniform(build, compression(2.0), 25.0)
     one, other = solve(by_fronts(block), **LAWS[law]), solve(block, **LAWS[law])
-    assert len(one.rows)
+    assert len(one.points.rows)
     assert_alike(one, other)
     size = np.abs(one.u).max()
     gap_of, slip_of = block.operators()
-    np.testing.assert_allclose(gap_of @ one.u, one.gap, atol=1e-12 * size)
-    np.testing.assert_allclose(slip_of @ one.u, one.slip, atol=1e-12 * size)
+    np.testing.assert_allclose(gap_of @ one.u, one.points.opening, atol=1e-12 * size)
+    np.testing.assert_allclose(slip_of @ one.u, one.points.slip, atol=1e-12 * size)
     assert one.penetration < 1e-14 * size
 
 
@@ -89,9 +90,9 @@ def test_unloaded_faces_keep_what_slip_has_locked_in(build) -> None:
     for one in (block, by_fronts(block)):
         contact = contact_of(one, cohesion=0.4, kept=True)
         slipped = solve_contact(contact, block.loads, block.given)
-        assert (slipped.state == SLIP).all()
+        assert (slipped.points.state == SLIP).all()
         found.append(solve_contact(contact, 0.0 * block.loads, 0.0 * block.given, slipped.memory))
-    assert np.abs(found[0].slip).max() > 1e-4
+    assert np.abs(found[0].points.slip).max() > 1e-4
     assert_alike(*found)
 
 
@@ -113,8 +114,8 @@ def test_what_was_asked_for_first_changes_no_bit(build) -> None:
     first, other = (contact_of(block, friction=0.4) for _ in range(2))
     solve_contact(other, -2.0 * block.loads, -0.5 * block.given)
     one, two = (solve_contact(contact, block.loads, block.given) for contact in (first, other))
-    for name in ("u", "multipliers", "normal_traction", "tangential_traction", "gap", "slip"):
-        np.testing.assert_array_equal(getattr(one, name), getattr(two, name), err_msg=name)
+    for name in ("u", "multipliers", *(f"points.{part}" for part in ("normal", "tangential", "opening", "slip"))):
+        np.testing.assert_array_equal(*map(attrgetter(name), (one, two)), err_msg=name)
 
 
 def test_all_points_cost_three_solves(build, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,7 +129,7 @@ def test_all_points_cost_three_solves(build, monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(ConstrainedSystem, "solve", counted)
     outcome = solve(by_fronts(uniform(build, compression(2.0), 25.0)), friction=0.2)
-    assert len(outcome.rows) > 5
+    assert len(outcome.points.rows) > 5
     assert solved == [1, 1, 1]
 
 
@@ -188,7 +189,9 @@ def test_jumps_that_corrections_cannot_mend_are_told(build, monkeypatch: pytest.
     assert "jumps of the faces are off by" in note
     assert "ill conditioned" in note
     gap_of, slip_of = block.operators()
-    off = max(np.abs(gap_of @ found.u - found.gap).max(), np.abs(slip_of @ found.u - found.slip).max())
-    size = max(np.abs(found.gap).max(), np.abs(found.slip).max())
+    off = max(
+        np.abs(gap_of @ found.u - found.points.opening).max(), np.abs(slip_of @ found.u - found.points.slip).max()
+    )
+    size = max(np.abs(found.points.opening).max(), np.abs(found.points.slip).max())
     assert off / size > 1e-8
     assert found.complementarity == pytest.approx(off / size, rel=0.5)

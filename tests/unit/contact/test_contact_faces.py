@@ -8,7 +8,6 @@ import pytest
 from crackgrow.contact.faces import (
     ContactFaces,
     FacePoints,
-    face_vertices,
     gauss_faces,
     points_at,
     stretch_ends,
@@ -16,6 +15,7 @@ from crackgrow.contact.faces import (
 from crackgrow.contact.mortar import mortar_faces
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.polyline import arc_lengths
+from tests.solving import face_vertices
 
 ROUND_OFF = 1e-8
 """In spacings: vertices lie on a grid of 1e-9 spacings, so that lengths are exact to a few of those."""

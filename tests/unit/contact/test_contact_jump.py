@@ -31,7 +31,7 @@ def above(sample) -> np.ndarray:
     cover = sample.cover
     path = cover.cracks[0].points
     element_above = cover.elements.reference[:, 1] > np.interp(cover.elements.reference[:, 0], *path.T)
-    side = np.full(len(cover.patch_nodes), -1)
+    side = np.full(len(cover.patches.nodes), -1)
     side[cover.patches.of_element.values] = element_above[cover.patches.of_element.row]
     assert side.min() == 0
     return side == 1
@@ -50,7 +50,7 @@ def unknowns(sample, displacement: np.ndarray) -> np.ndarray:
 
 
 def nodes(sample) -> np.ndarray:
-    return sample.lattice.to_metres(sample.cover.patch_nodes)
+    return sample.lattice.to_metres(sample.cover.patches.nodes)
 
 
 @pytest.mark.parametrize("tips", [(False, False), (True, True)])

@@ -10,6 +10,7 @@ so that it is closed with p_n = -P and its slip is the play operator of T, (T -+
 from __future__ import annotations
 
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 import pytest
@@ -77,15 +78,15 @@ def law_of(
 
 
 def same(one: ContactOutcome, other: ContactOutcome, tolerance: float = 1e-11) -> None:
-    for name in ("u", "normal_traction", "tangential_traction", "gap", "slip"):
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), atol=tolerance, err_msg=name)
-    np.testing.assert_array_equal(one.state, other.state)
+    for name in ("u", "points.normal", "points.tangential", "points.opening", "points.slip"):
+        np.testing.assert_allclose(*map(attrgetter(name), (one, other)), atol=tolerance, err_msg=name)
+    np.testing.assert_array_equal(one.points.state, other.points.state)
 
 
 def states(outcomes: list[ContactOutcome]) -> list[int]:
     """The state of each outcome, which is that of all points."""
-    assert all(len(set(outcome.state.tolist())) == 1 for outcome in outcomes)
-    return [int(outcome.state[0]) for outcome in outcomes]
+    assert all(len(set(outcome.points.state.tolist())) == 1 for outcome in outcomes)
+    return [int(outcome.points.state[0]) for outcome in outcomes]
 
 
 def test_residual_slip_stays_until_the_shear_has_changed_by_twice_the_limit(solver: str) -> None:
@@ -95,10 +96,10 @@ def test_residual_slip_stays_until_the_shear_has_changed_by_twice_the_limit(solv
     w = np.array([0.0, 0.7, 0.7, 0.7, 0.5, -0.2, -0.2, 0.0, 0.7])
     shear = np.array([0.49, 1.2, 0.9, 0.21, 0.0, -0.7, 0.29, 0.5, 1.2])
     for outcome, driving, applied in zip(outcomes, w, shear, strict=True):
-        np.testing.assert_allclose(outcome.slip, driving * PRESSURE / KT, atol=1e-13)
-        np.testing.assert_allclose(outcome.tangential_traction, (applied - driving) * PRESSURE, rtol=1e-10)
-        np.testing.assert_allclose(outcome.normal_traction, -PRESSURE, rtol=1e-12)
-        np.testing.assert_array_equal(outcome.memory.slip, outcome.slip)
+        np.testing.assert_allclose(outcome.points.slip, driving * PRESSURE / KT, atol=1e-13)
+        np.testing.assert_allclose(outcome.points.tangential, (applied - driving) * PRESSURE, rtol=1e-10)
+        np.testing.assert_allclose(outcome.points.normal, -PRESSURE, rtol=1e-12)
+        np.testing.assert_array_equal(outcome.memory.slip, outcome.points.slip)
 
 
 @pytest.mark.parametrize("stiffness", [np.inf, 25.0])
@@ -113,14 +114,14 @@ def test_one_increment_and_many_end_alike_where_nothing_reverses(
     (back,) = springs.follow(-1.0, last=once)
     *_, many_back = springs.follow(*np.linspace(1.7, -1.0, 21)[1:], last=many)
     same(many_back, back)
-    assert np.abs(back.slip).max() > 1e-2
+    assert np.abs(back.points.slip).max() > 1e-2
 
 
 def test_an_increment_without_change_changes_nothing(solver: str) -> None:
     springs = Springs(solver, coupling=3.0, cohesion=0.1, residual=RESIDUAL)
     one, again = springs.follow(1.3, 1.3)
     np.testing.assert_allclose(again.u, one.u, atol=1e-13)
-    np.testing.assert_allclose(again.tangential_traction, one.tangential_traction, atol=1e-12)
+    np.testing.assert_allclose(again.points.tangential, one.points.tangential, atol=1e-12)
 
 
 def test_cohesion_is_lost_by_slip_and_stays_lost(solver: str) -> None:
@@ -130,19 +131,19 @@ def test_cohesion_is_lost_by_slip_and_stays_lost(solver: str) -> None:
     assert not stuck.memory.broken.any()
     for outcome in (slipped, back, down):
         assert outcome.memory.broken.all()
-    np.testing.assert_allclose(slipped.tangential_traction, 0.5 * PRESSURE)  # it drops to the residual limit
-    np.testing.assert_allclose(slipped.slip, 0.45 * PRESSURE / KT)
-    np.testing.assert_allclose(back.slip, slipped.slip)
-    np.testing.assert_allclose(down.tangential_traction, -0.5 * PRESSURE)
-    np.testing.assert_allclose(down.slip, 0.4 * PRESSURE / KT)
+    np.testing.assert_allclose(slipped.points.tangential, 0.5 * PRESSURE)  # it drops to the residual limit
+    np.testing.assert_allclose(slipped.points.slip, 0.45 * PRESSURE / KT)
+    np.testing.assert_allclose(back.points.slip, slipped.points.slip)
+    np.testing.assert_allclose(down.points.tangential, -0.5 * PRESSURE)
+    np.testing.assert_allclose(down.points.slip, 0.4 * PRESSURE / KT)
 
 
 def test_cohesion_is_kept_where_the_law_says_so(solver: str) -> None:
     slipped, back, down = Springs(solver, cohesion=COHESION, kept=True).follow(1.0, -0.7, -0.9)
     assert states([slipped, back, down]) == [SLIP, STICK, SLIP]
-    np.testing.assert_allclose(slipped.tangential_traction, 0.9 * PRESSURE)
-    np.testing.assert_allclose(down.tangential_traction, -0.9 * PRESSURE)
-    np.testing.assert_allclose(back.slip, 0.1 * PRESSURE / KT)
+    np.testing.assert_allclose(slipped.points.tangential, 0.9 * PRESSURE)
+    np.testing.assert_allclose(down.points.tangential, -0.9 * PRESSURE)
+    np.testing.assert_allclose(back.points.slip, 0.1 * PRESSURE / KT)
 
 
 @pytest.mark.parametrize(("kept", "limit"), [(False, 0.5), (True, 0.9)])
@@ -152,21 +153,21 @@ def test_faces_that_have_opened_and_closed_again(solver: str, kept: bool, limit:
     (stuck,) = springs.follow(0.6)
     (opened,) = springs.follow(0.6, pressure=-0.1, last=stuck)
     assert states([stuck, opened]) == [STICK, OPEN]
-    assert not opened.tangential_traction.any()
+    assert not opened.points.tangential.any()
     assert opened.memory.broken.all()
-    np.testing.assert_allclose(opened.slip, 0.6 * PRESSURE / KT)
+    np.testing.assert_allclose(opened.points.slip, 0.6 * PRESSURE / KT)
     closed, sliding = springs.follow(0.7, 1.7, last=opened)
     assert states([closed, sliding]) == [STICK, SLIP]
-    np.testing.assert_allclose(closed.slip, opened.slip)
-    np.testing.assert_allclose(closed.tangential_traction, 0.1 * PRESSURE, rtol=1e-9)
-    np.testing.assert_allclose(sliding.tangential_traction, limit * PRESSURE)
+    np.testing.assert_allclose(closed.points.slip, opened.points.slip)
+    np.testing.assert_allclose(closed.points.tangential, 0.1 * PRESSURE, rtol=1e-9)
+    np.testing.assert_allclose(sliding.points.tangential, limit * PRESSURE)
 
 
 def test_residual_friction_holds_after_slip(solver: str) -> None:
     slipped, back, down = Springs(solver, residual=RESIDUAL).follow(0.6, 0.01, -0.4)
     assert states([slipped, back, down]) == [SLIP, STICK, SLIP]
-    np.testing.assert_allclose(slipped.tangential_traction, 0.3 * PRESSURE)
-    np.testing.assert_allclose(down.tangential_traction, -0.3 * PRESSURE)
+    np.testing.assert_allclose(slipped.points.tangential, 0.3 * PRESSURE)
+    np.testing.assert_allclose(down.points.tangential, -0.3 * PRESSURE)
     assert not Springs(solver, residual=RESIDUAL).follow(0.49)[0].memory.broken.any()
 
 
@@ -190,7 +191,7 @@ def test_one_point_that_breaks_can_take_its_neighbours_along(solver: str) -> Non
     )
     (outcome,) = springs.follow(0.85)
     assert outcome.memory.broken.all()
-    np.testing.assert_allclose(outcome.tangential_traction, 0.5 * PRESSURE)
+    np.testing.assert_allclose(outcome.points.tangential, 0.5 * PRESSURE)
 
 
 @pytest.mark.parametrize("stiffness", [np.inf, 25.0])
@@ -203,11 +204,11 @@ def test_slip_opens_by_dilation_and_the_confinement_answers(solver: str, stiffne
     for outcome, slip, sense in zip(outcomes, (s, s, -s), (1.0, 0.0, -1.0), strict=True):
         pressure = (PRESSURE + KN * d * s) / (1.0 + KN * e)
         np.testing.assert_allclose(outcome.memory.slip, slip, rtol=1e-9)
-        np.testing.assert_allclose(outcome.dilation, d * s, rtol=1e-9)
-        np.testing.assert_allclose(outcome.normal_traction, -pressure, rtol=1e-9)
-        np.testing.assert_allclose(outcome.gap, d * s - e * pressure, rtol=1e-9)
+        np.testing.assert_allclose(outcome.points.dilation, d * s, rtol=1e-9)
+        np.testing.assert_allclose(outcome.points.normal, -pressure, rtol=1e-9)
+        np.testing.assert_allclose(outcome.points.opening, d * s - e * pressure, rtol=1e-9)
         if sense:
-            np.testing.assert_allclose(outcome.tangential_traction, sense * FRICTION * pressure, rtol=1e-9)
+            np.testing.assert_allclose(outcome.points.tangential, sense * FRICTION * pressure, rtol=1e-9)
     assert states(outcomes) == [SLIP, STICK, SLIP]
     assert max(outcome.penetration for outcome in outcomes) < 1e-12
 
@@ -217,7 +218,7 @@ def test_no_dilation_is_a_dilation_of_zero(solver: str) -> None:
     without = Springs(solver, coupling=3.0).follow(1.5, 0.1)
     for one, other in zip(with_zero, without, strict=True):
         np.testing.assert_array_equal(one.u, other.u)
-        assert not one.dilation.any()
+        assert not one.points.dilation.any()
 
 
 def test_dilation_that_does_not_settle_is_an_error(solver: str) -> None:
@@ -239,9 +240,9 @@ def test_how_hard_others_are_pressed_does_not_open_a_point(solver: str, pressure
     system = ConstrainedSystem(csc_array(10.0 * np.eye(4)), csr_array((0, 4)))
     contact = ContactSystem(system, unknowns[:2], unknowns[2:], np.ones(2), law, solver)
     outcome = solve_contact(contact, np.array([-1.0, -pressure, 0.3, 0.0]), np.zeros(0))
-    assert outcome.state.tolist() == [STICK, STICK]
+    assert outcome.points.state.tolist() == [STICK, STICK]
     assert not outcome.memory.broken.any()
-    np.testing.assert_allclose(outcome.tangential_traction[0], 0.3, rtol=1e-9)
+    np.testing.assert_allclose(outcome.points.tangential[0], 0.3, rtol=1e-9)
 
 
 def test_dilation_that_presses_a_neighbour_keeps_it_from_breaking(solver: str) -> None:
@@ -260,8 +261,8 @@ def test_dilation_that_presses_a_neighbour_keeps_it_from_breaking(solver: str) -
     )
     outcome = solve_contact(contact, np.concatenate([-P, T]), np.zeros(0))
     s = (T[0] - mu * P[0]) / (1.0 + 2.0 * mu * d)
-    np.testing.assert_allclose(outcome.normal_traction, -P - d * s * np.array([2.0, 1.0]), rtol=1e-12)
-    np.testing.assert_allclose(outcome.slip, [s, 0.0], atol=1e-12)
+    np.testing.assert_allclose(outcome.points.normal, -P - d * s * np.array([2.0, 1.0]), rtol=1e-12)
+    np.testing.assert_allclose(outcome.points.slip, [s, 0.0], atol=1e-12)
     assert outcome.memory.broken.tolist() == [True, False]
     without = replace(contact, law=replace(law, dilation=np.zeros(2)))
     assert solve_contact(without, np.concatenate([-P, T]), np.zeros(0)).memory.broken.all()
@@ -272,9 +273,9 @@ def test_slip_that_turns_back_through_where_it_came_from(solver: str) -> None:
     springs = Springs(solver, coupling=3.0, dilation=0.2)
     (forth,) = springs.follow(1.7)
     (back,) = springs.follow(-1.7, last=forth)
-    np.testing.assert_allclose(back.slip, -forth.slip, rtol=1e-9)
-    np.testing.assert_allclose(back.normal_traction, forth.normal_traction, rtol=1e-9)
-    assert back.iterations < 30
+    np.testing.assert_allclose(back.points.slip, -forth.points.slip, rtol=1e-9)
+    np.testing.assert_allclose(back.points.normal, forth.points.normal, rtol=1e-9)
+    assert back.points.iterations < 30
 
 
 def test_elastic_contact_remembers_its_inelastic_slip_alone(solver: str) -> None:
@@ -287,10 +288,10 @@ def test_elastic_contact_remembers_its_inelastic_slip_alone(solver: str) -> None
     sliding, stuck = Springs(solver, stiffness=25.0).follow(1.5, 1.4)
     s = (1.5 * PRESSURE - limit * (1.0 + KT * e)) / KT
     np.testing.assert_allclose(sliding.memory.slip, s, rtol=1e-10)
-    np.testing.assert_allclose(sliding.slip, s + e * limit, rtol=1e-10)
+    np.testing.assert_allclose(sliding.points.slip, s + e * limit, rtol=1e-10)
     assert states([sliding, stuck]) == [SLIP, STICK]
     np.testing.assert_allclose(stuck.memory.slip, s, rtol=1e-10)
-    np.testing.assert_allclose(stuck.tangential_traction, (1.4 * PRESSURE - KT * s) / (1.0 + KT * e), rtol=1e-10)
+    np.testing.assert_allclose(stuck.points.tangential, (1.4 * PRESSURE - KT * s) / (1.0 + KT * e), rtol=1e-10)
 
 
 def test_solving_an_increment_leaves_the_memory_as_it_was(solver: str) -> None:
@@ -321,9 +322,9 @@ def test_a_cut_remembers_where_it_has_slid_to(build, solver: str, angle: float) 
         contact = ContactSystem(block.system, *block.operators(), block.faces.weights, law, solver)
         outcome = solve_contact(contact, block.loads, block.given, memory)
         memory = outcome.memory
-        assert set(outcome.state.tolist()) == {state}
-        np.testing.assert_allclose(outcome.slip, slip, rtol=1e-5)
-        np.testing.assert_allclose(outcome.tangential_traction, shear, rtol=1e-5)  # patch test, memory included
+        assert set(outcome.points.state.tolist()) == {state}
+        np.testing.assert_allclose(outcome.points.slip, slip, rtol=1e-5)
+        np.testing.assert_allclose(outcome.points.tangential, shear, rtol=1e-5)  # patch test, memory included
 
 
 @pytest.mark.parametrize("kept", [False, True])
@@ -337,10 +338,10 @@ def test_open_points_carry_no_shear_whatever_their_cohesion(solver: str, kept: b
     contact = ContactSystem(system, unknowns[:2], unknowns[2:4], np.ones(2), law, solver)
     free = np.array([-1.0, -0.1, 0.3, 0.3])  # both overlap; the first alone lifts the second by 0.8
     outcome = solve_contact(contact, K @ np.append(free, 0.0), np.zeros(1))
-    assert outcome.state.tolist() == [STICK, OPEN]
-    np.testing.assert_allclose(outcome.gap, [0.0, 0.7], atol=1e-12)
-    np.testing.assert_allclose(outcome.tangential_traction, [0.3, 0.0], atol=1e-12)
-    np.testing.assert_allclose(outcome.slip, [0.0, 0.3], atol=1e-12)
+    assert outcome.points.state.tolist() == [STICK, OPEN]
+    np.testing.assert_allclose(outcome.points.opening, [0.0, 0.7], atol=1e-12)
+    np.testing.assert_allclose(outcome.points.tangential, [0.3, 0.0], atol=1e-12)
+    np.testing.assert_allclose(outcome.points.slip, [0.0, 0.3], atol=1e-12)
 
 
 def test_only_closed_points_begin_an_increment_bonded(solver: str) -> None:
@@ -363,23 +364,23 @@ def test_only_closed_points_begin_an_increment_bonded(solver: str) -> None:
         memory = outcomes[-1].memory
     stuck, slipped, back, opened, still_open = outcomes
     assert states(outcomes) == [STICK, SLIP, STICK, OPEN, OPEN]
-    np.testing.assert_allclose([*stuck.normal_traction, *stuck.tangential_traction], [-0.1, 0.35], rtol=1e-12)
-    np.testing.assert_allclose([*slipped.normal_traction, *slipped.slip], [-1.0 / 15.0, 0.05], rtol=1e-12)
-    np.testing.assert_allclose([*back.tangential_traction, *back.slip], [0.75 - 11.0 / 30.0, 0.05], rtol=1e-12)
-    np.testing.assert_allclose(opened.gap, 1.0, rtol=1e-12)
-    np.testing.assert_allclose(still_open.gap, 0.15, rtol=1e-12)
-    assert not still_open.tangential_traction.any()
+    np.testing.assert_allclose([*stuck.points.normal, *stuck.points.tangential], [-0.1, 0.35], rtol=1e-12)
+    np.testing.assert_allclose([*slipped.points.normal, *slipped.points.slip], [-1.0 / 15.0, 0.05], rtol=1e-12)
+    np.testing.assert_allclose([*back.points.tangential, *back.points.slip], [0.75 - 11.0 / 30.0, 0.05], rtol=1e-12)
+    np.testing.assert_allclose(opened.points.opening, 1.0, rtol=1e-12)
+    np.testing.assert_allclose(still_open.points.opening, 0.15, rtol=1e-12)
+    assert not still_open.points.tangential.any()
 
 
 def test_faces_that_touch_without_pressure_cohere(solver: str) -> None:
     """|p_t| <= c - mu p_n at p_n = 0: they stick up to the cohesion, slip beyond it and lose it."""
     stuck, slipped = Springs(solver, cohesion=COHESION).follow(0.39, 0.41, pressure=0.0)
     assert states([stuck, slipped]) == [STICK, OPEN]
-    np.testing.assert_allclose(stuck.tangential_traction, 0.39 * PRESSURE, rtol=1e-12)
+    np.testing.assert_allclose(stuck.points.tangential, 0.39 * PRESSURE, rtol=1e-12)
     assert not stuck.memory.broken.any()
     assert slipped.memory.broken.all()
-    np.testing.assert_allclose(slipped.slip, 0.41 * PRESSURE / KT, rtol=1e-12)
+    np.testing.assert_allclose(slipped.points.slip, 0.41 * PRESSURE / KT, rtol=1e-12)
     (kept,) = Springs(solver, cohesion=COHESION, kept=True).follow(0.41, pressure=0.0)
     assert states([kept]) == [SLIP]
-    np.testing.assert_allclose(kept.tangential_traction, COHESION * PRESSURE, rtol=1e-12)
-    np.testing.assert_allclose(kept.slip, 0.01 * PRESSURE / KT, rtol=1e-9)
+    np.testing.assert_allclose(kept.points.tangential, COHESION * PRESSURE, rtol=1e-12)
+    np.testing.assert_allclose(kept.points.slip, 0.01 * PRESSURE / KT, rtol=1e-9)

@@ -42,7 +42,7 @@ def with_smaller_cells(cover: Cover, line: float, side: float = 0.5) -> Cover:
 
 
 def rings(cover: Cover) -> list[np.ndarray]:
-    start, element = cover.elements.ring_start, cover.elements.ring_element
+    start, element = cover.elements.rings.start, cover.elements.rings.face
     return [start[element == number] for number in range(cover.elements.n)]
 
 

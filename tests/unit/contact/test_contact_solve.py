@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -136,11 +137,11 @@ def compression(sigma: float) -> np.ndarray:
 def test_a_cut_sticks_where_friction_exceeds_its_slope(build, angle: float, excess: float) -> None:
     sigma, a = 2.0, np.deg2rad(angle)
     outcome = uniform(build, compression(sigma), angle).solve(friction=excess * np.tan(abs(a)))
-    assert outcome.status == "solved"
-    assert set(outcome.state.tolist()) == {STICK}
-    np.testing.assert_allclose(outcome.normal_traction, -sigma * np.cos(a) ** 2, rtol=PATCH_TEST)
-    np.testing.assert_allclose(outcome.tangential_traction, -sigma * np.sin(a) * np.cos(a), rtol=PATCH_TEST)
-    assert np.abs(outcome.slip).max() < 1e-12  # displacements are about 0.02
+    assert outcome.points.status == "solved"
+    assert set(outcome.points.state.tolist()) == {STICK}
+    np.testing.assert_allclose(outcome.points.normal, -sigma * np.cos(a) ** 2, rtol=PATCH_TEST)
+    np.testing.assert_allclose(outcome.points.tangential, -sigma * np.sin(a) * np.cos(a), rtol=PATCH_TEST)
+    assert np.abs(outcome.points.slip).max() < 1e-12  # displacements are about 0.02
     assert outcome.complementarity < 1e-12
 
 
@@ -149,12 +150,12 @@ def test_a_cut_sticks_where_friction_exceeds_its_slope(build, angle: float, exce
 def test_a_cut_slides_down_where_friction_is_less_than_its_slope(build, angle: float, shortage: float) -> None:
     friction = shortage * np.tan(np.deg2rad(abs(angle)))
     outcome = uniform(build, compression(2.0), angle).solve(friction=friction)
-    sliding = outcome.state == SLIP
-    assert sliding.sum() > outcome.state.size // 2
-    assert np.sign(outcome.slip[sliding]).tolist() == [-np.sign(angle)] * int(sliding.sum())  # downhill
-    expected = friction * outcome.normal_traction[sliding] * np.sign(angle)
-    np.testing.assert_allclose(outcome.tangential_traction[sliding], expected, rtol=1e-10)
-    assert outcome.normal_traction.max() <= 0.0
+    sliding = outcome.points.state == SLIP
+    assert sliding.sum() > outcome.points.state.size // 2
+    assert np.sign(outcome.points.slip[sliding]).tolist() == [-np.sign(angle)] * int(sliding.sum())  # downhill
+    expected = friction * outcome.points.normal[sliding] * np.sign(angle)
+    np.testing.assert_allclose(outcome.points.tangential[sliding], expected, rtol=1e-10)
+    assert outcome.points.normal.max() <= 0.0
     assert outcome.complementarity < 1e-12
 
 
@@ -170,11 +171,11 @@ def test_a_sliding_cut_carries_its_limit_and_slips_as_imposed(
     turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
     stress = turn @ np.array([[-0.5, sense * limit], [sense * limit, -p]]) @ turn.T
     outcome = uniform(build, stress, angle, slip=sense * 0.01).solve(friction, cohesion)
-    assert set(outcome.state.tolist()) == {SLIP}
-    np.testing.assert_allclose(outcome.normal_traction, -p, rtol=PATCH_TEST)
-    np.testing.assert_allclose(outcome.tangential_traction, sense * limit, rtol=PATCH_TEST, atol=1e-12)
-    np.testing.assert_allclose(outcome.slip, sense * 0.01, rtol=1e-5)
-    assert np.abs(outcome.gap).max() < 1e-12
+    assert set(outcome.points.state.tolist()) == {SLIP}
+    np.testing.assert_allclose(outcome.points.normal, -p, rtol=PATCH_TEST)
+    np.testing.assert_allclose(outcome.points.tangential, sense * limit, rtol=PATCH_TEST, atol=1e-12)
+    np.testing.assert_allclose(outcome.points.slip, sense * 0.01, rtol=1e-5)
+    assert np.abs(outcome.points.opening).max() < 1e-12
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -185,8 +186,8 @@ def test_cohesion_holds_the_cut_up_to_its_limit(build, friction: float) -> None:
     for share in (-0.99, 0.0, 0.5, 0.99, 1.05):
         stress = np.array([[0.0, share * limit], [share * limit, -p]])
         outcome = uniform(build, stress, 0.0).solve(friction, cohesion)
-        states.append(set(outcome.state.tolist()))
-        assert np.abs(outcome.tangential_traction).max() <= (cohesion - friction * outcome.normal_traction.min())
+        states.append(set(outcome.points.state.tolist()))
+        assert np.abs(outcome.points.tangential).max() <= (cohesion - friction * outcome.points.normal.min())
     assert states[:4] == [{STICK}] * 4
     assert SLIP in states[4]
 
@@ -196,27 +197,27 @@ def test_the_shear_of_a_stuck_cut_is_that_of_the_whole_block(build, share: float
     stress = np.array([[0.3, share * cohesion], [share * cohesion, -2.0]])
     outcome = uniform(build, stress, 0.0).solve(0.0, cohesion)
     p_n, p_t = on_cut(stress, 0.0)
-    np.testing.assert_allclose(outcome.normal_traction, p_n, rtol=PATCH_TEST)
-    np.testing.assert_allclose(outcome.tangential_traction, p_t, rtol=PATCH_TEST)
+    np.testing.assert_allclose(outcome.points.normal, p_n, rtol=PATCH_TEST)
+    np.testing.assert_allclose(outcome.points.tangential, p_t, rtol=PATCH_TEST)
 
 
 def test_a_cut_pulled_open_has_nothing_to_solve(build) -> None:
     outcome = pressed(build, -0.02).solve(friction=0.5)
-    assert outcome.status == "none"
-    assert outcome.n_unknowns == outcome.iterations == 0
-    assert set(outcome.state.tolist()) == {OPEN}
-    assert not outcome.normal_traction.any()
-    assert not outcome.tangential_traction.any()
-    np.testing.assert_allclose(outcome.gap, 0.02, rtol=1e-9)
+    assert outcome.points.status == "none"
+    assert outcome.points.n_unknowns == outcome.points.iterations == 0
+    assert set(outcome.points.state.tolist()) == {OPEN}
+    assert not outcome.points.normal.any()
+    assert not outcome.points.tangential.any()
+    np.testing.assert_allclose(outcome.points.opening, 0.02, rtol=1e-9)
     assert outcome.penetration == 0.0
 
 
 def test_faces_without_contact_pass_through_each_other(build) -> None:
     block = pressed(build, 0.02, touching=())
     outcome = block.solve()
-    assert outcome.status == "none"
-    assert outcome.n_unknowns == 0
-    assert outcome.gap.shape == outcome.state.shape == (0,)
+    assert outcome.points.status == "none"
+    assert outcome.points.n_unknowns == 0
+    assert outcome.points.opening.shape == outcome.points.state.shape == (0,)
     points = mortar_faces(block.sample.cover, [0], 1.0).points
     np.testing.assert_allclose(gap_and_slip(block.sample.cover, points, outcome.u)[0], -0.02, rtol=1e-9)
 
@@ -227,10 +228,10 @@ def test_a_bar_and_its_contact_shorten_in_series(build, stiffness: float) -> Non
     shortening = 0.03
     outcome = pressed(build, shortening).solve(stiffness=stiffness)
     sigma = shortening / (HEIGHT / YOUNG_PRIME + 1.0 / stiffness)
-    np.testing.assert_allclose(outcome.normal_traction, -sigma, rtol=PATCH_TEST)
-    np.testing.assert_allclose(outcome.gap, -sigma / stiffness, rtol=PATCH_TEST, atol=1e-12)
+    np.testing.assert_allclose(outcome.points.normal, -sigma, rtol=PATCH_TEST)
+    np.testing.assert_allclose(outcome.points.opening, -sigma / stiffness, rtol=PATCH_TEST, atol=1e-12)
     assert outcome.penetration < 1e-12  # what the stiffness explains is no penetration
-    assert outcome.n_unknowns == outcome.state.size  # without friction one unknown a point
+    assert outcome.points.n_unknowns == outcome.points.state.size  # without friction one unknown a point
 
 
 def test_equilibrium_with_supports_and_contact_tractions(build) -> None:
@@ -238,7 +239,7 @@ def test_equilibrium_with_supports_and_contact_tractions(build) -> None:
     outcome = block.solve(friction=0.2)
     gap_of, slip_of = contact_operators(block.sample.cover, block.faces)
     w = block.faces.weights
-    contact = gap_of.T @ (w * outcome.normal_traction) + slip_of.T @ (w * outcome.tangential_traction)
+    contact = gap_of.T @ (w * outcome.points.normal) + slip_of.T @ (w * outcome.points.tangential)
     support = block.system.constraints.T @ outcome.multipliers
     left = block.system.stiffness @ outcome.u + support + contact - block.loads
     assert np.abs(left).max() < 1e-11 * np.abs(block.loads).max()
@@ -269,10 +270,10 @@ def test_open_faces_cost_no_solve(build, monkeypatch: pytest.MonkeyPatch) -> Non
     for block, friction in ((pressed(build, -0.02), 0.4), (pressed(build, 0.02), 0.0), (tilting(build), 0.4)):
         solved.clear()
         outcome = block.solve(friction)
-        n_tractions = (2 if friction > 0.0 else 1) * outcome.state.size
-        assert solved == ([1] if outcome.status == "none" else [1, n_tractions])
-        assert set(np.flatnonzero(outcome.state != OPEN)) <= set(outcome.rows)
-        assert outcome.iterations <= 2
+        n_tractions = (2 if friction > 0.0 else 1) * outcome.points.state.size
+        assert solved == ([1] if outcome.points.status == "none" else [1, n_tractions])
+        assert set(np.flatnonzero(outcome.points.state != OPEN)) <= set(outcome.points.rows)
+        assert outcome.points.iterations <= 2
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4])
@@ -280,15 +281,15 @@ def test_open_faces_cost_no_solve(build, monkeypatch: pytest.MonkeyPatch) -> Non
 def test_points_that_stay_open_are_left_out(build, solver: str, friction: float) -> None:
     outcome = tilting(build).solve(friction, solver=solver)
     per_point = 1 if friction == 0.0 else 2
-    assert 0 < outcome.n_unknowns < per_point * outcome.state.size
-    is_open = outcome.state == OPEN
+    assert 0 < outcome.points.n_unknowns < per_point * outcome.points.state.size
+    is_open = outcome.points.state == OPEN
     assert is_open[0]
     assert not is_open[-1]
-    assert outcome.gap[is_open].min() > 0.0
-    assert not outcome.normal_traction[is_open].any()
-    assert not outcome.tangential_traction[is_open].any()
-    assert outcome.normal_traction[~is_open].max() < 0.0
-    assert np.abs(outcome.gap[~is_open]).max() < 1e-12
+    assert outcome.points.opening[is_open].min() > 0.0
+    assert not outcome.points.normal[is_open].any()
+    assert not outcome.points.tangential[is_open].any()
+    assert outcome.points.normal[~is_open].max() < 0.0
+    assert np.abs(outcome.points.opening[~is_open]).max() < 1e-12
     assert outcome.penetration < 1e-12
     assert outcome.complementarity < 1e-10
 
@@ -297,7 +298,7 @@ def test_newton_and_lemke_agree(build) -> None:
     block = tilting(build)
     newton, lemke = (block.solve(0.4, 0.1, solver=solver) for solver in ("newton", "lemke"))
     np.testing.assert_allclose(lemke.u, newton.u, atol=1e-9 * np.abs(newton.u).max())
-    np.testing.assert_array_equal(lemke.state, newton.state)
+    np.testing.assert_array_equal(lemke.points.state, newton.points.state)
 
 
 @pytest.mark.parametrize("solver", ["newton", "lemke"])
@@ -312,12 +313,12 @@ def test_a_point_that_the_contact_of_another_closes_is_taken_in(solver: str) -> 
     gap_of, slip_of = csr_array(np.eye(3)[:2]), csr_array((2, 3))
     law = contact_law(np.zeros(2), np.zeros(2), np.zeros(2))
     outcome = solve_contact(ContactSystem(system, gap_of, slip_of, np.ones(2), law, solver), loads, np.zeros(1))
-    assert outcome.n_unknowns == 2
-    np.testing.assert_allclose(outcome.normal_traction, K[:2, :2] @ free, rtol=1e-14)  # both gaps closed
-    np.testing.assert_allclose(outcome.gap, 0.0, atol=1e-15)
+    assert outcome.points.n_unknowns == 2
+    np.testing.assert_allclose(outcome.points.normal, K[:2, :2] @ free, rtol=1e-14)  # both gaps closed
+    np.testing.assert_allclose(outcome.points.opening, 0.0, atol=1e-15)
     alone = ContactSystem(system, gap_of[:1], slip_of[:1], np.ones(1), _one(), solver)
     apart = solve_contact(alone, 1e-3 * loads, np.array([0.0]))
-    assert apart.normal_traction == pytest.approx([-5e-4])  # the first one alone: half of its overlap
+    assert apart.points.normal == pytest.approx([-5e-4])  # the first one alone: half of its overlap
 
 
 def _one() -> ContactLaw:
@@ -329,8 +330,8 @@ def test_scaling_loads_and_displacements_scales_the_answer(build) -> None:
     block = tilting(build)
     one, three = block.solve(0.4), block.solve(0.4, factor=3.0)
     np.testing.assert_allclose(three.u, 3.0 * one.u, atol=1e-11)
-    np.testing.assert_allclose(three.normal_traction, 3.0 * one.normal_traction, atol=1e-9)
-    np.testing.assert_array_equal(three.state, one.state)
+    np.testing.assert_allclose(three.points.normal, 3.0 * one.points.normal, atol=1e-9)
+    np.testing.assert_array_equal(three.points.state, one.points.state)
 
 
 def test_solving_leaves_no_trace(build) -> None:
@@ -341,8 +342,12 @@ def test_solving_leaves_no_trace(build) -> None:
     other = block.solve(friction=0.6, cohesion=0.1, factor=-0.5)
     again = block.solve(friction=0.2)
     assert not np.array_equal(other.u, first.u)
-    for name in ("u", "multipliers", "normal_traction", "tangential_traction", "gap", "slip", "state"):
-        np.testing.assert_array_equal(getattr(again, name), getattr(first, name))
+    for name in (
+        "u",
+        "multipliers",
+        *(f"points.{part}" for part in ("normal", "tangential", "opening", "slip", "state")),
+    ):
+        np.testing.assert_array_equal(*map(attrgetter(name), (again, first)))
     np.testing.assert_array_equal(block.system.stiffness.tocsc().data, before.data)
     np.testing.assert_array_equal(block.system.stiffness.tocsc().indices, before.indices)
 
@@ -388,4 +393,4 @@ def test_the_other_solver_steps_in_and_says_so(build, monkeypatch, solver: str, 
     outcome = pressed(build, 0.02).solve(solver=solver)
     assert expected.notes == ()
     assert [f"by {other} after {solver}: status 'limit'" in note for note in outcome.notes] == [True]
-    np.testing.assert_allclose(outcome.normal_traction, expected.normal_traction, rtol=1e-9)
+    np.testing.assert_allclose(outcome.points.normal, expected.points.normal, rtol=1e-9)

@@ -41,18 +41,18 @@ def test_at_the_contact_points_they_are_those_of_the_contact_points(law: dict, f
     """Dilation is no overlap, and the part of the shear that cohesion carries is none of friction's."""
     solution = solved("gauss", 20.0, factors, **law)
     outcome, faces = solution.outcome, solution.faces
-    assert set(outcome.state.tolist()) == {state}
+    assert set(outcome.points.state.tolist()) == {state}
     normal, tangential = elastic_tractions(solution.cover, faces, 0, faces.s, solution.contact.law, outcome)
-    np.testing.assert_allclose(normal, outcome.normal_traction, rtol=1e-6)
-    np.testing.assert_allclose(tangential, outcome.tangential_traction, rtol=1e-6)
+    np.testing.assert_allclose(normal, outcome.points.normal, rtol=1e-6)
+    np.testing.assert_allclose(tangential, outcome.points.tangential, rtol=1e-6)
 
 
 def excess(law: dict, factors: tuple, state: int) -> tuple[np.ndarray, float, float]:
     """K (2,) of a tip with Gauss points less that with mortar nodes; K_II; the pressure."""
     mortar, gauss = (solved(name, 20.0, factors, **law) for name in ("mortar", "gauss"))
-    assert set(mortar.outcome.state.tolist()) == {state}
+    assert set(mortar.outcome.points.state.tolist()) == {state}
     difference = np.array(gauss.tips[1].K) - mortar.tips[1].K
-    return difference, float(mortar.tips[1].K[1]), -float(mortar.outcome.normal_traction.mean())
+    return difference, float(mortar.tips[1].K[1]), -float(mortar.outcome.points.normal.mean())
 
 
 @pytest.mark.parametrize(("law", "factors", "state"), LAWS[1:5])

@@ -233,8 +233,8 @@ def test_one_contact_point_by_hand(free_n, free_t, friction, cohesion, p_n, p_t,
 def test_what_counts_of_an_end_is_whether_the_law_holds(monkeypatch, end, off):
     """Round-off makes rays of solutions of hundreds of points; where the law does not hold a ray is one."""
 
-    def ends(M, q, d, max_pivots):
-        result = lemke(M, q, d, max_pivots)
+    def ends(M, q, d):
+        result = lemke(M, q, d)
         return replace(result, status=end, z=result.z + off, w=result.w + off)
 
     monkeypatch.setattr(module, "lemke", ends)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
+from crackgrow.case.surface import SurfaceName, crack_name
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
@@ -65,7 +66,7 @@ def growing(
 ) -> Iterator[list[CrackGeometry]]:
     """A crack along a path, with one more vertex each time."""
     for n in range(first, len(path) + 1):
-        yield [CrackGeometry("crack", lattice.to_lattice(np.array(path[:n])), *tips)]
+        yield [CrackGeometry(crack_name("crack"), lattice.to_lattice(np.array(path[:n])), *tips)]
 
 
 def body(lattice: Lattice, *rings: np.ndarray) -> BodyGeometry:
@@ -118,9 +119,9 @@ def test_cracks_that_meet(support: float) -> None:
     longer = np.array([(1.6, 5.2), (5.7, 4.6), (6.9, 4.9)])
     hit = other[0] + 0.6 * (other[1] - other[0])
     path = [(2.2, 1.7), (2.9, 2.6), (3.4, 3.6), tuple(hit)]
-    steps = [[*cracks, CrackGeometry("other", lattice.to_lattice(other), True, True)]
+    steps = [[*cracks, CrackGeometry(crack_name("other"), lattice.to_lattice(other), True, True)]
              for cracks in growing(lattice, path, 2, (True, True))]  # fmt: skip
-    steps.append([steps[-1][0], CrackGeometry("other", lattice.to_lattice(longer), True, True)])
+    steps.append([steps[-1][0], CrackGeometry(crack_name("other"), lattice.to_lattice(longer), True, True)])
     covers = follow(lattice, [body(lattice, BOX)], iter(steps))
     assert [len(cover.tips) for cover in covers] == [4, 4, 3, 3]
 
@@ -130,7 +131,9 @@ def test_two_bodies_with_an_interface_that_a_crack_reaches(support: float) -> No
     lattice = lattice_of(support)
     low = np.array([(0.5, 0.5), (8.5, 0.5), (8.5, 4.1), (0.5, 3.3)])
     high = np.array([(0.5, 3.3), (8.5, 4.1), (8.5, 7.5), (0.5, 7.5)])
-    interface = CrackGeometry("joint", lattice.to_lattice(low[[3, 2]]), False, False)
+    interface = CrackGeometry(
+        SurfaceName("interface", ("left", "right")), lattice.to_lattice(low[[3, 2]]), False, False
+    )
     hit = low[3] + 0.37 * (low[2] - low[3])
     path = [(2.1, 1.2), (2.6, 2.0), (2.9, 2.8), tuple(hit)]
     steps = growing(lattice, path, 2, (True, True))
@@ -146,7 +149,7 @@ def random_growth(rng: np.random.Generator, lattice: Lattice, n_steps: int) -> I
     rim = [shapely.LinearRing(BOX), shapely.LinearRing(HOLE)]
     for _ in range(n_steps):
         yield [
-            CrackGeometry(str(k), lattice.to_lattice(path), not arrested[k, 0], not arrested[k, 1])
+            CrackGeometry(crack_name(str(k)), lattice.to_lattice(path), not arrested[k, 0], not arrested[k, 1])
             for k, path in enumerate(paths)
         ]
         for k, end in np.ndindex(len(paths), 2):
@@ -192,7 +195,7 @@ def test_cracks_of_another_scene_are_no_matter() -> None:
     """Of a cover of other bodies nothing is taken over, and of one of other cracks only what is the same."""
     lattice = lattice_of(2.0)
     box, holed = body(lattice, BOX), body(lattice, BOX, HOLE)
-    crack = CrackGeometry("crack", lattice.to_lattice(np.array([(1.5, 1.4), (3.3, 2.0)])), True, True)
+    crack = CrackGeometry(crack_name("crack"), lattice.to_lattice(np.array([(1.5, 1.4), (3.3, 2.0)])), True, True)
     moved = replace(crack, points=crack.points + np.array([0.3, 0.2]))
     for before in (build_cover(lattice, [box], [moved]), build_cover(lattice, [holed], [crack])):
         assert_same(build_cover(lattice, [box], [crack], before=before), build_cover(lattice, [box], [crack]))

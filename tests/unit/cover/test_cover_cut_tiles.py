@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+from crackgrow.case.surface import crack_name
 from crackgrow.cover.cut_tiles import NOTHING, content_of, cut_tiles
 from crackgrow.cover.elements import cut_elements
 from crackgrow.cover.lattice import place_lattice
@@ -92,17 +93,17 @@ def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_a
     for name, sign in (("up", 1.0), ("down", -1.0)):
         middle = np.array([(3.9, -0.4), (4.1, 0.4 + 2.0 * GRID)])
         path = np.concatenate([[(0.5, -1.4)], middle, [(7.5, 1.3)]]) * (1.0, sign) + (0.0, 3.5)
-        lines.append(CrackGeometry(name, lattice.to_lattice(path), False, False))
+        lines.append(CrackGeometry(crack_name(name), lattice.to_lattice(path), False, False))
     at = lattice.to_lattice(np.array([4.0, 3.5]))
     assert np.all(at % 1.0 == (0.0, 0.5))
     elements = cut_elements(lattice, [BodyGeometry((lattice.to_lattice(BOX),))], lines)
     vertex = int(np.flatnonzero(np.all(elements.vertices == at, axis=1))[0])
-    beside = elements.ring_element[elements.ring_start == vertex]
+    beside = elements.rings.face[elements.rings.start == vertex]
     assert set(lattice.tile_low[elements.tile[beside], 0]) == {at[0] - 1.0, at[0]}
     rim = elements.outlines.points
     assert np.hypot(*(rim[:, 1] - rim[:, 0]).T).sum() == pytest.approx(26.0, rel=1e-8)
-    ends = np.bincount(elements.ring_end, minlength=len(elements.vertices))
-    np.testing.assert_array_equal(np.bincount(elements.ring_start, minlength=len(elements.vertices)), ends)
+    ends = np.bincount(elements.rings.end, minlength=len(elements.vertices))
+    np.testing.assert_array_equal(np.bincount(elements.rings.start, minlength=len(elements.vertices)), ends)
 
 
 @pytest.mark.parametrize("support", [1.5, 1.75, 2.0, 2.5])
@@ -114,7 +115,7 @@ def test_every_edge_lies_between_the_elements_that_its_ends_go_round(build, supp
     found = np.concatenate(
         [np.stack([edges.a, edges.b, edges.left]), np.stack([edges.b, edges.a, edges.right])[:, two]], 1
     )
-    rings = np.stack([elements.ring_start, elements.ring_end, elements.ring_element])
+    rings = np.stack([elements.rings.start, elements.rings.end, elements.rings.face])
     np.testing.assert_array_equal(found[:, np.lexsort(found)], rings[:, np.lexsort(rings)])
     a, b = elements.vertices[edges.a], elements.vertices[edges.b]
     step, towards = b - a, elements.reference[edges.left] - a

@@ -24,7 +24,7 @@ def table(cover) -> np.ndarray:
 def test_enriched_elements_are_those_of_the_singular_patches(build, support: float) -> None:
     cover = build.block((6, 5), [build.crack(KINKED)], support).cover
     for tip, carried in enumerate(table(cover)):
-        nodes = cover.patch_nodes[cover.tips[tip].patches]
+        nodes = cover.patches.nodes[cover.tips[tip].patches]
         reached = np.abs(cover.elements.reference[:, None] - nodes[None]).max(axis=2).min(axis=1) < support
         assert not (carried & ~reached).any()
         at_tip = shapely.distance(cover.elements.polygons, shapely.Point(cover.tips[tip].point)) < 1e-8

@@ -25,15 +25,15 @@ def gathered_at(build, *cracks: list, levels: int = 0, places=(), size=SIZE) -> 
 def test_a_gathered_tip_has_three_carriers_whatever_patches_there_are(build) -> None:
     """One, x and y from the tip, faded out; over all patches within R, on both sides of the crack."""
     cover = build.block(SIZE, [build.crack(CRACK, gathered=True)], 2.0).cover
-    assert cover.n_functions == len(cover.patch_nodes) + 2 * 4 * 3
+    assert cover.n_functions == len(cover.patches.nodes) + 2 * 4 * 3
     for tip in cover.tips:
         assert tip.carriers.n == 3
-        off = cover.patch_nodes - tip.point
+        off = cover.patches.nodes - tip.point
         near = np.flatnonzero(np.hypot(*off.T) < RADIUS)
         chi = (1.0 - (np.hypot(*off[near].T) / RADIUS) ** 4) ** 2
         np.testing.assert_array_equal(tip.patches.reshape(3, -1), [near] * 3)
         np.testing.assert_allclose(tip.carriers.shares.reshape(3, -1), chi * [np.ones(len(near)), *off[near].T])
-        nodes = cover.patch_nodes[near]
+        nodes = cover.patches.nodes[near]
         assert len(np.unique(nodes, axis=0)) < len(nodes)  # the crack cuts some of them in two
 
 
@@ -42,7 +42,7 @@ def test_functions_are_numbered_without_gaps_also_where_only_some_are_gathered(b
     cover = build.block(SIZE, [one, other], 2.0).cover
     assert [tip.carriers.gathered for tip in cover.tips] == [True, True, False, False]
     firsts = np.unique(np.concatenate([tip.functions for tip in cover.tips]))
-    np.testing.assert_array_equal(firsts, np.arange(len(cover.patch_nodes), cover.n_functions, 4))
+    np.testing.assert_array_equal(firsts, np.arange(len(cover.patches.nodes), cover.n_functions, 4))
     seen = cover.functions_on(np.arange(cover.elements.n)).values
     np.testing.assert_array_equal(np.unique(seen), np.arange(cover.n_functions))
 
@@ -88,5 +88,5 @@ def test_without_the_wish_nothing_is_gathered_and_with_it_patches_stay_as_they_a
     one = sample.cover
     other = build_cover(sample.lattice, one.bodies, [replace(one.cracks[0], gathered=True)])
     assert not any(tip.carriers.gathered for tip in one.tips)
-    np.testing.assert_array_equal(one.patch_nodes, other.patch_nodes)
+    np.testing.assert_array_equal(one.patches.nodes, other.patches.nodes)
     np.testing.assert_array_equal(one.patches.of_element.values, other.patches.of_element.values)

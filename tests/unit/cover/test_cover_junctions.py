@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 from crackgrow.approximation.basis import values_at
+from crackgrow.case.surface import SurfaceName, crack_name
 from crackgrow.cover.cover import build_cover
 from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import place_lattice
@@ -23,7 +24,7 @@ DOWN = [P, (5.1, 2.1)]
 
 
 def lines_of(*paths, tips=(True, True)) -> list[CrackGeometry]:
-    return [CrackGeometry(str(k), np.array(path, dtype=float), *tips) for k, path in enumerate(paths)]
+    return [CrackGeometry(crack_name(str(k)), np.array(path, dtype=float), *tips) for k, path in enumerate(paths)]
 
 
 def joined_points(line: CrackGeometry) -> list[tuple[float, ...]]:
@@ -151,8 +152,10 @@ def test_crack_on_an_interface_does_not_bend_it_off_its_bodies(off: float) -> No
     upper = np.array([*across, (6.5, 5.5), (0.5, 5.5)])
     bodies = [BodyGeometry((lattice.to_lattice(outline),)) for outline in (lower, upper)]
     foot = across[0] + 0.45 * (across[1] - across[0])
-    crack = CrackGeometry("crack", lattice.to_lattice(np.array([(2.0, 1.4), (foot[0], foot[1] + off)])), True, False)
-    interface = CrackGeometry("interface", lattice.to_lattice(across), False, False)
+    crack = CrackGeometry(
+        crack_name("crack"), lattice.to_lattice(np.array([(2.0, 1.4), (foot[0], foot[1] + off)])), True, False
+    )
+    interface = CrackGeometry(SurfaceName("interface", ("left", "right")), lattice.to_lattice(across), False, False)
     cover = build_cover(lattice, bodies, [crack], [interface])
     assert cover.cracks[0].junctions.tolist() == [False, True]
     edges = cover.elements.lines[1]
@@ -207,7 +210,7 @@ def test_tip_functions_jump_on_their_own_crack_alone(build, name: str, support: 
     for number, edges in enumerate(cover.elements.lines):
         middle = edges.points.mean(axis=1)
         values = np.zeros((2, len(middle), cover.n_functions))
-        seen = np.zeros((2, len(middle), len(cover.patch_nodes)), dtype=bool)
+        seen = np.zeros((2, len(middle), len(cover.patches.nodes)), dtype=bool)
         for k, side in enumerate((edges.plus, edges.minus)):
             values[k] = values_at(cover, middle, side).values().toarray()
             patches = cover.patches.of_element.taken(side)
@@ -245,6 +248,6 @@ def test_patches_of_the_node_in_the_middle_counted_by_hand(
     """The node lies at (3, 3); arms end outside of its patch unless they have a tip inside."""
     cover = build.block((6, 5), [build.crack(path, name=str(k)) for k, path in enumerate(paths)], support).cover
     node = np.array([3, 3]) + cover.lattice.reach
-    mine = np.flatnonzero((cover.patch_nodes == node).all(axis=1))
+    mine = np.flatnonzero((cover.patches.nodes == node).all(axis=1))
     assert len(mine) == n_pieces
     assert sum(np.isin(mine, tip.patches).sum() for tip in cover.tips) == n_tips_inside

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from crackgrow.case.surface import crack_name
 from crackgrow.cover.elements import cut_elements
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
@@ -78,7 +79,7 @@ def touched_by(lattice: Lattice, segment: list[tuple[float, float]], tips: tuple
     box = BodyGeometry((np.array([(0.5, 0.5), (7.5, 0.5), (7.5, 7.5), (0.5, 7.5)]),))
     without, cut = (
         cut_elements(lattice, [box], lines).whole_of_tile
-        for lines in ([], [CrackGeometry("crack", np.array(segment), *tips)])
+        for lines in ([], [CrackGeometry(crack_name("crack"), np.array(segment), *tips)])
     )
     return lattice.tile_low[(without >= 0) & (cut < 0)]
 

@@ -48,7 +48,7 @@ def test_a_node_has_one_patch_for_each_connected_piece(build, name: str, support
     sample = layout(build, name, support)
     counts = {tuple(node): 0 for node in np.ndindex(sample.lattice.shape[0] + 1, sample.lattice.shape[1] + 1)}
     expected = {node: len(pieces(sample, np.array(node, dtype=float))) for node in counts}
-    for node in sample.cover.patch_nodes:
+    for node in sample.cover.patches.nodes:
         counts[tuple(node)] += 1
     assert counts == expected
 
@@ -62,7 +62,7 @@ def test_elements_share_a_patch_exactly_if_they_share_a_piece(build, name: str, 
     for node in np.array([[2, 2], [3, 3], [4, 2], [4, 4]]) + sample.lattice.reach:
         parts = pieces(sample, node)
         columns = patch_table(cover)
-        owners = np.where((columns >= 0) & (cover.patch_nodes[columns] == node).all(axis=2), columns, -1).max(axis=1)
+        owners = np.where((columns >= 0) & (cover.patches.nodes[columns] == node).all(axis=2), columns, -1).max(axis=1)
         inside = np.flatnonzero(owners >= 0)
         contains = np.array([shapely.contains_xy(part, cover.elements.reference[inside]) for part in parts])
         np.testing.assert_array_equal(contains.sum(axis=0), 1)
@@ -80,14 +80,14 @@ def test_every_element_has_one_patch_of_each_node_that_covers_it(build, name: st
     table = patch_table(cover)
     used = table >= 0
     np.testing.assert_array_equal(used, depth > 0.0)
-    np.testing.assert_array_equal(cover.patch_nodes[table[used]], nodes[used])
-    np.testing.assert_array_equal(np.unique(table[used]), np.arange(len(cover.patch_nodes)))
+    np.testing.assert_array_equal(cover.patches.nodes[table[used]], nodes[used])
+    np.testing.assert_array_equal(np.unique(table[used]), np.arange(len(cover.patches.nodes)))
 
 
 def test_fully_cut_patch_falls_in_two_and_the_one_round_a_tip_stays_one(build) -> None:
     cover = build.block((6, 5), [build.crack([(0.5, 2.3), (4.2, 2.7)], (False, True))]).cover
-    count = {tuple(node): 0 for node in cover.patch_nodes - 2}
-    for node in cover.patch_nodes - 2:
+    count = {tuple(node): 0 for node in cover.patches.nodes - 2}
+    for node in cover.patches.nodes - 2:
         count[tuple(node)] += 1
     assert count[(2, 2)] == 2
     assert count[(2, 3)] == 2
@@ -112,11 +112,11 @@ def test_singular_patches_hold_the_tip_and_are_not_cut_through(build, name: str,
         left = np.array([-away[1], away[0]])
         faces = points[0] + 1e-3 * away + 1e-4 * np.stack([left, -left])
         expected = 0
-        for node in np.unique(cover.patch_nodes, axis=0):
+        for node in np.unique(cover.patches.nodes, axis=0):
             holds = np.abs(points[0] - node).max() < support - 1e-3
             sides = [part for part in pieces(sample, node) if holds and shapely.contains_xy(part, faces).all()]
             expected += len(sides)
-            singular = (cover.patch_nodes[tip.patches] == node).all(axis=1).sum()
+            singular = (cover.patches.nodes[tip.patches] == node).all(axis=1).sum()
             assert singular == len(sides), (name, node, points[0])
         assert expected > 0
 
@@ -124,7 +124,7 @@ def test_singular_patches_hold_the_tip_and_are_not_cut_through(build, name: str,
 def test_function_numbers_are_dense_and_four_by_four(build) -> None:
     cover = layout(build, "two", 2.0).cover
     starts = np.concatenate([tip.functions for tip in cover.tips])
-    n_patches = len(cover.patch_nodes)
+    n_patches = len(cover.patches.nodes)
     np.testing.assert_array_equal(starts, n_patches + 4 * np.arange(len(starts)))
     assert cover.n_functions == n_patches + 4 * len(starts)
     assert cover.n_dofs == 2 * cover.n_functions
@@ -133,7 +133,7 @@ def test_function_numbers_are_dense_and_four_by_four(build) -> None:
 def test_patches_that_only_touch_the_body_are_left_out(build) -> None:
     """Support 2.5 on a body from 0.5: the squares of the nodes at -2 end on the body's side."""
     sample = build.block((6, 5), support=2.5)
-    assert sample.cover.patch_nodes.min() - sample.lattice.reach == -1
+    assert sample.cover.patches.nodes.min() - sample.lattice.reach == -1
 
 
 def test_a_corner_cut_off_where_the_weight_is_below_round_off_gets_no_patch(build) -> None:
@@ -143,5 +143,5 @@ def test_a_corner_cut_off_where_the_weight_is_below_round_off_gets_no_patch(buil
     assert len(pieces(near, node)) == 1  # the corner's area, 6e-5, counts for nothing
     element = np.flatnonzero(shapely.contains_xy(near.cover.elements.polygons, 5.503, 4.497))[0]
     element += near.cover.elements.n_whole
-    assert not (near.cover.patch_nodes[near.cover.patches.of_element.of(element)] == node).all(axis=1).any()
-    assert (near.cover.patch_nodes == node).all(axis=1).sum() == 1
+    assert not (near.cover.patches.nodes[near.cover.patches.of_element.of(element)] == node).all(axis=1).any()
+    assert (near.cover.patches.nodes == node).all(axis=1).sum() == 1

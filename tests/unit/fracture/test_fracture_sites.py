@@ -88,7 +88,7 @@ def test_rock_without_strength_has_no_starts(build) -> None:
 @pytest.mark.parametrize("where", [looked(on_rims=True), looked(in_rock=True)], ids=["rims", "rock"])
 def test_uniform_stress_is_averaged_exactly(build, where: Looked) -> None:
     sample = plate(build)
-    nodes = sample.cover.patch_nodes
+    nodes = sample.cover.patches.nodes
     u = np.stack([1e-3 * nodes[:, 0], 2e-4 * nodes[:, 1]], axis=1).ravel()
     found = start_sites(sample.cover, [], [], where)
     fields = site_fields(sample.cover, [sample.material], u, found, APART)

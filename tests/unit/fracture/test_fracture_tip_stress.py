@@ -173,7 +173,7 @@ def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
     sample = build.field_of_cracks(3)
     cover = sample.cover
     u = np.zeros((cover.n_functions, 2))
-    u[: len(cover.patch_nodes), 0] = sample.lattice.to_metres(cover.patch_nodes)[:, 0]
+    u[: len(cover.patches.nodes), 0] = sample.lattice.to_metres(cover.patches.nodes)[:, 0]
     xx, yy, _ = sample.material.matrix @ (1.0, 0.0, 0.0)
     x, w = gauss(N_RADIAL)
     radius, hidden = 3.0, 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from crackgrow.geometry.arrangement import edges_between, faces_of, on_grid, ring_vertices, vertex_ids
+from crackgrow.geometry.arrangement import Rings, edges_between, faces_of, on_grid, ring_vertices, vertex_ids
 from crackgrow.geometry.tolerance import GRID
 
 FRAME = [[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]]
@@ -24,7 +24,7 @@ def arrangement(*parts: list[list[float]]):
     polygons = faces(lines(*parts))
     points, end, face = ring_vertices(polygons)
     ids = vertex_ids(points)
-    return polygons, points, ids, edges_between(ids, ids[end], face)
+    return polygons, points, ids, edges_between(Rings(ids, ids[end], face))
 
 
 def test_two_crossing_lines_cut_a_rectangle_in_four_faces() -> None:
@@ -56,7 +56,7 @@ def test_random_lines_leave_no_gap_and_no_overlap() -> None:
     polygons = faces([*lines(FRAME), *through])
     points, end, face = ring_vertices(polygons)
     ids = vertex_ids(points)
-    edges = edges_between(ids, ids[end], face)
+    edges = edges_between(Rings(ids, ids[end], face))
     assert shapely.area(polygons).sum() == pytest.approx(12.0, rel=1e-8)  # snapping moves the rim by 1e-9
     assert len(polygons) == len(edges.a) - len(np.unique(ids)) + 1
 

@@ -56,9 +56,9 @@ def test_the_mouth_of_an_edge_crack_sticks_as_the_rest_does(angle: float, end: s
     settings = (f"numerics.spacing={spacing}",)
     scene = plate(edge_crack(angle, end), stress, *settings, tips=end, friction=0.6, residual_friction=0.2)
     outcome = at_once(scene, 1.0)
-    assert set(outcome.state.tolist()) == {STICK}
+    assert set(outcome.points.state.tolist()) == {STICK}
     assert not outcome.memory.broken.any()
-    np.testing.assert_allclose(np.abs(outcome.tangential_traction), 25e6, rtol=1e-3)
+    np.testing.assert_allclose(np.abs(outcome.points.tangential), 25e6, rtol=1e-3)
 
 
 def inside(angle: float) -> str:
@@ -79,12 +79,12 @@ def test_a_bond_that_holds_leaves_the_uniform_stress(angle: float, tips: str, pr
     scene = plate(path, on_plane(angle, pressure, sense * SHEAR), "numerics.spacing=2", tips=tips)
     solved = judged(increment(scene, unloaded(scene), 1.0))
     outcome = solved.outcome
-    assert set(outcome.state.tolist()) == {STICK}
+    assert set(outcome.points.state.tolist()) == {STICK}
     assert not outcome.memory.broken.any()
-    np.testing.assert_allclose(outcome.tangential_traction, sense * SHEAR * 1e6, rtol=1e-3)  # patch test: 1e-4
-    np.testing.assert_allclose(outcome.normal_traction, -pressure * 1e6, atol=1e-3 * SHEAR * 1e6)
+    np.testing.assert_allclose(outcome.points.tangential, sense * SHEAR * 1e6, rtol=1e-3)  # patch test: 1e-4
+    np.testing.assert_allclose(outcome.points.normal, -pressure * 1e6, atol=1e-3 * SHEAR * 1e6)
     size = np.abs(outcome.u).max()
-    assert max(np.abs(outcome.slip).max(), np.abs(outcome.gap).max()) < 1e-6 * size
+    assert max(np.abs(outcome.points.slip).max(), np.abs(outcome.points.opening).max()) < 1e-6 * size
     assert max(np.abs(tip.K).max() for tip in solved.tips) < 1e-4 * OPENING
 
 
@@ -92,7 +92,7 @@ def test_a_bond_does_not_hold_faces_that_are_pulled_apart() -> None:
     """By a tension far below the shear: they open, and lose all of it."""
     scene = plate(inside(20.0), on_plane(20.0, -1.0, SHEAR), "numerics.spacing=2")
     solved = judged(increment(scene, unloaded(scene), 1.0))
-    assert set(solved.outcome.state.tolist()) == {OPEN}
+    assert set(solved.outcome.points.state.tolist()) == {OPEN}
     assert solved.outcome.memory.broken.all()
     assert abs(solved.tips[1].K[1]) == pytest.approx(OPENING, rel=0.1)  # a plate of three crack lengths
 
@@ -104,6 +104,6 @@ def test_faces_that_merely_stick_do_not_dilate(angle: float, dilation: float) ->
     scene = plate(inside(angle), on_plane(angle, pressure=20.0, shear=10.0), "numerics.spacing=2", **law)
     for factor in np.linspace(0.1, 3.0, 60).tolist():
         outcome = at_once(scene, factor)
-        assert set(outcome.state.tolist()) == {STICK}
-        assert np.abs(outcome.dilation).max() < 1e-12 * np.abs(outcome.u).max()
-        np.testing.assert_allclose(np.abs(outcome.tangential_traction), factor * 10e6, rtol=1e-3)
+        assert set(outcome.points.state.tolist()) == {STICK}
+        assert np.abs(outcome.points.dilation).max() < 1e-12 * np.abs(outcome.u).max()
+        np.testing.assert_allclose(np.abs(outcome.points.tangential), factor * 10e6, rtol=1e-3)

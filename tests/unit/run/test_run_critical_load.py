@@ -123,16 +123,19 @@ def test_where_only_loads_have_a_size_states_are_in_proportion_to_them(dilation:
     assert factors == [0.07]
     alone = increment(configuration, held_loads(configuration), found.factor)
     one, other = found.outcome, alone.outcome
-    pairs = [(one.u, other.u), (one.normal_traction, other.normal_traction), (one.slip, other.slip)]
-    pairs += [(one.gap + one.slip, other.gap + other.slip), (one.memory.slip, other.memory.slip)]
+    pairs = [(one.u, other.u), (one.points.normal, other.points.normal), (one.points.slip, other.points.slip)]
+    pairs += [
+        (one.points.opening + one.points.slip, other.points.opening + other.points.slip),
+        (one.memory.slip, other.memory.slip),
+    ]
     pairs += [(one.multipliers, other.multipliers), (found.conjugates, alone.conjugates)]
-    pairs += [(found.states.tractions, alone.states.tractions), (one.tangential_traction, other.tangential_traction)]
+    pairs += [(found.states.tractions, alone.states.tractions), (one.points.tangential, other.points.tangential)]
     for value, known in pairs:
         np.testing.assert_allclose(value, known, rtol=0.0, atol=1e-8 * np.abs(known).max())
-    np.testing.assert_array_equal(one.state, other.state)
+    np.testing.assert_array_equal(one.points.state, other.points.state)
     energies = [(e.work, e.strain, e.dissipated, e.released) for e in (found.energy, alone.energy)]
     np.testing.assert_allclose(*energies, rtol=0.0, atol=1e-9 * energies[0][0])
-    problem = one.problem
+    problem = one.points.problem
     assert problem is not None
     assert complementarity_residual(problem, found.states.solution.unknowns) < 1e-9
     later = increment(configuration, from_state(found), 1.1 * found.factor)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.contact.faces import face_vertices
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import Elements
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
+from crackgrow.geometry.arrangement import Rings
 from crackgrow.run import grow
 from crackgrow.run.configuration import assemble
 from crackgrow.run.frame import make_frame
@@ -22,7 +22,7 @@ from crackgrow.run.output_mesh import LONGEST, SHORTEST, OutputMesh, output_mesh
 from crackgrow.run.result import Frame, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
-from tests.solving import solve_step
+from tests.solving import face_vertices, solve_step
 
 CASES = Path(__file__).parents[3] / "cases"
 AREA = 31e-3 * 55e-3  # m^2
@@ -116,7 +116,7 @@ def assert_conforming(elements: Elements, mesh: OutputMesh) -> None:
     faces = np.where(elements.edges.right < 0, 1, np.where(elements.passable, 0, 2))
     length = np.hypot(*(elements.vertices[elements.edges.b] - elements.vertices[elements.edges.a]).T)
     assert alone == pytest.approx(faces @ length, rel=1e-9)
-    start, end = elements.vertices[elements.ring_start], elements.vertices[elements.ring_end]
+    start, end = elements.vertices[elements.rings.start], elements.vertices[elements.rings.end]
     whole = 0.5 * np.sum(start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0])
     assert areas(mesh).sum() == pytest.approx(whole, rel=1e-9)
 
@@ -126,7 +126,7 @@ def with_corner_in_a_side(elements: Elements) -> Elements:
     both = (elements.edges.left < elements.n_whole) & (elements.edges.right < elements.n_whole) & elements.passable
     side = int(np.flatnonzero(both)[10])
     a, b, corner = int(elements.edges.a[side]), int(elements.edges.b[side]), len(elements.vertices)
-    start, end = elements.ring_start.copy(), elements.ring_end.copy()
+    start, end = elements.rings.start.copy(), elements.rings.end.copy()
     split = np.flatnonzero(((start == a) & (end == b)) | ((start == b) & (end == a)))
     last = end[split]
     end[split] = corner
@@ -141,9 +141,11 @@ def with_corner_in_a_side(elements: Elements) -> Elements:
     return replace(
         elements,
         vertices=np.vstack([elements.vertices, 0.5 * (elements.vertices[a] + elements.vertices[b])]),
-        ring_start=np.insert(start, split + 1, corner),
-        ring_end=np.insert(end, split + 1, last),
-        ring_element=np.insert(elements.ring_element, split, elements.ring_element[split]),
+        rings=Rings(
+            np.insert(start, split + 1, corner),
+            np.insert(end, split + 1, last),
+            np.insert(elements.rings.face, split, elements.rings.face[split]),
+        ),
         edges=ends,
         is_crack=np.append(elements.is_crack, False),
     )

@@ -97,7 +97,7 @@ def test_round_off_in_rock_at_rest_is_no_error_of_the_balance(spacing: int) -> N
     """In-situ stress that the flaw bears without slip moves nothing; rock alone would give way to it."""
     _, _, configuration = ready("compression30", *CONFINED, f"numerics.spacing={spacing}")
     (state,) = through(configuration, 1.0)
-    assert (state.outcome.state == STICK).all()
+    assert (state.outcome.points.state == STICK).all()
     energy, alone = state.energy, float(configuration.conjugate_terms(state.level, state.states)[0])
     assert max(abs(energy.work), abs(energy.strain)) < 1e-12 * alone
     assert energy.error == 0.0
@@ -157,7 +157,7 @@ def test_faces_that_open_take_no_energy_back() -> None:
     law = ("friction=0.6", "residual_friction=0.4", "dilation_angle=15")
     _, _, configuration = ready("cyclic_friction", *SMALL_SHEAR, *(f"cracks.flaw.contact.{key}" for key in law), PULL)
     states = through(configuration, 0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
-    assert not states[-1].outcome.normal_traction.any()
+    assert not states[-1].outcome.points.normal.any()
     assert np.diff([state.energy.dissipated for state in states]).min() >= -1e-9 * states[-1].energy.work
     _, once = through(configuration, 0.0, 1.0)
     assert once.energy.dissipated == pytest.approx(states[-1].energy.dissipated, abs=2e-5 * once.energy.work)
@@ -205,7 +205,7 @@ def test_a_cycle_dissipates_what_the_closed_form_says() -> None:
     half = back.energy.dissipated - first.energy.dissipated
     assert half == pytest.approx(0.5 * dissipated, rel=1e-6)
     np.testing.assert_allclose(last.outcome.u, first.outcome.u, atol=1e-9 * np.abs(first.outcome.u).max())
-    np.testing.assert_allclose(back.outcome.slip, -first.outcome.slip, rtol=1e-6)
+    np.testing.assert_allclose(back.outcome.points.slip, -first.outcome.points.slip, rtol=1e-6)
 
 
 def test_one_increment_and_twenty_are_the_same_where_nothing_reverses() -> None:
@@ -215,7 +215,7 @@ def test_one_increment_and_twenty_are_the_same_where_nothing_reverses() -> None:
     *_, many = through(configuration, 0.0, *np.linspace(0.05, 1.0, 20))
     size = np.abs(once.outcome.u).max()
     np.testing.assert_allclose(many.outcome.u, once.outcome.u, atol=1e-9 * size)
-    np.testing.assert_allclose(many.outcome.tangential_traction, once.outcome.tangential_traction, rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(many.outcome.points.tangential, once.outcome.points.tangential, rtol=1e-9, atol=1e-3)
     assert many.energy.dissipated == pytest.approx(once.energy.dissipated, rel=1e-4)
     assert many.energy.work == pytest.approx(once.energy.work, rel=1e-6)
 
@@ -224,7 +224,9 @@ def test_residual_slip_stays_when_the_shear_is_taken_off() -> None:
     """Loaded to 30 MPa and back to zero: friction of 10 MPa holds w = 10 MPa of the 20 MPa that drove the slip."""
     _, _, configuration = ready("cyclic_friction", *SMALL_SHEAR)
     _, loaded, unloaded_ = through(configuration, 0.0, 1.0, 0.0)
-    np.testing.assert_allclose(unloaded_.outcome.slip, 0.5 * loaded.outcome.slip, rtol=1e-3)  # patch test: 1e-4
+    np.testing.assert_allclose(
+        unloaded_.outcome.points.slip, 0.5 * loaded.outcome.points.slip, rtol=1e-3
+    )  # patch test: 1e-4
 
 
 @pytest.fixture(scope="module")
@@ -283,7 +285,7 @@ def test_a_crack_that_has_not_grown_carries_its_state_over(sheared: tuple[Scene,
     np.testing.assert_allclose(after.outcome.u, state.outcome.u, atol=1e-10 * np.abs(state.outcome.u).max())
     assert abs(after.energy.released) < 1e-9 * after.energy.strain
     assert after.energy.dissipated == pytest.approx(state.energy.dissipated, rel=1e-9)
-    assert after.outcome.state.tolist() == state.outcome.state.tolist()
+    assert after.outcome.points.state.tolist() == state.outcome.points.state.tolist()
 
 
 @pytest.mark.parametrize(("name", "settings"), [("tension0", ()), ("compression30", ())])

@@ -34,9 +34,9 @@ def test_cohesion_holds_the_flaw_up_to_the_shear_on_its_plane(share: float, expe
     solution = solve(
         f"cracks.flaw.contact.cohesion={share * SHEAR / 1e6}", "cracks.flaw.contact.cohesion_after_slip=kept"
     )
-    assert set(solution.outcome.state.tolist()) == expected
+    assert set(solution.outcome.points.state.tolist()) == expected
     limit = min(share, 1.0) * SHEAR
-    np.testing.assert_allclose(np.abs(solution.outcome.tangential_traction), limit, rtol=1e-3)  # patch test: 1e-4
+    np.testing.assert_allclose(np.abs(solution.outcome.points.tangential), limit, rtol=1e-3)  # patch test: 1e-4
 
 
 def test_faces_that_growth_has_made_have_no_cohesion() -> None:
@@ -45,16 +45,16 @@ def test_faces_that_growth_has_made_have_no_cohesion() -> None:
     s = solution.faces.s * solution.cover.lattice.spacing
     new = s > 10e-3 + 1e-9
     assert new.any()
-    assert not solution.outcome.tangential_traction[new].any()
-    assert set(solution.outcome.state[~new].tolist()) == {STICK}
-    assert np.abs(solution.outcome.tangential_traction[~new]).min() > 0.5 * SHEAR
+    assert not solution.outcome.points.tangential[new].any()
+    assert set(solution.outcome.points.state[~new].tolist()) == {STICK}
+    assert np.abs(solution.outcome.points.tangential[~new]).min() > 0.5 * SHEAR
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
 def test_contact_stiffness_is_kappa_E_over_h(plane: str) -> None:
     solution = solve("numerics.contact.stiffness=50", "numerics.spacing=2", f"plane={plane}")
     k = 50 * 1e10 / 2e-3
-    np.testing.assert_allclose(solution.outcome.gap, solution.outcome.normal_traction / k, rtol=1e-9)
+    np.testing.assert_allclose(solution.outcome.points.opening, solution.outcome.points.normal / k, rtol=1e-9)
 
 
 def test_solving_the_same_configuration_twice_gives_the_same_bits() -> None:
@@ -68,7 +68,7 @@ def test_solving_the_same_configuration_twice_gives_the_same_bits() -> None:
     again = solve_step(scene, (growing,), 1.0)
     assert other.cover.n_dofs != first.cover.n_dofs
     np.testing.assert_array_equal(again.outcome.u, first.outcome.u)
-    np.testing.assert_array_equal(again.outcome.normal_traction, first.outcome.normal_traction)
+    np.testing.assert_array_equal(again.outcome.points.normal, first.outcome.points.normal)
     assert again.tips[0].K == first.tips[0].K
 
 
@@ -76,9 +76,9 @@ def test_reversing_the_crack_changes_nothing_but_the_order_of_its_points() -> No
     """plus and minus faces change places, and so do start and end."""
     there = solve("cracks.flaw.contact.friction=0.3")
     back = solve("cracks.flaw.contact.friction=0.3", "cracks.flaw.path.angle=210")
-    scale = np.abs(there.outcome.slip).max()
-    np.testing.assert_allclose(back.outcome.slip[::-1], there.outcome.slip, atol=1e-6 * scale)
-    np.testing.assert_allclose(back.outcome.normal_traction[::-1], there.outcome.normal_traction, rtol=1e-6)
+    scale = np.abs(there.outcome.points.slip).max()
+    np.testing.assert_allclose(back.outcome.points.slip[::-1], there.outcome.points.slip, atol=1e-6 * scale)
+    np.testing.assert_allclose(back.outcome.points.normal[::-1], there.outcome.points.normal, rtol=1e-6)
     K_II = [tip.K[1] for tip in there.tips]
     assert [tip.K[1] for tip in back.tips][::-1] == pytest.approx(K_II, rel=1e-6)
 

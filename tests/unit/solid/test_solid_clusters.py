@@ -18,7 +18,7 @@ def longer(build, cover: Cover, crack: int, by: tuple[float, float]) -> Cover:
     """The same body after one crack has grown at its end."""
     cracks = list(cover.cracks)
     grown = np.vstack([cracks[crack].points, cracks[crack].points[-1] + by])
-    cracks[crack] = build.crack(grown, name=cracks[crack].name)
+    cracks[crack] = build.crack(grown, name=str(cracks[crack].name))
     return build_cover(cover.lattice, cover.bodies, cracks)
 
 
@@ -31,7 +31,9 @@ def test_every_element_that_is_not_plain_is_in_one_cluster_with_the_same_tips(bu
         mine = clusters.elements.of(cluster)
         assert len({tuple(acting.of(element)) for element in mine}) == 1
         ids = cover.functions_on(mine).values
-        np.testing.assert_array_equal(clusters.functions[cluster][clusters.local_of(cluster)], ids)
+        span = clusters.span(cluster)
+        local = clusters.local.taken(np.arange(span.start, span.stop)).values
+        np.testing.assert_array_equal(clusters.functions[cluster][local], ids)
 
 
 def test_points_of_clusters_are_those_of_their_elements(build) -> None:

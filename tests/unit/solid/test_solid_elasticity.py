@@ -70,7 +70,7 @@ def test_linear_field_gives_its_displacement_and_uniform_stress_at_points(build,
     sample = build.block((6, 5), [build.crack(points) for points in cracks], 2.0)
     gradient = np.array([[1e-3, 3e-4], [-2e-4, 5e-4]])  # du_c / dx_d
     u = np.zeros((sample.cover.n_functions, 2))
-    nodes = sample.lattice.to_metres(sample.cover.patch_nodes)
+    nodes = sample.lattice.to_metres(sample.cover.patches.nodes)
     u[: len(nodes)] = nodes @ gradient.T
     metres = np.random.default_rng(31).uniform((0.5, 0.5), (6.5, 5.5), (100, 2))
     points = sample.lattice.to_lattice(metres)

@@ -54,6 +54,6 @@ def test_piece_that_cracks_cut_off_is_named_with_its_place(build: type[Build]) -
     """A crack right through leaves the upper part without supports."""
     cut = build.crack([(LOWER[0], 4.2), (UPPER[0], 4.2)], tips=(False, False))
     sample = build.sample(LOWER, UPPER, [cut])
-    piece = r"the piece of rock round \(5 m, 5.* m\)"
+    piece = r"the piece of body 'rock' round \(5 m, 5.* m\)"
     with pytest.raises(FreePieceError, match=f"{piece} is free to move: translation in x and translation in y and rot"):
         sample.system([EdgeSupport(build.edge("bottom"), (0.0, 0.0))])

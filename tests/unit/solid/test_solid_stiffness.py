@@ -33,7 +33,7 @@ def scaled(matrix) -> np.ndarray:
 def field(sample, values) -> np.ndarray:
     """Unknowns (n_dofs,) of a displacement that is linear in metres, tip functions zero."""
     u = np.zeros((sample.cover.n_functions, 2))
-    nodes = sample.lattice.to_metres(sample.cover.patch_nodes)
+    nodes = sample.lattice.to_metres(sample.cover.patches.nodes)
     u[: len(nodes)] = values(nodes[:, 0], nodes[:, 1])
     return u.ravel()
 
@@ -101,7 +101,7 @@ def test_two_materials_each_stiffen_their_own_body(build) -> None:
     cover = build_cover(lattice, [BodyGeometry((outline,)) for outline in bodies], [])
     materials = [plane_elasticity(young, 0.25, "strain") for young in (1.0, 10.0)]
     matrix = stiffness(cover, materials, 4)
-    nodes = lattice.to_metres(cover.patch_nodes)
+    nodes = lattice.to_metres(cover.patches.nodes)
     strain = np.array([1e-3, 0, 0])
     energy = sum(15.0 * strain @ material.matrix @ strain for material in materials)
     u = np.stack([1e-3 * nodes[:, 0], 0 * nodes[:, 0]], axis=1).ravel()

@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
 from crackgrow.approximation.basis import values_at
-from crackgrow.case.model import EdgePressure, EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.case.model import EdgePressure, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.recovery import displacement_at, stress_at
-from crackgrow.solid.supports import constraints, edge_points
+from crackgrow.solid.supports import EdgePoints, constraints, points_along
 
 SIDES = {"bottom": 6.0, "right": 5.0, "top": 6.0, "left": 5.0}
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 
 
+def edge_points(cover: Cover, regions: Sequence[EdgeRegion]) -> list[EdgePoints]:
+    return points_along(cover, [cover.edges_on(region) for region in regions])
+
+
 def resultant(sample, f: np.ndarray) -> np.ndarray:
     """Force (2,) and moment about the origin of a load vector: its work on the rigid motions."""
-    nodes = sample.lattice.to_metres(sample.cover.patch_nodes)
+    nodes = sample.lattice.to_metres(sample.cover.patches.nodes)
     forces = f.reshape(-1, 2)[: len(nodes)]
     moment = np.sum(nodes[:, 0] * forces[:, 1] - nodes[:, 1] * forces[:, 0])
     return np.append(forces.sum(axis=0), moment)
@@ -90,7 +97,7 @@ def test_loads_add_up(build) -> None:
 @pytest.mark.parametrize("edge", SIDES)
 def test_edge_points_lie_on_the_edge_and_their_lengths_add_up(build, edge: str) -> None:
     sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])
-    (found,) = edge_points(sample.cover, (sample.body,), [build.edge(edge)])
+    (found,) = edge_points(sample.cover, [build.edge(edge)])
     length, s = found.lengths, found.s
     metres = sample.lattice.to_metres(found.points)
     axis, value = {"bottom": (1, 0.5), "right": (0, 6.5), "top": (1, 5.5), "left": (0, 0.5)}[edge]
@@ -104,9 +111,9 @@ def test_edge_points_lie_on_the_edge_and_their_lengths_add_up(build, edge: str) 
 def test_edge_points_of_several_regions_are_those_of_each(build) -> None:
     sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])  # one edge has its mouth
     regions = [build.edge(edge) for edge in ("top", "left", "bottom")]
-    together = edge_points(sample.cover, (sample.body,), regions)
+    together = edge_points(sample.cover, regions)
     for region, found in zip(regions, together, strict=True):
-        (alone,) = edge_points(sample.cover, (sample.body,), [region])
+        (alone,) = edge_points(sample.cover, [region])
         for name in ("points", "lengths", "elements", "s"):
             np.testing.assert_array_equal(getattr(found, name), getattr(alone, name))
 
@@ -114,8 +121,8 @@ def test_edge_points_of_several_regions_are_those_of_each(build) -> None:
 def test_an_edge_is_held_cell_by_cell_where_cells_are_small(build) -> None:
     """Held on average over a spacing the edge moves between small cells, and larger cells elsewhere do not tell it."""
     sample = build.block((8, 8), support=2.0, levels=3, places=[(8.5, 4.5)])
-    (found,) = edge_points(sample.cover, (sample.body,), [build.edge("right")])
-    held = constraints(sample.cover, (sample.body,), [EdgeSupport(build.edge("right"), (0.0, None))])
+    (found,) = edge_points(sample.cover, [build.edge("right")])
+    held = constraints(sample.cover, [EdgeSupport(build.edge("right"), (0.0, None))])
     sides = sample.cover.sizes[found.elements]
     assert sides.min() == 0.125
     n_cells = (found.lengths / sides).sum()
@@ -164,8 +171,8 @@ def test_multipliers_are_the_reactions(build) -> None:
 def test_constraint_rows_average_the_displacement_of_the_edge(build) -> None:
     """Each row gives a constant as it is, and their values of a linear field lie within the edge, in order."""
     sample = build.block((6, 5), support=2.0)
-    held = constraints(sample.cover, (sample.body,), (EdgeSupport(build.edge("right"), (0.3, None)),))
-    nodes = sample.lattice.to_metres(sample.cover.patch_nodes)
+    held = constraints(sample.cover, (EdgeSupport(build.edge("right"), (0.3, None)),))
+    nodes = sample.lattice.to_metres(sample.cover.patches.nodes)
     np.testing.assert_allclose(held.matrix @ np.tile([1.0, 7.0], len(nodes)), 1.0, rtol=1e-13)
     heights = held.matrix @ np.stack([nodes[:, 1], 0 * nodes[:, 0]], axis=1).ravel()
     np.testing.assert_allclose(heights[1:-1], [1.5, 2.5, 3.5, 4.5], atol=3e-2)  # 4 Gauss points on a kinked hat
@@ -189,11 +196,11 @@ def test_point_support_holds_the_point_exactly(build) -> None:
 def test_point_support_outside_is_refused_with_its_place(build) -> None:
     sample = build.block((6, 5))
     with pytest.raises(GeometryError, match=r"\(7 m, 2 m\) lies outside"):
-        constraints(sample.cover, (sample.body,), (PointSupport("rock", np.array([7.0, 2.0]), (0.0, None)),))
+        constraints(sample.cover, (PointSupport("rock", np.array([7.0, 2.0]), (0.0, None)),))
 
 
 def test_no_supports_give_an_empty_matrix(build) -> None:
     sample = build.block((6, 5))
-    held = constraints(sample.cover, (sample.body,), ())
+    held = constraints(sample.cover, ())
     assert held.matrix.shape == (0, sample.cover.n_dofs)
     assert held.given.shape == (0,)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -233,9 +234,9 @@ def test_newton_fails_and_lemke_steps_in() -> None:
     outcome = solve_contact(contact, loads, np.zeros(1))
     assert len(outcome.notes) == 1
     assert "solved by lemke after newton: status 'limit'" in outcome.notes[0]
-    assert outcome.normal_traction == pytest.approx([-1.0 / 6.0])
-    assert outcome.tangential_traction == pytest.approx([-10.0 / 6.0])
-    assert outcome.state.tolist() == [SLIP]
+    assert outcome.points.normal == pytest.approx([-1.0 / 6.0])
+    assert outcome.points.tangential == pytest.approx([-10.0 / 6.0])
+    assert outcome.points.state.tolist() == [SLIP]
 
 
 def test_lemke_refuses_and_newton_steps_in() -> None:
@@ -254,7 +255,7 @@ def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
         problem = random_problem(2, 10.0, seed)
         contact, loads = rock_of(problem)
         outcome = solve_contact(contact, loads, np.zeros(1))
-        number = len(every_solution(problem)) if len(outcome.rows) == 2 else 1
+        number = len(every_solution(problem)) if len(outcome.points.rows) == 2 else 1
         second = second_solution(contact, outcome)
         n_several += number > 1
         assert second is None or number > 1
@@ -263,7 +264,7 @@ def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
         n_found += 1
         assert second.limit < 10.0
         assert second.change[0] == second.change.max() > 0.0
-        known = np.concatenate([outcome.normal_traction, outcome.tangential_traction])
+        known = np.concatenate([outcome.points.normal, outcome.points.tangential])
         moved = [problem.compliance @ (p - known) for p in every_solution(problem)]
         largest = [np.hypot(*x.reshape(2, 2)) for x in moved]
         assert any(np.allclose(x[second.points], second.change, atol=1e-8) for x in largest)
@@ -289,8 +290,8 @@ def test_a_point_that_nothing_presses_is_left_open() -> None:
     assert len(by_hand(3.0, 1.0, 8.0)) == 3
     contact, loads = rock_of(one_point(3.0, 1.0, 8.0))
     outcome = solve_contact(contact, loads, np.zeros(1))
-    assert outcome.status == "none"
-    assert outcome.state.tolist() == [OPEN]
+    assert outcome.points.status == "none"
+    assert outcome.points.state.tolist() == [OPEN]
     assert second_solution(contact, outcome) is None
 
 
@@ -307,8 +308,8 @@ def test_a_trial_that_fails_leaves_the_memory_alone(monkeypatch: pytest.MonkeyPa
     assert memory.slip.tolist() == [0.25]
     assert memory.broken.tolist() == [False]
     after = solve_contact(contact, loads, np.zeros(1), memory)
-    for name in ("u", "normal_traction", "tangential_traction", "gap", "slip", "state"):
-        np.testing.assert_array_equal(getattr(after, name), getattr(before, name))
+    for name in ("u", *(f"points.{part}" for part in ("normal", "tangential", "opening", "slip", "state"))):
+        np.testing.assert_array_equal(*map(attrgetter(name), (after, before)))
     np.testing.assert_array_equal(after.memory.slip, before.memory.slip)
     assert before.memory.slip[0] != 0.25  # what the increment did is in its outcome
 
@@ -353,7 +354,7 @@ def test_friction_beyond_the_bound_is_no_proof_of_a_second_solution() -> None:
 def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
     found = SecondSolution(0.25, np.array([2, 0]), np.array([3e-5, 1e-6]), np.array([STICK, STICK]))
     monkeypatch.setattr("crackgrow.study.uniqueness.second_solution", lambda contact, outcome: found)
-    monkeypatch.setattr("crackgrow.study.uniqueness.proven_limit", lambda contact, outcome: 0.25)
+    monkeypatch.setattr("crackgrow.study.uniqueness.proven_limit", lambda contact, points: 0.25)
     (told,) = told_of_the_flaw("cracks.flaw.contact.friction=0.3")
     assert "more than one solution (it is certain only where friction is below 0.25)" in told
     assert "of 'flaw', which slips, sticks, its faces moved by 30 um" in told
