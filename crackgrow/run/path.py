@@ -117,8 +117,8 @@ def _while_wearing(
 ) -> tuple[float, PointStates]:
     """A share of the way on which slip takes at most `WEAR` of what points can lose, or the least, with its states.
 
-    `shares` are the least and the first to be tried. Along such a piece strength falls with slip: tractions and slip are
-    not linear in the load.
+    `shares` are the least and the first to be tried. Along such a piece strength falls with slip, so that tractions and
+    slip are not linear in the load.
     """
     least, share = shares
     while True:
