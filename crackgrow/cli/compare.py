@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 import crackgrow
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out_json, say
-from crackgrow.cli.parser import Commands, add_command
+from crackgrow.cli.parser import Commands, add_command, path
 from crackgrow.results.atomic import write_text
 
 HELP = """\
@@ -55,7 +54,7 @@ def add(commands: Commands) -> None:
     command.add_argument(
         "--tolerance", metavar="LENGTH", help='largest distance allowed: "0.15 mm", or a bare number in m'
     )
-    command.add_argument("--csv", type=Path, metavar="FILE", help="write the rows of the table, SI, to a file")
+    command.add_argument("--csv", type=path, metavar="FILE", help="write the rows of the table, SI, to a file")
     command.add_argument("--json", action="store_true", help="print all of it as JSON, SI, in place of the table")
     command.add_argument("--crack", metavar="NAME", help="compare this crack alone")
     command.add_argument("--tip", choices=("start", "end"), help="compare what has grown at this tip alone")

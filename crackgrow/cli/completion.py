@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Final
 
 from crackgrow.cli.console import EXIT_DONE, hand_out
-from crackgrow.cli.parser import Commands, add_command, commands_of
+from crackgrow.cli.parser import Commands, add_command, commands_of, path
 
 HELP = """\
 Print a script that completes commands, options, their values, and case files. It is made from this version's options.
@@ -47,7 +46,7 @@ def completion_script(parser: argparse.ArgumentParser, shell: str) -> str:
     commands.help = None  # what is suppressed in the help would be so here
     for command in commands.choices.values():
         for action in command._actions:
-            if not action.choices and (action.type is Path or not action.option_strings):
+            if not action.choices and (action.type is path or not action.option_strings):
                 wants_yaml = "yaml" in str(action.metavar).lower()
                 action.complete = YAML_FILES if wants_yaml else shtab.FILE  # type: ignore[attr-defined]
     return str(shtab.complete(parser, shell, preamble=PREAMBLE.get(shell, "")))

@@ -8,7 +8,7 @@ from pathlib import Path
 import crackgrow
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out_json, say
-from crackgrow.cli.parser import Commands, add_command, takes_case
+from crackgrow.cli.parser import Commands, add_command, path, takes_case
 
 HELP = """\
 Run a case on three settings of its cells and tell what K at each tip and step, and the critical load factor, tend to,
@@ -78,5 +78,5 @@ def add(commands: Commands) -> None:
     command.add_argument("--timeout", type=float, metavar="SECONDS", help="give up a run after so long")
     command.add_argument("--json", action="store_true", help="print all of it as JSON, SI, in place of the table")
     command.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the results (default outputs/converge/<case>)"
+        "--out", type=path, metavar="DIR", help="folder of the results (default outputs/converge/<case>)"
     )

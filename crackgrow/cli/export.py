@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 import crackgrow
 from crackgrow.cli.console import EXIT_DONE, say
-from crackgrow.cli.parser import Commands, add_command
+from crackgrow.cli.parser import Commands, add_command, path
 from crackgrow.results.units import aligned
 
 FORMATS = {
@@ -39,10 +38,10 @@ def add(commands: Commands) -> None:
     formats = "\n".join(aligned(FORMATS.items(), 2, "  "))
     what = "write a frame of a run as a mesh file of another program"
     command = add_command(commands, export, "export", what, (HELP, f"formats:\n{formats}\n\n{EXAMPLES}"))
-    command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
+    command.add_argument("folder", type=path, metavar="DIR", help="the folder that `crackgrow run` wrote")
     command.add_argument("--to", choices=tuple(FORMATS), required=True, help="the format")
     command.add_argument("--step", type=_step, metavar="N", help="the frame of this step (default: the last one)")
-    command.add_argument("--out", type=Path, metavar="FILE", help="the file (default DIR/export/step_NNNN.FORMAT)")
+    command.add_argument("--out", type=path, metavar="FILE", help="the file (default DIR/export/step_NNNN.FORMAT)")
 
 
 def _step(text: str) -> int:

@@ -10,7 +10,7 @@ import yaml
 
 from crackgrow.cli.console import EXIT_DONE, hand_out
 from crackgrow.cli.new import templates
-from crackgrow.cli.parser import Commands, add_command
+from crackgrow.cli.parser import Commands, add_command, path
 from crackgrow.errors import CaseError
 from crackgrow.results.units import aligned
 
@@ -59,4 +59,4 @@ def _title(file: Path) -> str:
 def add(commands: Commands) -> None:
     what = "list the cases that are here, and the templates"
     command = add_command(commands, list_cases, "list", what, (HELP, EXAMPLES))
-    command.add_argument("folder", nargs="?", type=Path, metavar="DIR", help="a folder of cases (default: cases)")
+    command.add_argument("folder", nargs="?", type=path, metavar="DIR", help="a folder of cases (default: cases)")

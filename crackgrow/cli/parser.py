@@ -108,9 +108,16 @@ def add_command(
     return command
 
 
+def path(text: str) -> Path:
+    """The path that a text names. No text names none: it is mostly a variable of the shell that is not set."""
+    if not text:
+        raise argparse.ArgumentTypeError("an empty name; the current folder is '.'")
+    return Path(text)
+
+
 def takes_case(command: argparse.ArgumentParser) -> argparse.ArgumentParser:
     """The command, with a case file and settings for arguments."""
-    command.add_argument("case", type=Path, metavar="CASE.yaml", help="the case file")
+    command.add_argument("case", type=path, metavar="CASE.yaml", help="the case file")
     command.add_argument(
         "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
     )

@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from pathlib import Path
 
 from crackgrow.cli.console import EXIT_DONE, say
-from crackgrow.cli.parser import Commands, add_command
+from crackgrow.cli.parser import Commands, add_command, path
 
 RENDER_HELP = """\
 Draw the frames of a result folder: a field on the displaced specimen with its cracks open, a PNG for each step and an
@@ -70,7 +69,7 @@ def add(commands: Commands) -> None:
     command = add_command(commands, render, "render", what, (RENDER_HELP, RENDER_EXAMPLES))
     window = add_command(commands, view, "view", "open a window on the frames of a run", (VIEW_HELP, VIEW_EXAMPLES))
     for each in (command, window):
-        each.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
+        each.add_argument("folder", type=path, metavar="DIR", help="the folder that `crackgrow run` wrote")
         each.add_argument("--field", default="sigma_1", metavar="NAME", help="what colours mean (default sigma_1)")
         each.add_argument("--warp", type=_warp, metavar="auto|NUMBER",
                           help="factor of the displacements (default auto: a visible one)")  # fmt: skip
@@ -81,7 +80,7 @@ def add(commands: Commands) -> None:
     choice = command.add_mutually_exclusive_group()
     for kind, words in (("gif", "animate as GIF (default)"), ("mp4", "animate as MP4, by ffmpeg")):
         choice.add_argument(f"--{kind}", dest="animation", action="store_const", const=kind, help=words)
-    command.add_argument("--out", type=Path, metavar="DIR", help="folder of the pictures (default DIR/render)")
+    command.add_argument("--out", type=path, metavar="DIR", help="folder of the pictures (default DIR/render)")
     command.set_defaults(animation="gif")
 
 

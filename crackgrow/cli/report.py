@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from crackgrow.cli.console import EXIT_DONE, say
-from crackgrow.cli.parser import Commands, add_command
+from crackgrow.cli.parser import Commands, add_command, path
 
 HELP = """\
 Write report.html of a result folder: the scene, crack paths, stress intensity, loads, tractions along the faces,
@@ -33,4 +32,4 @@ def report(arguments: argparse.Namespace) -> int:
 def add(commands: Commands) -> None:
     what = "write report.html of a result folder again"
     command = add_command(commands, report, "report", what, (HELP, EXAMPLES))
-    command.add_argument("folder", type=Path, metavar="DIR", help="the folder that `crackgrow run` wrote")
+    command.add_argument("folder", type=path, metavar="DIR", help="the folder that `crackgrow run` wrote")

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from crackgrow.cli.console import EXIT_DONE, hand_out
-from crackgrow.cli.parser import Commands, add_command
+from crackgrow.cli.parser import Commands, add_command, path
 from crackgrow.results.atomic import write_text
 
 HELP = """\
@@ -38,4 +37,4 @@ def schema(arguments: argparse.Namespace) -> int:
 def add(commands: Commands) -> None:
     what = "print the JSON Schema of case files, for editors"
     command = add_command(commands, schema, "schema", what, (HELP, EXAMPLES))
-    command.add_argument("--out", type=Path, metavar="FILE", help="write it to a file")
+    command.add_argument("--out", type=path, metavar="FILE", help="write it to a file")

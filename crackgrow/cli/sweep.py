@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, count, say, spelled
-from crackgrow.cli.parser import Commands, add_command
+from crackgrow.cli.parser import Commands, add_command, path
 from crackgrow.results.units import counted
 
 if TYPE_CHECKING:
@@ -75,10 +74,10 @@ def _resuming(arguments: argparse.Namespace, plan: SweepPlan) -> str:
 def add(commands: Commands) -> None:
     what = "run a case for each combination of parameters"
     command = add_command(commands, sweep, "sweep", what, (HELP, EXAMPLES))
-    command.add_argument("sweep", type=Path, metavar="SWEEP.yaml", help="the sweep file")
+    command.add_argument("sweep", type=path, metavar="SWEEP.yaml", help="the sweep file")
     place = command.add_mutually_exclusive_group()
     place.add_argument("--workers", type=count, metavar="N", help="processes of this machine (default: one a core)")
     place.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of this Dask scheduler: tcp://HOST:PORT")
     command.add_argument("--memory", metavar="SIZE", help="of each worker, such as 2GB")
     command.add_argument("--resume", action="store_true", help="run what is missing, go on with what was broken off")
-    command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/<sweep>)")
+    command.add_argument("--out", type=path, metavar="DIR", help="folder of the results (default outputs/<sweep>)")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_UNSOLVED, count, say
-from crackgrow.cli.parser import Commands, add_command, takes_case
+from crackgrow.cli.parser import Commands, add_command, path, takes_case
 
 HELP = """\
 Run a scene over a grid of settings and hold each run against a finer one: trade.csv has errors, seconds and memory of
@@ -72,4 +72,4 @@ def add(commands: Commands) -> None:
     command.add_argument("--repeat", type=count, default=1, metavar="N", help="runs of each setting; the median counts")
     command.add_argument("--timeout", type=float, metavar="SECONDS", help="give up a run after so long")
     command.add_argument("--resume", action="store_true", help="keep the rows that are there, run what is missing")
-    command.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default outputs/trade/<case>)")
+    command.add_argument("--out", type=path, metavar="DIR", help="folder of the results (default outputs/trade/<case>)")

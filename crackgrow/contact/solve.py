@@ -216,11 +216,14 @@ class Increment:
         return self._outcome(state, rock, off)
 
     def remembered(self, state: PointStates) -> ContactMemory:
-        """What points keep of their states."""
+        """What points keep of their states.
+
+        Slip wears all of what it does: many increments that each take less than `WORN` take something together.
+        """
         apart = (state.state == OPEN) & (state.gap > self.tolerance)
         slip = state.slip - self.contact.law.shear_compliance * state.tangential
         breaks = apart | ((state.state == SLIP) & ~self.contact.law.weakens)
-        return ContactMemory(slip, np.where(breaks, 1.0, state.trial.lost), ~apart)
+        return ContactMemory(slip, np.where(breaks, 1.0, self._worn(state)), ~apart)
 
     def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
         """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""

@@ -6,8 +6,11 @@ import errno
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Final
 
 from crackgrow.errors import CrackgrowError
+
+FULL: Final = (errno.ENOSPC, errno.EDQUOT)  # there is no room, on the disk or for this user
 
 
 class OutputError(CrackgrowError):
@@ -48,7 +51,7 @@ def write_atomically(path: Path, write: Callable[[Path], None], *, durable: bool
             temporary.unlink(missing_ok=True)
             raise
     except OSError as error:
-        raise _refused(path, error) from error
+        raise refused(path, error) from error
 
 
 def _flush(path: Path) -> None:
@@ -85,14 +88,14 @@ def append_text(path: Path, text: str) -> bool:
     except FileNotFoundError:
         return False
     except OSError as error:
-        raise _refused(path, error) from error
+        raise refused(path, error) from error
     try:
         size = os.fstat(file).st_size
         if os.write(file, data) < len(data):
             os.ftruncate(file, size)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     except OSError as error:
-        raise _refused(path, error) from error
+        raise refused(path, error) from error
     finally:
         os.close(file)
     return True
@@ -107,5 +110,7 @@ def remove_files(files: Iterable[Path]) -> None:
             raise OutputError(f"cannot remove {path}: {error.strerror or error}") from error
 
 
-def _refused(path: Path, error: OSError) -> OutputError:
-    return OutputError(f"cannot write {path}: {error.strerror or error}; make room there or choose another folder")
+def refused(path: Path, error: OSError) -> OutputError:
+    """What to say of a file that the system does not let be written."""
+    room = "make room there or " if error.errno in FULL else ""
+    return OutputError(f"cannot write {path}: {error.strerror or error}; {room}choose another folder")

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.atomic import OccupiedError, OutputError
+from crackgrow.results.atomic import OccupiedError, OutputError, refused
 
 LOCK: Final = ".crackgrow.lock"
 TAKEN: Final = (errno.EAGAIN, errno.EACCES)  # of a file that somebody else holds
@@ -87,8 +87,7 @@ class FolderLock:
         except OSError as error:
             if error.errno in NOT_WRITABLE:
                 return
-            why = error.strerror or error
-            raise OutputError(f"cannot write {self._path}: {why}; make room there or choose another folder") from error
+            raise refused(self._path, error) from error
         self._release = weakref.finalize(self, _release, self._path, file, is_new)
 
     def release(self) -> None:

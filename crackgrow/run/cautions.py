@@ -148,7 +148,7 @@ def _jumps(solution: StepSolution) -> Iterator[Caution]:
     """Tips that can grow whose stress is beyond the strength at the critical load factor."""
     for beyond, (index, at_end) in zip(solution.jumps, solution.cover.tip_ends, strict=True):
         if beyond:
-            yield Cause.JUMP.at(solution.scene.case.cracks[index].surface.end(at_end), 1.0 + beyond)
+            yield Cause.JUMP.at(solution.cover.cracks[index].name.end(at_end), 1.0 + beyond)
 
 
 def _sawing(solution: StepSolution) -> Iterator[Caution]:

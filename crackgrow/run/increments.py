@@ -5,9 +5,9 @@ Within a piece of the path (`path`) everything is linear in the loads, so that t
     work        = (f_0 + f_1)/2 . (u_1 - u_0) + (m_0 + m_1)/2 . (g_1 - g_0)    of loads f and prescribed displacements g
     dissipation = int (b_0 + b_1)/2 |s_1 - s_0| + (p_n0 + p_n1)/2 (d_1 - d_0) ds    of slip s and dilation d
 
-with b the shear that the law of friction allows, and the strain energy is u K u / 2, with that of elastic contact.
-Where points jump, since bonds break or let go, friction does not take all that the loads and the rock give, and the
-rest is released.
+with b the shear that the law of friction allows (its mean over the slip where strength falls with slip), and the
+strain energy is u K u / 2, with that of elastic contact. Where points jump, since bonds break or let go, friction does
+not take all that the loads and the rock give, and the rest is released.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Floats, Ints
-from crackgrow.contact.coulomb import OPEN, SLIP, ContactMemory
+from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
@@ -143,12 +143,11 @@ def unloaded(configuration: Configuration) -> Start:
 
 
 def from_state(state: LoadState) -> Start:
-    """Go on from a state of the same configuration."""
-    return replace(_on_from(state), remembered=Remembered.of(state.outcome.memory, state.outcome.points))
+    """Go on from a state of the same configuration.
 
-
-def _on_from(state: LoadState) -> Start:
-    """Go on from a state on the way, of which displacements are not formed."""
+    What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
+    displacements would not be on any path of it.
+    """
     return Start(state.level, state.remembered, state.energy, state.conjugates)
 
 
@@ -210,7 +209,7 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
         in_turn = in_turn + 1 if piece == "jump" else 0
         event = state.states if piece == "straight" else None
         reached.append(state if piece == "straight" else _booked(state, at))
-        at = _on_from(reached[-1])
+        at = from_state(reached[-1])
     *via, last = reached
     notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], in_turn > MOST_JUMPS))
     passed = tuple(replace(state, states=replace(state.states, problem=None)) for state in via)  # these are large
@@ -300,14 +299,30 @@ def _dissipated(configuration: Configuration, was: Remembered, state: LoadState)
     kinds = states.state.copy()
     if states.active is not None:  # at the end of a piece points are about to leave these branches
         kinds[states.trial.taken] = states.active.states()
-    bounds = []
-    for memory, normal in ((was.memory, was.normal), (now.memory, now.normal)):
-        friction, cohesion = law.bound_of(np.where(law.weakens, memory.lost, now.memory.lost))
-        cohesion[states.trial.opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
-        bounds.append(np.maximum(cohesion - friction * normal, 0.0))
-    by_slip = (bounds[0] + bounds[1]) * np.abs(now.memory.slip - was.memory.slip)
+    resisted = _resisted(law, was, now, states.trial.opened)
+    by_slip = resisted * np.abs(now.memory.slip - was.memory.slip)
     by_dilation = (was.normal + now.normal) * (now.dilation - was.dilation)
     return 0.5 * float(weights @ (np.where(kinds == SLIP, by_slip, 0.0) + np.where(kinds != OPEN, by_dilation, 0.0)))
+
+
+def _resisted(law: ContactLaw, was: Remembered, now: Remembered, opened: Bools) -> Floats:
+    """Twice the mean of the law's shear over slip from what `was` to what is `now` (n,) Pa, tractions taken as linear.
+
+    Where strength falls with slip that is Simpson's rule up to where nothing is left to lose, the trapezoidal beyond.
+    """
+    worn = law.worn(now.memory.slip - was.memory.slip)
+    left = np.where(law.weakens, 1.0 - was.memory.lost, 0.0)
+    falls = np.divide(left, worn, out=np.where(left > 0.0, 1.0, 0.0), where=worn > left)  # share of the slip
+
+    def shear(share: Floats | float) -> Floats:
+        """After a share of the slip."""
+        lost = np.where(law.weakens, was.memory.lost + np.minimum(share * worn, left), now.memory.lost)
+        friction, cohesion = law.bound_of(lost)
+        cohesion[opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
+        return np.maximum(cohesion - friction * ((1.0 - share) * was.normal + share * now.normal), 0.0)
+
+    first, fallen, last = shear(0.0), shear(falls), shear(1.0)
+    return falls * (first + 4.0 * shear(0.5 * falls) + fallen) / 3.0 + (1.0 - falls) * (fallen + last)
 
 
 def _missing(energy: Energy) -> float:

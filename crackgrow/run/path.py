@@ -95,8 +95,11 @@ def next_piece(
         return configuration.states(level(share), memory, before)
 
     if configuration.contact.law.weakens.any() and _wear(configuration, memory, at(least)) > 0.0:
-        share, states = _while_wearing(configuration, memory, at, least)
-        return states, level(share), "jump" if share == least else "bent"
+        probe = max(PROBE, least)
+        fast = _wear(configuration, memory, at(probe)) / probe
+        if fast > 0.0:  # else that was round-off of points which the load leaves
+            share, states = _while_wearing(configuration, memory, at, (least, min(1.0, WEAR / fast)))
+            return states, level(share), "jump" if share == least else "bent"
     shares = SHARES if before is None else SHARES[1:]
     for share in (*(share for share in shares if share > least), least):
         states = at(share)
@@ -115,14 +118,14 @@ def next_piece(
 
 
 def _while_wearing(
-    configuration: Configuration, memory: ContactMemory, at: Callable[[float], PointStates], least: float
+    configuration: Configuration, memory: ContactMemory, at: Callable[[float], PointStates], shares: tuple[float, float]
 ) -> tuple[float, PointStates]:
-    """A share of the way on which slip takes at most `WEAR` of what points can lose, or the `least`, with its states.
+    """A share of the way on which slip takes at most `WEAR` of what points can lose, or the least, with its states.
 
-    Along such a piece strength falls with slip, and tractions and slip are not linear in the load.
+    `shares` are the least and the first to be tried. Along such a piece strength falls with slip, so that tractions and
+    slip are not linear in the load.
     """
-    probe = max(PROBE, least)
-    share = min(1.0, probe * WEAR / max(_wear(configuration, memory, at(probe)), probe * WEAR))
+    least, share = shares
     while True:
         share = max(share, least)
         states = at(share)

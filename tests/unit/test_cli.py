@@ -373,6 +373,16 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == f"crackgrow {crackgrow.__version__}\n"
 
 
+@pytest.mark.parametrize(
+    "words", [["run", "case.yaml", "--out", ""], ["sweep", "sweep.yaml", "--out="], ["report", ""]]
+)
+def test_no_name_is_not_the_current_folder(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        cli.main(words)
+    assert caught.value.code == 2
+    assert "an empty name; the current folder is '.'" in capsys.readouterr().err
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
 @pytest.mark.parametrize("command", [["schema"], ["completion", "bash"]])
 def test_what_a_command_prints_is_not_lost_without_a_word(command: list[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
@@ -50,6 +51,16 @@ def test_full_disk_leaves_the_old_file(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="No space left"):
         write_atomically(path, write)
     assert path.read_text() == "old"
+
+
+@pytest.mark.parametrize(("number", "room"), [(errno.ENOSPC, True), (errno.EDQUOT, True), (errno.EROFS, False)])
+def test_room_is_asked_for_where_there_is_none(number: int, room: bool, tmp_path: Path) -> None:
+    def write(temporary: Path) -> None:
+        raise OSError(number, os.strerror(number), temporary)
+
+    with pytest.raises(OutputError, match=rf"a\.csv: {os.strerror(number)}; .*choose another folder") as caught:
+        write_atomically(tmp_path / "a.csv", write)
+    assert ("make room" in str(caught.value)) == room
 
 
 def test_text_is_appended_to_what_is_there(tmp_path: Path) -> None:
