@@ -65,6 +65,11 @@ MOST_WEARS = 1000
 UNSURE = 1e-8
 """The same, left at the end, of which the outcome carries a note."""
 
+TOUCH_AGAIN = (
+    "{} contact points open and touch again by dilation under one load: cohesion that is kept holds them from the next "
+    "load on only, so that results depend on how many loads lead there; cohesion_after_slip: lost is the same for all"
+)
+
 SOFTER = tuple(0.1 * 2.0**step for step in range(24))
 """Springs that let go of pieces, in parts of the rock's compliance.
 
@@ -230,6 +235,10 @@ class Increment:
         notes = sorted(state.notes)
         if off > UNSURE:
             notes.append(f"jumps of the faces are off by {off:.1g} of the largest: the system is ill conditioned")
+        law = self.contact.law
+        again = state.trial.opened & (state.state != OPEN) & law.kept & (law.cohesion > 0.0)
+        if again.any():
+            notes.append(TOUCH_AGAIN.format(again.sum()))
         elastic = self.contact.law.compliance * state.normal
         return ContactOutcome(
             u=rock[0],

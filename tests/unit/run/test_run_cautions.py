@@ -133,6 +133,20 @@ def test_a_tip_close_to_an_interface_is_told_by_its_name() -> None:
     assert told.startswith("the end of crack 'flaw' is closer than a spacing to interface 'plug/rock")
 
 
+@pytest.mark.parametrize("after", ["kept", "lost"])
+def test_cohesion_that_comes_back_with_the_next_load_only_is_told(after: str) -> None:
+    """A dilating crack that tension opens slides without it; under a second load it would stick."""
+    law = f"{{friction: 1.4, cohesion: 0.1, cohesion_after_slip: {after}, dilation_angle: 30}}"
+    base = ["cracks.flaw.path.angle=80", f"cracks.flaw.contact={law}", "output.frames=none", "output.figures=false"]
+    once, twice = (
+        list(grow(load_case(CASES / "slant_tension.yaml", [*base, "numerics.spacing=2", f"loading={loading}"])))[-1]
+        for loading in ("{history: [1.0]}", "{history: [0.5, 1.0]}")
+    )
+    told = [words for words in once.warnings if "touch again" in words]
+    same = pytest.approx(twice.tips[0].K_I, rel=1e-6) == once.tips[0].K_I
+    assert (len(told), same) == ((1, False) if after == "kept" else (0, True))
+
+
 def test_a_full_overlap_is_told_in_plain_digits() -> None:
     result = first_step("compression30")
     (face,) = result.faces
