@@ -105,6 +105,7 @@ class Accuracy:
     compared: Configuration | None = field(default=None, repr=False)  # that it was measured against, where it is kept
     expected: tuple[float, ...] = ()  # Pa sqrt(m), like bounds: what K_I and K_II together are off by, most likely
     rooms: tuple[float, ...] = ()  # m, like bounds: to what lies nearest to the tip when this was measured; or nan
+    age: int = 0  # steps since this was measured
     turns: tuple[float, ...] = ()  # rad, like bounds: by what the direction of growth was another there; nan: not known
     criticalities: tuple[float, ...] = ()  # the same of the criticality, of itself
 
@@ -119,7 +120,7 @@ class Accuracy:
 
 def record_of(accuracy: Accuracy) -> dict[str, Any]:
     """An accuracy as plain data, which knows no nan."""
-    record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "fitted", "missed")}
+    record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "fitted", "missed", "age")}
     record["goal"] = None if math.isnan(accuracy.goal) else accuracy.goal if math.isfinite(accuracy.goal) else "inf"
     for name in ("bounds", "expected", "rooms", "turns", "criticalities"):
         record[name] = [None if math.isnan(number) else number for number in getattr(accuracy, name)]
@@ -142,6 +143,7 @@ def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
         record["fitted"],
         record["missed"],
         math.nan if record.get("goal") is None else float(record["goal"]),
+        age=record.get("age", 0),
         expected=of_tips("expected"),
         rooms=of_tips("rooms"),
         turns=of_tips("turns"),

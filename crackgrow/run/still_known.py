@@ -2,8 +2,8 @@
 
 What is known of the K of a crack holds until what was added to it is over twice as long, or one of its tips more or
 less is there; of the K of a tip until what lies nearest is a third nearer. For a target all of it has to hold. A name
-chooses no cells by it: it is measured anew once what was added to all cracks together is over twice as long, and until
-then the fitted bound tells of the others.
+chooses no cells by it: it is measured anew once what was added to all cracks together is over twice as long, or where
+it holds no more at a tip, but after a step for each tip at the soonest. Until then the fitted bound tells of such tips.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitt
     `fitted` are the fitted bounds of its tips.
     """
     if solution.scene.case.numerics.target is None:
-        still = _is_like(sum(grown), sum(last.grown))
+        young = last.age < len(solution.cover.tip_ends)  # scenes with many tips would be measured all the time
+        known = young or (not _has_lost(last) and all(_still_known(last, solution, grown)))
+        still = known and _is_like(sum(grown), sum(last.grown))
     else:
         same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.scene.halvings
         still = same and all(_still_known(last, solution, grown))
@@ -74,6 +76,7 @@ def carried_over(last: Accuracy, solution: StepSolution, grown: tuple[float, ...
     )
     return replace(
         last,
+        age=last.age + 1,
         ends=ends,
         largest=largest,
         bounds=bounds,
@@ -82,6 +85,12 @@ def carried_over(last: Accuracy, solution: StepSolution, grown: tuple[float, ...
         turns=carried(last.turns),
         criticalities=carried(last.criticalities),
     )
+
+
+def _has_lost(last: Accuracy) -> bool:
+    """Whether there is a tip of which the fitted bound tells."""
+    of_tips = zip(last.expected, last.bounds, strict=True)
+    return any(math.isnan(error) and not math.isnan(bound) for error, bound in of_tips)
 
 
 def _still_known(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> list[bool]:

@@ -112,6 +112,18 @@ def test_a_tip_with_a_third_less_room_has_the_fitted_bound() -> None:
         assert holds(replace(last, rooms=rooms), targeted, (0.0,), fitted) == still
 
 
+def test_it_is_measured_again_where_a_tip_has_less_room_but_not_at_once() -> None:
+    """After a step for each tip: a scene with many would be measured all the time."""
+    _, solution = next(solved_steps(case("growth.steps=0")))
+    last = solution.accuracy
+    assert last is not None
+    fitted = fitted_bounds(solution)
+    crowded = replace(last, rooms=tuple(2.0 * room for room in last.rooms))
+    assert [holds(replace(crowded, age=age), solution, (0.0,), fitted) for age in (0, 1, 2)] == [True, True, False]
+    assert holds(replace(last, age=100), solution, (0.0,), fitted)
+    assert carried_over(crowded, solution, (0.0,), fitted).age == 1
+
+
 def test_what_was_not_measured_is_not_carried_over() -> None:
     """The fitted bound is that of the step itself."""
     _, solution = next(solved_steps(case("growth.steps=0")))
