@@ -1,6 +1,6 @@
 """The errors that runs state on scenes at random: of K, of directions of growth, of critical loads.
 
-python -m tests.benchmarks.random_errors                    forty scenes: random_errors.md
+python -m tests.benchmarks.random_errors                       twenty scenes: random_errors.md
 python -m tests.benchmarks.random_errors --seed 3 --scenes 5   these five, printed
 """
 
@@ -33,7 +33,7 @@ GOOD: Final = 0.02
 """Of the largest K: where the truth's own bound is above, K is practically nothing and no scene to judge by."""
 NEAR: Final = 0.7
 """Criticality over that of the tip that sets the load: directions of tips below are not asked for."""
-FIRST, MANY = 300, 40
+FIRST, MANY = 300, 20
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
 WHATS = ("K", "direction", "load")
 WORDS = f"""# The errors that runs state, on scenes at random
