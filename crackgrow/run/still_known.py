@@ -3,7 +3,8 @@
 What is known of the K of a crack holds until what was added to it is over twice as long, or one of its tips more or
 less is there; of the K of a tip until what lies nearest is a third nearer. For a target all of it has to hold. A name
 chooses no cells by it: it is measured anew once what was added to all cracks together is over twice as long, and until
-then the fitted bound tells of the others.
+then the fitted bound tells of the others. Where bonds break at a critical load the other cells have one of their own:
+what is known there tells nothing of steps at which none break, nor the other way round.
 """
 
 from __future__ import annotations
@@ -48,6 +49,8 @@ def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitt
 
     `fitted` are the fitted bounds of its tips.
     """
+    if last.jumps != any(solution.jumps):
+        return False
     if solution.scene.case.numerics.target is None:
         still = _is_like(sum(grown), sum(last.grown))
     else:

@@ -14,6 +14,7 @@ from crackgrow.case.model import Case
 from crackgrow.run import aim as aim_file
 from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
+from crackgrow.run.halvings import accuracy_of_record, record_of
 from crackgrow.run.layout import cover_of
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
@@ -151,6 +152,10 @@ def test_where_bonds_break_at_the_critical_load_the_other_cells_have_their_own()
     assert 0.0 < apart < 0.1
     assert result.load_factor_error == pytest.approx(300.0 * apart, rel=1e-6)
     assert max(known.shares()) < 0.3
+    fitted = fitted_bounds(solution)
+    for jumps in (True, False):  # the difference at one load tells nothing of that of two loads
+        last = accuracy_of_record(record_of(replace(known, jumps=jumps)))
+        assert holds(last, solution, (0.0,), fitted) == jumps
 
 
 def test_a_scene_with_very_many_unknowns_has_the_fitted_bound(monkeypatch: pytest.MonkeyPatch) -> None:
