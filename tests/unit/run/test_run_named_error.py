@@ -14,6 +14,7 @@ from crackgrow.case.model import Case
 from crackgrow.run import aim as aim_file
 from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
+from crackgrow.run.growth_error import judged_when_off, kink_errors
 from crackgrow.run.halvings import accuracy_of_record, record_of
 from crackgrow.run.layout import cover_of
 from crackgrow.run.loading import load
@@ -138,6 +139,15 @@ def test_what_the_criterion_says_on_the_other_cells_is_kept_and_carried_over() -
     assert all(tip.kink_error_deg >= math.degrees(2.9999 * last.turns[0]) for tip in result.tips)
     again = carried_over(last, solution, (0.0,), fitted_bounds(solution))
     assert (again.turns, again.criticalities) == (last.turns, last.criticalities)
+
+
+def test_a_direction_is_off_by_half_a_turn_at_most() -> None:
+    """Of two directions as good as each other the other cells may show the other one."""
+    _, solution = next(solved_steps(case("growth.steps=0")))
+    known = solution.accuracy
+    assert known is not None
+    turned = replace(solution, accuracy=replace(known, turns=(2.0, 1.0)))
+    assert kink_errors(turned, judged_when_off(turned, [(0.0, 0.0)] * 2)) == [math.pi, 3.0]
 
 
 def test_where_bonds_break_at_the_critical_load_the_other_cells_have_their_own() -> None:
