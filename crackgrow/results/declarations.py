@@ -82,8 +82,8 @@ TIPS: Final = File(
                "a factor of two; nan where it is not measured: the spacing is given, strength is reduced, "
                "unknowns are very many, what was added to the crack is over twice what it was when K was measured, or "
                "what lies nearest to the tip is a third nearer than it was then"),
-        Column("criticality", "", "stress of the criterion over the strength, of whichever branch is nearer to it: 1 "
-               "and more where the criterion is met; of two tips the one with more grows first; nan without growth"),
+        Column("criticality", "", "stress of the criterion over the strength, of the branch by which the tip grows or "
+               "would: 1 and more where it is met; of two tips the one with more grows first; nan without growth"),
     ),
 )  # fmt: skip
 

@@ -24,7 +24,7 @@ from crackgrow.results.checkpoint_file import (
 )
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.summary import program_commit
-from crackgrow.results.tables import fits
+from crackgrow.results.tables import fits, goes_on
 from crackgrow.run.result import Checkpoint
 
 FREE = ("title", "source", "output.figures", "output.report", "growth.steps")
@@ -140,7 +140,8 @@ def _so_far(loading: Stages, stored: StoredCheckpoint) -> list[tuple[object, ...
 def _missing(folder: Path, stored: StoredCheckpoint) -> list[str]:
     """Result files that a checkpoint counts on and that are not there, or not as it knows them."""
     results = stored.results
-    broken = [name for name, mark in results["tables"].items() if not fits(folder / name, mark)]
+    tables = {folder / name: mark for name, mark in results["tables"].items()}
+    broken = [path.name for path, mark in tables.items() if not (fits(path, mark) and goes_on(path))]
     frames = [name for series in ("frames", "cracks") for _, name in results[series]]
     return [*broken, *(name for name in frames if not (folder / name).is_file())]
 

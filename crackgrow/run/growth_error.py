@@ -6,7 +6,8 @@ turns. The load factor is off by 1/n of what the criticality is, with n = d ln(c
 
 The stress at the distance of its average is not that of K alone, and has an error of its own. Where the step is held
 against other cells (`run.other_cells`) the criterion is asked there, too: direction and criticality are off by three
-times what it says otherwise, or by what follows from K where that is more.
+times what it says otherwise, or by what follows from K where that is more. A direction is off by half a turn at most:
+of two that are as good as each other the criterion may take the other one there.
 
 Where the direction is that without shear at the new tip (`growth.direction: implicit`), a kink that is off by dt leaves
 K_II = K_I dt / 2 there, so that K_II that is off by d_II has turned the last increment by 2 d_II / K_I: what the hoop
@@ -83,7 +84,7 @@ def kink_errors(solution: StepSolution, off: Judged) -> list[float]:
             kink, kinks = hoop_stress_kink(*state.K), [hoop_stress_kink(each.K_I, each.K_II) for each, _ in others]
         else:
             kink, kinks, least = state.verdict.kink, [says.kink for _, says in others], apart
-        found.append(max((least, *(abs(other - kink) for other in kinks))) if kinks else NAN)
+        found.append(min(max((least, *(abs(other - kink) for other in kinks))), np.pi) if kinks else NAN)
     return found
 
 

@@ -107,7 +107,8 @@ class Accuracy:
     rooms: tuple[float, ...] = ()  # m, like bounds: to what lies nearest to the tip when this was measured; or nan
     age: int = 0  # steps since this was measured
     turns: tuple[float, ...] = ()  # rad, like bounds: by what the direction of growth was another there; nan: not known
-    criticalities: tuple[float, ...] = ()  # the same of the criticality, of itself
+    criticalities: tuple[float, ...] = ()  # the same of the criticality, of itself; of a load that bonds break at
+    jumps: bool = False  # whether they do: the other cells had their own load then
 
     def shares(self, crack: int | None = None) -> list[float]:
         """Bounds over the largest K, of the tips of one crack or of all, where they are known; or that of the goal."""
@@ -120,7 +121,8 @@ class Accuracy:
 
 def record_of(accuracy: Accuracy) -> dict[str, Any]:
     """An accuracy as plain data, which knows no nan."""
-    record = {name: getattr(accuracy, name) for name in ("ends", "largest", "grown", "fitted", "missed", "age")}
+    names = ("ends", "largest", "grown", "fitted", "missed", "age", "jumps")
+    record = {name: getattr(accuracy, name) for name in names}
     record["goal"] = None if math.isnan(accuracy.goal) else accuracy.goal if math.isfinite(accuracy.goal) else "inf"
     for name in ("bounds", "expected", "rooms", "turns", "criticalities"):
         record[name] = [None if math.isnan(number) else number for number in getattr(accuracy, name)]
@@ -148,4 +150,5 @@ def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
         rooms=of_tips("rooms"),
         turns=of_tips("turns"),
         criticalities=of_tips("criticalities"),
+        jumps=record.get("jumps", False),
     )

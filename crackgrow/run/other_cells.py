@@ -97,6 +97,7 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
         rooms=room_at_tips(scene, cover),
         turns=tuple(difference.turn for difference in each),
         criticalities=tuple(difference.criticality for difference in each),
+        jumps=any(solution.jumps),
     )
 
 

@@ -4,6 +4,9 @@ What is known of the K of a crack holds until what was added to it is over twice
 less is there; of the K of a tip until what lies nearest is a third nearer. For a target all of it has to hold. A name
 chooses no cells by it: it is measured anew once what was added to all cracks together is over twice as long, or where
 it holds no more at a tip, but after a step for each tip at the soonest. Until then the fitted bound tells of such tips.
+
+Where bonds break at a critical load the other cells have one of their own: what is known there tells nothing of steps
+at which none break, nor the other way round.
 """
 
 from __future__ import annotations
@@ -48,6 +51,8 @@ def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitt
 
     `fitted` are the fitted bounds of its tips.
     """
+    if last.jumps != any(solution.jumps):
+        return False
     if solution.scene.case.numerics.target is None:
         young = last.age < len(solution.cover.tip_ends)  # scenes with many tips would be measured all the time
         known = young or (not _has_lost(last) and all(_still_known(last, solution, grown)))

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import shutil
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from zlib import crc32
 
 import numpy as np
 import pytest
@@ -22,6 +24,7 @@ from crackgrow.results.checkpoint_file import (
     read_checkpoint,
     steps_with_checkpoint,
 )
+from crackgrow.results.folder import RunFolder
 from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.run.result import Checkpoint
 from tests.properties.broken_off import contents
@@ -236,6 +239,38 @@ def test_another_version_goes_on_with_a_warning(copy: Path, monkeypatch: pytest.
     found = find_resumption(case("growth.steps=3"), copy)
     assert found is not None
     assert "gone on with by 99.0" in found.remarks[0]
+
+
+def with_header(folder: Path, change: Callable[[str], str]) -> None:
+    """Write tips.csv line by line as a version with other columns would have, and what checkpoints know of it."""
+    table = folder / "tips.csv"
+    for path in (folder / "checkpoint").glob("*.npz"):
+        with np.load(path) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+        header = json.loads(arrays["header"].tobytes())
+        length = header["results"]["tables"]["tips.csv"][0]
+        kept = "".join(change(line) + "\n" for line in table.read_text()[:length].splitlines()).encode()
+        header["results"]["tables"]["tips.csv"] = [len(kept), crc32(kept)]
+        arrays["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+        np.savez(path, **arrays)
+    table.write_text("".join(change(line) + "\n" for line in table.read_text().splitlines()))
+
+
+def test_a_run_without_the_columns_that_have_come_since_goes_on(copy: Path) -> None:
+    before = RunFolder(copy).table("tips")
+    with_header(copy, lambda line: line.rpartition(",")[0])
+    assert run(copy, "growth.steps=3", resume=True) == 0
+    after = RunFolder(copy).table("tips")
+    assert list(after.columns) == list(before.columns)
+    *kept, last = after.columns
+    assert np.array_equal(np.isnan(after.numbers(last)), after.steps() < 2)  # the checkpoint's step is made again
+    assert all(after.of_steps([0, 1, 2]).words(name) == before.words(name) for name in kept if name != "advanced")
+
+
+def test_columns_of_a_later_version_are_refused(copy: Path) -> None:
+    with_header(copy, lambda line: line + (",new" if line.startswith("step") else ",1.0"))
+    with pytest.raises(ResumeError, match=r"nothing to go on from.*step 2 does not fit tips\.csv"):
+        find_resumption(case("growth.steps=3"), copy)
 
 
 def test_another_format_is_refused(copy: Path) -> None:

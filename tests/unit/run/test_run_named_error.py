@@ -14,6 +14,8 @@ from crackgrow.case.model import Case
 from crackgrow.run import aim as aim_file
 from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
+from crackgrow.run.growth_error import judged_when_off, kink_errors
+from crackgrow.run.halvings import accuracy_of_record, record_of
 from crackgrow.run.layout import cover_of
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
@@ -151,6 +153,15 @@ def test_what_the_criterion_says_on_the_other_cells_is_kept_and_carried_over() -
     assert (again.turns, again.criticalities) == (last.turns, last.criticalities)
 
 
+def test_a_direction_is_off_by_half_a_turn_at_most() -> None:
+    """Of two directions as good as each other the other cells may show the other one."""
+    _, solution = next(solved_steps(case("growth.steps=0")))
+    known = solution.accuracy
+    assert known is not None
+    turned = replace(solution, accuracy=replace(known, turns=(2.0, 1.0)))
+    assert kink_errors(turned, judged_when_off(turned, [(0.0, 0.0)] * 2)) == [math.pi, 3.0]
+
+
 def test_where_bonds_break_at_the_critical_load_the_other_cells_have_their_own() -> None:
     """At the same load they may not break: K would differ by more than half."""
     bonded = [f"cracks.flaw.contact.{name}" for name in ("cohesion=1 MPa", "friction=0.1")]
@@ -163,6 +174,10 @@ def test_where_bonds_break_at_the_critical_load_the_other_cells_have_their_own()
     assert 0.0 < apart < 0.1
     assert result.load_factor_error == pytest.approx(300.0 * apart, rel=1e-6)
     assert max(known.shares()) < 0.3
+    fitted = fitted_bounds(solution)
+    for jumps in (True, False):  # the difference at one load tells nothing of that of two loads
+        last = accuracy_of_record(record_of(replace(known, jumps=jumps)))
+        assert holds(last, solution, (0.0,), fitted) == jumps
 
 
 def test_a_scene_with_very_many_unknowns_has_the_fitted_bound(monkeypatch: pytest.MonkeyPatch) -> None:
