@@ -44,7 +44,8 @@ Written by `python -m tests.benchmarks.random_errors`: {MANY} of the growing sce
 critical load, by name and for 1 %. Nothing was chosen by them but that of the first ten directions and loads are three
 times off what other cells tell. The truth is the same scene for {TRUTH}, with the error that it states of itself:
 within the bound is what is not beyond both. Scenes are left out that have no solution, no critical load, or a largest K
-that is practically nothing. K and directions: each tip; K under the truth's load, over the largest; directions in degrees.
+that is practically nothing. K and directions: each tip; K under the truth's load, in percent of the largest; directions
+in degrees.
 """
 
 
