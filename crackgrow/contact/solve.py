@@ -239,7 +239,7 @@ class Increment:
         again = state.trial.opened & (state.state != OPEN) & law.kept & (law.cohesion > 0.0)
         if again.any():
             notes.append(TOUCH_AGAIN.format(again.sum()))
-        elastic = self.contact.law.compliance * state.normal
+        elastic = law.compliance * state.normal
         return ContactOutcome(
             u=rock[0],
             multipliers=rock[1],

@@ -85,7 +85,7 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
         expected.append(error)
         bounds.append(most)
     keep = scene.case.numerics.target is not None  # a name's error is measured too seldom for that
-    each = [off.get(end, UNKNOWN) for end in cover.tip_ends]
+    each = [off.get(end, _Difference()) for end in cover.tip_ends]
     return Accuracy(
         scene.halvings,
         tuple(cover.tip_ends),
@@ -131,9 +131,6 @@ class _Difference:
     K: float = np.nan  # Pa sqrt(m), sqrt(D^2 + S^2)
     turn: float = np.nan  # rad, of the direction of growth; nan without growth
     criticality: float = np.nan  # of itself; of the load factor where both have their own
-
-
-UNKNOWN: Final = _Difference()
 
 
 def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Difference]:

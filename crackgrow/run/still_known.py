@@ -13,13 +13,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.nearby import room_at_tips
-from crackgrow.run.other_cells import fitted_share, largest_K
+from crackgrow.run.other_cells import fitted_bounds, fitted_share, largest_K
 
 GROWN = 2.0
 """What is known of the error holds until what was added to a crack is over so many times as long, or B so much of K.
@@ -46,66 +47,76 @@ def lengths_grown(solution: StepSolution) -> tuple[float, ...]:
     return tuple(found)
 
 
-def holds(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitted: Sequence[float]) -> bool:
-    """Whether what was known of the step before is good enough for this one, in which cracks have `grown`.
+@dataclass(frozen=True, eq=False)
+class Since:
+    """What was known of the step before, seen from a step in which cracks have grown by then."""
 
-    `fitted` are the fitted bounds of its tips.
-    """
-    if last.jumps != any(solution.jumps):
-        return False
-    if solution.scene.case.numerics.target is None:
-        young = last.age < len(solution.cover.tip_ends)  # scenes with many tips would be measured all the time
-        known = young or (not _has_lost(last) and all(_still_known(last, solution, grown)))
-        still = known and _is_like(sum(grown), sum(last.grown))
-    else:
-        same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.scene.halvings
-        still = same and all(_still_known(last, solution, grown))
-    return still and fitted_share(solution, fitted) <= GROWN * last.fitted
+    last: Accuracy
+    solution: StepSolution
+    grown: tuple[float, ...]  # m, crack by crack
 
+    @cached_property
+    def fitted(self) -> list[float]:
+        """The fitted bounds of the step's tips."""
+        return fitted_bounds(self.solution)
 
-def carried_over(last: Accuracy, solution: StepSolution, grown: tuple[float, ...], fitted: Sequence[float]) -> Accuracy:
-    """What was measured before, in the same shares of the K of this step; of other tips the `fitted` bound."""
-    largest, ends = largest_K(solution), tuple(solution.cover.tip_ends)
-    scale = largest / last.largest if last.largest > 0.0 else 1.0
-    then = {end: number for number, end in enumerate(last.ends)}
-    measured = [
-        then[end] if still and not math.isnan(last.expected[then[end]]) else None
-        for end, still in zip(ends, _still_known(last, solution, grown), strict=True)
-    ]
+    @cached_property
+    def still_known(self) -> list[bool]:
+        """Whether what was measured at it holds, tip by tip."""
+        last, solution = self.last, self.solution
+        lengths = dict(enumerate(last.grown))  # a crack that has started since had nothing
+        then = dict(zip(last.ends, last.rooms, strict=True))
+        return [
+            end in then and _is_like(self.grown[end[0]], lengths.get(end[0], 0.0)) and not NEARER * room < then[end]
+            for end, room in zip(solution.cover.tip_ends, room_at_tips(solution.scene, solution.cover), strict=True)
+        ]
 
-    def carried(numbers: Sequence[float]) -> tuple[float, ...]:
-        return tuple(math.nan if tip is None else numbers[tip] for tip in measured)
+    @property
+    def holds(self) -> bool:
+        """Whether what was known is good enough for this step."""
+        last, solution = self.last, self.solution
+        if last.jumps != any(solution.jumps):
+            return False
+        if solution.scene.case.numerics.target is None:
+            young = last.age < len(solution.cover.tip_ends)  # scenes with many tips would be measured all the time
+            known = young or (not _has_lost(last) and all(self.still_known))
+            still = known and _is_like(sum(self.grown), sum(last.grown))
+        else:
+            same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.scene.halvings
+            still = same and all(self.still_known)
+        return still and fitted_share(solution, self.fitted) <= GROWN * last.fitted
 
-    bounds = tuple(
-        bound if tip is None else scale * last.bounds[tip] for tip, bound in zip(measured, fitted, strict=True)
-    )
-    return replace(
-        last,
-        age=last.age + 1,
-        ends=ends,
-        largest=largest,
-        bounds=bounds,
-        expected=tuple(scale * error for error in carried(last.expected)),
-        rooms=carried(last.rooms),
-        turns=carried(last.turns),
-        criticalities=carried(last.criticalities),
-    )
+    def carried_over(self) -> Accuracy:
+        """What was measured before, in the same shares of the K of this step; of other tips the fitted bound."""
+        last, ends = self.last, tuple(self.solution.cover.tip_ends)
+        largest, then = largest_K(self.solution), {end: number for number, end in enumerate(last.ends)}
+        scale = largest / last.largest if last.largest > 0.0 else 1.0
+        measured = [
+            then[end] if still and not math.isnan(last.expected[then[end]]) else None
+            for end, still in zip(ends, self.still_known, strict=True)
+        ]
+
+        def carried(numbers: Sequence[float]) -> tuple[float, ...]:
+            return tuple(math.nan if tip is None else numbers[tip] for tip in measured)
+
+        of_tips = zip(measured, self.fitted, strict=True)
+        return replace(
+            last,
+            age=last.age + 1,
+            ends=ends,
+            largest=largest,
+            bounds=tuple(bound if tip is None else scale * last.bounds[tip] for tip, bound in of_tips),
+            expected=tuple(scale * error for error in carried(last.expected)),
+            rooms=carried(last.rooms),
+            turns=carried(last.turns),
+            criticalities=carried(last.criticalities),
+        )
 
 
 def _has_lost(last: Accuracy) -> bool:
     """Whether there is a tip of which the fitted bound tells."""
     of_tips = zip(last.expected, last.bounds, strict=True)
     return any(math.isnan(error) and not math.isnan(bound) for error, bound in of_tips)
-
-
-def _still_known(last: Accuracy, solution: StepSolution, grown: tuple[float, ...]) -> list[bool]:
-    """Whether what was measured at it holds, tip by tip."""
-    lengths = dict(enumerate(last.grown))  # a crack that has started since had nothing
-    rooms = dict(zip(last.ends, last.rooms, strict=True))
-    return [
-        end in rooms and _is_like(grown[end[0]], lengths.get(end[0], 0.0)) and not NEARER * room < rooms[end]
-        for end, room in zip(solution.cover.tip_ends, room_at_tips(solution.scene, solution.cover), strict=True)
-    ]
 
 
 def _is_like(now: float, then: float) -> bool:

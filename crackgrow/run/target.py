@@ -18,9 +18,8 @@ from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.layout import cover_of
-from crackgrow.run.other_cells import fitted_bounds
 from crackgrow.run.scene import Scene
-from crackgrow.run.still_known import carried_over, holds, lengths_grown
+from crackgrow.run.still_known import Since, lengths_grown
 
 MOST_ROUNDS = 4
 """Times that cells are halved for one step."""
@@ -39,9 +38,9 @@ def aimed(solution: StepSolution, ways: Ways, last: Accuracy | None) -> StepSolu
         known = aim.accuracy(solution, None)
         return replace(solution, accuracy=replace(known, grown=grown, missed=aim.why_not(solution, grown)))
     if last is not None:
-        fitted = fitted_bounds(solution)
-        if holds(last, solution, grown, fitted):
-            return replace(solution, accuracy=carried_over(last, solution, grown, fitted))
+        since = Since(last, solution, grown)
+        if since.holds:
+            return replace(solution, accuracy=since.carried_over())
     return _in_rounds(solution, ways, _Comparison(aim, ways, last, grown))
 
 

@@ -21,6 +21,7 @@ from crackgrow.blas import single_threaded
 from crackgrow.case import load_case
 from crackgrow.errors import CrackgrowError
 from crackgrow.run import grow
+from crackgrow.run.caution import Cause
 from crackgrow.run.result import StepResult, TipResult
 from tests.benchmarks.paths import HERE
 from tests.benchmarks.tables import number, table
@@ -33,8 +34,6 @@ GOOD: Final = 0.02
 """Of the largest K: where the truth's own bound is above, K is practically nothing and no scene to judge by."""
 NEAR: Final = 0.7
 """Criticality over that of the tip that sets the load: directions of tips below are not asked for."""
-JUMPED: Final = 1.0 + 1e-6
-"""Criticality at a critical load that bonds break at."""
 FIRST, MANY = 300, 20
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
 WHATS = ("K", "direction", "load")
@@ -104,7 +103,7 @@ Errors = Iterator[tuple[float, float, float]]
 
 def _of_K(step: StepResult, truth: StepResult) -> Errors:
     """Of each tip, percent of the largest K: under the same load. None where bonds break at it: elsewhere they hold."""
-    if any(tip.criticality > JUMPED for tip in truth.tips):
+    if any(tip.criticality - 1.0 > Cause.JUMP.limit for tip in truth.tips):
         return
     largest = max((float(np.hypot(tip.K_I, tip.K_II)) for tip in truth.tips), default=math.nan)
     for tip, true in zip(step.tips, truth.tips, strict=True):

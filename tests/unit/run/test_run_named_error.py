@@ -22,7 +22,7 @@ from crackgrow.run.loop import solved_steps
 from crackgrow.run.nearby import room_at_tips
 from crackgrow.run.other_cells import accuracy_of, compared, fitted_bounds
 from crackgrow.run.scene import make_scene
-from crackgrow.run.still_known import carried_over, holds
+from crackgrow.run.still_known import Since
 
 CASES = Path(__file__).parents[3] / "cases"
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
@@ -76,7 +76,7 @@ def test_a_crack_that_has_grown_more_than_the_others_has_the_fitted_bound() -> N
     _, solution = next(solved_steps(two))
     last = solution.accuracy
     assert last is not None
-    known = carried_over(replace(last, grown=(1e-3, 1e-3)), solution, (1.5e-3, 3e-3), fitted_bounds(solution))
+    known = Since(replace(last, grown=(1e-3, 1e-3)), solution, (1.5e-3, 3e-3)).carried_over()
     fitted = fitted_bounds(solution)
     for tip, (crack, _) in enumerate(solution.cover.tip_ends):
         assert known.bounds[tip] == (fitted[tip] if crack == 1 else last.bounds[tip])
@@ -91,7 +91,7 @@ def test_a_crack_that_has_started_since_has_the_fitted_bound_at_every_step() -> 
     first = {name: getattr(last, name)[:2] for name in ("ends", "bounds", "expected", "rooms")}
     known = replace(last, grown=(1e-3,), **first)
     for _ in range(2):
-        known = carried_over(known, solution, (1.5e-3, 0.2e-3), fitted_bounds(solution))
+        known = Since(known, solution, (1.5e-3, 0.2e-3)).carried_over()
         assert known.bounds == (*last.bounds[:2], *fitted_bounds(solution)[2:])
         assert [math.isnan(error) for error in known.expected] == [False, False, True, True]
 
@@ -104,14 +104,14 @@ def test_a_tip_with_a_third_less_room_has_the_fitted_bound() -> None:
     assert last.rooms == room_at_tips(solution.scene, solution.cover)
     assert last.rooms == pytest.approx([10e-3, 10e-3])  # the crack's length: nothing is nearer
     fitted = fitted_bounds(solution)
-    known = carried_over(replace(last, rooms=(14e-3, 16e-3)), solution, (0.0,), fitted)
+    known = Since(replace(last, rooms=(14e-3, 16e-3)), solution, (0.0,)).carried_over()
     assert known.bounds == (last.bounds[0], fitted[1])
     assert [math.isnan(error) for error in known.expected] == [False, True]
     _, targeted = next(solved_steps(case("growth.steps=0", "numerics.accuracy=3 %")))
-    last, fitted = targeted.accuracy, fitted_bounds(targeted)
+    last = targeted.accuracy
     assert last is not None
     for rooms, still in (((14e-3, math.nan), True), ((14e-3, 16e-3), False)):
-        assert holds(replace(last, rooms=rooms), targeted, (0.0,), fitted) == still
+        assert Since(replace(last, rooms=rooms), targeted, (0.0,)).holds == still
 
 
 def test_it_is_measured_again_where_a_tip_has_less_room_but_not_at_once() -> None:
@@ -119,11 +119,10 @@ def test_it_is_measured_again_where_a_tip_has_less_room_but_not_at_once() -> Non
     _, solution = next(solved_steps(case("growth.steps=0")))
     last = solution.accuracy
     assert last is not None
-    fitted = fitted_bounds(solution)
     crowded = replace(last, rooms=tuple(2.0 * room for room in last.rooms))
-    assert [holds(replace(crowded, age=age), solution, (0.0,), fitted) for age in (0, 1, 2)] == [True, True, False]
-    assert holds(replace(last, age=100), solution, (0.0,), fitted)
-    assert carried_over(crowded, solution, (0.0,), fitted).age == 1
+    assert [Since(replace(crowded, age=age), solution, (0.0,)).holds for age in (0, 1, 2)] == [True, True, False]
+    assert Since(replace(last, age=100), solution, (0.0,)).holds
+    assert Since(crowded, solution, (0.0,)).carried_over().age == 1
 
 
 def test_what_was_not_measured_is_not_carried_over() -> None:
@@ -131,7 +130,7 @@ def test_what_was_not_measured_is_not_carried_over() -> None:
     _, solution = next(solved_steps(case("growth.steps=0")))
     last = replace(accuracy_of(solution, None), grown=(0.0,), bounds=(1.0, 2.0))
     fitted = fitted_bounds(solution)
-    assert carried_over(last, solution, (0.0,), fitted).bounds == tuple(fitted)
+    assert Since(last, solution, (0.0,)).carried_over().bounds == tuple(fitted)
 
 
 def test_what_the_criterion_says_on_the_other_cells_is_kept_and_carried_over() -> None:
@@ -149,7 +148,7 @@ def test_what_the_criterion_says_on_the_other_cells_is_kept_and_carried_over() -
     assert last.turns == pytest.approx([abs(there.kink - here.kink)] * 2, rel=1e-3)
     assert result.load_factor_error >= 299.99 * last.criticalities[0]
     assert all(tip.kink_error_deg >= math.degrees(2.9999 * last.turns[0]) for tip in result.tips)
-    again = carried_over(last, solution, (0.0,), fitted_bounds(solution))
+    again = Since(last, solution, (0.0,)).carried_over()
     assert (again.turns, again.criticalities) == (last.turns, last.criticalities)
 
 
@@ -174,10 +173,9 @@ def test_where_bonds_break_at_the_critical_load_the_other_cells_have_their_own()
     assert 0.0 < apart < 0.1
     assert result.load_factor_error == pytest.approx(300.0 * apart, rel=1e-6)
     assert max(known.shares()) < 0.3
-    fitted = fitted_bounds(solution)
     for jumps in (True, False):  # the difference at one load tells nothing of that of two loads
         last = accuracy_of_record(record_of(replace(known, jumps=jumps)))
-        assert holds(last, solution, (0.0,), fitted) == jumps
+        assert Since(last, solution, (0.0,)).holds == jumps
 
 
 def test_a_scene_with_very_many_unknowns_has_the_fitted_bound(monkeypatch: pytest.MonkeyPatch) -> None:

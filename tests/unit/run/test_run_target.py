@@ -28,10 +28,10 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.layout import cover_of
 from crackgrow.run.loading import LoadsInTurn, NextStep, load
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.other_cells import compared, fitted_bounds, still_tells
+from crackgrow.run.other_cells import compared, still_tells
 from crackgrow.run.result import Checkpoint, StepResult
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.still_known import holds
+from crackgrow.run.still_known import Since
 from crackgrow.run.target import aimed, cells_after
 from tests.unit.run.test_run_starting import SQUARE, plate
 
@@ -208,7 +208,7 @@ def test_what_is_known_holds_at_twice_the_length_whatever_round_off_makes_of_it(
     assert solution.accuracy is not None
     last = replace(solution.accuracy, grown=(3.0e-3,))
     grown = [(times * 3.0e-3,) for times in (2.0 - 1e-14, 2.0, 2.0 + 1e-14, 2.01)]
-    assert [holds(last, solution, lengths, fitted_bounds(solution)) for lengths in grown] == [True, True, True, False]
+    assert [Since(last, solution, lengths).holds for lengths in grown] == [True, True, True, False]
 
 
 @pytest.mark.parametrize(
