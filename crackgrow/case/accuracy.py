@@ -83,6 +83,13 @@ PRESETS: Final[Mapping[str, Preset]] = {
 UNREFINED = 0.2
 """Error of K, over the largest, of closed and of grown flaws on cells as large as the flaw, as coarse ones have it."""
 
+OF_STRAIGHT = 0.03
+"""The least target that cells are made for to begin with where no crack has a kink or grows.
+
+Tip functions follow the field there: these cells leave 0.1 % at most in most scenes. Those for 0.1 % would be ten times
+as many in wide plates.
+"""
+
 RIMS = 2.0
 """Cells from a re-entrant corner to the nearest tip, times a target: they leave a tenth of it."""
 
@@ -115,6 +122,11 @@ def preset_of(accuracy: str | float) -> Preset:
         per_longer=NOTHING,
         per_room=NOTHING,
     )
+
+
+def begun_with(accuracy: str | float, straight: bool) -> str | float:
+    """The accuracy whose cells a run begins with; `straight` where no crack has a kink or grows."""
+    return max(accuracy, OF_STRAIGHT) if straight and not isinstance(accuracy, str) else accuracy
 
 
 def name_of(accuracy: str | float, goal: str = "K") -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing, preset_of
+from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing, begun_with, preset_of
 from crackgrow.case.features import Length, line_length, rim_lengths, stretches
 from crackgrow.case.layout import Scene, named, points_of
 
@@ -30,13 +30,21 @@ def settle_spacing(scene: Scene) -> None:
     if given == AUTO or "auto_rule" in numerics:
         asked = {key: refine.get(key, AUTO) for key in REFINED_AT if isinstance(accuracy, str) or key == "corners"}
         refined = [kind for key, levels in asked.items() if levels == AUTO for kind in REFINED_AT[key]]
-        spacing, rule = automatic_spacing(preset_of(accuracy), _lengths(scene), refined)
+        preset = preset_of(begun_with(accuracy, _are_straight(scene)))
+        spacing, rule = automatic_spacing(preset, _lengths(scene), refined)
     followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
     rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
     first = {"accuracy": accuracy, "spacing": spacing if followed else given}
     halvings = dict.fromkeys(("tips", "kinks", "corners"), AUTO if followed else 0)
     rest["refine"] = {**halvings, **refine}
     scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
+
+
+def _are_straight(scene: Scene) -> bool:
+    """Whether no crack has a kink or grows."""
+    paths = [points_of(crack["path"]) for crack in named(scene.resolved, "cracks").values()]
+    kinked = any(len(stretches(points)[0]) for points in paths if line_length(points) > 0.0)
+    return not kinked and not scene.get("growth", "steps")
 
 
 def _lengths(scene: Scene) -> Iterator[Length]:

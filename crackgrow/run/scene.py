@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.accuracy import begun_with
 from crackgrow.case.features import Length, line_length, rim_lengths, stretches
 from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
@@ -237,7 +238,8 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     halvings = AS_GIVEN
     if numerics.target is not None:
         cracks = [(line_length(crack.points), len(stretches(crack.points)[0]) > 0) for crack in case.cracks]
-        halvings = first_halvings(numerics.target, numerics.spacing, cracks)
+        straight = not (case.growth and case.growth.steps) and not any(kinked for _, kinked in cracks)
+        halvings = first_halvings(begun_with(numerics.target, straight), numerics.spacing, cracks)
     lattice = place_lattice(*box, numerics.spacing * 2**halvings.everywhere, numerics.support, offset)
     scene = replace(_scene_on(case, lattice), halvings=halvings)
     return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, Stages) else scene
