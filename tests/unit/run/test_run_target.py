@@ -92,6 +92,34 @@ def test_cells_to_compare_are_twice_as_large_at_the_tips_and_away_from_them() ->
     assert covers[0].lattice.spacing == covers[1].lattice.spacing == 2.0 * scene.case.numerics.spacing
 
 
+STRAIGHT_IN_A_WIDE_PLATE = (
+    "bodies.rock.shape={rectangle: {center: [0, 0], width: 2000, height: 2000}}",
+    "supports=[{at: [-1000, -1000], displacement: {x: 0, y: 0}}, {at: [1000, -1000], displacement: {y: 0}}]",
+)
+KINKED = "cracks.flaw.path={points: [[-4, -3], [4, 3], [4, 9]]}"
+
+
+@pytest.mark.parametrize(
+    ("settings", "fewer"), [(("growth.steps=0",), True), ((), False), (("growth.steps=0", KINKED), False)]
+)
+def test_small_targets_begin_with_large_cells_where_cracks_are_straight_and_do_not_grow(
+    settings: tuple[str, ...], fewer: bool
+) -> None:
+    """Tip functions follow the field there, and no later kink needs small cells."""
+    targets = ("3 %", "0.3 %")
+    cases = [case("compression30", target, *STRAIGHT_IN_A_WIDE_PLATE, *settings) for target in targets]
+    spacings = [each.numerics.spacing for each in cases]
+    at_tips = [each.numerics.spacing * 0.5 ** make_scene(each).halvings.cracks[0] for each in cases]
+    assert (spacings[0] == spacings[1], at_tips[0] == at_tips[1]) == (fewer, fewer)
+
+
+def test_a_straight_crack_in_a_wide_plate_meets_a_small_target_with_few_cells() -> None:
+    step = next(grow(case("compression30", "0.1 %", *STRAIGHT_IN_A_WIDE_PLATE, "growth.steps=0")))
+    assert max(shares(step)) <= 0.001
+    assert told(step) == []
+    assert step.n_dofs < 10_000  # 50,000 on cells that are made for the target
+
+
 BESIDE_A_TIP = {
     "support": {
         "supports=[{at: [0, 50], displacement: {x: 0, y: 0}}, {at: [-50, -50], displacement: {x: 0}}]",
