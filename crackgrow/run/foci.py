@@ -35,6 +35,12 @@ Asking = Iterator[tuple[shapely.Geometry, float]]
 BESIDE = 1.5
 """Spacings from a tip: farther away cells are no smaller for a tip, once all of them are halved."""
 
+ROOM = 3.0
+"""For a target the room at a tip counts as a third of a crack's length does: a name has a third of the cells in it."""
+
+TIGHTEST = 1.0 / 50.0
+"""Of a crack's length: cells are no smaller for less room than that, as those of `fine` for its roughest cracks."""
+
 ACROSS = 6.0
 """Cells from a tip to a place beside it: halved, as all are, they are smaller than those that the tip makes there."""
 
@@ -62,16 +68,16 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     halvings, growth = _asked(scene, scene.case.numerics.refine.tips), scene.case.growth
     times = [scene.halvings.at_tips(number) for number in range(len(cracks))]
     tips = [(n, crack.seen_from(end)) for n, crack in enumerate(cracks) for end in crack.tips()]
+    nearby = Nearby(scene, cracks)
     if halvings != AUTO:
-        given, gather = _given(scene, halvings), scene.case.numerics.refine.tips == AUTO
+        given, by_run = _given(scene, halvings), scene.case.numerics.refine.tips == AUTO
         for n, points in tips:
             size = 0.5 ** times[n] * given
-            if gather and times[n]:
+            if by_run and times[n]:
                 size = min(size, max(_gathering(points), 0.5 ** scene.halvings.at_kinks(n) * given))
-            yield shapely.Point(points[0]), size
+            yield shapely.Point(points[0]), size * _tight(nearby, n, points) if by_run else size
         return
     preset, spacing = preset_of(scene.case.numerics.accuracy), scene.lattice.spacing
-    nearby = Nearby(scene, cracks)
     for number, points in tips:
         grown = np.inf
         if growth is not None and growth.steps > 0:
@@ -81,6 +87,13 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         room = nearby.distance(number, points[0], size * preset.per_room) / preset.per_room
         least = line_length(points) / preset.per_rough
         yield shapely.Point(points[0]), _halved(scene, min(grown, max(min(size, room), least)), times[number])
+
+
+def _tight(nearby: Nearby, crack: int, points: Floats) -> float:
+    """How much smaller the cells at a tip are for its room; all are larger than that alike where K is held against K."""
+    length = line_length(points)
+    room = nearby.distance(crack, points[0], length / ROOM) if length > 0.0 else np.inf
+    return float(np.clip(ROOM * room / length, TIGHTEST, 1.0)) if np.isfinite(room) else 1.0
 
 
 def _gathering(points: Floats) -> float:
