@@ -135,7 +135,8 @@ def test_the_error_that_is_expected_is_right_within_a_factor_of_two(
 def beside(what: str, room: float) -> dict[str, Any]:
     """A crack of 10 mm in a plate under tension whose right tip lies `room` (mm) beside a stiff body or a hole."""
     x, soft = 5.0 + room, {"young": 10_000.0, "poisson": 0.25}
-    rock: dict[str, Any] = {"shape": {"rectangle": {"center": [0, 0], "width": 100, "height": 100}}, "material": soft}
+    right = 50.0 if what == "hole" else x
+    rock: dict[str, Any] = {"shape": {"polygon": [[-50, -50], [right, -50], [right, 50], [-50, 50]]}, "material": soft}
     scene: dict[str, Any] = {
         "title": f"a tip beside a {what}",
         "units": {"length": "mm", "stress": "MPa"},
@@ -147,7 +148,6 @@ def beside(what: str, room: float) -> dict[str, Any]:
     if what == "hole":
         rock["shape"]["holes"] = [{"disk": {"center": [x + 4.0, 0], "radius": 4.0}}]
     else:
-        rock["shape"] = {"polygon": [[-50, -50], [x, -50], [x, 50], [-50, 50]]}
         stiff = {**soft, "young": 30_000.0}
         scene["bodies"]["stiff"] = {
             "shape": {"polygon": [[x, -50], [50, -50], [50, 50], [x, 50]]}, "material": stiff,
