@@ -135,14 +135,20 @@ BESIDE_A_TIP = {
 @pytest.mark.slow
 @pytest.mark.parametrize("what", BESIDE_A_TIP)
 def test_a_force_on_a_small_place_beside_a_tip_is_seen_by_the_bound(what: str) -> None:
-    """Cells round the tip, which are as large there whatever those at the tip are, had told nothing of it."""
+    """Cells round the tip, which are as large there whatever those at the tip are, had told nothing of it.
+
+    The truth is known as well as two kinds of smaller cells agree: K beside a force at a point is that of its cells.
+    """
     aimed_at = case("slant_tension", "0.3 %", *ABOVE, *BESIDE_A_TIP[what])
-    step = next(grow(aimed_at))
-    smaller = case("slant_tension", "draft", *ABOVE, *BESIDE_A_TIP[what], "numerics.refine={tips: 6, corners: 9}")
-    true = np.array([tip.K for tip in load(make_scene(smaller), beginning(smaller).cracks).tips])
-    errors = np.hypot(*(np.array([(tip.K_I, tip.K_II) for tip in step.tips]) - true).T)
+    step, true = next(grow(aimed_at)), []
+    for rings in (2, 4):
+        refine = f"numerics.refine={{tips: 6, corners: 9, rings: {rings}}}"
+        smaller = case("slant_tension", "draft", *ABOVE, *BESIDE_A_TIP[what], refine)
+        true.append(np.array([tip.K for tip in load(make_scene(smaller), beginning(smaller).cracks).tips]))
+    errors = np.hypot(*(np.array([(tip.K_I, tip.K_II) for tip in step.tips]) - true[0]).T)
+    good_to = np.hypot(*(true[1] - true[0]).T).max()
     assert told(step) == []
-    assert errors.max() <= max(max(tip.K_I_error, tip.K_II_error) for tip in step.tips)
+    assert errors.max() <= max(max(tip.K_I_error, tip.K_II_error) for tip in step.tips) + good_to
 
 
 def test_cells_beside_a_tip_are_larger_to_compare_where_a_force_acts() -> None:
