@@ -43,7 +43,7 @@ class Preset:
     per_stretch: float  # of the size at tips and kinks along the part of a crack between them
     per_longer: float  # of the size at a kink along the longer one of the parts beside it
     per_room: float  # of the size at a tip from there to what lies nearest
-    per_rough: float  # along a crack at most, whatever its jogs and its room ask for
+    per_rough: float  # along a crack at most, whatever its jogs ask for
     per_increment: float  # along a growth increment
     per_radius: float  # along the averaging radius of the tip stress
     per_width: float  # across the smaller side of the narrowest body

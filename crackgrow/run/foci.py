@@ -38,9 +38,6 @@ BESIDE = 1.5
 ROOM = 3.0
 """For a target the room at a tip counts as a third of a crack's length does: a name has a third of the cells in it."""
 
-TIGHTEST = 1.0 / 50.0
-"""Of a crack's length: cells are no smaller for less room than that, as those of `fine` for its roughest cracks."""
-
 ACROSS = 6.0
 """Cells from a tip to a place beside it: halved, as all are, they are smaller than those that the tip makes there."""
 
@@ -86,14 +83,14 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         size = min(line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
         room = nearby.distance(number, points[0], size * preset.per_room) / preset.per_room
         least = line_length(points) / preset.per_rough
-        yield shapely.Point(points[0]), _halved(scene, min(grown, max(min(size, room), least)), times[number])
+        yield shapely.Point(points[0]), _halved(scene, min(grown, max(size, least), room), times[number])
 
 
 def _tight(nearby: Nearby, crack: int, points: Floats) -> float:
     """How much smaller the cells at a tip are for its room; all are larger than that alike where K is held against K."""
     length = line_length(points)
     room = nearby.distance(crack, points[0], length / ROOM) if length > 0.0 else np.inf
-    return float(np.clip(ROOM * room / length, TIGHTEST, 1.0)) if np.isfinite(room) else 1.0
+    return min(ROOM * room / length, 1.0) if np.isfinite(room) else 1.0
 
 
 def _gathering(points: Floats) -> float:

@@ -32,7 +32,7 @@ CELL_RULES: Final = {
     "per_stretch": "part of a crack between kinks and tips; of cells at both",
     "per_longer": "longer one of the two parts beside a kink; of cells at the kink",
     "per_room": "way from a tip to the nearest other crack, interface or outline",
-    "per_rough": "length of a crack: most cells along it, whatever its jogs and its room ask for",
+    "per_rough": "length of a crack: most cells along it, whatever its jogs ask for",
     "per_increment": "growth increment; of cells at tips",
     "per_radius": "averaging radius of the tip stress; of cells at tips",
     "per_feature": "width of a hole, diameter of a re-entrant corner or curve",
