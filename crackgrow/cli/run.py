@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.blas import warm_up
-from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
-from crackgrow.cli.parser import Commands, add_command, path, takes_case
+from crackgrow.cli.parser import Commands, add_command, load_case_file, path, takes_case
 from crackgrow.errors import SolveError, is_out_of_memory, reason_of
 from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.log import Progress
@@ -184,7 +183,7 @@ def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
     return spelled("run", str(arguments.case), "--out", str(folder), *settings, *quiet, "--resume")
 
 
-def add(commands: Commands) -> None:
+def add_run(commands: Commands) -> None:
     command = takes_case(add_command(commands, run, "run", "run a case and write its results", (HELP, EXAMPLES)))
     command.add_argument("--out", type=path, metavar="DIR", help="folder of the results (default outputs/<case>)")
     command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")
