@@ -20,8 +20,8 @@ from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.data_frames import RunTables, frame_of
 from crackgrow.results.declarations import RUN
+from crackgrow.results.tables import RunTables, frame_of
 from crackgrow.results.units import spans_text
 
 if TYPE_CHECKING:

@@ -17,11 +17,19 @@ from crackgrow.results.atomic import remove_files, write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.folder import CASE, HISTORY, LOG, REPORT, SUMMARY, cracks_name, frame_name, series_names
 from crackgrow.results.leftovers import check_folder, earlier_files, remove_frames, remove_half_written
-from crackgrow.results.load_point import LoadPoint, load_point
 from crackgrow.results.lock import FolderLock
 from crackgrow.results.log import RunLog, event_line, step_line
 from crackgrow.results.resume import Resumption
-from crackgrow.results.summary import Tally, error_line, peak_memory_mb, program_commit, summarize, summary_text
+from crackgrow.results.summary import (
+    LoadPoint,
+    Tally,
+    error_line,
+    load_point,
+    peak_memory_mb,
+    program_commit,
+    summarize,
+    summary_text,
+)
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
 RUNNING = RunEnd("running", "the run goes on, or was broken off without a word", ())
