@@ -11,9 +11,8 @@ from typing import Any, Final
 import numpy as np
 import yaml
 
-from crackgrow.case.build import REDUCTION
 from crackgrow.case.declared import keys_of, written
-from crackgrow.case.load import read_case
+from crackgrow.case.load import REDUCTION, read_case
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import CaseError, Fault
 
