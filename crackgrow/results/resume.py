@@ -12,7 +12,7 @@ from pathlib import Path
 
 from crackgrow import __version__
 from crackgrow.case import dump_case
-from crackgrow.case.dump import read_settings
+from crackgrow.case.dump import differing, read_settings
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case, LoadHistory, Stages
 from crackgrow.errors import CaseError, CrackgrowError
@@ -110,8 +110,7 @@ def _differences(case: Case, stored: StoredCheckpoint) -> Differences:
     """Settings that differ."""
     then = {"name": stored.case_name, **read_settings(stored.settings)}
     now = {"name": case.name, **read_settings(dump_case(case))}
-    keys = [key for key in dict.fromkeys([*then, *now]) if then.get(key) != now.get(key)]
-    return {key: (then.get(key, NOT_GIVEN), now.get(key, NOT_GIVEN)) for key in keys}
+    return differing(then, now, NOT_GIVEN)
 
 
 def _same_factors(key: str, then: str, case: Case, step: int) -> bool:
