@@ -27,7 +27,6 @@ from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cells_of
 from crackgrow.run.scene import make_scene
 
-FORMATS: Final = (".png", ".svg")
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
 SIDE: Final = 6.5  # inches, the longer one of the scene
 MARGIN = 0.27  # of the scene's size
