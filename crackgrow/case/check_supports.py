@@ -18,6 +18,7 @@ from crackgrow.case.report import Path
 from crackgrow.case.shapes import BodyShape, Resolved
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
+ENDS = SAMPLES[[0, -1]]  # of a side, which hold as much as all of it
 FREE_MOTION = 1e-8  # singular values below this, of constraints scaled by the body's size, hold nothing
 
 ALIKE = 1e-6
@@ -102,9 +103,9 @@ def check_formula(scene: Scene, key: Path, value: object, points: Floats) -> Non
             scene.report.fault(key, f"has no finite value at {scene.point(nowhere)}")
 
 
-def sampled(ends: Floats) -> Floats:
-    """Places (n, 2) m along lines (k, 2, 2) m, their ends included."""
-    return np.asarray(ends[:, :1] + SAMPLES[:, None] * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
+def sampled(ends: Floats, parts: Floats = SAMPLES) -> Floats:
+    """Places (n, 2) m along lines (k, 2, 2) m, at parts of each; if none are given, many with both ends."""
+    return np.asarray(ends[:, :1] + parts[:, None] * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
 
 
 def _is_in_contact(scene: Scene, body: BodyShape) -> bool:
@@ -160,19 +161,19 @@ def _held_points(scene: Scene, body: BodyShape) -> list[tuple[Floats, int]]:
     held = []
     for index, support in scene.items("supports", "displacement"):
         name = support["body"] if "at" in support else support["on"]["body"]
-        places = _places(scene, index) if name == body.name else None
+        places = _places(scene, index, ENDS) if name == body.name else None
         if places is not None:
             held += [(place, "xy".index(component)) for component in support["displacement"] for place in places]
     return held
 
 
-def _places(scene: Scene, index: int) -> Floats | None:
+def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
     """The point of a support, or places along the part of an edge that it holds, (n, 2) m; None if they are unknown."""
     support = scene.resolved["supports"][index]
     if "at" in support:
         return np.array([support["at"]])
     region = scene.regions.get(("supports", index, "on"))
-    return None if region is None else sampled(ends_of(scene.bodies[region.body], region))
+    return None if region is None else sampled(ends_of(scene.bodies[region.body], region), parts)
 
 
 def _describe(scene: Scene, motion: Floats, center: Floats, scale: float) -> str:
