@@ -9,7 +9,7 @@ from crackgrow.case.dump import differing
 from crackgrow.results.declarations import Column, File
 from crackgrow.results.tables import Value, csv_text
 from crackgrow.results.units import aligned
-from crackgrow.study.comparison import Comparison, Deviation, Pair, Place
+from crackgrow.study.compare import Comparison, Deviation, Pair, Place
 from crackgrow.study.path_files import PathSet
 
 UNEQUAL = 1e-3  # of the longer length: lengths further apart are told as unequal growth
