@@ -15,7 +15,7 @@ from crackgrow.study.setting import Setting, folder_names
 from crackgrow.study.timed_run import run_in_processes
 from crackgrow.study.trade.measures import check_results, errors_of
 from crackgrow.study.trade.picture import draw
-from crackgrow.study.trade.plan import FINER, Plan, case_or_none
+from crackgrow.study.trade.plan import FINER, Plan
 from crackgrow.study.trade.row import REFERENCE, Row, Run, csv_text, read_rows, row_of
 
 TABLE, PICTURE = "trade.csv", "trade.png"
@@ -75,7 +75,8 @@ def _run(plan: Plan, setting: Setting, folder: Path, repeat: int, timeout: float
     """Run a setting; one that is no case is refused by its own run."""
     overrides = plan.run_overrides(setting.overrides)
     cost = run_in_processes(plan.file, overrides, folder, repeat, timeout)
-    return Run(setting, case_or_none(plan.file, overrides), cost, folder, repeat)
+    case, _ = plan.file.tried(*overrides)
+    return Run(setting, case, cost, folder, repeat)
 
 
 def _judged(plan: Plan, run: Run, energy: EnergyReference) -> Row:
