@@ -8,7 +8,7 @@ from typing import Final
 from crackgrow.case.dump import differing
 from crackgrow.results.declarations import Column, File
 from crackgrow.results.tables import Value, csv_text
-from crackgrow.results.units import aligned
+from crackgrow.results.units import aligned, cut
 from crackgrow.study.compare import Comparison, Deviation, Pair, Place
 from crackgrow.study.path_files import PathSet
 
@@ -122,8 +122,7 @@ def _settings_lines(comparison: Comparison) -> list[str]:
     lines = [f"  {key}: {mine} | {its}" for key, (mine, its) in differing(a, b, "not given").items()]
     if not lines:
         return ["same settings"]
-    more = [f"  and {len(lines) - MOST_SETTINGS} more"] if len(lines) > MOST_SETTINGS else []
-    return ["settings that differ, A | B:", *lines[:MOST_SETTINGS], *more]
+    return ["settings that differ, A | B:", *cut(lines, MOST_SETTINGS, "  and {} more")]
 
 
 def _cells(pair: Pair, show: _Lengths) -> tuple[str, ...]:

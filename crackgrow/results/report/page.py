@@ -19,7 +19,7 @@ from crackgrow.results.folder import REPORT, RunFolder, open_run
 from crackgrow.results.report.charts import charts
 from crackgrow.results.report.scene import describe_actions, draw_scene, step_colour, tag, view_of
 from crackgrow.results.report.step_data import contact_data, event_rows, pictures, step_words, tip_data
-from crackgrow.results.units import counted, shown
+from crackgrow.results.units import counted, cut, shown
 from crackgrow.run.result import CHECK_LIMITS
 
 SHOWN_WARNINGS = 200  # of more the first ones are shown
@@ -80,7 +80,7 @@ def page(run: RunFolder) -> str:
         checks=list(check_rows(run)),
         estimates=estimate_rows(run.summary),
         phases=_phase_rows(run.summary),
-        warnings=_warnings(run.summary["warnings"]),
+        warnings=cut(run.summary["warnings"], SHOWN_WARNINGS, "and {} more, see summary.json"),
         events=event_rows(run.table("events")) if len(run.table("events")) else None,
         actions=describe_actions(run.case),
         data=data,
@@ -120,11 +120,6 @@ def _phase_rows(summary: dict[str, Any]) -> list[tuple[object, ...]]:
         (phase, shown(value, 3), tag("div", class_="bar", style=f"width: {100 * value / longest:.1f}%"))
         for phase, value in phases.items()
     ]
-
-
-def _warnings(warnings: list[str]) -> list[str]:
-    more = len(warnings) - SHOWN_WARNINGS
-    return [*warnings[:SHOWN_WARNINGS], *([f"and {more} more, see summary.json"] if more > 0 else [])]
 
 
 def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
