@@ -82,7 +82,7 @@ _MOVED = {
     "results.view": "view",
     "results.writer": "RunWriter complete_run",
     "run.result": "RunEnd StepResult",
-    "study.comparison": "Comparison",
+    "study.compare": "Comparison",
     "study.comparison_text": "comparison_csv comparison_text",
     "study.uniqueness": "unique_text",
     "study.sweep.runner": "sweep_line",

@@ -20,11 +20,10 @@ from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
-from crackgrow.results.data_frames import RunTables, frame_of_results
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import load_words
 from crackgrow.results.summary import Tally, peak_memory_mb, summarize
-from crackgrow.results.tables import event_rows, path_rows
+from crackgrow.results.tables import RunTables, event_rows, frame_of_results, path_rows
 from crackgrow.results.vtk_frames import FIELDS, as_pyvista, specimen_grid
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.ending import Ending

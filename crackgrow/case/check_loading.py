@@ -101,8 +101,7 @@ def _check_goal(scene: Scene) -> None:
     accuracy, goal = scene.get("numerics", "accuracy"), scene.get("numerics", "goal")
     if not isinstance(accuracy, float) or not all(map(scene.report.sound, ("cracks", "interfaces", "supports"))):
         return
-    starts = scene.get("growth", "initiation", "at") not in (None, "tips")
-    tips = starts or any(crack["tips"] != "none" for crack in named(scene.resolved, "cracks").values())
+    tips = scene.starts_cracks or any(crack["tips"] != "none" for crack in named(scene.resolved, "cracks").values())
     surfaces = named(scene.resolved, "cracks") or scene.resolved.get("interfaces") or list(contact_laws(scene))
     lacks = {
         "K": "" if tips else "no crack has a tip, so there is no K",
@@ -147,9 +146,8 @@ def _check_critical(scene: Scene) -> None:
         )
         report.fault(("growth", "unload_between_steps"), message)
     cracks = named(scene.resolved, "cracks")
-    starts = scene.get("growth", "initiation", "at") not in (None, "tips")
     sound = report.sound("cracks") and report.sound("growth", "initiation")
-    if sound and not starts and all(crack["tips"] == "none" for crack in cracks.values()):
+    if sound and not scene.starts_cracks and all(crack["tips"] == "none" for crack in cracks.values()):
         report.fault(("loading",), "critical needs a tip that can grow, where the criterion is judged; `tips` has none")
     if report.sound("loads") and report.sound("supports") and not _has_scaled(scene):
         message = "critical scales the loads that are not held and the prescribed displacements, and all of them are"

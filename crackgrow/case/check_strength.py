@@ -76,16 +76,12 @@ def _check_shear(scene: Scene, name: str) -> None:
     if strength["cohesion"] == 0.0:
         message = "stands for a length by the cohesion, which is 0; give a cohesion > 0, or leave it out"
         scene.report.fault((*key, "shear_toughness"), message)
-    elif criterion in BY_K and scene.report.sound("growth", "initiation") and _starts_nowhere(scene):
+    elif criterion in BY_K and scene.report.sound("growth", "initiation") and not scene.starts_cracks:
         message = f"is of tips that grow in shear, and {criterion} lets none unless cracks start in shear; leave it out"
         scene.report.fault((*key, "shear_toughness"), f"{message}, or give growth.initiation: ends")
     elif criterion not in (None, *JUDGED_ON_RAYS):
         message = f"is for criteria that judge shear on rays from the tip; {criterion} given"
         scene.report.fault((*key, "shear_toughness"), f"{message}; wanted: {' or '.join(sorted(JUDGED_ON_RAYS))}")
-
-
-def _starts_nowhere(scene: Scene) -> bool:
-    return scene.get("growth", "initiation", "at") in (None, "tips")
 
 
 def strengths(scene: Scene, with_toughness: bool) -> list[str]:

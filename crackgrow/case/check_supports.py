@@ -1,9 +1,8 @@
-"""Whether supports stand on the bodies, and whether they hold them; foundations lie where no other contact does."""
+"""Whether supports stand on the bodies, agree and hold them; foundations lie where no other contact does."""
 
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -19,7 +18,11 @@ from crackgrow.case.report import Path
 from crackgrow.case.shapes import BodyShape, Resolved
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
+ENDS = SAMPLES[[0, -1]]  # of a side, which hold as much as all of it
 FREE_MOTION = 1e-8  # singular values below this, of constraints scaled by the body's size, hold nothing
+
+ALIKE = 1e-6
+"""Of the largest displacement of both supports: two that differ by less are one."""
 
 
 def check_supports(scene: Scene) -> None:
@@ -86,12 +89,10 @@ def _body_at(scene: Scene, key: Path, support: Resolved, point: Floats) -> str |
 def _check_formulas(scene: Scene) -> None:
     """Report displacements that have no finite value at the point, or at places along the sides of the region."""
     for index, support in scene.items("supports", "displacement"):
-        points = _support_points(scene, index)
-        if points is not None and len(points) > 1:  # ends of sides, in order: places between them
-            points = np.concatenate([a + SAMPLES[:, None] * (b - a) for a, b in pairwise(points)])
+        places = _places(scene, index)
         for component, value in support["displacement"].items():
-            if points is not None:
-                check_formula(scene, ("supports", index, "displacement", component), value, points)
+            if places is not None:
+                check_formula(scene, ("supports", index, "displacement", component), value, places)
 
 
 def check_formula(scene: Scene, key: Path, value: object, points: Floats) -> None:
@@ -102,9 +103,9 @@ def check_formula(scene: Scene, key: Path, value: object, points: Floats) -> Non
             scene.report.fault(key, f"has no finite value at {scene.point(nowhere)}")
 
 
-def sampled(ends: Floats) -> Floats:
-    """Places (n, 2) m along lines (k, 2, 2) m, their ends included."""
-    return np.asarray(ends[:, :1] + SAMPLES[:, None] * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
+def sampled(ends: Floats, parts: Floats = SAMPLES) -> Floats:
+    """Places (n, 2) m along lines (k, 2, 2) m, at parts of each; if none are given, many with both ends."""
+    return np.asarray(ends[:, :1] + parts[:, None] * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
 
 
 def _is_in_contact(scene: Scene, body: BodyShape) -> bool:
@@ -160,22 +161,19 @@ def _held_points(scene: Scene, body: BodyShape) -> list[tuple[Floats, int]]:
     held = []
     for index, support in scene.items("supports", "displacement"):
         name = support["body"] if "at" in support else support["on"]["body"]
-        points = _support_points(scene, index) if name == body.name else None
-        if points is not None:
-            held += [(point, "xy".index(component)) for component in support["displacement"] for point in points]
+        places = _places(scene, index, ENDS) if name == body.name else None
+        if places is not None:
+            held += [(place, "xy".index(component)) for component in support["displacement"] for place in places]
     return held
 
 
-def _support_points(scene: Scene, index: int) -> Floats | None:
-    """Return the point of a support, or the ends of its sides `(n, 2) float`: they hold as much as whole sides.
-
-    None if they cannot be told.
-    """
+def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
+    """The point of a support, or places along the part of an edge that it holds, (n, 2) m; None if they are unknown."""
     support = scene.resolved["supports"][index]
     if "at" in support:
         return np.array([support["at"]])
     region = scene.regions.get(("supports", index, "on"))
-    return None if region is None else ends_of(scene.bodies[region.body], region).reshape(-1, 2)
+    return None if region is None else sampled(ends_of(scene.bodies[region.body], region), parts)
 
 
 def _describe(scene: Scene, motion: Floats, center: Floats, scale: float) -> str:
@@ -201,7 +199,7 @@ def check_foundations(scene: Scene) -> None:
                 message = f"a rigid foundation cannot lie where body '{region.body}' touches body '{other}'"
                 scene.report.fault(key, message)
         for earlier, its_region in seen:
-            if _overlap(region, its_region):
+            if len(_shared(scene, region, its_region)):
                 scene.report.fault(key, f"lies partly on the foundation of supports.{earlier}")
         seen.append((index, region))
 
@@ -215,12 +213,60 @@ def _lies_on(scene: Scene, region: EdgeRegion, pair: tuple[str, str]) -> bool:
     return bool(np.any(shapely.length(shapely.intersection(sides, near)) > 100 * scene.tolerance))
 
 
-def _overlap(first: EdgeRegion, second: EdgeRegion) -> bool:
-    """Whether two regions have a part of a side in common."""
+def check_agreement(scene: Scene) -> None:
+    """Report components of a displacement that another support prescribes otherwise at a place of both.
+
+    Edges that meet at a corner have no part in common: what a corner alone would have to do two ways, no edge is held
+    to. Points on a held edge are warned of (`run.scene_cautions`).
+    """
+    earlier: list[int] = []
+    for index, _ in scene.items("supports", "displacement"):
+        for other in earlier:
+            mine, its = (scene.regions.get(("supports", each, "on")) for each in (index, other))
+            places = np.empty((0, 2)) if mine is None or its is None else _shared(scene, mine, its)
+            if len(places):
+                _compare(scene, index, other, places)
+        earlier.append(index)
+
+
+def _compare(scene: Scene, index: int, other: int, places: Floats) -> None:
+    """Report the components that differ at one of the places (n, 2) m of two supports."""
+    displacement, its = (scene.resolved["supports"][each]["displacement"] for each in (index, other))
+    for component in [name for name in displacement if name in its]:
+        here, there = (_values(each[component], places) for each in (displacement, its))
+        of_mine = _values(displacement[component], _places(scene, index))
+        of_other = _values(its[component], _places(scene, other))
+        if here is None or there is None or of_mine is None or of_other is None:
+            continue
+        apart, largest = np.abs(here - there), float(np.abs(np.concatenate([of_mine, of_other])).max())
+        if np.any(apart > ALIKE * largest):
+            worst = int(np.argmax(apart))
+            message = (
+                f"{component} at {scene.point(places[worst])} is {scene.length(float(here[worst]))} here and "
+                f"{scene.length(float(there[worst]))} by supports.{other}; a place can be held in one way alone"
+            )
+            scene.report.fault(("supports", index, "displacement", component), message)
+
+
+def _values(value: float | str, places: Floats | None) -> Floats | None:
+    """Displacements (n,) m at places (n, 2) m; None where these or the values of a formula are not known."""
+    if places is None:
+        return None
+    if not isinstance(value, str):
+        return np.full(len(places), value)
+    values, nowhere = CoordinateFormula(value).values(places)
+    return values if nowhere is None else None
+
+
+def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
+    """Places (n, 2) m along the parts of sides that two regions have in common."""
     if first.body != second.body:
-        return False
-    return any(
-        side == other and min(limits[1], its_limits[1]) - max(limits[0], its_limits[0]) > SAME_PLACE
-        for side, limits in zip(first.sides, first.limits, strict=True)
-        for other, its_limits in zip(second.sides, second.limits, strict=True)
-    )
+        return np.empty((0, 2))
+    sides, found = scene.bodies[first.body].sides, []
+    for side, limits in zip(first.sides.tolist(), first.limits, strict=True):
+        for its_side, its_limits in zip(second.sides.tolist(), second.limits, strict=True):
+            low, high = max(limits[0], its_limits[0]), min(limits[1], its_limits[1])
+            if side == its_side and high - low > SAME_PLACE:
+                start, end = sides[side]
+                found.append([start + share * (end - start) for share in (low, high)])
+    return sampled(np.array(found)) if found else np.empty((0, 2))

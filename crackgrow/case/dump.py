@@ -6,16 +6,17 @@ from collections.abc import Mapping as AnyMapping
 from collections.abc import Sequence
 from dataclasses import fields, is_dataclass, replace
 from pathlib import PurePath
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 import yaml
 
-from crackgrow.case.build import REDUCTION
 from crackgrow.case.declared import keys_of, written
-from crackgrow.case.load import read_case
+from crackgrow.case.load import REDUCTION, read_case
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import CaseError, Fault
+
+T = TypeVar("T")
 
 # Of a case: the file does not hold them, or they are what it holds.
 DERIVED: Final = ("name", "resolved", "moved", "cut")
@@ -158,3 +159,9 @@ def read_settings(text: str) -> dict[str, str]:
 
     put("", yaml.safe_load(text))
     return flat
+
+
+def differing(a: AnyMapping[str, str], b: AnyMapping[str, str], missing: T) -> dict[str, tuple[str | T, str | T]]:
+    """The values in both of the settings that are not the same, by dotted key; `missing` stands for one not given."""
+    keys = [key for key in dict.fromkeys([*a, *b]) if a.get(key) != b.get(key)]
+    return {key: (a.get(key, missing), b.get(key, missing)) for key in keys}

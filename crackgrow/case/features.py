@@ -41,26 +41,20 @@ class Length:
 
 
 class Ring(Protocol):
-    """A closed line with rock on its left."""
+    """A closed line with rock on its left: corners (n, 2) m, not closed."""
 
     @property
-    def points(self) -> Floats:
-        """Corners (n, 2) m, not closed."""
-        ...
+    def points(self) -> Floats: ...
 
 
 class Outlined(Protocol):
-    """A body, as far as its shape goes."""
+    """A body, as far as its shape goes: its name, its outline and then its holes."""
 
     @property
-    def name(self) -> str:
-        """Name of the body."""
-        ...
+    def name(self) -> str: ...
 
     @property
-    def rings(self) -> Sequence[Ring]:
-        """The outline, then the holes."""
-        ...
+    def rings(self) -> Sequence[Ring]: ...
 
 
 def rim_lengths(

@@ -235,9 +235,6 @@ class _Rescaled(ast.NodeTransformer):
     def visit_Name(self, node: ast.Name) -> ast.expr:
         return ast.BinOp(node, ast.Div(), self.unit) if node.id in ("x", "y") else node
 
-    def visit_Call(self, node: ast.Call) -> ast.expr:
-        return ast.Call(node.func, [self.visit(argument) for argument in node.args], [])
-
 
 def _evaluate(node: ast.expr, x: Floats, y: Floats) -> Floats:
     match node:

@@ -71,6 +71,11 @@ class Scene:
         """Whether every body of the case has a sound shape."""
         return len(self.bodies) == len(named(self.resolved, "bodies")) > 0
 
+    @property
+    def starts_cracks(self) -> bool:
+        """Whether cracks may start elsewhere than at the tips that are given."""
+        return self.get("growth", "initiation", "at") not in (None, "tips")
+
     def lines_between(self, first: str, second: str) -> tuple[Floats, ...]:
         """The boundary that two bodies share: lines (n, 2) m, none where they share no boundary."""
         return self.shared.get((first, second)) or self.shared.get((second, first)) or ()
@@ -95,7 +100,7 @@ class Scene:
         """Radii (m) to average over, with their keys: the one that is given, then, with its name, those of each body
         whose toughnesses are known, unless the criterion goes by K alone: it does at tips, not where cracks start."""
         given, criterion = self.get("growth", "tip_stress", "radius"), self.get("growth", "criterion")
-        by_K = BY_K if self.get("growth", "initiation", "at") in (None, "tips") else frozenset()
+        by_K = frozenset() if self.starts_cracks else BY_K
         if given is not None:
             yield None, ("growth", "tip_stress", "radius"), given
         for name in named(self.resolved, "bodies") if criterion in MODE_I.keys() - by_K else ():

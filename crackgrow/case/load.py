@@ -6,27 +6,32 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from crackgrow.case.build import build_case
-from crackgrow.case.check_agreement import check_agreement
+from crackgrow.case import model
 from crackgrow.case.check_bodies import check_interfaces, check_loads
 from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_points import check_points
 from crackgrow.case.check_regions import check_regions, settle_bodies
 from crackgrow.case.check_strength import check_initiation, check_strength, check_subcritical, settle_direction
-from crackgrow.case.check_supports import check_foundations, check_supports
+from crackgrow.case.check_supports import check_agreement, check_foundations, check_supports
 from crackgrow.case.checks import check_contacts, check_counts, check_material, check_numerics
 from crackgrow.case.crack_sets import expand_crack_sets
+from crackgrow.case.declared import made
 from crackgrow.case.format import CASE, DEFINITIONS, UNITS_SPEC
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
+from crackgrow.case.neighbours import shared_lines
 from crackgrow.case.overrides import apply_override, with_base
-from crackgrow.case.reader import Node, Table, parse, read_file
+from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import Context
+from crackgrow.case.shapes import BodyShape, Resolved, frozen
 from crackgrow.case.spacing import settle_spacing
+from crackgrow.case.surface import SurfaceName, crack_name
 from crackgrow.case.units import Units
+
+REDUCTION: Final = "strength_reduction"
 
 STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     settle_bodies,
@@ -66,10 +71,10 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
         raise TypeError(f"overrides are a list of settings such as [{overrides!r}], not a text")
     report = Report(str(path))
     root = read_file(path, report)
-    if Path(path).stem in ("", ".", ".."):  # the case is named after its file, and its results after the case
-        report.fault((), "the file has no name of its own; wanted: such as my_case.yaml", Place(str(path), None))
-    elif not _is_text(Path(path).stem):
-        place = Place(str(path), None)
+    name, place = Path(path).stem, Place(str(path), None)
+    if name in ("", ".", ".."):  # the case is named after its file, and its results after the case
+        report.fault((), "the file has no name of its own; wanted: such as my_case.yaml", place)
+    elif has_half_pair(name):  # what the system has of bytes that are no text
         report.fault((), "the file's name is no text in UTF-8, and the case is named after it; rename it", place)
     return _case_of(root, report, overrides, Path(path))
 
@@ -111,16 +116,7 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
     if report.faults:
         raise report.error()
     resolved["units"] = {"length": "m", "stress": "Pa"}
-    return build_case(path.stem, scene)
-
-
-def _is_text(name: str) -> bool:
-    """Whether a name can be written into files: the system has other bytes as halves of surrogate pairs."""
-    try:
-        name.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
+    return _built(path.stem, scene)
 
 
 def _units_of(root: Table) -> Units | None:
@@ -131,3 +127,120 @@ def _units_of(root: Table) -> Units | None:
     values: Any = UNITS_SPEC.read(root.entries["units"].node, ("units",), Context(scratch, Units()))
     sound = isinstance(values, dict) and all(isinstance(unit, str) for unit in values.values())
     return Units(**values) if sound else None  # what the parser refused is no fault of the scratch report
+
+
+def _built(name: str, scene: Scene) -> model.Case:
+    """The frozen case of a scene that has no faults: its resolved mapping is all SI and checked."""
+    resolved = scene.resolved
+    return made(
+        model.Case,
+        resolved,
+        name=name,
+        bodies=tuple(_body(scene.bodies[key], body) for key, body in resolved["bodies"].items()),
+        cracks=tuple(_crack(scene, key, crack) for key, crack in resolved["cracks"].items()),
+        interfaces=tuple(_interface(scene, interface) for interface in resolved["interfaces"]),
+        supports=tuple(_support(scene, index, support) for index, support in enumerate(resolved["supports"])),
+        loads=tuple(_load(scene, index, load) for index, load in enumerate(resolved["loads"])),
+        loading=_loading(resolved),
+        output=_output(scene, resolved["output"]),
+        resolved=resolved,
+        moved=tuple(move for move in scene.moves if move.distance > scene.tolerance),
+        cut=tuple(scene.cuts),
+    )
+
+
+def _body(shape: BodyShape, body: Resolved) -> model.Body:
+    rings = tuple(model.Ring(ring.points, ring.edge_names) for ring in shape.rings)
+    return made(model.Body, body, name=shape.name, rings=rings)
+
+
+def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
+    tips, points = scene.tips_of(name), scene.cracks[name]
+    return made(
+        model.Crack,
+        crack,
+        name=name,
+        points=points,
+        tip_at_start="start" in tips,
+        tip_at_end="end" in tips,
+        body=scene.hosts[name],
+        left_out=len(crack["path"].get("points", points)) - len(points),
+    )
+
+
+def _interface(scene: Scene, interface: Resolved) -> model.Interface:
+    first, second = interface["between"]
+    lines = shared_lines(scene.bodies[first], scene.bodies[second], scene.tolerance)
+    return made(model.Interface, interface, lines=lines)
+
+
+def _support(scene: Scene, index: int, support: Resolved) -> model.Support:
+    if "at" in support:
+        return made(model.PointSupport, support)
+    region = scene.regions["supports", index, "on"]
+    return (
+        made(model.ContactSupport, support, region=region)
+        if "contact" in support
+        else made(model.EdgeSupport, support, region=region)
+    )
+
+
+def _load(scene: Scene, index: int, load: Resolved) -> model.Load:
+    if "traction" in load:
+        return made(model.EdgeTraction, load, region=scene.regions["loads", index, "on"])
+    if "on" in load:
+        return made(model.EdgePressure, load, region=scene.regions["loads", index, "on"])
+    if "pressure" in load:
+        return made(model.FluidPressure, load, surface=_surface(load))
+    if "force" in load:
+        key = ("loads", index, "at")
+        return made(model.PointForce, load, body=scene.holders[key], point=scene.places[key])
+    return made(model.Gravity, load) if "gravity" in load else made(model.InSituStress, load)
+
+
+def _surface(item: Resolved) -> SurfaceName:
+    """The crack or the interface that is named."""
+    return crack_name(item["crack"]) if "crack" in item else SurfaceName("interface", tuple(item["interface"]))
+
+
+def _loading(resolved: Resolved) -> model.Loading:
+    loading = resolved["loading"]
+    if isinstance(loading, str):
+        return model.StrengthReduction() if loading == REDUCTION else model.CriticalLoad()
+    if "stages" in loading:
+        return _stages(loading["stages"], resolved["loads"])
+    return model.LoadHistory(tuple(loading["history"]))
+
+
+def _stages(given: list[Resolved], loads: list[Resolved]) -> model.Stages:
+    """Every stage with all that holds at its end: what it does not say is as before; what is taken out is released."""
+    named = {name for stage in given for name in stage.get("loads", {})}
+    own = {load["name"]: float(load["held"]) for load in loads if load.get("name") in named}
+    before = stage = model.Stage("", 0.0, tuple(own.items()), ())
+    stages: list[model.Stage] = []
+    for number, item in enumerate(given):
+        own.update(item.get("loads", {}))
+        excavate, release = item.get("excavate", []), item.get("release", float("excavate" in item))
+        gone = dict(stage.excavated) | dict.fromkeys([excavate] if isinstance(excavate, str) else excavate, 0.0)
+        excavated = tuple((body, max(share, release)) for body, share in gone.items())
+        factor = item.get("factor", stage.factor if number else 1.0)
+        stage = model.Stage(item.get("name", f"stage {number}"), factor, tuple(own.items()), excavated)
+        stages.append(stage)
+    return model.Stages(before, tuple(stages))
+
+
+def _output(scene: Scene, output: Resolved) -> model.Output:
+    points = tuple(_history_point(scene, name, point) for name, point in output.get("points", {}).items())
+    return made(model.Output, {**output, "fields": list(dict.fromkeys(output["fields"]))}, points=points)
+
+
+def _history_point(scene: Scene, name: str, point: Resolved) -> model.HistoryPoint:
+    key = ("output", "points", name)
+    if "between" in point:
+        ends = [(*key, "between", end) for end in range(2)]
+        first, second = (scene.holders[end] for end in ends)
+        return model.PointPair(name, (first, second), frozen([scene.places[end] for end in ends]))
+    place = scene.places[*key, "at"]
+    if "crack" in point or "interface" in point:
+        return made(model.FacePoint, point, name=name, surface=_surface(point), point=place)
+    return made(model.RockPoint, point, name=name, body=scene.holders[*key, "at"], point=place)

@@ -255,12 +255,18 @@ def _group(groups: Mapping[str, Any], name: str, kind: str) -> Any:
     return groups[chosen[0]]
 
 
-def _rings(sides: list[Side], points: Floats) -> list[list[int]]:
-    """Sides as closed lines of nodes; raises ContentError where more than two meet at a node."""
+def _neighbours(sides: Iterable[Side]) -> dict[int, list[int]]:
+    """By node those at the other ends of its sides."""
     at: dict[int, list[int]] = {}
     for first, second in map(sorted, sides):
         at.setdefault(first, []).append(second)
         at.setdefault(second, []).append(first)
+    return at
+
+
+def _rings(sides: list[Side], points: Floats) -> list[list[int]]:
+    """Sides as closed lines of nodes; raises ContentError where more than two meet at a node."""
+    at = _neighbours(sides)
     for node, others in at.items():
         if len(others) != 2:
             x, y = points[node]
@@ -277,12 +283,7 @@ def _rings(sides: list[Side], points: Floats) -> list[list[int]]:
 
 def _chain(sides: list[Side]) -> list[int] | None:
     """Sides as one open line of nodes; None where they are none."""
-    at: dict[int, list[int]] = {}
-    for side in sides:
-        if len(side) == 2:
-            first, second = side
-            at.setdefault(first, []).append(second)
-            at.setdefault(second, []).append(first)
+    at = _neighbours(side for side in sides if len(side) == 2)
     ends = [node for node, others in at.items() if len(others) == 1]
     if len(ends) != 2 or any(len(others) > 2 for others in at.values()):
         return None

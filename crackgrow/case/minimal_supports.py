@@ -16,7 +16,7 @@ from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction
 from crackgrow.case.regions import ends_of
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.errors import CaseError
-from crackgrow.vectors import outward_normals
+from crackgrow.vectors import cross, outward_normals
 
 KEY: Final = "supports"
 BALANCED: Final = 1e-4  # of all forces together; what the loads leave over is less
@@ -97,16 +97,17 @@ def _distances(lines: Any, places: Floats) -> Floats:
 
 def _check_balance(scene: Scene) -> None:
     """Report loads that leave a force, or a moment, at a load factor that they are to have."""
-    held, scaled = _Resultant(scene.size), _Resultant(scene.size)
+    sums, sizes = np.zeros((2, 3)), np.zeros(2)  # of scaled, of held loads: x, y, moment / size of the scene, N/m
     for index, load in enumerate(scene.resolved["loads"]):
         for points, forces in _forces(scene, index, load):
-            (held if load["held"] else scaled).add(points - scene.box.mean(axis=0), forces)
+            moment = cross(points - scene.box.mean(axis=0), forces).sum()
+            sums[int(load["held"])] += [*forces.sum(axis=0), moment / scene.size]
+            sizes[int(load["held"])] += np.hypot(*forces.T).sum()
     loading = scene.get("loading")
     history = loading.get("history") if isinstance(loading, dict) else None
-    factors = [(1.0, f) for f in history] if history else [(1.0, 0.0), (0.0, 1.0)]
-    for one, other in factors:
-        left = one * held.sum + other * scaled.sum
-        if np.abs(left).max() > BALANCED * (one * held.size + abs(other) * scaled.size):
+    for factors in np.array([(f, 1.0) for f in history] if history else [(0.0, 1.0), (1.0, 0.0)]):
+        left = factors @ sums
+        if np.abs(left).max() > BALANCED * (np.abs(factors) @ sizes):
             x, y, turn = left / (1.0, 1.0, 1.0 / scene.size)
             message = (
                 f"'{MINIMAL}' takes no force, and the loads leave ({x:.4g}, {y:.4g}) N/m and a moment of {turn:.4g} N "
@@ -142,16 +143,3 @@ def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, 
         yield shapely.get_coordinates(polygon.centroid), mass * np.array([load["gravity"]])
     elif "force" in load:
         yield np.array([load["at"]]), np.array([load["force"]])
-
-
-class _Resultant:
-    """Sum of forces, as (x, y, moment / size of the scene) N/m, and of their sizes."""
-
-    def __init__(self, length: float) -> None:
-        self.length, self.sum, self.size = length, np.zeros(3), 0.0
-
-    def add(self, points: Floats, forces: Floats) -> None:
-        """Add forces (n, 2) N/m at points (n, 2) m."""
-        moments = points[:, 0] * forces[:, 1] - points[:, 1] * forces[:, 0]
-        self.sum = self.sum + np.append(forces.sum(axis=0), moments.sum() / self.length)
-        self.size += float(np.hypot(*forces.T).sum())

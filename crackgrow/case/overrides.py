@@ -55,7 +55,8 @@ def set_value(root: Table, parts: tuple[str, ...], value: Node, place: Place, re
     for depth, part in enumerate(parts):
         last = depth == len(parts) - 1
         if isinstance(node, Scalar) and parts[:depth] in WORD_OR_MAPPING:
-            node = _spelt_out(node, WORD_OR_MAPPING[parts[:depth]], place)
+            key = WORD_OR_MAPPING[parts[:depth]]
+            node = Table({key: Entry(place, node)} if key else {}, place)
             parent.entries[parts[depth - 1]] = Entry(place, node)
         if isinstance(node, Table):
             parent = node
@@ -77,11 +78,6 @@ def set_value(root: Table, parts: tuple[str, ...], value: Node, place: Place, re
             here = clean(".".join(parts[:depth]))
             report.fault(parts[: depth + 1], f"{here} is the single value {quoted(node.text)}: no key inside it", place)
             return
-
-
-def _spelt_out(word: Scalar, key: str, place: Place) -> Table:
-    """The mapping that a word stands for: of one key, or empty."""
-    return Table({key: Entry(place, word)} if key else {}, place)
 
 
 def _index(text: str, length: int) -> int | None:

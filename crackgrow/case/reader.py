@@ -146,6 +146,11 @@ def _in_words(error: yaml.MarkedYAMLError, text: str) -> str:
     return told
 
 
+def has_half_pair(text: str) -> bool:
+    """Whether a text holds half of a surrogate pair, and so can't be written into files."""
+    return any("\ud800" <= letter <= "\udfff" for letter in text)
+
+
 class _Builder:
     """Builds nodes from parser events: the depth is checked before anything recurses."""
 
@@ -223,7 +228,7 @@ class _Builder:
             plain = True
         elif event.tag is not None:
             return self.refused_tag(event.tag, path, place)
-        if any("\ud800" <= letter <= "\udfff" for letter in event.value):
+        if has_half_pair(event.value):
             self.report.fault(path, f"{quoted(event.value)} holds half of a surrogate pair, which is no text", place)
             return Broken(place)
         return Scalar(event.value, plain, place)

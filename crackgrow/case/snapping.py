@@ -53,15 +53,9 @@ def snapped_bodies(bodies: list[BodyShape], reach: float) -> tuple[list[BodyShap
                 distance = np.hypot(*(known[nearest] - ring.points).T)
                 near = distance <= np.minimum(reach, ITS_OWN * _shorter_side(ring.points))
                 rings.append(replace(ring, points=frozen(np.where(near[:, None], known[nearest], ring.points))))
-                moves += [
-                    _move(
-                        f"a corner of body '{body.name}'",
-                        f"one of body '{owner[nearest[k]]}'",
-                        distance[k],
-                        known[nearest[k]],
-                    )
-                    for k in np.flatnonzero(near)
-                ]
+                for k in np.flatnonzero(near):
+                    what, onto = f"a corner of body '{body.name}'", f"one of body '{owner[nearest[k]]}'"
+                    moves.append(_move(what, onto, distance[k], known[nearest[k]]))
             body = body_shape(body.name, rings)
         done.append(body)
     return [_with_corners_of(body, done, reach, moves) for body in done], moves
@@ -160,17 +154,12 @@ def snapped_cracks(
                 _at(lines, ends[index])[:] = place[0]
         if all(np.array_equal(line, lines[name]) for name, line in before.items()):
             break
-    moves = [
-        _move(
-            f"the {end.which} of crack '{end.crack}'",
-            found[index][1],
-            np.hypot(*(_at(lines, end) - _at(cracks, end))),
-            _at(lines, end),
-            (end.crack, end.which),
-        )
-        for index, end in enumerate(ends)
-        if index in found
-    ]
+    moves = []
+    for index, (_, onto) in sorted(found.items()):
+        end = ends[index]
+        what, moved_to = f"the {end.which} of crack '{end.crack}'", _at(lines, end)
+        distance = np.hypot(*(moved_to - _at(cracks, end)))
+        moves.append(_move(what, onto, distance, moved_to, (end.crack, end.which)))
     return {name: frozen(points) for name, points in lines.items()}, moves
 
 

@@ -6,19 +6,13 @@ import argparse
 import traceback
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import Final
 
 import crackgrow
 from crackgrow.blas import one_thread
-from crackgrow.cli import completion
 from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, write_any_character
-from crackgrow.cli.parser import Parser, grouped
+from crackgrow.cli.parser import GROUPS, Parser, grouped
 from crackgrow.errors import CaseError, CrackgrowError, is_out_of_memory, reason_of
 from crackgrow.results.style import pass_over_settings
-
-MODULES: Final = ("list_cases", "new", "check", "explain", "run", "report", "render", "export", "compare", "sweep",
-                  "converge", "trade", "schema")  # fmt: skip
-"""Of the commands, but for completion, which asks the parser of all others."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -58,8 +52,8 @@ def command_line() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
     commands = parser.add_subparsers(prog="crackgrow", required=True, metavar="COMMAND", help=argparse.SUPPRESS)
-    for name in MODULES:
-        import_module(f"crackgrow.cli.{name}").add(commands)
-    completion.add(commands, parser)
+    for group, names in GROUPS.items():
+        for name in names:
+            getattr(import_module(f"crackgrow.cli.{group}"), f"add_{name}")(commands)
     parser.epilog = f"{grouped(commands)}\n\n`crackgrow COMMAND --help` has the options of a command, and examples."
     return parser

@@ -1,15 +1,22 @@
-"""The parser of the command line: commands in groups, and hints for what is mistyped."""
+"""The parser of the command line: commands in groups, arguments that they share, and hints for what is mistyped."""
 
 from __future__ import annotations
 
 import argparse
 import difflib
+import os
 import re
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any, Final, NoReturn, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeAlias
+
+import crackgrow
+from crackgrow.errors import CaseError
+
+if TYPE_CHECKING:
+    from crackgrow.case.model import Case
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -20,7 +27,7 @@ GROUPS: Final = {
     "study": ("compare", "sweep", "converge", "trade"),
     "tools": ("schema", "completion"),
 }
-"""Commands by what one wants."""
+"""Commands by what one wants: those of a group are in the module of its name, each with the function `add_COMMAND`."""
 
 
 GONE: Final = {"stability": "check CASE.yaml --invariance"}
@@ -121,6 +128,33 @@ def takes_case(command: argparse.ArgumentParser) -> argparse.ArgumentParser:
     command.add_argument(
         "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE", help="override a key; repeatable"
     )
+    return command
+
+
+def load_case_file(arguments: argparse.Namespace) -> Case:
+    """The case of the arguments `case` and `overrides`; raises CaseError."""
+    path: Path = arguments.case
+    if not os.path.isfile(path):  # noqa: PTH113  (Path's fails on a long name)
+        raise CaseError.at(path, _missing_message(path))
+    return crackgrow.load_case(path, arguments.overrides)
+
+
+def _missing_message(path: Path) -> str:
+    if os.path.isdir(path):  # noqa: PTH112  (as above)
+        return "is a folder, not a case file"
+    names = sorted(file.name for file in path.parent.glob("*.yaml"))
+    near = [path.parent / name for name in difflib.get_close_matches(path.name, names, n=1)]
+    of_that_name = Path("cases") / f"{path.stem}.yaml"  # where `crackgrow new` writes
+    if path.parent == Path() and os.path.isfile(of_that_name):  # noqa: PTH113
+        near = [of_that_name]
+    if near:
+        return f"no such case file; did you mean {near[0]}?"
+    return f"no such case file; {path.parent} has {', '.join(names) or 'no case files'}"
+
+
+def takes_results(command: argparse.ArgumentParser) -> argparse.ArgumentParser:
+    """The command, with the folder of a run for an argument."""
+    command.add_argument("folder", type=path, metavar="DIR", help="the folder that `crackgrow run` wrote")
     return command
 
 

@@ -10,15 +10,14 @@ import signal
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.blas import warm_up
-from crackgrow.cli.case_file import load_case_file
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
-from crackgrow.cli.parser import Commands, add_command, path, takes_case
+from crackgrow.cli.parser import Commands, add_command, load_case_file, path, takes_case
 from crackgrow.errors import SolveError, is_out_of_memory, reason_of
 from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.log import Progress
@@ -79,20 +78,19 @@ def _run(writer: RunWriter, found: Resumption | None, arguments: argparse.Namesp
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:
-        _break_off(writer.fail, str(error))  # a small file may still fit
+        _break_off(writer, error)  # a small file may still fit
         raise OutputError(f"{error}; then go on with: {_resuming(arguments, folder)}") from error
-    except KeyboardInterrupt:
-        _break_off(writer.interrupt, "interrupted")
+    except KeyboardInterrupt as error:
+        _break_off(writer, error)
         complain(f"crackgrow: interrupted; go on with: {_resuming(arguments, folder)}")
         return EXIT_INTERRUPTED
     except Exception as error:
-        reason = reason_of(error)
         if is_out_of_memory(error):
             traceback.clear_frames(error.__traceback__)  # what they hold leaves no room for the last files
-            reason = f"{reason} (the run takes {expected.needs})"
-            _break_off(writer.fail, reason)
+            reason = f"{reason_of(error)} (the run takes {expected.needs})"
+            _break_off(writer, error, reason)
             raise SolveError(reason) from None
-        _break_off(writer.fail, reason)
+        _break_off(writer, error)
         raise
     finally:
         progress.close()
@@ -168,13 +166,12 @@ def _uninterrupted(ends: bool = False) -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def _break_off(end: Callable[[str], None], reason: str) -> None:
+def _break_off(writer: RunWriter, error: BaseException, reason: str = "") -> None:
     """End a run and keep what was solved; what goes wrong now is told, and doesn't hide the first error."""
-    try:
-        with _uninterrupted(ends=True):
-            end(reason)
-    except Exception as error:
-        complain(f"crackgrow: {reason_of(error)}")
+    with _uninterrupted(ends=True):
+        second = writer.break_off(error, reason)
+    if second:
+        complain(f"crackgrow: {second}")
 
 
 def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
@@ -184,7 +181,7 @@ def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
     return spelled("run", str(arguments.case), "--out", str(folder), *settings, *quiet, "--resume")
 
 
-def add(commands: Commands) -> None:
+def add_run(commands: Commands) -> None:
     command = takes_case(add_command(commands, run, "run", "run a case and write its results", (HELP, EXAMPLES)))
     command.add_argument("--out", type=path, metavar="DIR", help="folder of the results (default outputs/<case>)")
     command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")

@@ -3,36 +3,50 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
+from matplotlib.patches import Circle, Patch, PathPatch, Polygon
+from matplotlib.transforms import Bbox
 
 from crackgrow.arrays import Floats
 from crackgrow.case.features import line_length
 from crackgrow.case.model import Body, Case, Crack, InSituStress, Stages
 from crackgrow.cover.squares import QUANTA
-from crackgrow.plan.glyphs import LAW, LOAD, beside, dimension, draw_sign, label, part_labels
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.figures import body_path
 from crackgrow.results.places import component_text, extent, length_unit
-from crackgrow.results.signs import load_signs, support_signs
+from crackgrow.results.signs import Arrow, Sign, Strokes, load_signs, support_signs
+from crackgrow.results.signs import Polygon as Shape
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cells_of
 from crackgrow.run.scene import make_scene
 
-FORMATS: Final = (".png", ".svg")
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
 SIDE: Final = 6.5  # inches, the longer one of the scene
 MARGIN = 0.27  # of the scene's size
 NOTE = 0.035  # of the scene's size: a line of words below it
 STEEP: Final = 0.6  # of the normal along y, from which words stand on what they name, not beside it
-COLOURS: Final = ("#e6e1d8", "#d5dde6", "#dfe6d5", "#e6d5df")
+COLOURS: Final = ("#e6e1d8", "#d5dde6", "#dfe6d5", "#e6d5df")  # of bodies
+
+LOAD = "#b2182b"
+LAW = "#762a83"
+KIND_COLOURS = {"support": "0.25", "ground": "0.25", "hatch": "0.25", "load": LOAD, "given": "#1b7837", "law": LAW}
+WIDTHS = {"ground": 1.2, "hatch": 0.6}  # points, of lines
+
+LABEL: Final = "label"  # of words that may be moved
+CLEAR: Final = 7.0  # pixels on every side of a place that words leave free
+LINE: Final = 26.0  # pixels from one place for words to the next
+_TURNS = np.arange(16) * np.pi / 8.0
+PLACES: Final = [np.zeros(2), *(n * np.array([np.cos(turn), np.sin(turn)]) for n in range(1, 9) for turn in _TURNS)]
+"""Where words may go, the nearest first, in LINEs."""
+
+_ARROW = {"shrinkA": 0.0, "shrinkB": 0.0}  # from the very tail to the very head
 
 
 @own_style()
@@ -142,3 +156,72 @@ def _notes(case: Case) -> list[str]:
             gone = [stage.name for stage in case.loading.stages if body.name in dict(stage.excavated)]
             notes += [f"{body.name} is taken out in stage '{gone[0]}'"] if gone else []
     return notes
+
+
+def draw_sign(axes: Axes, sign: Sign) -> None:
+    """The marks and the words of a support or a load."""
+    for mark in sign.marks:
+        colour, width = KIND_COLOURS[mark.kind], WIDTHS.get(mark.kind, 1.0)
+        if isinstance(mark, Arrow):
+            style = {**_ARROW, "arrowstyle": "-|>", "color": colour, "linewidth": 0.9, "mutation_scale": 7}
+            head, tail = mark.head.tolist(), mark.tail.tolist()
+            axes.annotate("", head, tail, arrowprops=style, zorder=6, annotation_clip=False)
+        elif isinstance(mark, Strokes):
+            lines = LineCollection(list(mark.ends), colors=colour, linewidths=width, capstyle="butt", zorder=5)
+            axes.add_collection(lines)
+        else:
+            patch: Patch
+            patch = Polygon(mark.corners) if isinstance(mark, Shape) else Circle(mark.center.tolist(), mark.radius)
+            patch.set(facecolor="white", edgecolor=colour, linewidth=width, zorder=5)
+            axes.add_patch(patch)
+    for words in sign.words:
+        label(axes, words.place, words.text, KIND_COLOURS[words.kind], rotation=90.0 if words.upright else 0.0)
+
+
+def label(axes: Axes, point: Floats, text: str, colour: str = "black", **looks: Any) -> None:
+    """Small words on a white ground, centred unless `looks` say otherwise; `part_labels` may move them."""
+    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
+    looks = {"ha": "center", "va": "center", **looks}
+    axes.text(point[0], point[1], text, fontsize=7.5, color=colour, zorder=8, bbox=ground, gid=LABEL, **looks)
+
+
+def part_labels(axes: Axes, free: Floats) -> None:
+    """Move words that lie on others, or on places (n, 2) to be left free, to where there is room; a line leads back."""
+    renderer = FigureCanvasAgg(axes.get_figure(root=True)).get_renderer()
+    to_pixels, picture = axes.transData, axes.get_window_extent(renderer)
+    taken = [Bbox.from_extents(*(place - CLEAR), *(place + CLEAR)) for place in to_pixels.transform(free)]
+    for words in [text for text in axes.texts if text.get_gid() == LABEL]:
+        box = words.get_window_extent(renderer)
+        for away in PLACES:
+            there = box.translated(*(away * LINE))
+            if picture.containsx(there.x0) and picture.containsx(there.x1) and not there.count_overlaps(taken):
+                break
+        else:
+            away, there = PLACES[0], box
+        taken.append(there)
+        if away.any():
+            start = np.array(words.get_position())
+            end = to_pixels.inverted().transform(to_pixels.transform(start) + away * LINE)
+            words.set_position((float(end[0]), float(end[1])))
+            axes.plot(*np.stack([start, end], axis=1), color="0.6", linewidth=0.5, zorder=7.5)
+
+
+def beside(direction: Floats) -> str:
+    """How words are aligned that stand in a direction (2,), a unit vector, from something, and leave it free."""
+    return "center" if abs(direction[0]) < 0.3 else "left" if direction[0] > 0 else "right"
+
+
+def dimension(axes: Axes, a: Floats, b: Floats, offset: Floats, text: str) -> None:
+    """A dimension line of the distance from a to b, moved by `offset`, with extension lines and its value."""
+    for end in (a, b):
+        far = end + 1.12 * offset
+        near = end + 0.35 * offset
+        axes.plot([near[0], far[0]], [near[1], far[1]], color="0.55", linewidth=0.5, zorder=1)
+    start, stop = a + offset, b + offset
+    style = {**_ARROW, "arrowstyle": "<|-|>", "color": "0.35", "linewidth": 0.6, "mutation_scale": 6}
+    axes.annotate("", (stop[0], stop[1]), (start[0], start[1]), arrowprops=style, zorder=2, annotation_clip=False)
+    upright = abs(b[1] - a[1]) > abs(b[0] - a[0])
+    middle = (start + stop) / 2
+    ground = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}
+    axes.text(middle[0], middle[1], text, fontsize=7.5, color="0.25", ha="center", va="center", zorder=3,
+              bbox=ground, rotation=90 if upright else 0)  # fmt: skip

@@ -20,10 +20,10 @@ from crackgrow.case.model import Body, Case, Stages
 from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
-from crackgrow.results.load_point import LoadPoint
 from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
 from crackgrow.results.style import own_style, wrapped
+from crackgrow.results.summary import LoadPoint
 from crackgrow.results.units import LENGTHS, STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 

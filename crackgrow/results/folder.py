@@ -20,8 +20,8 @@ from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.data_frames import RunTables, frame_of
 from crackgrow.results.declarations import RUN
+from crackgrow.results.tables import RunTables, frame_of
 from crackgrow.results.units import spans_text
 
 if TYPE_CHECKING:
@@ -85,17 +85,17 @@ class TextTable:
 
     def numbers(self, name: str) -> Floats:
         """A column (n,) as numbers; nan where it says so. Raises FolderError where it has other words."""
-        try:
-            return np.array(self.words(name), dtype=float)
-        except ValueError as error:
-            raise damaged(self.path, f"{name}: {error}") from error
+        return self._of_kind(name, float)
 
     def steps(self) -> NDArray[np.int64]:
         """The column `step` (n,). Raises FolderError where it has other words."""
+        return self._of_kind("step", np.int64)
+
+    def _of_kind(self, name: str, kind: type) -> NDArray[Any]:
         try:
-            return np.array(self.words("step"), dtype=np.int64)
+            return np.array(self.words(name), dtype=kind)
         except ValueError as error:
-            raise damaged(self.path, f"step: {error}") from error
+            raise damaged(self.path, f"{name}: {error}") from error
 
     def rows(self) -> list[dict[str, str]]:
         """The rows, each with its cells by name."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from crackgrow.results.units import merged, spans_text
+from crackgrow.results.units import cut, merged, spans_text
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.run.caution import Caution
@@ -90,9 +90,7 @@ def _kind_of(cause: str, words: str) -> str:
 def _others(rows: Sequence[_Told]) -> str:
     if not rows:
         return ""
-    names = [row.place for row in rows[:MOST_PLACES]]
-    more = len(rows) - len(names)
-    return f"; likewise {', '.join([*names, *([f'{more} more'] if more else [])])}"
+    return f"; likewise {', '.join(cut([row.place for row in rows], MOST_PLACES, '{} more'))}"
 
 
 def _steps(rows: Sequence[_Told]) -> str:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from crackgrow.case.units import place_text
 from crackgrow.results.atomic import append_text, write_text
 from crackgrow.results.gathered import Gathered
-from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, counted, duration, unit_of
+from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, counted, cut, duration, unit_of
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.case.model import Case
@@ -119,8 +119,7 @@ def told_line(result: StepResult, case: Case, K_scale: float) -> str:
             load_words(case, result.load_factor),
             *(["no tip advanced"] if arrested else []),
             *([] if moved else start_words(result)),
-            *(_tip_words(tip, K_scale) for tip in shown[:MOST_TIPS]),
-            *([f"{len(shown) - MOST_TIPS} more"] if len(shown) > MOST_TIPS else []),
+            *cut([_tip_words(tip, K_scale) for tip in shown], MOST_TIPS, "{} more"),
             *length_words(result),
             *_time_words(result),
         ]
@@ -225,11 +224,9 @@ class Progress:
         """Leave the live line and tell the warnings of the steps, each cause once."""
         if self._width is not None:
             self._say("", "\n")
-        texts = self._warnings.sentences()
-        for text in texts[:MOST_WARNINGS]:
-            self._say(f"warning: {text}", "\n")
-        if len(texts) > MOST_WARNINGS:
-            self._say(f"and {len(texts) - MOST_WARNINGS} more warnings in run.log", "\n")
+        texts = [f"warning: {text}" for text in self._warnings.sentences()]
+        for text in cut(texts, MOST_WARNINGS, "and {} more warnings in run.log"):
+            self._say(text, "\n")
 
     def _show_live(self, step: int, what: str) -> None:
         """Replace the live line by one that says that a step, -1 for none, is done."""

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from crackgrow import __version__
 from crackgrow.case import dump_case
-from crackgrow.case.dump import read_settings
+from crackgrow.case.dump import differing, read_settings
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case, LoadHistory, Stages
 from crackgrow.errors import CaseError, CrackgrowError
@@ -25,6 +25,7 @@ from crackgrow.results.checkpoint_file import (
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.summary import program_commit
 from crackgrow.results.tables import fits, goes_on
+from crackgrow.results.units import cut
 from crackgrow.run.result import Checkpoint
 
 FREE = ("title", "source", "output.figures", "output.report", "growth.steps")
@@ -97,11 +98,9 @@ def _check_same(case: Case, folder: Path, stored: StoredCheckpoint, differences:
         and not _same_factors(key, values[0], case, step)
     }
     if changed:
-        lines = [f"  {key}: {then} then, {now} now" for key, (then, now) in changed.items()][:MOST_DIFFERENCES]
-        more = len(changed) - len(lines)
-        lines += [f"  and {more} more"] if more else []
-        what = f"the case is not that of the run in {folder}"
-        raise ResumeError("\n".join([f"{what}; undo this, run without --resume or into another folder:", *lines]))
+        lines = [f"  {key}: {then} then, {now} now" for key, (then, now) in changed.items()]
+        what = f"the case is not that of the run in {folder}; undo this, run without --resume or into another folder:"
+        raise ResumeError("\n".join([what, *cut(lines, MOST_DIFFERENCES, "  and {} more")]))
     if case.last_step < step:
         raise ResumeError(f"{folder} has {step} steps already, {case.last_step} are asked for; run without --resume")
 
@@ -110,8 +109,7 @@ def _differences(case: Case, stored: StoredCheckpoint) -> Differences:
     """Settings that differ."""
     then = {"name": stored.case_name, **read_settings(stored.settings)}
     now = {"name": case.name, **read_settings(dump_case(case))}
-    keys = [key for key in dict.fromkeys([*then, *now]) if then.get(key) != now.get(key)]
-    return {key: (then.get(key, NOT_GIVEN), now.get(key, NOT_GIVEN)) for key in keys}
+    return differing(then, now, NOT_GIVEN)
 
 
 def _same_factors(key: str, then: str, case: Case, step: int) -> bool:

@@ -1,4 +1,4 @@
-"""summary.json: how the run ended, what it cost, how good it is at its worst."""
+"""What is kept of the steps: for the load curve, and for summary.json, which says how good the run is at its worst."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from crackgrow import __version__
 from crackgrow.case.model import Case
@@ -94,6 +96,23 @@ class Tally:
     def add_seconds(self, phase: str, seconds: float) -> None:
         """Add wall time to a phase."""
         self.seconds[phase] = self.seconds.get(phase, 0.0) + float(seconds)
+
+
+@dataclass(frozen=True, slots=True)
+class LoadPoint:
+    """A step on the load curve."""
+
+    factor: float
+    displacement: float  # m, of the loads
+    crack_length: float  # m, of all cracks
+    slip: Mapping[str, float]  # m, largest slip, with its sign, of every surface that has a contact law
+
+
+def load_point(result: StepResult) -> LoadPoint:
+    """The point of a step."""
+    touching = [face for face in result.faces if face.crack in result.contact.crack]
+    slip = {face.crack: float(face.slip[np.argmax(np.abs(face.slip))]) for face in touching}
+    return LoadPoint(result.load_factor, result.load_displacement, result.crack_length, slip)
 
 
 def summarize(

@@ -90,6 +90,12 @@ def counted(n: object, thing: str) -> str:
     return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
 
 
+def cut(texts: Sequence[str], most: int, more: str) -> list[str]:
+    """The first of some texts; behind them, where there are others, how many: `more` with their number for {}."""
+    left = len(texts) - most
+    return [*texts[:most], *([more.format(left)] if left > 0 else [])]
+
+
 def or_null(value: Any) -> Any:
     """A value as JSON can hold it: None in place of a number that is not finite."""
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -7,7 +7,6 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Literal
 
 from crackgrow import __version__
 from crackgrow.case import dump_case
@@ -18,11 +17,19 @@ from crackgrow.results.atomic import remove_files, write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.folder import CASE, HISTORY, LOG, REPORT, SUMMARY, cracks_name, frame_name, series_names
 from crackgrow.results.leftovers import check_folder, earlier_files, remove_frames, remove_half_written
-from crackgrow.results.load_point import LoadPoint, load_point
 from crackgrow.results.lock import FolderLock
 from crackgrow.results.log import RunLog, event_line, step_line
 from crackgrow.results.resume import Resumption
-from crackgrow.results.summary import Tally, error_line, peak_memory_mb, program_commit, summarize, summary_text
+from crackgrow.results.summary import (
+    LoadPoint,
+    Tally,
+    error_line,
+    load_point,
+    peak_memory_mb,
+    program_commit,
+    summarize,
+    summary_text,
+)
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
 RUNNING = RunEnd("running", "the run goes on, or was broken off without a word", ())
@@ -33,17 +40,13 @@ def complete_run(case: Case, folder: Path) -> None:
     """Make the report of a finished run that was killed before it had one; raises OutputError."""
     remove_half_written(folder, case.name)
     if case.output.report and not (folder / REPORT).is_file():
-        _write_report(folder)
+        from crackgrow.results.report import write_report  # here: a run without it needs none of it
 
-
-def _write_report(folder: Path) -> None:
-    from crackgrow.results.report import write_report  # here: a run without it needs none of it
-
-    write_report(folder)
+        write_report(folder)
 
 
 class RunWriter:
-    """Writes one run into `folder`: `begin` or `resume`, `add` for each step, then `finish`, `interrupt` or `fail`.
+    """Writes one run into `folder`: `begin` or `resume`, `add` for each step, then `finish` or `break_off`.
 
     The folder is locked from the first to the last of them, or as long as it is `held`. Every method raises OutputError
     where the disk refuses. A checkpoint is written before the other files of its step,
@@ -113,7 +116,7 @@ class RunWriter:
         remove_files([self.folder / REPORT])  # of a run that had ended
         write_text(self.folder / CASE, self._settings)
         if HISTORY in results["tables"]:
-            self._begin_history(())
+            self._tables["history"] = tables.Table(self.folder / HISTORY, ())
         for table in self._tables.values():
             table.cut(results["tables"][table.path.name])
         for kind in self._series:
@@ -144,7 +147,8 @@ class RunWriter:
         news = self._tally.add(result)
         self._tally.add_seconds("output", seconds)
         if result.history is not None and "history" not in self._tables:
-            self._begin_history(tables.history_columns(result.history))
+            columns = tables.history_columns(result.history)
+            self._tables["history"] = tables.Table(self.folder / HISTORY, columns)
         for name, rows in tables.GROWING.items():
             self._extend(name, [tables.step_row(result, seconds)] if name == "steps" else rows(result))
         self._write_paths(result.cracks)
@@ -160,53 +164,45 @@ class RunWriter:
     def finish(self, end: RunEnd) -> None:
         """Write the final paths, what is left of frames, the figures, the summary, and last the report."""
         with self._lock.held():
-            self._finish(end)
+            try:
+                self._write_paths(end.cracks)
+                self._extend("events", tables.event_rows(end.events))
+                self._log_events(end.events)
+                self._write_last_frame()
+                if self.case.output.figures and self._last is not None:
+                    began = time.perf_counter()
+                    self._draw(self._last, end.cracks)
+                    self._tally.add_seconds("output", time.perf_counter() - began)
+            finally:  # a figure that fails doesn't take the summary with it
+                self._write_summary(end)
+                for text in self._tally.warnings:
+                    self._log.write(f"warning: {text}")
+                self.error_line = error_line(self._tally, end)
+                if self.error_line:
+                    self._log.write(self.error_line)
+                self._log.write(f"{end.status}: {end.reason}")
+            self._write_report()
 
-    def _finish(self, end: RunEnd) -> None:
+    def break_off(self, error: BaseException, reason: str = "") -> str:
+        """End a run that broke off: what was solved is kept, the status is `failed`, or `interrupted` by Ctrl-C.
+
+        reason: in place of the words of the error
+
+        Returns what goes wrong with that, which is a note to the error, too; empty if nothing does.
+        """
+        interrupted = isinstance(error, KeyboardInterrupt)
+        reason = reason or ("interrupted" if interrupted else reason_of(error))
+        cracks = self._last.cracks if self._last is not None else ()
+        end = RunEnd("interrupted" if interrupted else "failed", reason, cracks)
+        self._spare = b""
         try:
-            self._write_paths(end.cracks)
-            self._extend("events", tables.event_rows(end.events))
-            self._log_events(end.events)
-            self._write_last_frame()
-            if self.case.output.figures and self._last is not None:
-                began = time.perf_counter()
-                self._draw(self._last, end.cracks)
-                self._tally.add_seconds("output", time.perf_counter() - began)
-        finally:  # a figure that fails doesn't take the summary with it
-            self._write_summary(end)
-            for text in self._tally.warnings:
-                self._log.write(f"warning: {text}")
-            self.error_line = error_line(self._tally, end)
-            if self.error_line:
-                self._log.write(self.error_line)
-            self._log.write(f"{end.status}: {end.reason}")
-        self._write_report()
-
-    def fail(self, reason: str) -> None:
-        """End a run that broke off: what was solved is kept, the status is `failed`."""
-        self._break_off("failed", reason)
-
-    def interrupt(self, reason: str) -> None:
-        """As `fail`, where nothing is wrong: the status is `interrupted`."""
-        self._break_off("interrupted", reason)
-
-    def break_off(self, error: BaseException) -> None:
-        """`interrupt` or `fail`, by what has ended the run; what goes wrong with that is a note to the first error."""
-        try:
-            if isinstance(error, KeyboardInterrupt):
-                self.interrupt("interrupted")
-            else:
-                self.fail(reason_of(error))
+            with self._lock.held():
+                self._write_summary(end)  # before figures and frames, which may take all that is left
+                self.finish(end)
         except Exception as second:
             error.add_note(f"then the results could not be completed: {reason_of(second)}")
-
-    def _break_off(self, status: Literal["failed", "interrupted"], reason: str) -> None:
-        cracks = self._last.cracks if self._last is not None else ()
-        end = RunEnd(status, reason, cracks)
-        self._spare = b""
-        with self._lock.held():
-            self._write_summary(end)  # before figures and frames, which may take all that is left
-            self._finish(end)
+            return reason_of(second)
+        return ""
 
     def _write_summary(self, end: RunEnd) -> None:
         memory = max(self._memory, peak_memory_mb())
@@ -216,7 +212,9 @@ class RunWriter:
     def _write_report(self) -> None:
         """Made from the files, so it comes last; a run that ends without one has told why."""
         if self.case.output.report:
-            _write_report(self.folder)
+            from crackgrow.results.report import write_report  # as above
+
+            write_report(self.folder)
 
     def _write_checkpoint(self, result: StepResult) -> None:
         if result.checkpoint is None:
@@ -242,9 +240,6 @@ class RunWriter:
         table = tables.Table(self.folder / "paths.csv", tables.HEADERS["paths"])
         table.extend(tables.path_rows(cracks))
         table.write()
-
-    def _begin_history(self, columns: Sequence[str]) -> None:
-        self._tables["history"] = tables.Table(self.folder / HISTORY, columns)
 
     def _log_events(self, events: Sequence[Event]) -> None:
         for event in events:

@@ -5,19 +5,111 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import QuantityError, Units, parse_quantity
 from crackgrow.errors import CaseError, Fault
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.study.comparison import Common, Comparison, Deviation, Pair, Place, Tip
 from crackgrow.study.distance import between, farthest, frechet, nearest, overhang, point_at
-from crackgrow.study.path_files import PathLine, PathSet, read_paths
+from crackgrow.study.path_files import PathLine, PathSet, Tip, read_paths
+
+Part = Literal["given", "start", "end", "path"]  # "path": of a file that doesn't tell what has grown
 
 SLACK = 1e-9  # of a length: a point so close behind a vertex is at it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """A point of a path."""
+
+    point: Floats  # (2,) m
+    s: float  # m, arc length from the part's root (of a tip), from the start otherwise
+    step: int | None  # whose advance made the segment; 0 in the given crack, None if not told
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Deviation:
+    """How far apart two lines are."""
+
+    hausdorff: float  # m, largest distance of a point of either from the other
+    frechet: float  # m, the same for points in the order of the paths: at least the Hausdorff distance
+    in_a: Place  # where the Hausdorff distance is
+    in_b: Place
+
+    @property
+    def largest(self) -> float:
+        """What is held against a tolerance, m."""
+        return max(self.hausdorff, self.frechet)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Common:
+    """The part over which two lines run side by side: without what goes on beyond the other's end."""
+
+    length_a: float  # m
+    length_b: float  # m
+    ends: Floats  # (2, 2) m, on A: where the part begins and ends
+    deviation: Deviation
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """One part of one crack in both path sets."""
+
+    crack: str
+    part: Part
+    length_a: float  # m
+    length_b: float  # m
+    whole: Deviation | None  # of the whole lengths; None where a file may hold a part of the path only
+    end_distance: float | None  # m, between the tips; None like `whole`
+    common: Common | None  # None where nothing has grown in A or in B, and of given cracks
+
+    @property
+    def deviation(self) -> Deviation:
+        """What counts: of the whole lengths, or of the common part where no more is known."""
+        if self.whole is not None:
+            return self.whole
+        if self.common is None:
+            raise ValueError("a pair has a whole or a common part")
+        return self.common.deviation
+
+    @property
+    def name(self) -> str:
+        """The crack and its part, for messages."""
+        return f"{self.crack} {self.part}" if self.crack else self.part
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Comparison:
+    """All that is told of two path sets."""
+
+    a: PathSet
+    b: PathSet
+    pairs: tuple[Pair, ...]
+    only_in_a: tuple[str, ...]  # cracks
+    only_in_b: tuple[str, ...]
+    tolerance: float | None  # m
+
+    @property
+    def in_one_only(self) -> tuple[tuple[str, str], ...]:
+        """Cracks that A or B alone has: (crack, "A" or "B")."""
+        return (*((crack, "A") for crack in self.only_in_a), *((crack, "B") for crack in self.only_in_b))
+
+    @property
+    def beyond(self) -> tuple[Pair, ...]:
+        """Pairs further apart than the tolerance; none without one."""
+        if self.tolerance is None:
+            return ()
+        return tuple(pair for pair in self.pairs if pair.deviation.largest > self.tolerance)
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all is within the tolerance, and no crack in one alone; true without a tolerance."""
+        return self.tolerance is None or not (self.beyond or self.in_one_only)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,42 +221,28 @@ def _pairs(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> list[Pair]:
         return [_partial(name, a, b, tip)]
     pairs = []
     if tip is None:
-        given_a, given_b = _given(a), _given(b)
+        given_a, given_b = a.given, b.given
         whole = _deviation(_all(given_a), _all(given_b))
         ends = max(_apart(given_a.points[end], given_b.points[end]) for end in (0, -1))
-        pairs.append(Pair(name, "given", _length(given_a), _length(given_b), whole, ends, None))
+        pairs.append(Pair(name, "given", given_a.length, given_b.length, whole, ends, None))
     tips: tuple[Tip, ...] = ("start", "end") if tip is None else (tip,)
     pairs.extend(
-        _grown(name, which, _wing(a, which), _wing(b, which))
+        _grown(name, which, a.wing(which), b.wing(which))
         for which in tips
-        if len(_wing(a, which).points) > 1 or len(_wing(b, which).points) > 1
+        if len(a.wing(which).points) > 1 or len(b.wing(which).points) > 1
     )
     return pairs
-
-
-def _given(line: PathLine) -> PathLine:
-    """The crack as it began."""
-    return PathLine(line.points[line.first], _steps(line)[line.first])
-
-
-def _wing(line: PathLine, tip: Tip) -> PathLine:
-    """What has grown at a tip, from its root, the end of the given crack, outward; the root alone if nothing has."""
-    steps, points, first = _steps(line), line.points, line.first
-    if tip == "start":
-        steps, points, first = steps[::-1], points[::-1], first[::-1]
-    root = int(np.flatnonzero(first)[-1])
-    return PathLine(points[root:], steps[root:])
 
 
 def _grown(name: str, tip: Tip, a: PathLine, b: PathLine) -> Pair:
     """The wings of a tip; what they have in common begins at the roots."""
     common = None
     if len(a.points) > 1 and len(b.points) > 1:
-        s_a = overhang(a.points, b.points, at_both=False) or _length(a)
-        s_b = overhang(b.points, a.points, at_both=False) or _length(b)
+        s_a = overhang(a.points, b.points, at_both=False) or a.length
+        s_b = overhang(b.points, a.points, at_both=False) or b.length
         common = _common(_Stretch(a, 0.0, s_a), _Stretch(b, 0.0, s_b))
     ends = _apart(a.points[-1], b.points[-1])
-    return Pair(name, tip, _length(a), _length(b), _deviation(_all(a), _all(b)), ends, common)
+    return Pair(name, tip, a.length, b.length, _deviation(_all(a), _all(b)), ends, common)
 
 
 def _partial(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> Pair:
@@ -172,19 +250,19 @@ def _partial(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> Pair:
     if tip is not None:
         if a.steps is None and b.steps is None:
             raise CaseError.at("--tip", "neither path has the column step, which tells what has grown")
-        a, b = (line if line.steps is None else _wing(line, tip) for line in (a, b))
+        a, b = (line if line.steps is None else line.wing(tip) for line in (a, b))
         if min(len(a.points), len(b.points)) < 2:
             raise CaseError.at("--tip", f"the {tip} of crack {quoted(name)} has not grown")
-    if (a.steps is None, -_length(a)) > (b.steps is None, -_length(b)):  # a is the one of unknown extent, or shorter
+    if (a.steps is None, -a.length) > (b.steps is None, -b.length):  # a is the one of unknown extent, or shorter
         on_b, on_a = _side_by_side(b, a)
     else:
         on_a, on_b = _side_by_side(a, b)
-    return Pair(name, tip or "path", _length(a), _length(b), None, None, _common(on_a, on_b))
+    return Pair(name, tip or "path", a.length, b.length, None, None, _common(on_a, on_b))
 
 
 def _side_by_side(path: PathLine, reference: PathLine) -> tuple[_Stretch, _Stretch]:
     """Where a path and a reference, drawn in either direction, run side by side; all of both if they do nowhere."""
-    length = _length(reference)
+    length = reference.length
     high = overhang(reference.points, path.points, at_both=True)
     low = length - overhang(reference.points[::-1], path.points, at_both=True)
     _, ends = nearest(point_at(reference.points, np.array([low, high])), path.points)
@@ -205,17 +283,7 @@ def _deviation(a: _Stretch, b: _Stretch) -> Deviation:
 
 
 def _all(line: PathLine) -> _Stretch:
-    return _Stretch(line, 0.0, _length(line))
-
-
-def _steps(line: PathLine) -> Ints:
-    if line.steps is None:
-        raise ValueError("the line has no steps")
-    return line.steps
-
-
-def _length(line: PathLine) -> float:
-    return float(arc_lengths(line.points)[-1])
+    return _Stretch(line, 0.0, line.length)
 
 
 def _apart(p: Floats, q: Floats) -> float:

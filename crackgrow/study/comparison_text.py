@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from crackgrow.case.dump import differing
 from crackgrow.results.declarations import Column, File
 from crackgrow.results.tables import Value, csv_text
-from crackgrow.results.units import aligned
-from crackgrow.study.comparison import Comparison, Deviation, Pair, Place
+from crackgrow.results.units import aligned, cut
+from crackgrow.study.compare import Comparison, Deviation, Pair, Place
 from crackgrow.study.path_files import PathSet
 
 UNEQUAL = 1e-3  # of the longer length: lengths further apart are told as unequal growth
@@ -84,9 +85,7 @@ def comparison_record(comparison: Comparison) -> dict[str, object]:
     return {
         "a": {"source": str(comparison.a.source), "status": comparison.a.status},
         "b": {"source": str(comparison.b.source), "status": comparison.b.status},
-        "settings": {
-            key: {"a": a.get(key), "b": b.get(key)} for key in dict.fromkeys([*a, *b]) if a.get(key) != b.get(key)
-        },
+        "settings": {key: {"a": mine, "b": its} for key, (mine, its) in differing(a, b, None).items()},
         "tolerance": comparison.tolerance,
         "agrees": comparison.agrees,
         "parts": rows,
@@ -120,12 +119,10 @@ def _settings_lines(comparison: Comparison) -> list[str]:
     a, b = comparison.a.settings, comparison.b.settings
     if a is None or b is None:
         return []
-    keys = [key for key in dict.fromkeys([*a, *b]) if a.get(key) != b.get(key)]
-    if not keys:
+    lines = [f"  {key}: {mine} | {its}" for key, (mine, its) in differing(a, b, "not given").items()]
+    if not lines:
         return ["same settings"]
-    shown = [f"  {key}: {a.get(key, 'not given')} | {b.get(key, 'not given')}" for key in keys[:MOST_SETTINGS]]
-    more = [f"  and {len(keys) - MOST_SETTINGS} more"] if len(keys) > MOST_SETTINGS else []
-    return ["settings that differ, A | B:", *shown, *more]
+    return ["settings that differ, A | B:", *cut(lines, MOST_SETTINGS, "  and {} more")]
 
 
 def _cells(pair: Pair, show: _Lengths) -> tuple[str, ...]:

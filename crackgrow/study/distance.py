@@ -26,9 +26,7 @@ class Farthest:
 
     distance: float  # m
     s: float  # m, arc length on the one
-    point: Floats  # (2,) m
     near_s: float  # m, arc length on the other
-    near: Floats  # (2,) m
 
 
 def nearest(points: Floats, line: Floats) -> tuple[Floats, Floats]:
@@ -70,9 +68,8 @@ def farthest(a: Floats, b: Floats) -> Farthest:
         at_middle = _to_segments(point_at(a, middle), starts, ends)[0]
         low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
         at_low, at_high = np.concatenate([at_low, at_middle]), np.concatenate([at_middle, at_high])
-    point = point_at(a, np.array([best_s]))
-    distance, near_s = nearest(point, b)
-    return Farthest(float(distance[0]), best_s, point[0], float(near_s[0]), point_at(b, near_s)[0])
+    distance, near_s = nearest(point_at(a, np.array([best_s])), b)
+    return Farthest(float(distance[0]), best_s, float(near_s[0]))
 
 
 def frechet(a: Floats, b: Floats) -> float:

@@ -8,6 +8,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import yaml
@@ -17,7 +18,10 @@ from crackgrow.case.dump import read_settings
 from crackgrow.case.report import clean, did_you_mean, quoted
 from crackgrow.case.units import UNITS, QuantityError, Units, parse_number, parse_quantity
 from crackgrow.errors import CaseError, Fault
+from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.results.folder import CASE, FolderError, RunFolder
+
+Tip = Literal["start", "end"]
 
 MOST_VERTICES = 2000  # of one crack: comparing takes time and memory in the product of two of them
 MOST_FAULTS = 10  # of the rows of one file that are told
@@ -32,10 +36,31 @@ class PathLine:
     steps: Ints | None  # (n,) the step whose advance made the vertex, 0 for the given crack; None if not told
 
     @property
+    def made(self) -> Ints:
+        """The steps (n,); 0, of the given crack, where they are not told."""
+        return np.zeros(len(self.points), dtype=np.int64) if self.steps is None else self.steps
+
+    @property
     def first(self) -> Bools:
         """Which vertices (n,) are those of the crack as it began: given, or started by a run in a later step."""
-        steps = np.zeros(len(self.points), dtype=np.int64) if self.steps is None else self.steps
-        return np.asarray(steps == steps.min())
+        return np.asarray(self.made == self.made.min())
+
+    @property
+    def length(self) -> float:
+        """Its length, m."""
+        return float(arc_lengths(self.points)[-1])
+
+    @property
+    def given(self) -> PathLine:
+        """The crack as it began."""
+        return PathLine(self.points[self.first], self.made[self.first])
+
+    def wing(self, tip: Tip) -> PathLine:
+        """What has grown at a tip, from its root, the end of the given crack, outward; the root alone: nothing."""
+        order = slice(None, None, -1 if tip == "start" else 1)
+        steps, points, first = self.made[order], self.points[order], self.first[order]
+        root = int(np.flatnonzero(first)[-1])
+        return PathLine(points[root:], steps[root:])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

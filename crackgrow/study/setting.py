@@ -13,7 +13,7 @@ from typing import Final
 from crackgrow.case import Case, load_case
 from crackgrow.case.declared import keys_of
 from crackgrow.case.model import ContactNumerics, LoadHistory, Numerics, StrengthReduction
-from crackgrow.errors import CaseError
+from crackgrow.errors import CaseError, Fault
 
 UNWRITTEN: Final = ("output.frames=none", "output.figures=false", "output.report=false")
 HALVED: Final = "numerics.refine={tips: auto, kinks: auto, corners: auto}"
@@ -31,6 +31,13 @@ class CaseFile:
     def load(self, *more: str) -> Case:
         """The case with more settings replaced; raises CaseError."""
         return load_case(self.path, (*self.overrides, *more))
+
+    def tried(self, *more: str) -> tuple[Case | None, tuple[Fault, ...]]:
+        """The same, None where it has faults, and these."""
+        try:
+            return self.load(*more), ()
+        except CaseError as error:
+            return None, error.faults
 
 
 @dataclass(frozen=True, slots=True)

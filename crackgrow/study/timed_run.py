@@ -86,17 +86,14 @@ def run_in_processes(
 
 def median_cost(costs: Sequence[Cost]) -> Cost:
     """The last of several costs of the same run, with the median of every time and memory."""
-
-    def middle(values: Sequence[float]) -> float:
-        return statistics.median(values)
-
+    middle = statistics.median
     return replace(
         costs[-1],
-        cpu_seconds=middle([cost.cpu_seconds for cost in costs]),
-        wall_seconds=middle([cost.wall_seconds for cost in costs]),
-        cpu_steps=tuple(map(middle, zip(*(cost.cpu_steps for cost in costs), strict=False))),
-        wall_steps=tuple(map(middle, zip(*(cost.wall_steps for cost in costs), strict=False))),
-        peak_memory_mb=middle([cost.peak_memory_mb for cost in costs]),
+        cpu_seconds=middle(cost.cpu_seconds for cost in costs),
+        wall_seconds=middle(cost.wall_seconds for cost in costs),
+        cpu_steps=tuple(middle(step) for step in zip(*(cost.cpu_steps for cost in costs), strict=False)),
+        wall_steps=tuple(middle(step) for step in zip(*(cost.wall_steps for cost in costs), strict=False)),
+        peak_memory_mb=middle(cost.peak_memory_mb for cost in costs),
     )
 
 

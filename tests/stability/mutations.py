@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from crackgrow.cli.new import template_text, templates
+from crackgrow.cli.start import template_text, templates
 from tests.stability.yaml_sites import Site, sites
 from tests.unit.case.scenes import EVERYTHING, text_of
 

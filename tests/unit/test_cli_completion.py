@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from crackgrow.cli.command_line import command_line
-from crackgrow.cli.completion import SHELLS, completion_script
+from crackgrow.cli.tools import SHELLS, completion_script
 
 
 def completed(line: list[str], folder: Path) -> set[str]:

@@ -11,7 +11,7 @@ import pytest
 from jsonschema import Draft7Validator
 
 from crackgrow import cli, grow, load_case
-from crackgrow.cli.new import SCHEMA_FILE, template_text, templates
+from crackgrow.cli.start import SCHEMA_FILE, template_text, templates
 from tests.yaml12 import read_yaml12
 
 

@@ -19,8 +19,7 @@ from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.figures import draw_load_curve
-from crackgrow.results.load_point import load_point
-from crackgrow.results.summary import K_error
+from crackgrow.results.summary import K_error, load_point
 from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load

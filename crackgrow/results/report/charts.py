@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,9 @@ HISTORIES = (
 )
 """Title, what the columns of history.csv end with, and units."""
 
+ENERGY_COLUMNS = ("work", "strain_energy", "dissipation", "released_energy")
+NO_UNIT = ((1.0, ""),)
+
 
 def charts(run: RunFolder) -> list[Chart]:
     """The plots that tell something: none against the steps where there is but one.
@@ -44,33 +48,27 @@ def charts(run: RunFolder) -> list[Chart]:
     history = list(_history_charts(run))
     if len(run.solved) < 2:
         return history
-    factor = run.table("steps").numbers("load_factor")
+    by_step = partial(_chart, xlabel="step", x=run.solved, steps=run.solved)
+    table = run.table("steps")
+    factor, length = table.numbers("load_factor"), table.numbers("crack_length")
+    displacement = table.numbers("load_displacement")
     found = [*history, *_tip_charts(run)]
     if len(set(factor.tolist())) > 1:
-        found.append(_load_curve(run, factor))
-        found.append(_by_step(run, "Load factor", "load factor", [("load factor", factor)], (1.0, "")))
-    for title, column, units in (
-        ("Crack length", "crack_length", LENGTHS),
-        ("Displacement of the loads", "load_displacement", LENGTHS),
-    ):
-        values = run.table("steps").numbers(column)
-        unit = unit_of(values, units)
-        found.append(_by_step(run, title, f"{title.lower()} [{unit[1]}]", [(title.lower(), values)], unit))
-    found.append(_energies(run))
-    found.extend(_in_time(run))
+        size, unit = unit_of(displacement, LENGTHS)
+        x, xlabel = rounded_all(displacement, size), f"displacement of the loads [{unit}]"
+        load = {"load factor": factor}
+        found.append(_chart("Load curve", "load factor", load, NO_UNIT, xlabel=xlabel, x=x, steps=run.solved))
+        found.append(by_step("Load factor", "load factor", load, NO_UNIT))
+    for title, values in (("Crack length", length), ("Displacement of the loads", displacement)):
+        found.append(by_step(title, title.lower(), {title.lower(): values}, LENGTHS))
+    energies = {name.replace("_", " "): table.numbers(name) for name in ENERGY_COLUMNS}
+    found.append(by_step("Energies", "energy per thickness", energies, ENERGIES))
+    if run.case.growth is not None and run.case.growth.subcritical is not None:
+        time = table.numbers("time")
+        size, unit = unit_of(time, TIMES)
+        x, xlabel, grown = rounded_all(time, size), f"time [{unit}]", {"crack length": length}
+        found.append(_chart("Growth in time", "crack length", grown, LENGTHS, xlabel=xlabel, x=x, steps=run.solved))
     return found
-
-
-def _in_time(run: RunFolder) -> Iterator[Chart]:
-    """How the cracks grow in time, where that takes time."""
-    if run.case.growth is None or run.case.growth.subcritical is None:
-        return
-    table = run.table("steps")
-    time, length = table.numbers("time"), table.numbers("crack_length")
-    in_time, in_length = unit_of(time, TIMES), unit_of(length, LENGTHS)
-    x, y = rounded_all(time, in_time[0]), rounded_all(length, in_length[0])
-    series = [_series("crack length", COLOURS[0], "", x, y, run.solved)]
-    yield _chart("Growth in time", f"time [{in_time[1]}]", f"crack length [{in_length[1]}]", series)
 
 
 def drawn_tips(run: RunFolder) -> list[tuple[str, ...]]:
@@ -100,7 +98,8 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
             for column, dash in zip(columns, ("", "5 3"), strict=True):
                 y = rounded_all(tables[tip].numbers(column), unit[0])
                 series.append(_series(f"{column} {' '.join(tip)}", COLOURS[number], dash, steps, y, steps))
-        found.append(_chart(f"{title}{rest}", "step", f"{', '.join(columns)} [{unit[1]}]", series))
+        ylabel = f"{', '.join(columns)} [{unit[1]}]"
+        found.append({"title": f"{title}{rest}", "xlabel": "step", "ylabel": ylabel, "series": series})
     return found
 
 
@@ -116,44 +115,30 @@ def _history_charts(run: RunFolder) -> Iterator[Chart]:
     x = rounded_all(steps - 1.0 + (increment + 1.0) / n_in_step)
     for title, endings, units in HISTORIES:
         columns = [column for column in table.columns if column.rpartition(".")[2] in endings]
-        drawn = columns[: len(COLOURS)]
-        if not drawn:
-            continue
-        values = [table.numbers(column) for column in drawn]
-        unit = unit_of(np.concatenate(values), units)
-        series = [
-            _series(column, colour, "", x, rounded_all(of_column, unit[0]), steps.tolist())
-            for column, colour, of_column in zip(drawn, COLOURS, values, strict=False)
-        ]
+        drawn = {column: table.numbers(column) for column in columns[: len(COLOURS)]}
         rest = f" ({len(drawn)} of {len(columns)})" if len(columns) > len(drawn) else ""
-        yield _chart(f"{title}{rest}", "step", f"[{unit[1]}]", series)
+        if drawn:
+            dashes = ("",) * len(COLOURS)
+            yield _chart(f"{title}{rest}", "", drawn, units, xlabel="step", x=x, steps=steps.tolist(), dashes=dashes)
 
 
-def _load_curve(run: RunFolder, factor: Floats) -> Chart:
-    displacement = run.table("steps").numbers("load_displacement")
-    unit = unit_of(displacement, LENGTHS)
-    x = rounded_all(displacement, unit[0])
-    series = [_series("load factor", COLOURS[0], "", x, rounded_all(factor), run.solved)]
-    return _chart("Load curve", f"displacement of the loads [{unit[1]}]", "load factor", series)
-
-
-def _energies(run: RunFolder) -> Chart:
-    names = ("work", "strain_energy", "dissipation", "released_energy")
-    values = [(name.replace("_", " "), run.table("steps").numbers(name)) for name in names]
-    unit = unit_of(np.concatenate([column for _, column in values]), ENERGIES)
-    return _by_step(run, "Energies", f"energy per thickness [{unit[1]}]", values, unit)
-
-
-def _by_step(run: RunFolder, title: str, label: str, columns: Sequence[tuple[str, Floats]], unit: Unit) -> Chart:
-    series = [
-        _series(name, colour, dash, run.solved, rounded_all(values, unit[0]), run.solved)
-        for (name, values), colour, dash in zip(columns, COLOURS, ("", "5 3", "", ""), strict=False)
-    ]
-    return _chart(title, "step", label, series)
-
-
-def _chart(title: str, xlabel: str, ylabel: str, series: Sequence[dict[str, Any]]) -> Chart:
-    return {"title": title, "xlabel": xlabel, "ylabel": ylabel, "series": list(series)}
+def _chart(
+    title: str,
+    what: str,
+    columns: Mapping[str, Floats],
+    units: Sequence[Unit],
+    *,
+    xlabel: str,
+    x: Sequence[float | None],
+    steps: Sequence[int],
+    dashes: Sequence[str] = ("", "5 3", "", ""),
+) -> Chart:
+    """Columns (n,) by name over x (n,), in one unit."""
+    size, unit = unit_of(np.concatenate(list(columns.values())), units)
+    lines = zip(columns.items(), COLOURS, dashes, strict=False)
+    series = [_series(name, colour, dash, x, rounded_all(y, size), steps) for (name, y), colour, dash in lines]
+    ylabel = f"{what} [{unit}]".strip() if unit else what
+    return {"title": title, "xlabel": xlabel, "ylabel": ylabel, "series": series}
 
 
 def _series(

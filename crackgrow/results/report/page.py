@@ -1,24 +1,49 @@
-"""The page: what its template, `page.html`, shows of a run, and the file."""
+"""The page: what its template, `page.html`, shows of a run, how good that is, and the file."""
 
 from __future__ import annotations
 
 import json
+import math
+from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment
+from markupsafe import Markup
 
+from crackgrow.arrays import Floats
 from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import REPORT, RunFolder, open_run
 from crackgrow.results.report.charts import charts
-from crackgrow.results.report.checks import check_rows, estimate_rows, status_badge
 from crackgrow.results.report.scene import describe_actions, draw_scene, step_colour, tag, view_of
 from crackgrow.results.report.step_data import contact_data, event_rows, pictures, step_words, tip_data
-from crackgrow.results.units import counted, shown
+from crackgrow.results.units import counted, cut, shown
+from crackgrow.run.result import CHECK_LIMITS
 
 SHOWN_WARNINGS = 200  # of more the first ones are shown
 SHORT = 12  # characters of a cell that is not broken
+
+WHAT = {
+    "residual": "equilibrium residual",
+    "penetration": "penetration at contact points, by the step's largest jump",
+    "complementarity": "complementarity of contact",
+    "overlap_share": "overlap anywhere along the faces, by what is small beside jump and displacement",
+    "energy_error": "error of the energy balance",
+}
+
+ESTIMATES = {
+    "energy_norm_percent, first": "energy norm, first step [%]",
+    "energy_norm_percent, last": "energy norm, last step [%]",
+    "K_percent_expected": "K, error that is expected, over the largest K of its step [%]",
+    "K_percent_at_most": "K, error at most, over the largest K of its step [%]",
+    "K_spread_percent": "spread of K over discs of its integral, not its error [%]",
+    "kink_degrees_at_most": "directions of growth, at most [°]",
+    "load_factor_percent_at_most": "critical load factors, at most [%]",
+    "goal_percent_at_most": "numerics.goal, at most, over its largest value [%]",
+}
+"""Numbers of the summary in the order of the table, in words."""
 
 
 def write_report(folder: Path) -> Path:
@@ -55,7 +80,7 @@ def page(run: RunFolder) -> str:
         checks=list(check_rows(run)),
         estimates=estimate_rows(run.summary),
         phases=_phase_rows(run.summary),
-        warnings=_warnings(run.summary["warnings"]),
+        warnings=cut(run.summary["warnings"], SHOWN_WARNINGS, "and {} more, see summary.json"),
         events=event_rows(run.table("events")) if len(run.table("events")) else None,
         actions=describe_actions(run.case),
         data=data,
@@ -97,6 +122,47 @@ def _phase_rows(summary: dict[str, Any]) -> list[tuple[object, ...]]:
     ]
 
 
-def _warnings(warnings: list[str]) -> list[str]:
-    more = len(warnings) - SHOWN_WARNINGS
-    return [*warnings[:SHOWN_WARNINGS], *([f"and {more} more, see summary.json"] if more > 0 else [])]
+def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
+    """Rows of the table of checks: name, worst value, step, limit, verdict."""
+    jumps = _largest_jumps(run)
+    for name, words in WHAT.items():
+        values = np.abs(run.table("steps").numbers(name))
+        if name == "penetration":
+            values = np.divide(values, jumps, out=np.zeros_like(values), where=jumps > 0.0)
+        if len(values) == 0:
+            continue
+        worst = int(np.argmax(np.where(np.isnan(values), np.inf, values)))
+        good = bool(values[worst] <= CHECK_LIMITS[name])
+        verdict = tag("span", "ok" if good else "above the limit", class_="good" if good else "bad")
+        yield words, shown(float(values[worst]), 3), run.solved[worst], f"{CHECK_LIMITS[name]:g}", verdict
+
+
+def estimate_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows of what the run estimates of its own error, the worst of all steps: any numbers that the summary has."""
+    known = dict(_flat(summary.get("error_estimate") or {}, ""))
+    order = [*(name for name in ESTIMATES if name in known), *(name for name in known if name not in ESTIMATES)]
+    return [(ESTIMATES.get(name, name), known[name]) for name in order]
+
+
+def _flat(values: dict[str, Any], before: str) -> Iterator[tuple[str, str]]:
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{before}{key}, ")
+        else:
+            yield f"{before}{key}", value if isinstance(value, str) else shown(math.nan if value is None else value)
+
+
+def _largest_jumps(run: RunFolder) -> Floats:
+    """Largest jump (m) at the contact points of each solved step; 0 where there are none."""
+    contact = run.table("contact")
+    steps = contact.steps()
+    sizes = np.hypot(contact.numbers("opening"), contact.numbers("slip"))
+    largest = np.zeros(len(run.solved))
+    np.maximum.at(largest, np.searchsorted(run.solved, steps), sizes)
+    return largest
+
+
+def status_badge(status: str) -> Markup:
+    """How the run ended, in a word."""
+    kind = {"failed": "bad", "interrupted": "doubtful", "running": "doubtful"}.get(status, "good")
+    return tag("strong", status, class_=f"badge {kind}")

@@ -16,7 +16,7 @@ from crackgrow.case.model import Case, CriticalLoad, LoadHistory
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.units import or_null
 from crackgrow.study.invariance.condition import condition_estimate
-from crackgrow.study.invariance.placed import Placement, mirrored, moved, scaled, turned
+from crackgrow.study.invariance.placed import Placement, mirrored, moved, placed, scaled, turned
 from crackgrow.study.invariance.solved import Solved, against, balanced, everything, overall, solved, solved_placed
 
 Status = Literal["solved", "warned", "refused", "crashed"]
@@ -153,26 +153,23 @@ def trials_of(case: Case, plain: Callable[[], Solved]) -> Iterator[Trial]:
         yield Trial("units", name, COMPARED, TOLERANCE, partial(solved_placed, case, placement), same, plain)
     alike = against(plain, overall)
     for offset in OFFSETS:
-        solve = partial(_moved_lattice, case, plain, offset)
+        solve = partial(_solved_anew, case, plain, None, offset)
         words = f"{offset[0]:g}, {offset[1]:g} spacings"
         yield Trial("lattice", words, OVERALL, LATTICE_TOLERANCE, solve, alike, plain)
     width = max(float(np.ptp(body.outline, axis=0).max()) for body in case.bodies)
     far = {"moved by a thousand sizes": moved(1e3 * width, -1e3 * width)}
     for name, placement in (PLACES | far).items():
-        solve = partial(_placed, case, plain, placement)
+        solve = partial(_solved_anew, case, plain, placement)
         yield Trial("scene", name, OVERALL, PLACED_TOLERANCE, solve, alike, plain)
 
 
-def _moved_lattice(case: Case, plain: Callable[[], Solved], offset: tuple[float, float]) -> Solved:
-    return solved(_at_its_load(case, plain), None, offset)
+def _solved_anew(
+    case: Case, plain: Callable[[], Solved], placement: Placement | None, offset: tuple[float, float] = (0.0, 0.0)
+) -> Solved:
+    """A case in another place or on another lattice, under the load that was found for it, if one was.
 
-
-def _placed(case: Case, plain: Callable[[], Solved], placement: Placement) -> Solved:
-    return solved_placed(_at_its_load(case, plain), placement)
-
-
-def _at_its_load(case: Case, plain: Callable[[], Solved]) -> Case:
-    """The case under the load that was found for it, if one was: the criterion's stress is an average over points."""
-    if not isinstance(case.loading, CriticalLoad):
-        return case
-    return replace(case, loading=LoadHistory((plain().result.load_factor,)))
+    The criterion's stress, which tells that load, is an average over points.
+    """
+    if isinstance(case.loading, CriticalLoad):
+        case = replace(case, loading=LoadHistory((plain().result.load_factor,)))
+    return solved(case if placement is None else placed(case, placement), placement, offset)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, is_dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case import model
+from crackgrow.case.declared import Declared, declared
 from crackgrow.case.formula import component_at
-from crackgrow.case.model import Body, Case, Component, EdgeRegion
-
-Pair = tuple[Component | None, Component | None]
-Stress = tuple[Component, Component, Component]
+from crackgrow.case.model import Case, Component, EdgeRegion
+from crackgrow.case.schema import Components, Mapping
 
 STRAIGHT = 1e-12
 """A direction this close to an axis is along it."""
@@ -38,6 +38,21 @@ class Placement:
     def displacement(self) -> float:
         """What displacements are multiplied by."""
         return self.size * self.stress / self.young
+
+    @property
+    def factors(self) -> dict[str, float]:
+        """What fields of the model are multiplied by: under their names, or else by the kind of what they take."""
+        return {
+            "young": self.young,
+            "displacement": self.displacement,
+            "weakening_length": self.displacement,
+            "length": self.size,
+            "stress": self.stress,
+            "toughness": self.stress * float(np.sqrt(self.size)),
+            "stiffness": self.stress / self.displacement,
+            "force": self.stress * self.size,
+            "acceleration": self.stress / self.size,
+        }
 
     def points(self, points: Floats) -> Floats:
         """Places (n, 2) m of points (n, 2) m."""
@@ -95,56 +110,57 @@ def placed(case: Case, placement: Placement) -> Case:
 
     Raises ValueError for a support with one free component in a direction that is no longer along an axis.
     """
-    numerics = replace(case.numerics, spacing=placement.size * case.numerics.spacing)
-    growth = case.growth
-    if growth is not None:
-        growth = replace(
-            growth,
-            increment=placement.size * growth.increment,
-            tip_radius=_scaled(growth.tip_radius, placement),
-            initiation=replace(growth.initiation, spacing=_scaled(growth.initiation.spacing, placement)),
-            link_distance=_scaled(growth.link_distance, placement),
-        )
     corners = {body.name: [len(ring.points) for ring in body.rings] for body in case.bodies}
+    order = -1 if placement.mirrors else 1  # the first body stays on the left of an interface
+
+    def of(thing: Any, **others: object) -> Any:
+        """A part of the case with its keys placed; `others` are fields that the keys do not tell."""
+        cls: Any = type(thing)
+        told = [item for item in declared(cls) if item.name not in others]
+        return replace(thing, **{item.name: value_of(item, getattr(thing, item.name)) for item in told}, **others)
+
+    def value_of(item: Declared, value: Any) -> Any:
+        if isinstance(value, EdgeRegion):
+            return _region(value, placement, corners)
+        if is_dataclass(value) and not callable(value):
+            return of(value)
+        if isinstance(value, np.ndarray):
+            return placement.points(value.reshape(-1, 2)).reshape(value.shape)
+        return _value(item, value, placement)
+
     return replace(
         case,
-        bodies=tuple(_body(body, placement) for body in case.bodies),
-        cracks=tuple(
-            replace(
-                c, points=placement.points(c.points), contact=None if c.contact is None else _law(c.contact, placement)
-            )
-            for c in case.cracks
+        bodies=tuple(of(body, rings=tuple(_ring(ring, placement) for ring in body.rings)) for body in case.bodies),
+        cracks=tuple(map(of, case.cracks)),
+        interfaces=tuple(
+            of(pair, lines=tuple(placement.points(line)[::order].copy() for line in pair.lines))
+            for pair in case.interfaces
         ),
-        interfaces=tuple(_interface(interface, placement) for interface in case.interfaces),
-        supports=tuple(_support(support, placement, corners) for support in case.supports),
-        loads=tuple(_load(load, placement, corners) for load in case.loads),
-        growth=growth,
-        numerics=numerics,
+        supports=tuple(map(of, case.supports)),
+        loads=tuple(map(of, case.loads)),
+        growth=None if case.growth is None else of(case.growth),
+        numerics=of(case.numerics),
     )
 
 
-def _scaled(length: float | None, placement: Placement) -> float | None:
-    return None if length is None else placement.size * length
+def _value(item: Declared, value: Any, placement: Placement) -> Any:
+    """A number, a formula, a vector or a stress of a field; what has no unit stays."""
+    kind = _kind_of(item.spec)
+    factor = placement.factors.get(item.name) or placement.factors.get(kind)
+    if factor is None or value is None or isinstance(value, str):
+        return value
+    if not isinstance(value, tuple):
+        return _Sum([value], [factor], placement) if callable(value) else factor * value
+    if isinstance(item.spec, Mapping):
+        return tuple(factor * part for part in value)
+    return _pair(value, placement, factor) if len(value) == 2 else _stress(value, placement)
 
 
-def _body(body: Body, placement: Placement) -> Body:
-    strength = body.strength
-    if strength is not None:
-        K, K_shear = (
-            None if K is None else placement.stress * float(np.sqrt(placement.size)) * K
-            for K in (strength.toughness, strength.shear_toughness)
-        )
-        strength = replace(
-            strength,
-            tension=placement.stress * strength.tension,
-            cohesion=placement.stress * strength.cohesion,
-            toughness=K,
-            shear_toughness=K_shear,
-        )
-    material = replace(body.material, young=placement.young * body.material.young)
-    return replace(
-        body, rings=tuple(_ring(ring, placement) for ring in body.rings), material=material, strength=strength
-    )
+def _kind_of(spec: Any) -> str:
+    """The kind of quantity that a key takes, alone or as a vector; empty where it takes none."""
+    fields = spec.mapping.fields if isinstance(spec, Components) else getattr(spec, "fields", None)
+    inner = next(iter(fields.values())).spec if fields else getattr(spec, "spec", None)
+    return str(getattr(spec, "kind", "")) if inner is None else _kind_of(inner)
 
 
 def _ring(ring: model.Ring, placement: Placement) -> model.Ring:
@@ -166,92 +182,26 @@ def _region(region: EdgeRegion, placement: Placement, corners: dict[str, list[in
     return replace(region, sides=sides[::-1].copy(), limits=1.0 - region.limits[::-1, ::-1])
 
 
-def _law(contact: model.CoulombContact, placement: Placement) -> model.CoulombContact:
-    stiffness = contact.stiffness
-    if stiffness is not None:
-        per = placement.stress / placement.displacement
-        stiffness = (per * stiffness[0], per * stiffness[1])
-    return replace(
-        contact,
-        cohesion=placement.stress * contact.cohesion,
-        stiffness=stiffness,
-        weakening_length=placement.displacement * contact.weakening_length,
-    )
-
-
-def _interface(interface: model.Interface, placement: Placement) -> model.Interface:
-    """The first body stays on the left of the lines."""
-    order = -1 if placement.mirrors else 1
-    lines = tuple(placement.points(line)[::order].copy() for line in interface.lines)
-    contact = interface.contact
-    return replace(interface, lines=lines, contact=contact if contact == "bonded" else _law(contact, placement))
-
-
-def _support(support: model.Support, placement: Placement, corners: dict[str, list[int]]) -> model.Support:
-    if isinstance(support, model.ContactSupport):
-        return model.ContactSupport(_region(support.region, placement, corners), _law(support.contact, placement))
-    displacement = _components(support.displacement, placement, placement.displacement)
-    if isinstance(support, model.PointSupport):
-        return replace(support, point=placement.points(support.point[None])[0], displacement=displacement)
-    return model.EdgeSupport(_region(support.region, placement, corners), displacement)
-
-
-def _components(displacement: Pair, placement: Placement, size: float) -> Pair:
-    """Prescribed components turned and multiplied by `size`; those that are free stay so."""
+def _pair(vector: Sequence[Component | None], placement: Placement, factor: float) -> tuple[Component | None, ...]:
+    """A vector turned and multiplied; components that are free stay so, formulas are turned by right angles only."""
+    numbers = [part for part in vector if part is not None and not callable(part)]
+    if len(numbers) == len(vector):
+        return placement.vector(numbers, factor)
     found: list[Component | None] = []
     for row in placement.turn:
         along = np.flatnonzero(row)
         if len(along) != 1:
             raise ValueError("supports of single components can be turned by right angles only")
-        component = displacement[along[0]]
-        factor = float(row[along[0]]) * size
-        if component is None:
-            found.append(None)
-        else:
-            found.append(_Sum([component], [factor], placement) if callable(component) else factor * component)
-    return found[0], found[1]
+        component, size = vector[along[0]], float(row[along[0]]) * factor
+        formula = _Sum([component], [size], placement) if callable(component) else None
+        found.append(formula or (None if component is None else size * component))
+    return tuple(found)
 
 
-def _traction(given: tuple[Component, Component], placement: Placement) -> tuple[Component, Component]:
-    """Components of a traction turned; formulas by right angles only."""
-    x, y = given
-    if not callable(x) and not callable(y):
-        return placement.vector((x, y), placement.stress)
-    first, second = _components(given, placement, placement.stress)
-    assert first is not None
-    assert second is not None
-    return first, second
-
-
-def _load(load: model.Load, placement: Placement, corners: dict[str, list[int]]) -> model.Load:
-    if isinstance(load, model.EdgeTraction):
-        traction = _traction(load.traction, placement)
-        return replace(load, region=_region(load.region, placement, corners), traction=traction)
-    if isinstance(load, model.EdgePressure):
-        region = _region(load.region, placement, corners)
-        return replace(load, region=region, pressure=_pressure(load.pressure, placement))
-    if isinstance(load, model.Gravity):
-        return replace(load, acceleration=placement.vector(load.acceleration, placement.stress / placement.size))
-    if isinstance(load, model.FluidPressure):
-        return replace(load, pressure=_pressure(load.pressure, placement))
-    if isinstance(load, model.PointForce):
-        force = placement.vector(load.force, placement.stress * placement.size)
-        return replace(load, point=placement.points(load.point[None])[0], force=force)
-    assert isinstance(load, model.InSituStress)
-    return replace(load, stress=_stress(load.stress, placement))
-
-
-def _pressure(pressure: Component, placement: Placement) -> Component:
-    if callable(pressure):
-        return _Sum([pressure], [placement.stress], placement)
-    return placement.stress * pressure
-
-
-def _stress(stress: Stress, placement: Placement) -> Stress:
+def _stress(stress: Sequence[Component], placement: Placement) -> tuple[Component, ...]:
     """Components of a stress turned."""
     (a, b), (c, d) = placement.turn
     rows = np.array([(a * a, b * b, 2.0 * a * b), (c * c, d * d, 2.0 * c * d), (a * c, b * d, a * d + b * c)])
     if any(map(callable, stress)):
-        xx, yy, xy = (_Sum(stress, (placement.stress * row).tolist(), placement) for row in rows)
-        return xx, yy, xy
+        return tuple(_Sum(stress, (placement.stress * row).tolist(), placement) for row in rows)
     return tuple((placement.stress * rows @ np.asarray(stress)).tolist())

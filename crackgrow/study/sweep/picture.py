@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -51,7 +50,6 @@ def draw(path: Path, table: SweepTable) -> None:
     across = min(MOST_ACROSS, len(pairs) + 1)
     down = math.ceil((len(pairs) + 1) / across)
     figure = Figure(figsize=(across * PANEL[0], down * PANEL[1] + 0.3), layout="constrained")
-    FigureCanvasAgg(figure)
     panels = figure.subplots(down, across, squeeze=False).ravel()
     assert done[0].case is not None  # of what was run
     length = length_unit(done[0].case)

@@ -11,11 +11,11 @@ from typing import Final
 
 import numpy as np
 
-from crackgrow.case import Case, load_case
+from crackgrow.case import Case
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import is_number
 from crackgrow.errors import CaseError, Fault
-from crackgrow.study.setting import folder_names
+from crackgrow.study.setting import CaseFile, folder_names
 from crackgrow.study.sweep.columns import TAKEN, response_columns
 from crackgrow.study.sweep.sweep_file import SweepFile, read_sweep_file
 
@@ -86,13 +86,13 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> SweepPlan:
     folder = Path("outputs") / path.stem if folder is None else Path(folder)
     file = read_sweep_file(path)
     names = short_names(tuple(file.parameters))
-    runs, refused = [], []
+    base, runs, refused = CaseFile(file.base, file.fixed), [], []
     combined = combinations(file)
     shown = ([f"{name}={_shown(v)}" for name, v in zip(names, values, strict=True)] for values in combined)
     run_names = [" ".join(words) for words in shown]
     for number, (name, words, values) in enumerate(zip(run_names, folder_names(run_names), combined, strict=True)):
         overrides = [f"{key}={value}" for key, value in zip(file.parameters, values, strict=True)]
-        case, faults = _case(file, overrides)
+        case, faults = base.tried(*overrides)
         refusal = "; ".join(f"{fault.key}: {fault.message}" if fault.key else fault.message for fault in faults)
         runs.append(Run(number, name, folder / words, values, case, refusal))
         refused.append(faults)
@@ -123,13 +123,6 @@ def _shown(value: str) -> str:
     if is_number(value):
         return f"{float(value):.6g}"
     return value if _WORDS.search(value) else EMPTY
-
-
-def _case(file: SweepFile, overrides: Sequence[str]) -> tuple[Case | None, tuple[Fault, ...]]:
-    try:
-        return load_case(file.base, (*file.fixed, *overrides)), ()
-    except CaseError as error:
-        return None, error.faults
 
 
 def _check_responses(file: SweepFile, cases: Sequence[Case]) -> None:

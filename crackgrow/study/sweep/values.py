@@ -74,7 +74,6 @@ class _NumberWithUnit:
     """A number, bare or with a unit, which the case checks."""
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return "a number, bare or with a unit"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -104,7 +103,6 @@ class ParameterValues:
     """The values of one parameter."""
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return "a list of values, or {from, to, n, scale}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -141,7 +139,6 @@ class ValueText:
     """Any value, kept as text that reads back to it."""
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return "a value as the case takes it"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
@@ -156,7 +153,6 @@ class KeyedValues:
     spec: Spec
 
     def describe(self) -> str:
-        """Say in a few words what is allowed."""
         return f"a mapping of keys of the case such as numerics.spacing, each {self.spec.describe()}"
 
     def read(self, node: Node, path: Path, context: Context) -> object:

@@ -14,7 +14,6 @@ from scipy.interpolate import PchipInterpolator
 
 from crackgrow.arrays import Floats
 from crackgrow.errors import CaseError
-from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.results.folder import RunFolder, TextTable
 from crackgrow.study.compare import compare_paths
 from crackgrow.study.path_files import read_paths
@@ -140,7 +139,7 @@ def _has_grown(folder: Path) -> bool:
     if not RunFolder(folder).n_rows("paths"):
         return False  # a scene without cracks
     lines = read_paths(folder).cracks.values()
-    return any(line.steps is not None and line.steps.max() > 0 and arc_lengths(line.points)[-1] > 0 for line in lines)
+    return any(line.steps is not None and line.steps.max() > 0 and line.length > 0 for line in lines)
 
 
 def _judged(run: RunFolder, name: str, grows: bool) -> TextTable:

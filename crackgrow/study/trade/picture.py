@@ -17,7 +17,6 @@ from typing import Final
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -80,7 +79,6 @@ def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
     across = max(1, min(ACROSS, len(shown)))
     down = max(1, math.ceil(len(shown) / across))
     figure = Figure(figsize=(across * PANEL[0], down * PANEL[1] + 0.8), layout="constrained")
-    FigureCanvasAgg(figure)
     panels = figure.subplots(down, across, squeeze=False).ravel()
     supports = sorted({row.number("support") for row in solved})
     spacings = [row.number("spacing") for row in solved]

@@ -97,11 +97,8 @@ def default_axes(file: CaseFile, case: Case) -> Axes:
 
 def _faults_of(file: CaseFile, name: str, value: str) -> list[Fault]:
     """What the case says of one value; faults that are not the value's own keep their words."""
-    try:
-        file.load(f"{KEYS[name]}={value}")
-    except CaseError as error:
-        return [_fault(name, fault.message) if fault.key == KEYS[name] else fault for fault in error.faults]
-    return []
+    _, faults = file.tried(f"{KEYS[name]}={value}")
+    return [_fault(name, fault.message) if fault.key == KEYS[name] else fault for fault in faults]
 
 
 def _fault(name: str, message: str) -> Fault:
@@ -138,21 +135,14 @@ def finest(file: CaseFile, settings: Sequence[Setting], axes: Axes) -> tuple[str
 
     So are the cells at tips, kinks and corners, unless the spacing is smaller.
     """
-    cases = [case for setting in settings if (case := case_or_none(file, setting.overrides)) is not None]
+    tried = [file.tried(*setting.overrides)[0] for setting in settings]
+    cases = [case for case in tried if case is not None]  # else values, each allowed, don't fit: the row will say why
     spacing = min(case.numerics.spacing for case in cases) / FINER
     overrides = [*accuracy_overrides("fine"), f"numerics.spacing={spacing!r} m"]
     if "increment" in axes:
         increments = [case.growth.increment for case in cases if case.growth is not None]
         overrides.append(f"growth.increment={min(increments)!r} m")
     return tuple(overrides)
-
-
-def case_or_none(file: CaseFile, overrides: Sequence[str]) -> Case | None:
-    """The case with settings; None where their values, each allowed, don't fit together: the row will say why."""
-    try:
-        return file.load(*overrides)
-    except CaseError:
-        return None
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from crackgrow.study.setting import Setting, folder_names
 from crackgrow.study.timed_run import run_in_processes
 from crackgrow.study.trade.measures import check_results, errors_of
 from crackgrow.study.trade.picture import draw
-from crackgrow.study.trade.plan import FINER, Plan, case_or_none
+from crackgrow.study.trade.plan import FINER, Plan
 from crackgrow.study.trade.row import REFERENCE, Row, Run, csv_text, read_rows, row_of
 
 TABLE, PICTURE = "trade.csv", "trade.png"
@@ -34,35 +34,30 @@ def trade(plan: Plan, *, repeat: int = 1, resume: bool = False, timeout: float |
     solved, LockedError where another study writes into the folder, OutputError.
     A setting that fails is a row like any other.
     """
-    with FolderLock(plan.folder, f"trade {plan.file.path.stem}").held():
-        yield from _rows(plan, repeat, resume, timeout)
-
-
-def _rows(plan: Plan, repeat: int, resume: bool, timeout: float | None) -> Iterator[Row]:
-    """As `trade`, in a folder that is locked."""
     table = plan.folder / TABLE
     rows: list[Row] = []
-    if resume:
-        plan.check_same()
-        rows = read_rows(table) if table.is_file() else []
-    else:
-        plan.write()
-        write_text(table, csv_text(rows))
-    known = {row.name for row in rows}
-    if isinstance(plan.reference, tuple) and REFERENCE not in known:
-        rows.append(_reference(plan, plan.reference, timeout))
-        write_text(table, csv_text(rows))
-        yield rows[-1]
-    check_results(plan.reference_folder)
-    energy = EnergyReference(load_case(plan.reference_folder / "case.yaml"))
-    folders = folder_names(setting.name for setting in plan.settings)
-    for setting, words in zip(plan.settings, folders, strict=True):
-        if setting.name not in known:
-            run = _run(plan, setting, plan.folder / "runs" / words, repeat, timeout)
-            rows.append(_judged(plan, run, energy))
+    with FolderLock(plan.folder, f"trade {plan.file.path.stem}").held():
+        if resume:
+            plan.check_same()
+            rows = read_rows(table) if table.is_file() else []
+        else:
+            plan.write()
+            write_text(table, csv_text(rows))
+        known = {row.name for row in rows}
+        if isinstance(plan.reference, tuple) and REFERENCE not in known:
+            rows.append(_reference(plan, plan.reference, timeout))
             write_text(table, csv_text(rows))
             yield rows[-1]
-    draw(plan.folder / PICTURE, plan.file.load().title, rows)
+        check_results(plan.reference_folder)
+        energy = EnergyReference(load_case(plan.reference_folder / "case.yaml"))
+        folders = folder_names(setting.name for setting in plan.settings)
+        for setting, words in zip(plan.settings, folders, strict=True):
+            if setting.name not in known:
+                run = _run(plan, setting, plan.folder / "runs" / words, repeat, timeout)
+                rows.append(_judged(plan, run, energy))
+                write_text(table, csv_text(rows))
+                yield rows[-1]
+        draw(plan.folder / PICTURE, plan.file.load().title, rows)
 
 
 def _reference(plan: Plan, overrides: tuple[str, ...], timeout: float | None) -> Row:
@@ -80,7 +75,8 @@ def _run(plan: Plan, setting: Setting, folder: Path, repeat: int, timeout: float
     """Run a setting; one that is no case is refused by its own run."""
     overrides = plan.run_overrides(setting.overrides)
     cost = run_in_processes(plan.file, overrides, folder, repeat, timeout)
-    return Run(setting, case_or_none(plan.file, overrides), cost, folder, repeat)
+    case, _ = plan.file.tried(*overrides)
+    return Run(setting, case, cost, folder, repeat)
 
 
 def _judged(plan: Plan, run: Run, energy: EnergyReference) -> Row:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from crackgrow import cli
 from crackgrow.case import Case, load_case
 from crackgrow.case.model import StrengthReduction
-from crackgrow.plan import cost, glyphs
+from crackgrow.plan import cost, picture
 from crackgrow.plan.cost import Cost, estimated_cost, probe
 from crackgrow.plan.picture import draw_scene
 from crackgrow.plan.sizes import Sizes, sizes_of
@@ -219,9 +219,9 @@ def test_the_picture_says_what_is_taken_out(tmp_path: Path) -> None:
 def test_words_of_small_things_lie_beside_each_other_and_beside_what_is_left_free() -> None:
     axes = Figure(dpi=100).add_subplot()
     for words in ("roof: 4 m", "side: 5 m", "bonded", "start"):
-        glyphs.label(axes, np.array([0.5, 0.5]), words)
+        picture.label(axes, np.array([0.5, 0.5]), words)
     free = np.array([[0.5, 0.5], [0.55, 0.5]])
-    glyphs.part_labels(axes, free)
+    picture.part_labels(axes, free)
     boxes = [words.get_window_extent() for words in axes.texts]
     assert all(box.count_overlaps(boxes) == 1 for box in boxes)  # with itself
     assert not any(box.contains(*place) for box in boxes for place in axes.transData.transform(free))

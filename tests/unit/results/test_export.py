@@ -11,7 +11,7 @@ import pytest
 import pyvista
 
 from crackgrow import cli
-from crackgrow.cli.export import FORMATS as TOLD
+from crackgrow.cli.look import FORMATS as TOLD
 from crackgrow.results.export import FORMATS, _write, export, frame_mesh
 from crackgrow.results.folder import FolderError, RunFolder
 from crackgrow.results.vtk_frames import write_frame

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from crackgrow.results import field_picture, figures
-from crackgrow.results.load_point import LoadPoint
+from crackgrow.results.summary import LoadPoint
 from crackgrow.run.result import STICK
 from tests.unit.results.synthetic import HEIGHT, N_X, N_Y, WIDTH, make_case, make_frame, make_paths, make_result
 

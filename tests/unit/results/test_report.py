@@ -20,6 +20,7 @@ import pytest
 from PIL import Image
 
 from crackgrow.case import load_case
+from crackgrow.errors import SolveError
 from crackgrow.results.folder import FolderError, open_run
 from crackgrow.results.report import step_data, write_report
 from crackgrow.results.writer import RunWriter
@@ -170,11 +171,11 @@ def ends(path: str) -> np.ndarray[Any, Any]:
     return np.array([pair.split(",") for pair in re.split("[ML]", path)[1:]], dtype=float)
 
 
-@pytest.mark.parametrize(("how", "status"), [("fail", "failed"), ("interrupt", "interrupted")])
-def test_a_run_that_solved_nothing_shows_the_scene_and_why(tmp_path: Path, how: str, status: str) -> None:
+@pytest.mark.parametrize(("error", "status"), [(SolveError(), "failed"), (KeyboardInterrupt(), "interrupted")])
+def test_a_run_that_solved_nothing_shows_the_scene_and_why(tmp_path: Path, error: BaseException, status: str) -> None:
     writer = RunWriter(load_case(CASES / "compression30.yaml"), tmp_path)
     writer.begin()
-    getattr(writer, how)("no solution <here>")
+    writer.break_off(error, "no solution <here>")
     page = read(tmp_path)
     assert page.content["strong"] == status
     assert "no solution <here>" in page.content["p"]

@@ -12,8 +12,8 @@ import pytest
 from crackgrow.case import Case, load_case
 from crackgrow.plan.picture import draw_scene
 from crackgrow.results import figures
-from crackgrow.results.load_point import load_point
 from crackgrow.results.style import own_style
+from crackgrow.results.summary import load_point
 from tests.properties.broken_off import CASES, ENVIRONMENT, command, finished
 from tests.unit.results.synthetic import make_case, make_paths, make_result
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import pyvista
 
+from crackgrow.errors import SolveError
 from crackgrow.results import writer as writer_module
 from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.leftovers import OWN_KEYS
@@ -140,7 +141,7 @@ def test_failed_run_keeps_what_was_solved(tmp_path: Path) -> None:
     writer.begin()
     writer.add(make_result(0))
     writer.add(make_result(1))
-    writer.fail("contact did not converge")
+    writer.break_off(SolveError("contact did not converge"))
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert (summary["status"], summary["stop_reason"]) == ("failed", "contact did not converge")
     assert (summary["steps_done"], summary["n_solves"]) == (1, 2)
@@ -153,7 +154,7 @@ def test_failed_run_keeps_what_was_solved(tmp_path: Path) -> None:
 def test_run_that_fails_before_its_first_step(tmp_path: Path) -> None:
     writer = RunWriter(make_case(figures=True), tmp_path)
     writer.begin()
-    writer.fail("no support")
+    writer.break_off(SolveError("no support"))
     assert files(tmp_path) == TABLES
     assert json.loads((tmp_path / "summary.json").read_text())["steps_done"] == 0
 

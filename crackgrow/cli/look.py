@@ -1,4 +1,4 @@
-"""`crackgrow render` and `crackgrow view`."""
+"""The commands that look at the results of a run: `crackgrow report`, `render`, `view` and `export`."""
 
 from __future__ import annotations
 
@@ -6,8 +6,37 @@ import argparse
 import math
 import re
 
+import crackgrow
 from crackgrow.cli.console import EXIT_DONE, say
-from crackgrow.cli.parser import Commands, add_command, path
+from crackgrow.cli.parser import Commands, add_command, path, takes_results
+from crackgrow.results.units import aligned
+
+REPORT_HELP = """\
+Write report.html of a result folder: the scene, crack paths, stress intensity, loads, tractions along the faces,
+energies, checks with their limits, warnings and the case, on one page that needs no network. Every run ends with one,
+unless output.report is false; this makes it again, from the files of the folder alone.
+"""
+REPORT_EXAMPLES = """\
+With pictures that `crackgrow render` has made before, the slider of the page moves those too.
+
+examples:
+  crackgrow report outputs/compression30
+  crackgrow render outputs/compression30 && crackgrow report outputs/compression30
+"""
+
+
+def report(arguments: argparse.Namespace) -> int:
+    """`crackgrow report`: the page about a run, made again."""
+    from crackgrow.results.report import write_report  # only now: it loads numpy
+
+    say(str(write_report(arguments.folder)))
+    return EXIT_DONE
+
+
+def add_report(commands: Commands) -> None:
+    what = "write report.html of a result folder again"
+    takes_results(add_command(commands, report, "report", what, (REPORT_HELP, REPORT_EXAMPLES)))
+
 
 RENDER_HELP = """\
 Draw the frames of a result folder: a field on the displaced specimen with its cracks open, a PNG for each step and an
@@ -64,15 +93,9 @@ def view(arguments: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def add(commands: Commands) -> None:
+def add_render(commands: Commands) -> None:
     what = "draw the frames of a run as pictures and an animation"
-    command = add_command(commands, render, "render", what, (RENDER_HELP, RENDER_EXAMPLES))
-    window = add_command(commands, view, "view", "open a window on the frames of a run", (VIEW_HELP, VIEW_EXAMPLES))
-    for each in (command, window):
-        each.add_argument("folder", type=path, metavar="DIR", help="the folder that `crackgrow run` wrote")
-        each.add_argument("--field", default="sigma_1", metavar="NAME", help="what colours mean (default sigma_1)")
-        each.add_argument("--warp", type=_warp, metavar="auto|NUMBER",
-                          help="factor of the displacements (default auto: a visible one)")  # fmt: skip
+    command = _takes_field(add_command(commands, render, "render", what, (RENDER_HELP, RENDER_EXAMPLES)))
     command.add_argument("--steps", type=_span, nargs="+", metavar="N|N-M", help="these steps alone (default: all)")
     limits = "limits of the colours, in the unit of the colour bar or with one: '-20 MPa' '5 MPa'"
     command.add_argument("--range", nargs=2, metavar=("LOW", "HIGH"), help=limits)
@@ -82,6 +105,20 @@ def add(commands: Commands) -> None:
         choice.add_argument(f"--{kind}", dest="animation", action="store_const", const=kind, help=words)
     command.add_argument("--out", type=path, metavar="DIR", help="folder of the pictures (default DIR/render)")
     command.set_defaults(animation="gif")
+
+
+def add_view(commands: Commands) -> None:
+    what = "open a window on the frames of a run"
+    _takes_field(add_command(commands, view, "view", what, (VIEW_HELP, VIEW_EXAMPLES)))
+
+
+def _takes_field(command: argparse.ArgumentParser) -> argparse.ArgumentParser:
+    """The command, with a folder of results, a field and a magnification for arguments."""
+    takes_results(command)
+    command.add_argument("--field", default="sigma_1", metavar="NAME", help="what colours mean (default sigma_1)")
+    command.add_argument("--warp", type=_warp, metavar="auto|NUMBER",
+                         help="factor of the displacements (default auto: a visible one)")  # fmt: skip
+    return command
 
 
 def _warp(text: str) -> float | None:
@@ -109,3 +146,44 @@ def _size(text: str) -> tuple[int, int]:
     if not all(100 <= side <= MOST_PIXELS for side in size):
         raise argparse.ArgumentTypeError(f"{text!r}: WIDTHxHEIGHT in pixels, each from 100 to {MOST_PIXELS}, is wanted")
     return size
+
+
+FORMATS = {
+    "msh": "Gmsh 4.1, with bodies as physical groups and all fields",
+    "inp": "Abaqus: nodes, elements (CPS3, CPS4) and sets of them by body; it has no fields",
+    "vtk": "legacy VTK, with all fields",
+    "xdmf": "XDMF, with all fields",
+}
+EXPORT_HELP = """\
+Write a frame of a result folder as a mesh file of another program: the cells of the specimen, with points double along
+cracks and between bodies, displacement and stress at points and in cells, in m and Pa.
+"""
+EXPORT_EXAMPLES = """\
+Stress is written component by component: stress_xx, stress_yy, stress_zz, stress_xy, with sigma_1 and sigma_3.
+
+examples:
+  crackgrow export outputs/compression30 --to msh
+  crackgrow export outputs/compression30 --to xdmf --step 12 --out wing.xdmf
+"""
+
+
+def export(arguments: argparse.Namespace) -> int:
+    """`crackgrow export`: a frame as a mesh file."""
+    say(str(crackgrow.export(arguments.folder, arguments.to, arguments.step, arguments.out)))
+    return EXIT_DONE
+
+
+def add_export(commands: Commands) -> None:
+    formats = "\n".join(aligned(FORMATS.items(), 2, "  "))
+    what = "write a frame of a run as a mesh file of another program"
+    texts = EXPORT_HELP, f"formats:\n{formats}\n\n{EXPORT_EXAMPLES}"
+    command = takes_results(add_command(commands, export, "export", what, texts))
+    command.add_argument("--to", choices=tuple(FORMATS), required=True, help="the format")
+    command.add_argument("--step", type=_step, metavar="N", help="the frame of this step (default: the last one)")
+    command.add_argument("--out", type=path, metavar="FILE", help="the file (default DIR/export/step_NNNN.FORMAT)")
+
+
+def _step(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r}: the number of a step is wanted, from 0 on")
+    return int(text)
