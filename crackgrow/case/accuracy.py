@@ -124,9 +124,9 @@ def preset_of(accuracy: str | float) -> Preset:
     )
 
 
-def begun_with(accuracy: str | float, straight: bool) -> str | float:
-    """The accuracy whose cells a run begins with; `straight` where no crack has a kink or grows."""
-    return max(accuracy, OF_STRAIGHT) if straight and not isinstance(accuracy, str) else accuracy
+def begun_with(target: float, straight: bool) -> float:
+    """The target whose cells a run begins with; `straight` where no crack has a kink or grows."""
+    return max(target, OF_STRAIGHT) if straight else target
 
 
 def name_of(accuracy: str | float, goal: str = "K") -> str:

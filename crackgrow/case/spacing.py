@@ -30,8 +30,8 @@ def settle_spacing(scene: Scene) -> None:
     if given == AUTO or "auto_rule" in numerics:
         asked = {key: refine.get(key, AUTO) for key in REFINED_AT if isinstance(accuracy, str) or key == "corners"}
         refined = [kind for key, levels in asked.items() if levels == AUTO for kind in REFINED_AT[key]]
-        preset = preset_of(begun_with(accuracy, _are_straight(scene)))
-        spacing, rule = automatic_spacing(preset, _lengths(scene), refined)
+        begun = accuracy if isinstance(accuracy, str) else begun_with(accuracy, _are_straight(scene))
+        spacing, rule = automatic_spacing(preset_of(begun), _lengths(scene), refined)
     followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
     rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
     first = {"accuracy": accuracy, "spacing": spacing if followed else given}

@@ -87,10 +87,9 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
 
 
 def _tight(nearby: Nearby, crack: int, points: Floats) -> float:
-    """How much smaller the cells at a tip are for its room; all are larger than that alike where K is held against K."""
-    length = line_length(points)
-    room = nearby.distance(crack, points[0], length / ROOM) if length > 0.0 else np.inf
-    return min(ROOM * room / length, 1.0) if np.isfinite(room) else 1.0
+    """How much smaller the cells at a tip are for its room: the same part of all cells that K is held against."""
+    enough = line_length(points) / ROOM
+    return min(nearby.distance(crack, points[0], enough) / enough, 1.0)
 
 
 def _gathering(points: Floats) -> float:
