@@ -475,3 +475,37 @@ def test_the_foundation_of_a_block_that_stays_carries_it_by_its_own_name(tmp_pat
     for each in forces:
         np.testing.assert_allclose(each["two.bottom"], [-2e5, 1e6], atol=1.0)
     assert forces[1]["one.bottom"] == (0.0, 0.0)
+
+
+PRESSED = """
+title: a closed flaw is pressed, slides, and is let go
+plane: strain
+units: {length: mm, stress: MPa}
+bodies:
+  rock: {shape: {rectangle: {center: [0, 0], width: 100, height: 100}}, material: {young: 10000, poisson: 0.25}}
+cracks: {flaw: {path: {center: [1, 2], length: 20, angle: 45}, contact: {friction: 0.3, cohesion: 0}}}
+supports: minimal
+loads:
+  - {on: {edge: top}, traction: [0, -20], held: HELD}
+  - {on: {edge: bottom}, traction: [0, 20], held: HELD}
+LOADING
+output: {frames: none, figures: false}
+"""
+LET_GO = "  - {on: {edge: top}, traction: [0, 20]}\n  - {on: {edge: bottom}, traction: [0, -20]}\n"
+
+
+@pytest.mark.parametrize(
+    ("held", "loading"),
+    [
+        ("false", "loading: {stages: [{}, {factor: 0.3}, {factor: 0}]}"),
+        ("false", "loading: {stages: [{}, {factor: 0.3}, {factor: 0}, {factor: 0.3}, {factor: 0}]}"),
+        ("true", f"{LET_GO}loading: {{history: [0.7, 1]}}"),
+    ],
+)
+def test_rock_that_all_loads_have_left_is_at_rest(held: str, loading: str, tmp_path: Path) -> None:
+    """Friction without cohesion lets faces slide back with the loads. What is left of the loads is round-off alone."""
+    path = tmp_path / "pressed.yaml"
+    path.write_text(PRESSED.replace("HELD", held).replace("LOADING", loading), encoding="utf-8")
+    *_, last = grow(load_case(path))
+    assert np.abs(last.contact.slip).max() < 1e-20
+    assert max(abs(tip.K_II) for tip in last.tips) < 1e-6
