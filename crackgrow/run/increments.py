@@ -118,6 +118,7 @@ class Start:
     remembered: Remembered
     energy: Energy
     conjugates: Floats
+    good_to: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
     grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
 
 
@@ -148,7 +149,7 @@ def from_state(state: LoadState) -> Start:
     What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
     displacements would not be on any path of it.
     """
-    return Start(state.level, state.remembered, state.energy, state.conjugates)
+    return Start(state.level, state.remembered, state.energy, state.conjugates, state.good_to)
 
 
 def carried(state: LoadState, configuration: Configuration) -> Start:
@@ -181,7 +182,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
         closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
     remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0)), normal, tangential, dilation)
-    return Start(state.level, remembered, state.energy, state.conjugates, grown=True)
+    return Start(state.level, remembered, state.energy, state.conjugates, state.good_to, grown=True)
 
 
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
@@ -272,9 +273,10 @@ def _stated(configuration: Configuration, start: Start, states: PointStates, lev
     shares = [configuration.shares(at) for at in (start.level, level)]
     work = 0.5 * (shares[0] + shares[1])[:2] @ change[:2] + mean[2] * (shares[1][2] - shares[0][2])
     strain, terms = _strain(state)
+    good_to = max(terms, start.good_to)  # work that comes back keeps the round-off of what it was
     dissipated = none.dissipated + _dissipated(configuration, was, state)
-    energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), terms)
-    return replace(state, energy=energy, good_to=terms)
+    energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), good_to)
+    return replace(state, energy=energy, good_to=good_to)
 
 
 def _strain(state: LoadState) -> tuple[float, float]:
