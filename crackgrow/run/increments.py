@@ -17,9 +17,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
@@ -223,9 +225,34 @@ def taken_over(state: LoadState, configuration: Configuration) -> Start:
     What this one does not store any more is released.
     """
     start = carried(state, configuration)
+    start = replace(start, remembered=_kept(state, configuration, start.remembered))
     states = configuration.states(state.level, start.remembered.memory)
     start = replace(start, conjugates=configuration.conjugates(state.level, states))
     return from_state(_booked(_stated(configuration, start, states, state.level), start))
+
+
+def _kept(state: LoadState, configuration: Configuration, read_off: Remembered) -> Remembered:
+    """What was `read_off` the state, but to the bit what points remember of surfaces whose points are where they were.
+
+    By the round-off of slip that is read off displacements bonds would break where all loads go.
+    """
+    was, is_now = state.configuration.faces.nodes, configuration.faces.nodes
+    numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
+    found = [array.copy() for array in _arrays(read_off)]
+    for index, surface in enumerate(state.cover.surfaces):
+        before = np.flatnonzero(was.surface == index)
+        after = np.flatnonzero(is_now.surface == numbers.get(surface.name, -1))
+        if np.array_equal(was.points[before], is_now.points[after]):
+            for array, kept in zip(found, _arrays(state.remembered), strict=True):
+                array[after] = kept[before]
+    slip, lost, closed, normal, tangential, dilation = found
+    return Remembered(ContactMemory(slip, lost, closed), normal, tangential, dilation)
+
+
+def _arrays(remembered: Remembered) -> list[NDArray[Any]]:
+    """All that points remember (n,)."""
+    memory = remembered.memory
+    return [memory.slip, memory.lost, memory.closed, remembered.normal, remembered.tangential, remembered.dilation]
 
 
 def _told(state: LoadState, began: float) -> LoadState:

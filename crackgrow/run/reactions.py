@@ -14,7 +14,6 @@ from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Reaction
 
-
 NO_FORCES = 1e-12
 """Of the terms that they are the sums of: forces that are less are round-off, and nothing is stressed."""
 

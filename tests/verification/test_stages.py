@@ -25,7 +25,7 @@ from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.result import StepResult
+from crackgrow.run.result import STICK, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
 from tests.whole_run import whole_run
@@ -509,3 +509,48 @@ def test_rock_that_all_loads_have_left_is_at_rest(held: str, loading: str, tmp_p
     *_, last = grow(load_case(path))
     assert np.abs(last.contact.slip).max() < 1e-20
     assert max(abs(tip.K_II) for tip in last.tips) < 1e-6
+
+
+BONDED_BY_COHESION = """
+title: a block that coheres with its base is pressed, let go, and pressed again
+plane: strain
+units: {length: mm, stress: MPa}
+bodies:
+  up:
+    shape: {polygon: [[-50, -10], [50, 10], [50, 50], [-50, 50]]}
+    edges: {top: 2}
+    material: {young: 10000, poisson: 0.2}
+  low:
+    shape: {polygon: [[-50, -50], [50, -50], [50, 10], [-50, -10]]}
+    edges: {bottom: 0}
+    material: {young: 10000, poisson: 0.2}
+cracks:
+  high: {path: {points: [[-20, 25], [15, 27]]}, contact: LAW}
+  deep: {path: {points: [[-25, -30], [0, -25], [20, -31]]}, contact: LAW}
+interfaces: [{between: [up, low], contact: LAW}]
+supports: [{on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}]
+loads: [{on: {body: up, edge: top}, traction: [0, -7], name: press}]
+loading: {stages: STAGES}
+numerics: {spacing: 6}
+output: {frames: none, figures: false}
+"""
+
+
+@pytest.mark.parametrize("dilation", [0, 4])
+@pytest.mark.parametrize("way", [(0.7, 0.0, 1.0), (0.0, 0.3, 0.0, 1.0), (0.9, 0.7, 0.3, 0.0, 0.6, 0.0, 1.0)])
+def test_bonds_hold_through_stages_without_load(way: tuple[float, ...], dilation: int, tmp_path: Path) -> None:
+    """Nothing slips at full load. Without load tractions are round-off: bonds broke by it, and faces slipped after."""
+    law = f"{{friction: 0.6, cohesion: 0.35, residual_friction: 0.2, dilation_angle: {dilation}}}"
+    path = tmp_path / "pressed.yaml"
+
+    def at_last(factors: tuple[float, ...]) -> StepResult:
+        stages = [{"loads": {"press": factor}} for factor in factors]
+        path.write_text(BONDED_BY_COHESION.replace("LAW", law).replace("STAGES", str(stages)), encoding="utf-8")
+        *_, last = grow(load_case(path))
+        return last
+
+    last, straight = at_last(way), at_last((1.0,))
+    assert (last.contact.state == STICK).all()
+    assert not last.warnings
+    tractions = [(at.contact.normal_traction, at.contact.tangential_traction) for at in (last, straight)]
+    np.testing.assert_allclose(*tractions, atol=1e-9 * 7e6)
