@@ -223,10 +223,12 @@ class Increment:
     def remembered(self, state: PointStates) -> ContactMemory:
         """What points keep of their states.
 
-        Slip wears all of what it does: many increments that each take less than `WORN` take something together.
+        Slip wears all of what it does: many increments that each take less than `WORN` take something together. Points
+        that stick keep their slip to the bit: by round-off of it faces that dilate would part where loads are gone.
         """
         apart = (state.state == OPEN) & (state.gap > self.tolerance)
         slip = state.slip - self.contact.law.shear_compliance * state.tangential
+        slip = np.where(state.state == STICK, self.memory.slip, slip)
         breaks = apart | ((state.state == SLIP) & ~self.contact.law.weakens)
         return ContactMemory(slip, np.where(breaks, 1.0, self._worn(state)), ~apart)
 

@@ -69,7 +69,7 @@ def packed(state: RunState) -> Checkpoint:
     if origin.start is not None:
         start = origin.start
         values["start"] = {
-            **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy)
+            **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy), "good_to": start.good_to
         }  # fmt: skip
         arrays.update({f"start_{name}": array for name, array in _arrays(start).items()})
     arrays.update({f"gone{number}": rock.forces for number, rock in enumerate(origin.gone)})
@@ -127,5 +127,6 @@ def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
         Remembered(ContactMemory(slip, lost, closed), normal, tangential, dilation),
         Energy(**values["energy"]),
         conjugates,
+        values.get("good_to", 0.0),
         values["grown"],
     )

@@ -46,6 +46,9 @@ from crackgrow.solid.supports import Constraints
 SIGNS = np.array([1.0, 1.0, -1.0])
 """Of works: loads do work on displacements; what supports are given does it on forces of theirs, which resist."""
 
+TAKEN_BACK = 1e-12
+"""Of loads: less than this is nothing that is left where they take each other back."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Units:
@@ -89,17 +92,41 @@ class Configuration:
 
     def loads(self, level: LoadLevel) -> Floats:
         """Loads (n_dofs,) N/m."""
-        return level.holding * self.constant + level.factor * self.scaled
+        scaled, constant, _ = self.shares(level).tolist()
+        return np.asarray(constant * self.constant + scaled * self.scaled)
 
-    def given(self, factor: float) -> Floats:
-        """Given displacements (m,) m at a load factor."""
-        a, b = self.scene.given_parts
-        return (a + b * factor) * self.held.given
+    def given(self, level: LoadLevel) -> Floats:
+        """Given displacements (m,) m."""
+        return np.asarray(self.shares(level)[2] * self.held.given)
 
     def shares(self, level: LoadLevel) -> Floats:
-        """What the scaled loads, the constant ones and given displacements (3,) are multiplied by."""
+        """What the scaled loads, the constant ones and given displacements (3,) are multiplied by.
+
+        Nothing at all where they take each other back: what is left of their sum is round-off, on which points would
+        slip and open.
+        """
         a, b = self.scene.given_parts
-        return np.array([level.factor, level.holding, a + b * level.factor])
+        shares = np.array([level.factor, level.holding, a + b * level.factor])
+        moved = self.held.given.any() and abs(shares[2]) > TAKEN_BACK * (abs(a) + abs(b * level.factor))
+        return shares if moved or self._acts(level) else np.zeros(3)
+
+    def _acts(self, level: LoadLevel) -> bool:
+        """Whether anything is left of the sum of the scaled and the constant loads."""
+        parts = np.array([level.factor, level.holding])
+        products = parts[:, None] * self._products * parts
+        if products.sum() > np.sqrt(TAKEN_BACK) * np.trace(products):
+            return True  # without a look at every force
+        scaled, constant = level.factor * self.scaled, level.holding * self.constant
+        largest = max(np.abs(scaled).max(initial=0.0), np.abs(constant).max(initial=0.0))
+        return bool(np.abs(scaled + constant).max(initial=0.0) > TAKEN_BACK * largest)
+
+    @cached_property
+    def _products(self) -> Floats:
+        """(2, 2): the scaled loads and the constant ones, each times each."""
+        both = np.stack([self.scaled, self.constant])
+        size = np.abs(both).max(initial=0.0)
+        both = both / size if size > 0.0 else both
+        return np.asarray(both @ both.T)
 
     @property
     def proportional(self) -> bool:
@@ -122,7 +149,7 @@ class Configuration:
         units, share = self._units, self.shares(level)
         along, size = units.conjugates[:2] @ share, float(np.abs(self.loads(level)).sum())
         length = abs(float(along @ share[:2])) / size if size > 0.0 else 0.0
-        length = max(length, float(np.abs(self.given(level.factor)).max(initial=0.0)))
+        length = max(length, float(np.abs(self.given(level)).max(initial=0.0)))
         return Increment(self.contact, memory, units.pull @ share, OVERLAP * length), units.jumps @ share
 
     def states(self, level: LoadLevel, memory: ContactMemory, near: PointStates | None = None) -> PointStates:
@@ -131,7 +158,7 @@ class Configuration:
         FreePieceError says which piece contact does not hold. `near` are states that may be close.
         """
         check_magnitude("loads", self.loads(level), LARGEST, "N/m")
-        check_magnitude("prescribed displacements", self.given(level.factor), self._farthest, "m")
+        check_magnitude("prescribed displacements", self.given(level), self._farthest, "m")
         increment, free = self.increment(level, memory)
         check_magnitude("displacements", free, self._farthest, "m")
         try:
@@ -181,7 +208,7 @@ class Configuration:
         level, solved = zip(*ends, strict=True)
         shares = np.stack([self.shares(each) for each in level], axis=1)
         loads = np.stack([self.loads(each) for each in level], axis=1)
-        given = np.stack([self.given(each.factor) for each in level], axis=1)
+        given = np.stack([self.given(each) for each in level], axis=1)
         tractions = np.stack([states.tractions for states in solved], axis=1)
         none = np.zeros(len(self._units.pull))
         motion = np.stack([none if each.solution is None else each.solution.motion for each in solved], axis=1)
@@ -203,7 +230,7 @@ class Configuration:
         increment, free = self.increment(level, memory)
         loads, share = self.loads(level), self.shares(level)
         without = (self._units.u @ share, self._units.multipliers @ share)
-        outcome = increment.formed(states, free, (loads, self.given(level.factor)), without, known)
+        outcome = increment.formed(states, free, (loads, self.given(level)), without, known)
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))

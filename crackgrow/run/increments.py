@@ -17,9 +17,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
@@ -118,6 +120,7 @@ class Start:
     remembered: Remembered
     energy: Energy
     conjugates: Floats
+    good_to: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
     grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
 
 
@@ -148,7 +151,7 @@ def from_state(state: LoadState) -> Start:
     What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
     displacements would not be on any path of it.
     """
-    return Start(state.level, state.remembered, state.energy, state.conjugates)
+    return Start(state.level, state.remembered, state.energy, state.conjugates, state.good_to)
 
 
 def carried(state: LoadState, configuration: Configuration) -> Start:
@@ -181,7 +184,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
         closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
     remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0)), normal, tangential, dilation)
-    return Start(state.level, remembered, state.energy, state.conjugates, grown=True)
+    return Start(state.level, remembered, state.energy, state.conjugates, state.good_to, grown=True)
 
 
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
@@ -222,9 +225,34 @@ def taken_over(state: LoadState, configuration: Configuration) -> Start:
     What this one does not store any more is released.
     """
     start = carried(state, configuration)
+    start = replace(start, remembered=_kept(state, configuration, start.remembered))
     states = configuration.states(state.level, start.remembered.memory)
     start = replace(start, conjugates=configuration.conjugates(state.level, states))
     return from_state(_booked(_stated(configuration, start, states, state.level), start))
+
+
+def _kept(state: LoadState, configuration: Configuration, read_off: Remembered) -> Remembered:
+    """What was `read_off` the state, but to the bit what points remember of surfaces whose points are where they were.
+
+    By the round-off of slip that is read off displacements bonds would break where all loads go.
+    """
+    was, is_now = state.configuration.faces.nodes, configuration.faces.nodes
+    numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
+    found = [array.copy() for array in _arrays(read_off)]
+    for index, surface in enumerate(state.cover.surfaces):
+        before = np.flatnonzero(was.surface == index)
+        after = np.flatnonzero(is_now.surface == numbers.get(surface.name, -1))
+        if np.array_equal(was.points[before], is_now.points[after]):
+            for array, kept in zip(found, _arrays(state.remembered), strict=True):
+                array[after] = kept[before]
+    slip, lost, closed, normal, tangential, dilation = found
+    return Remembered(ContactMemory(slip, lost, closed), normal, tangential, dilation)
+
+
+def _arrays(remembered: Remembered) -> list[NDArray[Any]]:
+    """All that points remember (n,)."""
+    memory = remembered.memory
+    return [memory.slip, memory.lost, memory.closed, remembered.normal, remembered.tangential, remembered.dilation]
 
 
 def _told(state: LoadState, began: float) -> LoadState:
@@ -272,9 +300,10 @@ def _stated(configuration: Configuration, start: Start, states: PointStates, lev
     shares = [configuration.shares(at) for at in (start.level, level)]
     work = 0.5 * (shares[0] + shares[1])[:2] @ change[:2] + mean[2] * (shares[1][2] - shares[0][2])
     strain, terms = _strain(state)
+    good_to = max(terms, start.good_to)  # work that comes back keeps the round-off of what it was
     dissipated = none.dissipated + _dissipated(configuration, was, state)
-    energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), terms)
-    return replace(state, energy=energy, good_to=terms)
+    energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), good_to)
+    return replace(state, energy=energy, good_to=good_to)
 
 
 def _strain(state: LoadState) -> tuple[float, float]:

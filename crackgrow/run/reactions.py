@@ -14,6 +14,9 @@ from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Reaction
 
+NO_FORCES = 1e-12
+"""Of the terms that they are the sums of: forces that are less are round-off, and nothing is stressed."""
+
 
 def reactions(state: LoadState) -> tuple[Reaction, ...]:
     """Force of every support and foundation on the rock, and of the second body of an interface on the first.
@@ -74,11 +77,13 @@ def imbalance(solution: StepSolution) -> float:
     """What loads and the forces on the whole scene leave, by the sum of their magnitudes.
 
     Rows of the system can each be in balance to round-off while their sum is not: where a stiff body is held by one
-    that is many times softer, and moves that many times further than it strains.
+    that is many times softer, and moves that many times further than it strains. Where nothing is stressed, as behind
+    faces that have parted, nothing is out of balance.
     """
     state = solution.state
     external = [*_of_supports(state), *_on_surfaces(state, state.scene.foundations)]
     held = [np.array(reaction.force) for reaction in external]
     size = float(np.abs(solution.loads).sum() + sum(np.hypot(*force) for force in held))
     left = float(np.abs(sum(held, start=total_load(solution))).max())
-    return left / size if size > 0.0 else 0.0
+    _, terms = state.configuration.stiffness.matrix.weighed(state.outcome.u)
+    return left / size if size > NO_FORCES * terms.max(initial=0.0) else 0.0

@@ -119,7 +119,7 @@ def _load_displacement(solution: StepSolution) -> float:
     total = float(np.abs(on_patches).sum())
     if total > 0.0:
         return float(solution.state.conjugates[0]) / total
-    return float(np.abs(solution.configuration.given(solution.state.factor)).max(initial=0.0))
+    return float(np.abs(solution.configuration.given(solution.state.level)).max(initial=0.0))
 
 
 def _tip(solution: StepSolution, tip: int, advances: bool, errors: StepErrors) -> TipResult:

@@ -24,7 +24,7 @@ from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.result import StepResult
+from crackgrow.run.result import STICK, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
 from tests.whole_run import whole_run
@@ -474,3 +474,82 @@ def test_the_foundation_of_a_block_that_stays_carries_it_by_its_own_name(tmp_pat
     for each in forces:
         np.testing.assert_allclose(each["two.bottom"], [-2e5, 1e6], atol=1.0)
     assert forces[1]["one.bottom"] == (0.0, 0.0)
+
+
+PRESSED = """
+title: a closed flaw is pressed, slides, and is let go
+plane: strain
+units: {length: mm, stress: MPa}
+bodies:
+  rock: {shape: {rectangle: {center: [0, 0], width: 100, height: 100}}, material: {young: 10000, poisson: 0.25}}
+cracks: {flaw: {path: {center: [1, 2], length: 20, angle: 45}, contact: {friction: 0.3, cohesion: 0}}}
+supports: minimal
+loads:
+  - {on: {edge: top}, traction: [0, -20], held: HELD}
+  - {on: {edge: bottom}, traction: [0, 20], held: HELD}
+LOADING
+output: {frames: none, figures: false}
+"""
+LET_GO = "  - {on: {edge: top}, traction: [0, 20]}\n  - {on: {edge: bottom}, traction: [0, -20]}\n"
+
+
+@pytest.mark.parametrize(
+    ("held", "loading"),
+    [
+        ("false", "loading: {stages: [{}, {factor: 0.3}, {factor: 0}]}"),
+        ("false", "loading: {stages: [{}, {factor: 0.3}, {factor: 0}, {factor: 0.3}, {factor: 0}]}"),
+        ("true", f"{LET_GO}loading: {{history: [0.7, 1]}}"),
+    ],
+)
+def test_rock_that_all_loads_have_left_is_at_rest(held: str, loading: str, tmp_path: Path) -> None:
+    """Friction without cohesion lets faces slide back with the loads. What is left of the loads is round-off alone."""
+    path = tmp_path / "pressed.yaml"
+    path.write_text(PRESSED.replace("HELD", held).replace("LOADING", loading), encoding="utf-8")
+    *_, last = grow(load_case(path))
+    assert np.abs(last.contact.slip).max() < 1e-20
+    assert max(abs(tip.K_II) for tip in last.tips) < 1e-6
+
+
+BONDED_BY_COHESION = """
+title: a block that coheres with its base is pressed, let go, and pressed again
+plane: strain
+units: {length: mm, stress: MPa}
+bodies:
+  up:
+    shape: {polygon: [[-50, -10], [50, 10], [50, 50], [-50, 50]]}
+    edges: {top: 2}
+    material: {young: 10000, poisson: 0.2}
+  low:
+    shape: {polygon: [[-50, -50], [50, -50], [50, 10], [-50, -10]]}
+    edges: {bottom: 0}
+    material: {young: 10000, poisson: 0.2}
+cracks:
+  high: {path: {points: [[-20, 25], [15, 27]]}, contact: LAW}
+  deep: {path: {points: [[-25, -30], [0, -25], [20, -31]]}, contact: LAW}
+interfaces: [{between: [up, low], contact: LAW}]
+supports: [{on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}]
+loads: [{on: {body: up, edge: top}, traction: [0, -7], name: press}]
+loading: {stages: STAGES}
+numerics: {spacing: 6}
+output: {frames: none, figures: false}
+"""
+
+
+@pytest.mark.parametrize("dilation", [0, 4])
+@pytest.mark.parametrize("way", [(0.7, 0.0, 1.0), (0.0, 0.3, 0.0, 1.0), (0.9, 0.7, 0.3, 0.0, 0.6, 0.0, 1.0)])
+def test_bonds_hold_through_stages_without_load(way: tuple[float, ...], dilation: int, tmp_path: Path) -> None:
+    """Nothing slips at full load. Without load tractions are round-off: bonds broke by it, and faces slipped after."""
+    law = f"{{friction: 0.6, cohesion: 0.35, residual_friction: 0.2, dilation_angle: {dilation}}}"
+    path = tmp_path / "pressed.yaml"
+
+    def at_last(factors: tuple[float, ...]) -> StepResult:
+        stages = [{"loads": {"press": factor}} for factor in factors]
+        path.write_text(BONDED_BY_COHESION.replace("LAW", law).replace("STAGES", str(stages)), encoding="utf-8")
+        *_, last = grow(load_case(path))
+        return last
+
+    last, straight = at_last(way), at_last((1.0,))
+    assert (last.contact.state == STICK).all()
+    assert not last.warnings
+    tractions = [(at.contact.normal_traction, at.contact.tangential_traction) for at in (last, straight)]
+    np.testing.assert_allclose(*tractions, atol=1e-9 * 7e6)

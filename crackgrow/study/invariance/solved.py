@@ -48,7 +48,7 @@ def _told(case: Case, solution: StepSolution, result: StepResult, by: Placement)
     """What a placed scene gives."""
     tips, contact, energy = result.tips, result.contact, result.energy
     flip = np.array([[1.0], [-1.0 if by.mirrors else 1.0]])  # of what goes along faces
-    given = solution.configuration.given(solution.state.factor)
+    given = solution.configuration.given(solution.state.level)
     forces = np.array([reaction.force for reaction in result.reactions]).reshape(-1, 2)
     return Solved(
         case,
