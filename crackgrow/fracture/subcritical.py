@@ -4,7 +4,8 @@ v = v_max (K / K_c)^n (Charles 1958). K / K_c is the criticality of the tip, by 
 the tip is unstable and outruns the law, which has no more than v_max to say of it.
 
 In a step every tip comes as far as its velocity at the beginning takes it, until the first one has come to the largest
-length. A tip that comes only a small part of that waits where it is, and keeps what it has gathered.
+length. A tip that comes only a small part of that waits where it is, and keeps what it has gathered. What that was off
+by, as the velocities at the end tell, is gathered as well, or taken from it.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import Growth, Subcritical
+from crackgrow.case.model import Growth
 from crackgrow.fracture.advance import STARTS, GrowingCrack, largest_first, leaving
 from crackgrow.fracture.subcritical import lengths, mean_velocity, velocities
 from crackgrow.run.advancing import End
@@ -33,7 +33,7 @@ class Leaving:
     sites: Ints  # numbers of the sites, that of a new crack last
     cracks: tuple[GrowingCrack, ...]  # as they are, with what tips that wait have gathered
     lengths: Mapping[End, float] = field(default_factory=dict)  # m, of tips that do not go by the increment
-    velocity: Mapping[End, float] = field(default_factory=dict)  # m/s, of the same tips at the beginning
+    velocity: Mapping[End, float] = field(default_factory=dict)  # m/s, at the beginning, of these and those that wait
     time: float = 0.0  # s, that the step would take with these
 
 
@@ -42,12 +42,15 @@ def none_leaves(cracks: tuple[GrowingCrack, ...]) -> Leaving:
     return Leaving(NO_SITES, cracks)
 
 
-def leaves(growth: Growth, solution: StepSolution) -> Leaving:
-    """What leaves where after a solve: by the criterion, or by velocities, the tip that goes farthest first."""
-    criticality, n_tips, cracks = site_criticality(solution), len(solution.tips), solution.cracks
+def leaves(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack, ...]) -> Leaving:
+    """What leaves where after a solve: by the criterion, or by velocities, the tip that goes farthest first.
+
+    `cracks` are those of the solution, with what their tips have gathered.
+    """
+    criticality, n_tips = site_criticality(solution), len(solution.tips)
     ends = solution.cover.tip_ends
     if growth.subcritical is not None:
-        return _in_time(growth.subcritical, growth.increment, solution, criticality[:n_tips])
+        return _in_time(growth, solution, cracks, velocities(criticality[:n_tips], growth.subcritical))
     n_advances = np.full(len(criticality), STARTS, dtype=np.int64)
     n_advances[:n_tips] = [cracks[index].n_advances(at_end) for index, at_end in ends]
     places = _places(solution)
@@ -67,21 +70,41 @@ def site_criticality(solution: StepSolution) -> Floats:
     return np.array([*tips, *(start.verdict.criticality for start in solution.starts)])
 
 
-def lapse(left: Leaving, solution: StepSolution) -> tuple[float, StepSolution]:
-    """Time (s) of the advance that has led to a solution, and the solution, with a note where that is coarse.
+@dataclass(frozen=True, slots=True)
+class Lapse:
+    """What the advance that has led to a solution took, as the velocities at both of its ends have it."""
 
-    It goes by the tip with the largest mean velocity. Of one that has met something, or stands still now, the velocity
-    at the beginning is all that is known.
+    time: float = 0.0  # s
+    short: Mapping[End, float] = field(default_factory=dict)  # m, by which tips have come less far than in that time
+    notes: tuple[str, ...] = ()
+
+    def made_good(self, cracks: tuple[GrowingCrack, ...]) -> tuple[GrowingCrack, ...]:
+        """The cracks with what their tips are short of, or ahead by, gathered for the next advance."""
+        if not self.short:
+            return cracks
+        return tuple(
+            replace(crack, gathered=(first + self.short.get((n, False), 0.0), last + self.short.get((n, True), 0.0)))
+            for n, crack in enumerate(cracks)
+            for first, last in [crack.gathered]
+        )
+
+
+def lapse(left: Leaving, solution: StepSolution) -> Lapse:
+    """What the advance that has led to a solution took, with a note where that is coarse.
+
+    The time is that of the tip with the largest mean velocity. Of one that has met something, or stands still now, the
+    velocity at the beginning is all that is known.
     """
     law = solution.scene.case.subcritical
-    if law is None or not left.velocity:
-        return 0.0, solution
+    if law is None or not left.lengths:
+        return Lapse()
     now = dict(zip(solution.cover.tip_ends, velocities(site_criticality(solution), law).tolist(), strict=True))
-    ends = [(before, now.get(end) or before) for end, before in left.velocity.items()]
-    mean, before, after = max((mean_velocity(before, after), before, after) for before, after in ends)
-    if max(after / before, before / after) > COARSE:
-        solution = replace(solution, notes=(*solution.notes, COARSE_TIME))
-    return left.time * before / mean, solution
+    means = {end: mean_velocity(before, now.get(end) or before) for end, before in left.velocity.items()}
+    fastest = max(left.lengths, key=lambda end: means[end])
+    before, after = left.velocity[fastest], now.get(fastest) or left.velocity[fastest]
+    time = left.time * before / means[fastest]
+    short = {end: mean * time - left.velocity[end] * left.time for end, mean in means.items()}
+    return Lapse(time, short, (COARSE_TIME,) if max(after / before, before / after) > COARSE else ())
 
 
 def _places(solution: StepSolution) -> Floats:
@@ -89,10 +112,9 @@ def _places(solution: StepSolution) -> Floats:
     return np.array([site.point for site in solution.configuration.sites]).reshape(-1, 2)
 
 
-def _in_time(law: Subcritical, increment: float, solution: StepSolution, criticality: Floats) -> Leaving:
-    """What leaves by velocities; `criticality` (n,) of the tips."""
-    ends, cracks = solution.cover.tip_ends, solution.cracks
-    velocity = velocities(criticality, law)
+def _in_time(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack, ...], velocity: Floats) -> Leaving:
+    """What leaves by the velocities (n,) m/s of the tips."""
+    ends, increment = solution.cover.tip_ends, growth.increment
     gathered = np.array([cracks[index].gathered[at_end] for index, at_end in ends])
     length, left, first = lengths(velocity, gathered, increment)
     if first is None:
@@ -103,5 +125,6 @@ def _in_time(law: Subcritical, increment: float, solution: StepSolution, critica
         for index, crack in enumerate(cracks)
     )
     goes = largest_first(np.flatnonzero(length > 0.0), length, _places(solution))
-    far, fast = ({ends[tip]: float(values[tip]) for tip in goes.tolist()} for values in (length, velocity))
+    far = {ends[tip]: float(length[tip]) for tip in goes.tolist()}
+    fast = {end: speed for end, speed in zip(ends, velocity.tolist(), strict=True) if speed > 0.0}
     return Leaving(goes, kept, far, fast, float((increment - gathered[first]) / velocity[first]))

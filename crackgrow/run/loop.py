@@ -98,10 +98,12 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
             return unsolved(state, error)
         solution = _measured(solution, before)
         scene = scene.with_halvings(cells_after(solution))
-        taken, solution = lapse(leaving, solution)
-        state = replace(state, n_pieces=state.n_pieces or len(all_pieces(solution.cover)), time=state.time + taken)
+        taken = lapse(leaving, solution)
+        solution = replace(solution, notes=(*solution.notes, *taken.notes))
+        state = replace(state, cracks=taken.made_good(state.cracks), time=state.time + taken.time)
+        state = replace(state, n_pieces=state.n_pieces or len(all_pieces(solution.cover)))
         is_last = state.step == growth.steps
-        leaving = none_leaves(state.cracks) if is_last else leaves(growth, solution)
+        leaving = none_leaves(state.cracks) if is_last else leaves(growth, solution, state.cracks)
         yield _reported(state, solution, leaving.sites), solution
         if is_last:
             no_tips = growth.steps > 0 and site_criticality(solution).max(initial=-np.inf) == -np.inf
