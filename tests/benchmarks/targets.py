@@ -52,8 +52,7 @@ step on its final cells alone. Expected over error is given where the error is t
 Nothing was chosen by the scenes that are held out.
 """
 REASONS = """
-Outside of a half and twice are two, both just below a half: `edge crack`, with an error not far from what the truth is
-good to, and `fifty flaws`.
+Outside of a half and twice is one, just below a half: `fifty flaws`.
 
 Cost: K is held against a solve of 0.7 times the cost where cracks have no kinks (in all 1.7 in the median), of 1 to 1.5
 times where they have (2.3). Where the first cells miss the target they are halved; what K was held against is used
