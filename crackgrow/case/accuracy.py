@@ -84,9 +84,9 @@ UNREFINED = 0.2
 """Error of K, over the largest, of closed and of grown flaws on cells as large as the flaw, as coarse ones have it."""
 
 OF_STRAIGHT = 0.015
-"""The least target that cells are made for to begin with where no crack has a kink or grows.
+"""The least target that cells are made for to begin with where no crack has a kink, and there is no growth.
 
-Tip functions follow the field there: these cells leave less than 0.1 % in most scenes. Those for 0.1 % would be thirty
+Tip functions follow the field there, and K alone counts, not the stress that a criterion averages over cells: these cells leave less than 0.1 % in most scenes. Those for 0.1 % would be thirty
 times as many in wide plates.
 """
 
@@ -125,7 +125,7 @@ def preset_of(accuracy: str | float) -> Preset:
 
 
 def begun_with(target: float, straight: bool) -> float:
-    """The target whose cells a run begins with; `straight` where no crack has a kink or grows."""
+    """The target whose cells a run begins with; `straight` where no crack has a kink, and there is no growth."""
     return max(target, OF_STRAIGHT) if straight else target
 
 

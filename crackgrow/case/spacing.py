@@ -41,10 +41,10 @@ def settle_spacing(scene: Scene) -> None:
 
 
 def _are_straight(scene: Scene) -> bool:
-    """Whether no crack has a kink or grows."""
+    """Whether no crack has a kink, and there is no growth."""
     paths = [points_of(crack["path"]) for crack in named(scene.resolved, "cracks").values()]
     kinked = any(len(stretches(points)[0]) for points in paths if line_length(points) > 0.0)
-    return not kinked and not scene.get("growth", "steps")
+    return not kinked and "growth" not in scene.resolved
 
 
 def _lengths(scene: Scene) -> Iterator[Length]:

@@ -238,7 +238,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     halvings = AS_GIVEN
     if numerics.target is not None:
         cracks = [(line_length(crack.points), len(stretches(crack.points)[0]) > 0) for crack in case.cracks]
-        straight = not (case.growth and case.growth.steps) and not any(kinked for _, kinked in cracks)
+        straight = case.growth is None and not any(kinked for _, kinked in cracks)
         halvings = first_halvings(begun_with(numerics.target, straight), numerics.spacing, cracks)
     lattice = place_lattice(*box, numerics.spacing * 2**halvings.everywhere, numerics.support, offset)
     scene = replace(_scene_on(case, lattice), halvings=halvings)

@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 import pytest
+import yaml
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
@@ -92,29 +93,37 @@ def test_cells_to_compare_are_twice_as_large_at_the_tips_and_away_from_them() ->
     assert covers[0].lattice.spacing == covers[1].lattice.spacing == 2.0 * scene.case.numerics.spacing
 
 
-STRAIGHT_IN_A_WIDE_PLATE = (
+IN_A_WIDE_PLATE = (
     "bodies.rock.shape={rectangle: {center: [0, 0], width: 2000, height: 2000}}",
     "supports=[{at: [-1000, -1000], displacement: {x: 0, y: 0}}, {at: [1000, -1000], displacement: {y: 0}}]",
+    "loading={history: [1]}",
 )
 KINKED = "cracks.flaw.path={points: [[-4, -3], [4, 3], [4, 9]]}"
 
 
-@pytest.mark.parametrize(
-    ("settings", "fewer"), [(("growth.steps=0",), True), ((), False), (("growth.steps=0", KINKED), False)]
-)
+def in_a_wide_plate(folder: Path, target: str, *settings: str, grows: bool = False) -> Case:
+    """The flaw of compression30, with growth or without."""
+    scene = yaml.safe_load((CASES / "compression30.yaml").read_text(encoding="utf-8"))
+    if not grows:
+        del scene["growth"]
+    file = folder / "wide.yaml"
+    file.write_text(yaml.safe_dump({**scene, "numerics": {"accuracy": target}}), encoding="utf-8")
+    return load_case(file, [*IN_A_WIDE_PLATE, *settings, *QUIET])
+
+
+@pytest.mark.parametrize(("settings", "grows", "same"), [((), False, True), ((), True, False), ((KINKED,), False, False)])
 def test_small_targets_begin_with_large_cells_where_cracks_are_straight_and_do_not_grow(
-    settings: tuple[str, ...], fewer: bool
+    settings: tuple[str, ...], grows: bool, same: bool, tmp_path: Path
 ) -> None:
-    """Tip functions follow the field there, and no later kink needs small cells."""
-    targets = ("1 %", "0.3 %")
-    cases = [case("compression30", target, *STRAIGHT_IN_A_WIDE_PLATE, *settings) for target in targets]
+    """Tip functions follow the field there, no stress is averaged over cells, and no later kink needs small ones."""
+    cases = [in_a_wide_plate(tmp_path, target, *settings, grows=grows) for target in ("1 %", "0.3 %")]
     spacings = [each.numerics.spacing for each in cases]
     at_tips = [each.numerics.spacing * 0.5 ** make_scene(each).halvings.cracks[0] for each in cases]
-    assert (spacings[0] == spacings[1], at_tips[0] == at_tips[1]) == (fewer, fewer)
+    assert (spacings[0] == spacings[1], at_tips[0] == at_tips[1]) == (same, same)
 
 
-def test_a_straight_crack_in_a_wide_plate_meets_a_small_target_with_few_cells() -> None:
-    step = next(grow(case("compression30", "0.1 %", *STRAIGHT_IN_A_WIDE_PLATE, "growth.steps=0")))
+def test_a_straight_crack_in_a_wide_plate_meets_a_small_target_with_few_cells(tmp_path: Path) -> None:
+    step = next(grow(in_a_wide_plate(tmp_path, "0.1 %")))
     assert max(shares(step)) <= 0.001
     assert told(step) == []
     assert step.n_dofs < 10_000  # 50,000 on cells that are made for the target
