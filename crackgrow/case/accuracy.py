@@ -86,8 +86,8 @@ UNREFINED = 0.2
 OF_STRAIGHT = 0.015
 """The least target that cells are made for to begin with where no crack has a kink, and there is no growth.
 
-Tip functions follow the field there, and K alone counts, not the stress that a criterion averages over cells: these cells leave less than 0.1 % in most scenes. Those for 0.1 % would be thirty
-times as many in wide plates.
+Tip functions follow the field there, and K alone counts, not the stress that a criterion averages over cells: these
+cells leave less than 0.1 % in most scenes. Those for 0.1 % would be thirty times as many in wide plates.
 """
 
 RIMS = 2.0

@@ -24,6 +24,7 @@ from crackgrow.cover.gathered import STRAIGHT
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import CrackGeometry, body_index
+from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.halvings import AS_GIVEN
 from crackgrow.run.nearby import Nearby
 from crackgrow.run.rim_singularities import SHARP_CORNER, rim_singularities, ring_turns
@@ -83,13 +84,18 @@ def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         size = min(line_length(points) / preset.per_crack, stretches(points)[1][0] / preset.per_stretch)
         room = nearby.distance(number, points[0], size * preset.per_room) / preset.per_room
         least = line_length(points) / preset.per_rough
+        room = max(room, least if room <= SAME_PLACE else 0.0)  # the end of one that has met another crack has none
         yield shapely.Point(points[0]), _halved(scene, min(grown, max(size, least), room), times[number])
 
 
 def _tight(nearby: Nearby, crack: int, points: Floats) -> float:
-    """How much smaller the cells at a tip are for its room: the same part of all cells that K is held against."""
+    """How much smaller the cells at a tip are for its room: the same part of all cells that K is held against.
+
+    The end of a crack that has met another one has no room, and is no tip.
+    """
     enough = line_length(points) / ROOM
-    return min(nearby.distance(crack, points[0], enough) / enough, 1.0)
+    room = nearby.distance(crack, points[0], enough)
+    return min(room / enough, 1.0) if room > SAME_PLACE else 1.0
 
 
 def _gathering(points: Floats) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Growth
 from crackgrow.fracture.advance import STARTS, GrowingCrack, largest_first, leaving
-from crackgrow.fracture.subcritical import lengths, mean_velocity, velocities
+from crackgrow.fracture.subcritical import WAITS, lengths, mean_velocity, velocities
 from crackgrow.run.advancing import End
 from crackgrow.run.judging import StepSolution
 
@@ -103,7 +103,11 @@ def lapse(left: Leaving, solution: StepSolution) -> Lapse:
     fastest = max(left.lengths, key=lambda end: means[end])
     before, after = left.velocity[fastest], now.get(fastest) or left.velocity[fastest]
     time = left.time * before / means[fastest]
-    short = {end: mean * time - left.velocity[end] * left.time for end, mean in means.items()}
+    growth = solution.scene.case.growth
+    most = WAITS * growth.increment if growth else 0.0
+    short = {
+        end: min(max(mean * time - left.velocity[end] * left.time, -most), most) for end, mean in means.items()
+    }  # a step that is resolved is not off by more; what is more would make tips go ahead by turns
     return Lapse(time, short, (COARSE_TIME,) if max(after / before, before / after) > COARSE else ())
 
 

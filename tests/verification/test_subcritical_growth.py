@@ -100,3 +100,19 @@ def test_a_slower_crack_comes_as_far_as_its_velocity_takes_it(tmp_path: Path) ->
     coarse, fine = (too_far(increment, tmp_path) for increment in (5.0, 2.5))
     assert abs(fine) < 0.01
     assert abs(fine) < 0.35 * abs(coarse)
+
+
+def test_time_goes_on_where_the_fastest_tip_slows_while_another_waits(tmp_path: Path) -> None:
+    """What the other one was short of was 20 increments, and the next step began before the one before."""
+    path = tmp_path / "plate.yaml"
+    path.write_text(PLATE, encoding="utf-8")
+    settings = (
+        "cracks={wedged: {path: {center: [-150, 0], length: 10, angle: 0}, contact: none}, "
+        "slow: {path: {center: [150, 0], length: 40, angle: 0}, contact: none}}",
+        'loads=[{crack: wedged, pressure: "20*exp(-((x+150)/2)**2)"}, {crack: slow, pressure: 2.08}]',
+        "growth.subcritical.exponent=20",
+        "growth.steps=4",
+        "numerics.refine.tips=4",
+    )
+    results, _ = whole_run(load_case(path, settings))
+    assert np.all(np.diff([result.time for result in results]) > 0.0)

@@ -179,3 +179,11 @@ def test_automatic_cells_are_the_same_in_a_scene_of_another_size(factor: float) 
         of_size = case("compression30", AUTO, *settings)
         cells.append(cells_of(make_scene(of_size), beginning(of_size).cracks))
     assert cells[0].equal(cells[1])
+
+
+@pytest.mark.parametrize("accuracy", ["standard", "1 %"])
+def test_the_end_of_a_crack_that_has_met_another_one_has_no_room_that_cells_are_small_by(accuracy: str) -> None:
+    """It lies on the other one: cells would be halved until they can't be any more."""
+    case = load_case(CASES / "junction_static.yaml", ["numerics.spacing=auto", f"numerics.accuracy={accuracy}"])
+    cover = cover_of(make_scene(case), beginning(case).cracks)
+    assert cover.sizes.min() > 1e-3

@@ -111,7 +111,9 @@ def in_a_wide_plate(folder: Path, target: str, *settings: str, grows: bool = Fal
     return load_case(file, [*IN_A_WIDE_PLATE, *settings, *QUIET])
 
 
-@pytest.mark.parametrize(("settings", "grows", "same"), [((), False, True), ((), True, False), ((KINKED,), False, False)])
+@pytest.mark.parametrize(
+    ("settings", "grows", "same"), [((), False, True), ((), True, False), ((KINKED,), False, False)]
+)
 def test_small_targets_begin_with_large_cells_where_cracks_are_straight_and_do_not_grow(
     settings: tuple[str, ...], grows: bool, same: bool, tmp_path: Path
 ) -> None:
