@@ -13,7 +13,6 @@ from typing import Any
 from numpy.typing import NDArray
 
 from crackgrow.case.model import Case
-from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Gone
 from crackgrow.run.halvings import Accuracy, accuracy_of_record, record_of
@@ -24,6 +23,9 @@ from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_reco
 from crackgrow.run.starting import new_crack
 
 Arrays = Mapping[str, NDArray[Any]]
+
+START = "start_"
+"""What names of the arrays of a start begin with."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +73,8 @@ def packed(state: RunState) -> Checkpoint:
         values["start"] = {
             **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy), "good_to": start.good_to
         }  # fmt: skip
-        arrays.update({f"start_{name}": array for name, array in _arrays(start).items()})
+        of_start = {**start.remembered.arrays, "conjugates": start.conjugates}
+        arrays.update({f"{START}{name}": array for name, array in of_start.items()})
     arrays.update({f"gone{number}": rock.forces for number, rock in enumerate(origin.gone)})
     return Checkpoint(state.step, values, arrays)
 
@@ -103,30 +106,13 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
     )
 
 
-def _arrays(start: Start) -> dict[str, NDArray[Any]]:
-    """The arrays of a start by name."""
-    remembered = start.remembered
-    return {
-        "slip": remembered.memory.slip,
-        "lost": remembered.memory.lost,
-        "closed": remembered.memory.closed,
-        "normal": remembered.normal,
-        "tangential": remembered.tangential,
-        "dilation": remembered.dilation,
-        "conjugates": start.conjugates,
-    }
-
-
 def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
-    slip, lost, normal, tangential, dilation, conjugates = (
-        arrays[f"start_{name}"] for name in ("slip", "lost", "normal", "tangential", "dilation", "conjugates")
-    )
-    closed = arrays.get("start_closed", lost == 0.0)
+    own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
     return Start(
         LoadLevel(values["factor"], values["holding"]),
-        Remembered(ContactMemory(slip, lost, closed), normal, tangential, dilation),
+        Remembered.of_arrays(own),
         Energy(**values["energy"]),
-        conjugates,
+        own["conjugates"],
         values.get("good_to", 0.0),
         values["grown"],
     )

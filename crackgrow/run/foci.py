@@ -63,17 +63,21 @@ def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
 
 def _at_tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
     """Tips: by the length of the crack, of the stretch behind the tip, of what it grows by, and by its room."""
-    halvings, growth = _asked(scene, scene.case.numerics.refine.tips), scene.case.growth
+    halvings, growth = scene.case.numerics.refine.tips, scene.case.growth
     times = [scene.halvings.at_tips(number) for number in range(len(cracks))]
     tips = [(n, crack.seen_from(end)) for n, crack in enumerate(cracks) for end in crack.tips()]
-    nearby = Nearby(scene, cracks)
     if halvings != AUTO:
-        given, by_run = _given(scene, halvings), scene.case.numerics.refine.tips == AUTO
+        given = _given(scene, halvings)
+        yield from ((shapely.Point(points[0]), 0.5 ** times[n] * given) for n, points in tips)
+        return
+    nearby = Nearby(scene, cracks)
+    if scene.case.numerics.target is not None:
+        given = _given(scene, 0)
         for n, points in tips:
             size = 0.5 ** times[n] * given
-            if by_run and times[n]:
+            if times[n]:
                 size = min(size, max(_gathering(points), 0.5 ** scene.halvings.at_kinks(n) * given))
-            yield shapely.Point(points[0]), size * _tight(nearby, n, points) if by_run else size
+            yield shapely.Point(points[0]), size * _tight(nearby, n, points)
         return
     preset, spacing = preset_of(scene.case.numerics.accuracy), scene.lattice.spacing
     for number, points in tips:

@@ -17,11 +17,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
@@ -238,21 +236,14 @@ def _kept(state: LoadState, configuration: Configuration, read_off: Remembered) 
     """
     was, is_now = state.configuration.faces.nodes, configuration.faces.nodes
     numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
-    found = [array.copy() for array in _arrays(read_off)]
+    known, found = state.remembered.arrays, {name: array.copy() for name, array in read_off.arrays.items()}
     for index, surface in enumerate(state.cover.surfaces):
         before = np.flatnonzero(was.surface == index)
         after = np.flatnonzero(is_now.surface == numbers.get(surface.name, -1))
         if np.array_equal(was.points[before], is_now.points[after]):
-            for array, kept in zip(found, _arrays(state.remembered), strict=True):
-                array[after] = kept[before]
-    slip, lost, closed, normal, tangential, dilation = found
-    return Remembered(ContactMemory(slip, lost, closed), normal, tangential, dilation)
-
-
-def _arrays(remembered: Remembered) -> list[NDArray[Any]]:
-    """All that points remember (n,)."""
-    memory = remembered.memory
-    return [memory.slip, memory.lost, memory.closed, remembered.normal, remembered.tangential, remembered.dilation]
+            for name, array in found.items():
+                array[after] = known[name][before]
+    return Remembered.of_arrays(found)
 
 
 def _told(state: LoadState, began: float) -> LoadState:

@@ -100,8 +100,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         scene = scene.with_halvings(cells_after(solution))
         taken = lapse(leaving, solution)
         solution = replace(solution, notes=(*solution.notes, *taken.notes))
-        state = replace(state, cracks=taken.made_good(state.cracks), time=state.time + taken.time)
-        state = replace(state, n_pieces=state.n_pieces or len(all_pieces(solution.cover)))
+        cracks, n_pieces = taken.made_good(state.cracks), state.n_pieces or len(all_pieces(solution.cover))
+        state = replace(state, cracks=cracks, n_pieces=n_pieces, time=state.time + taken.time)
         is_last = state.step == growth.steps
         leaving = none_leaves(state.cracks) if is_last else leaves(growth, solution, state.cracks)
         yield _reported(state, solution, leaving.sites), solution

@@ -8,11 +8,12 @@ that only its bond holds opens, a sticking one comes to its limit, or slip that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import SLIP, ContactMemory
@@ -60,6 +61,19 @@ class Remembered:
     def of(cls, memory: ContactMemory, points: PointStates) -> Remembered:
         """What is needed of points with such a memory."""
         return cls(memory, points.normal, points.tangential, points.dilation)
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Remembered:
+        """What was remembered, from its `arrays`; earlier versions had no `closed` among them."""
+        lost = arrays["lost"]
+        memory = ContactMemory(arrays["slip"], lost, arrays.get("closed", lost == 0.0))
+        return cls(memory, arrays["normal"], arrays["tangential"], arrays["dilation"])
+
+    @property
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """All that points remember (n,), by name."""
+        of_memory = {"slip": self.memory.slip, "lost": self.memory.lost, "closed": self.memory.closed}
+        return {**of_memory, "normal": self.normal, "tangential": self.tangential, "dilation": self.dilation}
 
     @property
     def tractions(self) -> Floats:
