@@ -87,6 +87,14 @@ class Trial:
     wears: int = 0  # how often slip has taken some of what can be lost
 
 
+class TrialNotSolvedError(NotSolvedError):
+    """An increment whose contact was not solved in a trial: what broke up to there has broken."""
+
+    def __init__(self, trial: Trial, why: NotSolvedError) -> None:
+        self.trial = trial
+        super().__init__(str(why))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PointStates:
     """What comes of a trial, at all points."""
@@ -181,12 +189,15 @@ class Increment:
     def solved(self, free: Floats, start: PointStates | None = None) -> PointStates:
         """The states of all points, with the jumps `free` (2 n,) m without tractions.
 
-        `start` is what was found for others that are close.
+        `start` is what was found for others that are close. Raises TrialNotSolvedError where there are none.
         """
         found = start if start is not None and start.trial.taken.any() else self._untouched(free)
         trial = found.trial if found.trial.taken.any() else None
         while trial is not None:
-            found = self._tried(trial, free, found)
+            try:
+                found = self._tried(trial, free, found)
+            except NotSolvedError as error:
+                raise TrialNotSolvedError(trial, error) from error
             trial = self._revised(found)
         return found
 

@@ -18,7 +18,7 @@ from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.contact.hold import check_can_hold
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates
+from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates, Trial, TrialNotSolvedError
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
 from crackgrow.direct import NOTHING
@@ -163,10 +163,10 @@ class Configuration:
         check_magnitude("displacements", free, self._farthest, "m")
         try:
             found = increment.solved(free, None if near is None else increment.begun(near))
-        except NotSolvedError as error:
+        except TrialNotSolvedError as error:
             if self.contact.loose is None:
                 raise
-            self.check_can_hold(level, memory)
+            self.check_can_hold(level, error.trial)
             pieces = ", ".join(str(piece) for piece in self.contact.loose.pieces)
             raise NotSolvedError(f"contact alone holds {pieces}, perhaps only just: {error}") from error
         check_magnitude("contact tractions", found.tractions, LARGEST, "Pa")
@@ -180,11 +180,11 @@ class Configuration:
         other.__dict__["_units"] = self._units
         return other
 
-    def check_can_hold(self, level: LoadLevel, memory: ContactMemory | None = None) -> None:
-        """Raise FreePieceError where no tractions that contact can carry hold a piece."""
+    def check_can_hold(self, level: LoadLevel, trial: Trial | None = None) -> None:
+        """Raise FreePieceError where no tractions that contact can carry, in a trial those left to it, hold a piece."""
         if self.contact.loose is not None:
             names = [str(self.cover.surfaces[surface].name) for surface in self.faces.surface.tolist()]
-            check_can_hold(self.contact, names, self.loads(level), memory)
+            check_can_hold(self.contact, names, self.loads(level), trial)
 
     def conjugates(self, level: LoadLevel, states: PointStates) -> Floats:
         """(3,): displacement under the loads per load factor, m N/m; under held loads; support force."""

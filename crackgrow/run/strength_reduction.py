@@ -31,6 +31,12 @@ NARROW = 1e-4
 BEYOND = (1.0 + 1e-3, 1.01, 1.1)
 """Times the least factor without a state, at which a mechanism is looked for where none shows there, or a state."""
 
+PROGRESSIVE = (
+    "{}. With all points at full strength at once, as limit equilibrium has it, it would hold up to {:.5g}: strength "
+    "that is lost is lost where stress is largest first. Where it is lost at once that depends on stiffness and on the "
+    "size of cells; a `weakening_length` makes it a property of the contact, `cohesion_after_slip: kept` keeps cohesion"
+)
+
 MOST_RETURNS = 3
 """States beyond a factor at which none was found, after which that is how it is."""
 
@@ -42,7 +48,7 @@ def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Genera
     """
     given = assemble(scene, cracks)
     search = _Search(partial(_loaded, given))
-    safety = search.found()
+    safety = _beside_limit_equilibrium(given, search.found())
     for state in dict.fromkeys(state for state in (search.as_given, search.last) if state is not None):
         yield replace(judged(state), passed=history_of(state)[:-1])
     return safety
@@ -111,14 +117,41 @@ class _Search:
 
 def _loaded(given: Configuration, factor: float) -> LoadState:
     """The scene under its loads with its strength divided by a factor. Raises SolveError where nothing holds it."""
-    laws = tuple(
-        law if law.contact is None else replace(law, contact=_weaker(law.contact, factor)) for law in given.scene.laws
-    )
-    configuration = given.under_laws(laws) if factor != 1.0 else given
+    configuration = _reduced(given, factor)
     configuration.check_can_hold(
         LoadLevel(1.0)
     )  # limit analysis, which sees at once what solvers look for in vain for long
     return increment(configuration, held_loads(configuration), 1.0)
+
+
+def _reduced(given: Configuration, factor: float) -> Configuration:
+    """The scene with its strength divided by a factor."""
+    if factor == 1.0:
+        return given
+    laws = tuple(
+        law if law.contact is None else replace(law, contact=_weaker(law.contact, factor)) for law in given.scene.laws
+    )
+    return given.under_laws(laws)
+
+
+def _beside_limit_equilibrium(given: Configuration, safety: Safety) -> Safety:
+    """The same with what limit equilibrium says, where contact holds less since its points lose strength in turn."""
+    below, above = safety.fails_at, np.inf
+    if not (given.contact.law.breakable.any() and _could_hold(given, below)):
+        return safety
+    while above > (1.0 + NARROW) * below and below < FARTHEST:
+        factor = float(np.sqrt(below * above)) if np.isfinite(above) else 2.0 * below
+        below, above = (factor, above) if _could_hold(given, factor) else (below, factor)
+    return replace(safety, mechanism=PROGRESSIVE.format(safety.mechanism, below))
+
+
+def _could_hold(given: Configuration, factor: float) -> bool:
+    """Whether contact with all of its strength, divided by a factor, could hold the scene."""
+    try:
+        _reduced(given, factor).check_can_hold(LoadLevel(1.0))
+    except FreePieceError:
+        return False
+    return given.contact.loose is not None
 
 
 def _weaker(contact: CoulombContact, factor: float) -> CoulombContact:
