@@ -218,8 +218,8 @@ class Increment:
         """The outcome of states with their displacements, and both corrected until their jumps are the same.
 
         `loads` are those of the rock (n_dofs,) N/m and what supports are given (m,) m, `without` the displacements and
-        multipliers, `free` the jumps that these make without tractions; `known` those of the states, if they are. Raises
-        NotSolvedError where the compliance is wrong altogether.
+        multipliers, `free` the jumps that these make without tractions; `known` those of the states, if they are.
+        Raises NotSolvedError where the compliance is wrong altogether.
         """
         best, rock, off, last_off = state, without, 0.0, np.inf
         while state.solution is not None:
