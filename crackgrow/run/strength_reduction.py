@@ -40,6 +40,8 @@ PROGRESSIVE = (
 MOST_RETURNS = 3
 """States beyond a factor at which none was found, after which that is how it is."""
 
+UNNAMED = "{}. Limit analysis, for which faces that slide part as well, has it hold up to {:.5g}: there {}"
+
 
 def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Generator[StepSolution, None, Safety]:
     """The scene as it is, if it holds, and its last stable state; returns how safe it is.
@@ -48,7 +50,8 @@ def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Genera
     """
     given = assemble(scene, cracks)
     search = _Search(partial(_loaded, given))
-    safety = _beside_limit_equilibrium(given, search.found())
+    found = search.found()
+    safety = _beside_limit_equilibrium(given, found, PROGRESSIVE if search.named else UNNAMED)
     for state in dict.fromkeys(state for state in (search.as_given, search.last) if state is not None):
         yield replace(judged(state), passed=history_of(state)[:-1])
     return safety
@@ -79,11 +82,16 @@ class _Search:
                     raise self._why
         self._narrow()
         returns = 0
-        while not isinstance(self._why, FreePieceError) and returns < MOST_RETURNS and self._holds_beyond():
+        while not self.named and returns < MOST_RETURNS and self._holds_beyond():
             self._narrow()
             returns += 1
         what = self._why.what if isinstance(self._why, FreePieceError) else f"no state was found: {self._why}"
         return Safety(self._below, self._above, what)
+
+    @property
+    def named(self) -> bool:
+        """Whether it is known what moves where there is no state."""
+        return isinstance(self._why, FreePieceError)
 
     def _narrow(self) -> None:
         while self._above > (1.0 + NARROW) * self._below:
@@ -134,24 +142,33 @@ def _reduced(given: Configuration, factor: float) -> Configuration:
     return given.under_laws(laws)
 
 
-def _beside_limit_equilibrium(given: Configuration, safety: Safety) -> Safety:
-    """The same with what limit equilibrium says, where contact holds less since its points lose strength in turn."""
-    below, above = safety.fails_at, np.inf
-    if not (given.contact.law.breakable.any() and _could_hold(given, below)):
+def _beside_limit_equilibrium(given: Configuration, safety: Safety, words: str) -> Safety:
+    """The same with what limit equilibrium says, in `words`, where contact could hold more with all of its strength."""
+    below, above, way = safety.fails_at, np.inf, ""
+    if given.contact.loose is None or not np.isfinite(below):
         return safety
-    while above > (1.0 + NARROW) * below and below < FARTHEST:
-        factor = float(np.sqrt(below * above)) if np.isfinite(above) else 2.0 * below
-        below, above = (factor, above) if _could_hold(given, factor) else (below, factor)
-    return replace(safety, mechanism=PROGRESSIVE.format(safety.mechanism, below))
+    try:
+        if _giving_way(given, below):
+            return safety
+        while above > (1.0 + NARROW) * below and below < FARTHEST:
+            factor = float(np.sqrt(below * above)) if np.isfinite(above) else 2.0 * below
+            gives = _giving_way(given, factor)
+            below, above, way = (below, factor, gives) if gives else (factor, above, way)
+    except NotSolvedError:
+        return safety  # the factor is known without
+    return replace(safety, mechanism=words.format(safety.mechanism, below, way)) if way else safety
 
 
-def _could_hold(given: Configuration, factor: float) -> bool:
-    """Whether contact with all of its strength, divided by a factor, could hold the scene."""
+def _giving_way(given: Configuration, factor: float) -> str:
+    """Which piece moves, and how, where contact with all of its strength, divided by a factor, can't hold it; or empty.
+
+    Raises NotSolvedError where linear programming fails.
+    """
     try:
         _reduced(given, factor).check_can_hold(LoadLevel(1.0))
-    except FreePieceError:
-        return False
-    return given.contact.loose is not None
+    except FreePieceError as error:
+        return error.what
+    return ""
 
 
 def _weaker(contact: CoulombContact, factor: float) -> CoulombContact:

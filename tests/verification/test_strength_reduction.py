@@ -281,3 +281,41 @@ def test_with_a_weakening_length_cells_do_not_matter(tmp_path: Path) -> None:
     ratios = [second.factor / first.factor for first, second in ends if first and second]
     assert ratios[0] < 0.95
     assert ratios[1] == pytest.approx(1.0, abs=1e-2)
+
+
+COLUMNS = """
+title: a slender column on an incline that leans on a stocky one
+plane: strain
+bodies:
+  base: {shape: {polygon: [[-4, -2], [6, -2], [6, 0], [-4, 0]]}, material: {young: 1e10, poisson: 0.2}}
+  low: {shape: {polygon: [[0, 0], [1, 0], [1, 1], [0, 1]]}, material: {young: 1e10, poisson: 0.2, density: 2500}}
+  high: {shape: {polygon: [[1, 0], [2, 0], [2, 4], [1, 4]]}, material: {young: 1e10, poisson: 0.2, density: 2500}}
+interfaces:
+  - {between: [base, low], contact: {friction: 1.2, cohesion: 0}}
+  - {between: [base, high], contact: {friction: 1.2, cohesion: 0}}
+  - {between: [low, high], contact: {friction: 0.6, cohesion: 0}}
+supports: [{on: {body: base, edge: 0}, displacement: {x: 0, y: 0}}]
+loads: [{body: low, gravity: GRAVITY}, {body: high, gravity: GRAVITY}]
+loading: strength_reduction
+numerics: {spacing: SPACING}
+output: {frames: none, figures: false}
+"""
+
+
+def test_columns_that_topple_are_named_and_come_to_limit_equilibrium_with_smaller_cells(tmp_path: Path) -> None:
+    """The high one turns about its lower corner and pushes the top of the low one, which turns, too (Goodman, Bray
+    1976). Where three bodies meet contact ends inside of the corner: the factor comes from below.
+    """
+    s, c = float(np.sin(np.deg2rad(20.0))), float(np.cos(np.deg2rad(20.0)))
+    push = 4.0 * (2.0 * s - 0.5 * c)  # over the weight of the low one, at a height of 1
+    exact = 0.6 * push / (push + 0.5 * s - 0.5 * c)
+    factors = []
+    for spacing in (0.5, 0.125):
+        text = COLUMNS.replace("GRAVITY", str([-9.81 * s, -9.81 * c])).replace("SPACING", str(spacing))
+        safety = run(tmp_path, text)[1].safety
+        assert safety is not None
+        factors.append(safety.factor / exact)
+        assert re.search(
+            r"hold up to 1\.\d+: there body 'low' \(and with it body 'high'\).* turns about", safety.mechanism
+        )
+    assert 0.7 < factors[0] < 0.85 < factors[1] < 1.0
