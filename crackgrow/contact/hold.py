@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.contact.limit import least_unbalanced
+from crackgrow.contact.solve import Trial
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import FreePieceError
 from crackgrow.solid.rigid_modes import FreePiece
@@ -23,20 +23,26 @@ UNBALANCED = 1e-6
 YIELDS = 1e-3
 """Jumps, and motions, of less than this fraction of the largest are none."""
 
+BROKEN = (
+    "contact has lost strength on {}, by slip or opening of the most loaded of its points first ({} of {} by then); "
+    "with all of it contact could hold it"
+)
+
 TURNS = 0.05
 """Motions in which the rim of a piece turns by less than this fraction of how far it moves are translations."""
 
 
-def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats, memory: ContactMemory | None) -> None:
+def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats, trial: Trial | None = None) -> None:
     """Raise FreePieceError where no tractions that the faces can carry balance the loads on free pieces.
 
-    `surface` are the names of the surfaces (n,) that the contact points lie on.
+    `surface` are the names of the surfaces (n,) that the contact points lie on. In a `trial` they have lost strength.
     """
     free, law = contact.loose, contact.law
     assert free is not None
-    friction, cohesion = (law.friction, law.cohesion) if memory is None else law.bound_of(memory.lost)
-    size, length, motions = float(np.abs(loads).sum()), float(contact.weights.sum()), contact.motions(free.along(loads))
-    left, way = least_unbalanced(motions, size, length, friction, cohesion)
+    whole = np.zeros(len(law.friction))
+    lost, opened = (whole, whole > 0.0) if trial is None else (trial.lost, trial.opened)
+    friction, cohesion = law.bound_of(lost)
+    left, way = _unbalanced(contact, loads, friction, np.where(opened, 0.0, cohesion))
     if left <= UNBALANCED:
         return
     gap, slip = np.split(contact.moving @ way, 2)
@@ -47,7 +53,18 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
         f"{names} is free to move: contact does not hold it, {moves}; {100.0 * left:.3g} % of the loads stay out of "
         "balance"
     )
+    weaker = (law.breakable & (lost > 0.0)) | (opened & (law.cohesion > 0.0))
+    if weaker.any() and _unbalanced(contact, loads, law.friction, law.cohesion)[0] <= UNBALANCED:
+        where = " and ".join(sorted({repr(surface[point]) for point in np.flatnonzero(weaker).tolist()}))
+        what += f"; {BROKEN.format(where, weaker.sum(), len(weaker))}"
     raise FreePieceError(what, "it needs supports, friction or another load")
+
+
+def _unbalanced(contact: ContactSystem, loads: Floats, friction: Floats, cohesion: Floats) -> tuple[float, Floats]:
+    """The part of the loads (n_dofs,) N/m that faces of some strength (n,) leave unbalanced, and how they give way."""
+    assert contact.loose is not None
+    size, length = float(np.abs(loads).sum()), float(contact.weights.sum())
+    return least_unbalanced(contact.motions(contact.loose.along(loads)), size, length, friction, cohesion)
 
 
 def _giving_way(contact: ContactSystem, way: Floats) -> tuple[FreePiece, list[FreePiece]]:

@@ -87,6 +87,14 @@ class Trial:
     wears: int = 0  # how often slip has taken some of what can be lost
 
 
+class TrialNotSolvedError(NotSolvedError):
+    """An increment whose contact was not solved in a trial: what broke up to there has broken."""
+
+    def __init__(self, trial: Trial, why: NotSolvedError) -> None:
+        self.trial = trial
+        super().__init__(str(why))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PointStates:
     """What comes of a trial, at all points."""
@@ -181,12 +189,15 @@ class Increment:
     def solved(self, free: Floats, start: PointStates | None = None) -> PointStates:
         """The states of all points, with the jumps `free` (2 n,) m without tractions.
 
-        `start` is what was found for others that are close.
+        `start` is what was found for others that are close. Raises TrialNotSolvedError where there are none.
         """
         found = start if start is not None and start.trial.taken.any() else self._untouched(free)
         trial = found.trial if found.trial.taken.any() else None
         while trial is not None:
-            found = self._tried(trial, free, found)
+            try:
+                found = self._tried(trial, free, found)
+            except NotSolvedError as error:
+                raise TrialNotSolvedError(trial, error) from error
             trial = self._revised(found)
         return found
 
@@ -208,17 +219,23 @@ class Increment:
 
         `loads` are those of the rock (n_dofs,) N/m and what supports are given (m,) m, `without` the displacements and
         multipliers, `free` the jumps that these make without tractions; `known` those of the states, if they are.
+        Raises NotSolvedError where the compliance is wrong altogether.
         """
-        contact, rock, off, last_off = self.contact, without, 0.0, np.inf
+        best, rock, off, last_off = state, without, 0.0, np.inf
         while state.solution is not None:
-            rock = known or contact.displacements(loads, without, state.tractions, state.solution.motion)
+            there = known or self.contact.displacements(loads, without, state.tractions, state.solution.motion)
             known = None
-            more, off = _missing(contact, free, state, rock[0])
+            more, now_off = _missing(self.contact, free, state, there[0])
+            if not now_off <= SPOILT and last_off == np.inf:
+                raise spoilt(f"wrong by {now_off:.1g} of the jumps")
+            if not now_off < last_off:
+                break  # pieces that nothing presses lie somewhere else after each correction
+            best, rock, off = state, there, now_off
             if off <= ROUND_OFF or off > GAIN * last_off:
                 break
             free, last_off = free + more, off
             state = self.solved(free, state)
-        return self._outcome(state, rock, off)
+        return self._outcome(best, rock, off)
 
     def remembered(self, state: PointStates) -> ContactMemory:
         """What points keep of their states.
@@ -426,13 +443,10 @@ def _nothing(problem: ContactProblem, solution: ContactSolution) -> Floats:
 def _missing(contact: ContactSystem, free: Floats, state: PointStates, u: Floats) -> tuple[Floats, float]:
     """Jumps (2 n,) m of the displacements `u` (n_dofs,) less those by the compliance; relative to the jumps, the most.
 
-    The compliance is good to the round-off of one elimination, the displacements are refined. Raises NotSolvedError
-    where the compliance is wrong altogether.
+    The compliance is good to the round-off of one elimination, the displacements are refined.
     """
     jumps = np.concatenate([state.opening, state.slip])
     more = contact.operator @ u - jumps
     faint = FAINT * float((contact.operator_sizes @ np.abs(u)).max())
     off, farthest = float(np.abs(more).max()), max(float(np.abs(np.concatenate([jumps, free])).max()), faint)
-    if not off <= SPOILT * farthest:
-        raise spoilt(f"wrong by {off / farthest:.1g} of the jumps")
     return more, off / farthest if farthest > 0.0 else 0.0

@@ -11,14 +11,14 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import Load
 from crackgrow.contact.coulomb import OPEN, STICK, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.contact.hold import check_can_hold
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates
+from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates, Trial, TrialNotSolvedError
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
 from crackgrow.direct import NOTHING
@@ -48,6 +48,9 @@ SIGNS = np.array([1.0, 1.0, -1.0])
 
 TAKEN_BACK = 1e-12
 """Of loads: less than this is nothing that is left where they take each other back."""
+
+ROUND_OFF = 1e-15
+"""Of the largest force of any load: the same, where loads at a place are themselves the round-off of larger forces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,10 +166,10 @@ class Configuration:
         check_magnitude("displacements", free, self._farthest, "m")
         try:
             found = increment.solved(free, None if near is None else increment.begun(near))
-        except NotSolvedError as error:
+        except TrialNotSolvedError as error:
             if self.contact.loose is None:
                 raise
-            self.check_can_hold(level, memory)
+            self.check_can_hold(level, error.trial)
             pieces = ", ".join(str(piece) for piece in self.contact.loose.pieces)
             raise NotSolvedError(f"contact alone holds {pieces}, perhaps only just: {error}") from error
         check_magnitude("contact tractions", found.tractions, LARGEST, "Pa")
@@ -180,11 +183,11 @@ class Configuration:
         other.__dict__["_units"] = self._units
         return other
 
-    def check_can_hold(self, level: LoadLevel, memory: ContactMemory | None = None) -> None:
-        """Raise FreePieceError where no tractions that contact can carry hold a piece."""
+    def check_can_hold(self, level: LoadLevel, trial: Trial | None = None) -> None:
+        """Raise FreePieceError where no tractions that contact can carry, in a trial those left to it, hold a piece."""
         if self.contact.loose is not None:
             names = [str(self.cover.surfaces[surface].name) for surface in self.faces.surface.tolist()]
-            check_can_hold(self.contact, names, self.loads(level), memory)
+            check_can_hold(self.contact, names, self.loads(level), trial)
 
     def conjugates(self, level: LoadLevel, states: PointStates) -> Floats:
         """(3,): displacement under the loads per load factor, m N/m; under held loads; support force."""
@@ -323,17 +326,34 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
 
 
 def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Floats, Floats]:
-    """What of the loads (n_dofs,) N/m a load factor multiplies, and what it does not."""
+    """What of the loads (n_dofs,) N/m a load factor multiplies, and what it does not.
+
+    Where loads take each other back all the way nothing is left of them, on which points would slip and open.
+    """
+
+    def vector(loads: list[Load]) -> Floats:
+        f = load_vector(cover, scene.case.bodies, loads, scene.case.numerics.quadrature)
+        return np.asarray(f + face_load_vector(cover, crack_bodies, loads))
+
     alike: dict[tuple[float, float], list[Load]] = {(0.0, 1.0): [], (1.0, 0.0): []}
     for load in scene.case.loads:
         alike.setdefault(scene.parts(load), []).append(load)
     scaled, constant = np.zeros((2, cover.n_dofs))
     for (a, b), loads in alike.items():
-        f = load_vector(cover, scene.case.bodies, loads, scene.case.numerics.quadrature)
-        f += face_load_vector(cover, crack_bodies, loads)
+        f = vector(loads)
         constant += a * f
         scaled += b * f
+    single = [(scene.parts(load), np.abs(vector([load]))) for load in scene.case.loads if len(scene.case.loads) > 1]
+    for total, part in ((constant, 0), (scaled, 1)):
+        total[_taken_back(total, [abs(parts[part]) * size for parts, size in single])] = 0.0
     return scaled, constant
+
+
+def _taken_back(total: Floats, sizes: Sequence[Floats]) -> Bools:
+    """Where (n_dofs,) nothing but round-off is left of forces of some `sizes` (n_dofs,) N/m whose sum is the total."""
+    size, left = np.sum([np.zeros(len(total)), *sizes], axis=0), np.abs(total)
+    nothing = left <= np.maximum(TAKEN_BACK * size, ROUND_OFF * size.max(initial=0.0))
+    return np.asarray(nothing & (left <= 0.5 * size))
 
 
 def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> list[str]:

@@ -92,23 +92,35 @@ class Lapse:
 def lapse(left: Leaving, solution: StepSolution) -> Lapse:
     """What the advance that has led to a solution took, with a note where that is coarse.
 
-    The time is that of the tip with the largest mean velocity. Of one that has met something, or stands still now, the
-    velocity at the beginning is all that is known.
+    The time is that of the tip with the largest mean velocity, of those that still are tips, and no less than others
+    took to what they have met. Of those, or of one that stands still now, the velocity at the beginning is all that is
+    known.
     """
     law = solution.scene.case.subcritical
     if law is None or not left.lengths:
         return Lapse()
     now = dict(zip(solution.cover.tip_ends, velocities(site_criticality(solution), law).tolist(), strict=True))
     means = {end: mean_velocity(before, now.get(end) or before) for end, before in left.velocity.items()}
-    fastest = max(left.lengths, key=lambda end: means[end])
-    before, after = left.velocity[fastest], now.get(fastest) or left.velocity[fastest]
-    time = left.time * before / means[fastest]
+    time = max((_time_to_meeting(left, end, solution) for end in left.lengths if end not in now), default=0.0)
+    fastest = max((end for end in left.lengths if end in now), key=lambda end: means[end], default=None)
+    before = after = 1.0
+    if fastest is not None:
+        before, after = left.velocity[fastest], now[fastest] or left.velocity[fastest]
+        time = max(time, left.time * before / means[fastest])
     growth = solution.scene.case.growth
     most = WAITS * growth.increment if growth else 0.0
     short = {
         end: min(max(mean * time - left.velocity[end] * left.time, -most), most) for end, mean in means.items()
     }  # a step that is resolved is not off by more; what is more would make tips go ahead by turns
     return Lapse(time, short, (COARSE_TIME,) if max(after / before, before / after) > COARSE else ())
+
+
+def _time_to_meeting(left: Leaving, end: End, solution: StepSolution) -> float:
+    """The time (s) that a tip took to what it has met on its way."""
+    index, at_end = end
+    tip, before = (some[index].crack.points[-1 if at_end else 0] for some in (solution.cracks, left.cracks))
+    ahead = left.lengths[end] - left.velocity[end] * left.time  # gathered before
+    return max(float(np.hypot(*(tip - before))) - ahead, 0.0) / left.velocity[end]
 
 
 def _places(solution: StepSolution) -> Floats:

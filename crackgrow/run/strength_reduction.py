@@ -31,8 +31,16 @@ NARROW = 1e-4
 BEYOND = (1.0 + 1e-3, 1.01, 1.1)
 """Times the least factor without a state, at which a mechanism is looked for where none shows there, or a state."""
 
+PROGRESSIVE = (
+    "{}. With all points at full strength at once, as limit equilibrium has it, it would hold up to {:.5g}: strength "
+    "that is lost is lost where stress is largest first. Where it is lost at once that depends on stiffness and on the "
+    "size of cells; a `weakening_length` makes it a property of the contact, `cohesion_after_slip: kept` keeps cohesion"
+)
+
 MOST_RETURNS = 3
 """States beyond a factor at which none was found, after which that is how it is."""
+
+UNNAMED = "{}. Limit analysis, for which faces that slide part as well, has it hold up to {:.5g}: there {}"
 
 
 def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Generator[StepSolution, None, Safety]:
@@ -42,7 +50,8 @@ def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Genera
     """
     given = assemble(scene, cracks)
     search = _Search(partial(_loaded, given))
-    safety = search.found()
+    found = search.found()
+    safety = _beside_limit_equilibrium(given, found, PROGRESSIVE if search.named else UNNAMED)
     for state in dict.fromkeys(state for state in (search.as_given, search.last) if state is not None):
         yield replace(judged(state), passed=history_of(state)[:-1])
     return safety
@@ -73,11 +82,16 @@ class _Search:
                     raise self._why
         self._narrow()
         returns = 0
-        while not isinstance(self._why, FreePieceError) and returns < MOST_RETURNS and self._holds_beyond():
+        while not self.named and returns < MOST_RETURNS and self._holds_beyond():
             self._narrow()
             returns += 1
         what = self._why.what if isinstance(self._why, FreePieceError) else f"no state was found: {self._why}"
         return Safety(self._below, self._above, what)
+
+    @property
+    def named(self) -> bool:
+        """Whether it is known what moves where there is no state."""
+        return isinstance(self._why, FreePieceError)
 
     def _narrow(self) -> None:
         while self._above > (1.0 + NARROW) * self._below:
@@ -111,14 +125,50 @@ class _Search:
 
 def _loaded(given: Configuration, factor: float) -> LoadState:
     """The scene under its loads with its strength divided by a factor. Raises SolveError where nothing holds it."""
-    laws = tuple(
-        law if law.contact is None else replace(law, contact=_weaker(law.contact, factor)) for law in given.scene.laws
-    )
-    configuration = given.under_laws(laws) if factor != 1.0 else given
+    configuration = _reduced(given, factor)
     configuration.check_can_hold(
         LoadLevel(1.0)
     )  # limit analysis, which sees at once what solvers look for in vain for long
     return increment(configuration, held_loads(configuration), 1.0)
+
+
+def _reduced(given: Configuration, factor: float) -> Configuration:
+    """The scene with its strength divided by a factor."""
+    if factor == 1.0:
+        return given
+    laws = tuple(
+        law if law.contact is None else replace(law, contact=_weaker(law.contact, factor)) for law in given.scene.laws
+    )
+    return given.under_laws(laws)
+
+
+def _beside_limit_equilibrium(given: Configuration, safety: Safety, words: str) -> Safety:
+    """The same with what limit equilibrium says, in `words`, where contact could hold more with all of its strength."""
+    below, above, way = safety.fails_at, np.inf, ""
+    if given.contact.loose is None or not np.isfinite(below):
+        return safety
+    try:
+        if _giving_way(given, below):
+            return safety
+        while above > (1.0 + NARROW) * below and below < FARTHEST:
+            factor = float(np.sqrt(below * above)) if np.isfinite(above) else 2.0 * below
+            gives = _giving_way(given, factor)
+            below, above, way = (below, factor, gives) if gives else (factor, above, way)
+    except NotSolvedError:
+        return safety  # the factor is known without
+    return replace(safety, mechanism=words.format(safety.mechanism, below, way)) if way else safety
+
+
+def _giving_way(given: Configuration, factor: float) -> str:
+    """Which piece moves, and how, where contact with all of its strength, divided by a factor, can't hold it; or empty.
+
+    Raises NotSolvedError where linear programming fails.
+    """
+    try:
+        _reduced(given, factor).check_can_hold(LoadLevel(1.0))
+    except FreePieceError as error:
+        return error.what
+    return ""
 
 
 def _weaker(contact: CoulombContact, factor: float) -> CoulombContact:

@@ -7,6 +7,7 @@ U: F = (c A + mu (W cos t - U)) / (W sin t). It is exact for a rigid block, and 
 from __future__ import annotations
 
 import json
+import re
 import time
 from pathlib import Path
 
@@ -177,3 +178,144 @@ def test_a_target_of_K_is_refused(tmp_path: Path) -> None:
     (fault,) = caught.value.faults
     assert fault.key == "numerics.accuracy"
     assert "wanted: a name" in fault.message
+
+
+UNIFORM = """
+title: a block on a floor under uniform pressure and shear
+plane: strain
+bodies: {block: {shape: {rectangle: {center: [0, 0.5], width: 2, height: 1}}, material: {young: YOUNG, poisson: 0.25}}}
+supports: [{on: {body: block, edge: bottom}, contact: {friction: 0.3, cohesion: 1e4, cohesion_after_slip: AFTER}}]
+loads: [TRACTIONS]
+loading: strength_reduction
+numerics: {spacing: 0.25, contact: {stiffness: STIFFNESS}}
+output: {frames: none, figures: false}
+"""
+
+
+@pytest.mark.parametrize("after", ["kept", "lost"])
+@pytest.mark.parametrize(("young", "stiffness"), [("1e9", "rigid"), ("1e9", "1"), ("1e13", "1e-3")])
+def test_cohesion_under_uniform_traction_is_limit_equilibrium(
+    young: str, stiffness: str, after: str, tmp_path: Path
+) -> None:
+    """All points come to their strength together, however stiff rock and contact are: F = (c + mu p) / tau.
+
+    A uniform stress without strain along the floor has sxx = nu/(1 - nu) syy; shear on the floor is that on the sides.
+    """
+    p, tau = 2e4, 1e4
+    side = p / 3.0
+    sides = [("top", [tau, -p]), ("left", [side, -tau]), ("right", [-side, tau])]
+    loads = ", ".join(f"{{on: {{body: block, edge: {edge}}}, traction: {list(t)}}}" for edge, t in sides)
+    text = UNIFORM.replace("TRACTIONS", loads)
+    text = text.replace("YOUNG", young).replace("STIFFNESS", stiffness).replace("AFTER", after)
+    _, end = run(tmp_path, text)
+    assert end.safety is not None
+    assert end.safety.factor == pytest.approx((1e4 + 0.3 * p) / tau, rel=2e-3)
+    assert "body 'block'" in end.safety.mechanism
+    assert "it slides along 'block.bottom'" in end.safety.mechanism
+
+
+STACK = """
+title: two blocks on a floor under uniform pressure and shear
+plane: strain
+bodies:
+  low: {shape: {rectangle: {center: [0, 0.5], width: 2, height: 1}}, material: {young: 1e9, poisson: 0.25}}
+  top: {shape: {rectangle: {center: [0, 1.5], width: 2, height: 1}}, material: {young: 1e9, poisson: 0.25}}
+interfaces: [{between: [low, top], contact: {friction: 0.3, cohesion: BETWEEN}}]
+supports: [{on: {body: low, edge: bottom}, contact: {friction: 0.3, cohesion: FLOOR}}]
+loads:
+  - {on: {body: top, edge: top}, traction: [9e3, -18e3]}
+  - {on: {body: top, edge: left}, traction: [6e3, -9e3]}
+  - {on: {body: top, edge: right}, traction: [-6e3, 9e3]}
+  - {on: {body: low, edge: left}, traction: [6e3, -9e3]}
+  - {on: {body: low, edge: right}, traction: [-6e3, 9e3]}
+loading: strength_reduction
+numerics: {spacing: 0.25}
+output: {frames: none, figures: false}
+"""
+
+
+@pytest.mark.parametrize(("between", "floor", "slides"), [(9e3, 18e3, "low/top"), (18e3, 9e3, "low.bottom")])
+def test_of_a_stack_the_weaker_joint_counts(between: float, floor: float, slides: str, tmp_path: Path) -> None:
+    _, end = run(tmp_path, STACK.replace("BETWEEN", str(between)).replace("FLOOR", str(floor)))
+    assert end.safety is not None
+    assert end.safety.factor == pytest.approx((9e3 + 0.3 * 18e3) / 9e3, rel=2e-3)
+    assert f"it slides along '{slides}'" in end.safety.mechanism
+
+
+def brittle(tmp_path: Path, more: str = "", spacing: float = 0.5) -> RunEnd:
+    """A block whose weight presses and shears the incline unevenly: cohesion is lost where it is loaded most first."""
+    contact = f"friction: 0.4, cohesion: 1e4{more}"
+    text = INCLINE.replace("friction: 0.8, cohesion: 0", contact).replace("spacing: 0.5", f"spacing: {spacing}")
+    return run(tmp_path, text)[1]
+
+
+BLOCK = 2.0 * WEIGHT
+LIMIT = (1e4 * 2.0 + 0.4 * BLOCK * np.cos(np.pi / 6.0)) / (BLOCK * np.sin(np.pi / 6.0))
+"""Limit equilibrium of that block: all of its cohesion acts at once."""
+
+
+def test_brittle_cohesion_fails_below_limit_equilibrium_and_says_why(tmp_path: Path) -> None:
+    """It is not less than friction alone has, and the end names the body, the joint and the factor of the whole."""
+    safety = brittle(tmp_path).safety
+    assert safety is not None
+    assert 0.4 / np.tan(np.pi / 6.0) < safety.factor < 0.95 * LIMIT
+    assert "body 'block' is free to move" in safety.mechanism
+    assert "it slides along 'wedge/block'" in safety.mechanism
+    assert "contact has lost strength on 'wedge/block'" in safety.mechanism
+    told = re.search(r"it would hold up to ([\d.]+):", safety.mechanism)
+    assert told is not None
+    assert float(told[1]) == pytest.approx(LIMIT, rel=2e-3)
+
+
+@pytest.mark.parametrize("more", [", cohesion_after_slip: kept", ", weakening_length: 10"])
+def test_cohesion_that_slip_does_not_take_is_limit_equilibrium(more: str, tmp_path: Path) -> None:
+    safety = brittle(tmp_path, more).safety
+    assert safety is not None
+    assert safety.factor == pytest.approx(LIMIT, rel=2e-3)
+    assert "slides along 'wedge/block'" in safety.mechanism
+
+
+def test_with_a_weakening_length_cells_do_not_matter(tmp_path: Path) -> None:
+    """Where bonds break at once the factor falls with every finer lattice, as at a crack without toughness."""
+    ends = [[brittle(tmp_path, more, h).safety for h in (0.25, 0.125)] for more in ("", ", weakening_length: 1e-5")]
+    ratios = [second.factor / first.factor for first, second in ends if first and second]
+    assert ratios[0] < 0.95
+    assert ratios[1] == pytest.approx(1.0, abs=1e-2)
+
+
+COLUMNS = """
+title: a slender column on an incline that leans on a stocky one
+plane: strain
+bodies:
+  base: {shape: {polygon: [[-4, -2], [6, -2], [6, 0], [-4, 0]]}, material: {young: 1e10, poisson: 0.2}}
+  low: {shape: {polygon: [[0, 0], [1, 0], [1, 1], [0, 1]]}, material: {young: 1e10, poisson: 0.2, density: 2500}}
+  high: {shape: {polygon: [[1, 0], [2, 0], [2, 4], [1, 4]]}, material: {young: 1e10, poisson: 0.2, density: 2500}}
+interfaces:
+  - {between: [base, low], contact: {friction: 1.2, cohesion: 0}}
+  - {between: [base, high], contact: {friction: 1.2, cohesion: 0}}
+  - {between: [low, high], contact: {friction: 0.6, cohesion: 0}}
+supports: [{on: {body: base, edge: 0}, displacement: {x: 0, y: 0}}]
+loads: [{body: low, gravity: GRAVITY}, {body: high, gravity: GRAVITY}]
+loading: strength_reduction
+numerics: {spacing: SPACING}
+output: {frames: none, figures: false}
+"""
+
+
+def test_columns_that_topple_are_named_and_come_to_limit_equilibrium_with_smaller_cells(tmp_path: Path) -> None:
+    """The high one turns about its lower corner and pushes the top of the low one, which turns, too (Goodman, Bray
+    1976). Where three bodies meet contact ends inside of the corner: the factor comes from below.
+    """
+    s, c = float(np.sin(np.deg2rad(20.0))), float(np.cos(np.deg2rad(20.0)))
+    push = 4.0 * (2.0 * s - 0.5 * c)  # over the weight of the low one, at a height of 1
+    exact = 0.6 * push / (push + 0.5 * s - 0.5 * c)
+    factors = []
+    for spacing in (0.5, 0.125):
+        text = COLUMNS.replace("GRAVITY", str([-9.81 * s, -9.81 * c])).replace("SPACING", str(spacing))
+        safety = run(tmp_path, text)[1].safety
+        assert safety is not None
+        factors.append(safety.factor / exact)
+        assert re.search(
+            r"hold up to 1\.\d+: there body 'low' \(and with it body 'high'\).* turns about", safety.mechanism
+        )
+    assert 0.7 < factors[0] < 0.85 < factors[1] < 1.0

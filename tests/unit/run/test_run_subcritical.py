@@ -100,3 +100,21 @@ def test_growth_by_the_criterion_alone_takes_no_time() -> None:
     results, _ = whole_run(slow_cracks(f"growth={{{GROWTH}}}", "growth.steps=0"))
     assert np.isnan(results[0].time)
     assert np.isnan(results[0].tips[0].velocity)
+
+
+WALL = "{path: {points: [[-6.5, -6], [-6.5, 6]]}, tips: none, contact: none}"
+SAME_VELOCITY = "growth.subcritical.exponent=0"
+
+
+def test_a_tip_takes_no_longer_than_to_what_it_meets() -> None:
+    """The notch has 2.5 mm to go, at 10 mm/s whatever K is."""
+    results, _ = whole_run(slow_cracks(f"cracks.wall={WALL}", SAME_VELOCITY))
+    assert [event.kind for result in results for event in result.events] == ["coalescence"]
+    np.testing.assert_allclose([result.time for result in results], [0.0, 0.1, 0.2, 0.25], rtol=1e-9)
+
+
+def test_time_goes_on_with_tips_that_meet_nothing() -> None:
+    results, _ = whole_run(slow_cracks(f"cracks.wall={WALL}", SHORTER, SAME_VELOCITY))
+    np.testing.assert_allclose([result.time for result in results], 0.1 * np.arange(5), rtol=1e-9)
+    assert np.diff([crack_lengths(result)["notch"] for result in results])[2] == pytest.approx(0.5 * INCREMENT)
+    np.testing.assert_allclose(np.diff([crack_lengths(result)["shorter"] for result in results]), INCREMENT, rtol=1e-9)
