@@ -62,6 +62,9 @@ WORN = 1e-7
 MOST_WEARS = 1000
 """Repetitions. Where a fall of strength is just what the rock can follow each of them changes next to nothing."""
 
+SETTLED = 1e-10
+"""The same on a path: of each of its pieces only this much is left out of the balance of energies."""
+
 UNSURE = 1e-8
 """The same, left at the end, of which the outcome carries a note."""
 
@@ -283,6 +286,16 @@ class Increment:
         solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:])
         found = self._with(like.trial, free, problem, (solution, like.active))
         return replace(found, iterations=like.iterations, notes=like.notes)
+
+    def on_wearing_branch(self, like: PointStates, free: Floats) -> PointStates:
+        """The same where points lose by slip on these branches what the law says, and no more."""
+        states = self.on_branch(like, free)
+        for _ in range(MOST_WEARS):
+            lost = self._worn(states)
+            if np.abs(lost - states.trial.lost).max(initial=0.0) <= SETTLED:
+                break
+            states = self.on_branch(replace(states, trial=replace(states.trial, lost=lost)), free)
+        return states
 
     def _problem(self, trial: Trial, free: Floats) -> ContactProblem:
         """The problem of a trial, with the jumps `free` (2 n,) m without tractions."""
