@@ -53,6 +53,7 @@ PROBE = 1e-3
 BEYOND = 2.0
 """Times the gap up to which faces that cohere touch: there a point that only its bond holds has opened for certain."""
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Remembered:
     """What the next increment needs of a state, at the contact points of the configuration it is on."""
