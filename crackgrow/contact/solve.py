@@ -431,8 +431,20 @@ def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, coh
 
 
 def _nothing(problem: ContactProblem, solution: ContactSolution) -> Floats:
-    """Gaps (k,) m that are none beside the terms that the jumps of each point are the sums of."""
-    terms = np.abs(problem.compliance) @ np.abs(solution.traction) + np.abs(problem.free)
+    """Gaps (k,) m that are none beside the terms that the jumps of each point are the sums of.
+
+    Where contact alone holds pieces these are the jumps but for rigid motions, of tractions that balance by themselves
+    and of the rest with the loads: how the pieces are held to be solved for does not matter then.
+    """
+    A, free, p, motions = problem.compliance, problem.free, solution.traction, problem.motions
+    if motions is not None:
+        counts = np.concatenate([np.ones(problem.n_points, dtype=bool), problem.resists])
+        force = np.where(counts, motions.force, 0.0)
+        balance, settled = np.linalg.pinv(force), np.linalg.pinv(motions.jump)
+        loads = balance @ (force @ p)
+        free, A, p = free - A @ loads, A - (A @ balance) @ force, p - loads
+        free, A = free - motions.jump @ (settled @ free), A - motions.jump @ (settled @ A)
+    terms = np.abs(A) @ np.abs(p) + np.abs(free)
     return np.asarray(UNPRESSED * terms.reshape(2, problem.n_points).max(axis=0))
 
 
