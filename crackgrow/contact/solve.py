@@ -62,6 +62,9 @@ WORN = 1e-7
 MOST_WEARS = 1000
 """Repetitions. Where a fall of strength is just what the rock can follow each of them changes next to nothing."""
 
+SETTLED = 1e-10
+"""The same on a path: of each of its pieces only this much is left out of the balance of energies."""
+
 UNSURE = 1e-8
 """The same, left at the end, of which the outcome carries a note."""
 
@@ -301,6 +304,16 @@ class Increment:
         found = self._with(like.trial, free, problem, (solution, like.active))
         return replace(found, iterations=like.iterations, notes=like.notes)
 
+    def on_wearing_branch(self, like: PointStates, free: Floats) -> PointStates:
+        """The same where points lose by slip on these branches what the law says, and no more."""
+        states = self.on_branch(like, free)
+        for _ in range(MOST_WEARS):
+            lost = self._worn(states)
+            if np.abs(lost - states.trial.lost).max(initial=0.0) <= SETTLED:
+                break
+            states = self.on_branch(replace(states, trial=replace(states.trial, lost=lost)), free)
+        return states
+
     def _problem(self, trial: Trial, free: Floats) -> ContactProblem:
         """The problem of a trial, with the jumps `free` (2 n,) m without tractions."""
         contact, law, before = self.contact, self.contact.law, self.memory.slip
@@ -435,8 +448,20 @@ def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, coh
 
 
 def _nothing(problem: ContactProblem, solution: ContactSolution) -> Floats:
-    """Gaps (k,) m that are none beside the terms that the jumps of each point are the sums of."""
-    terms = np.abs(problem.compliance) @ np.abs(solution.traction) + np.abs(problem.free)
+    """Gaps (k,) m that are none beside the terms that the jumps of each point are the sums of.
+
+    Where contact alone holds pieces these are the jumps but for rigid motions, of tractions that balance by themselves
+    and of the rest with the loads: how the pieces are held to be solved for does not matter then.
+    """
+    A, free, p, motions = problem.compliance, problem.free, solution.traction, problem.motions
+    if motions is not None:
+        counts = np.concatenate([np.ones(problem.n_points, dtype=bool), problem.resists])
+        force = np.where(counts, motions.force, 0.0)
+        balance, settled = np.linalg.pinv(force), np.linalg.pinv(motions.jump)
+        loads = balance @ (force @ p)
+        free, A, p = free - A @ loads, A - (A @ balance) @ force, p - loads
+        free, A = free - motions.jump @ (settled @ free), A - motions.jump @ (settled @ A)
+    terms = np.abs(A) @ np.abs(p) + np.abs(free)
     return np.asarray(UNPRESSED * terms.reshape(2, problem.n_points).max(axis=0))
 
 

@@ -14,12 +14,12 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Bools, Floats
 from crackgrow.case.features import SHARP
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import BodyGeometry
 from crackgrow.cover.tips import Tip
-from crackgrow.geometry.polyline import arc_lengths, kink_angles
+from crackgrow.geometry.polyline import kink_angles
 from crackgrow.geometry.tolerance import SAME_PLACE
 
 LARGEST_KINK = np.deg2rad(110.0)
@@ -136,16 +136,37 @@ def _on_rims(cover: Cover, looked: Looked) -> Iterator[Site]:
         if apart is None:
             continue
         for ring in geometry.rings:
-            closed = np.concatenate([ring, ring[:1]])
-            total = float(arc_lengths(closed)[-1])
-            line, n = shapely.LineString(closed), max(int(np.ceil(total / looked.spacing)), 3)
-            places = shapely.get_coordinates(shapely.line_interpolate_point(line, total * np.arange(n) / n))
-            turns = kink_angles(np.concatenate([ring[-1:], closed]))
-            corners = ring[np.abs(turns) > SHARP]
-            away = np.hypot(*(places[:, None] - corners).transpose(2, 0, 1)).min(axis=1, initial=np.inf)
-            places = np.concatenate([places[away > 0.5 * looked.spacing], ring[turns < -SHARP]])
+            turns = kink_angles(np.concatenate([ring[-1:], ring, ring[:1]]))
+            places = np.concatenate([_along_rim(ring, np.abs(turns) > SHARP, looked.spacing), ring[turns < -SHARP]])
             for place in _free_of_cracks(cover, places, apart):
                 yield from _at_rim(geometry, body, place)
+
+
+def _along_rim(ring: Floats, corner: Bools, spacing: float) -> Floats:
+    """Points (k, 2) on a ring (n, 2), at most a `spacing` apart, and more than half of one from its corners (n,).
+
+    They divide each side between corners evenly, and a ring without any by four: turned and mirrored alike.
+    """
+    if not corner.any():
+        line = shapely.LineString(np.concatenate([ring, ring[:1]]))
+        n = 4 * int(np.ceil(line.length / (4.0 * spacing)))
+        found = shapely.line_interpolate_point(line, np.arange(n) / n, normalized=True)
+        return np.asarray(shapely.get_coordinates(found))
+    first = int(np.flatnonzero(corner)[0])
+    ring, ends = np.roll(ring, -first, axis=0), np.flatnonzero(np.roll(corner, -first))
+    closed, sides = np.concatenate([ring, ring[:1]]), []
+    for start, end in zip(ends, np.append(ends[1:], len(ring)), strict=True):
+        side = shapely.LineString(closed[start : end + 1])
+        n = int(np.ceil(side.length / spacing))
+        between = shapely.line_interpolate_point(side, np.arange(1, n) / n, normalized=True)
+        sides.append(shapely.get_coordinates(between))
+    return _away(np.concatenate(sides), ring[ends], 0.5 * spacing)
+
+
+def _away(places: Floats, corners: Floats, distance: float) -> Floats:
+    """Those of some places (n, 2) that are farther than that from all corners (k, 2)."""
+    off = np.hypot(*(places[:, None] - corners).transpose(2, 0, 1)).min(axis=1, initial=np.inf)
+    return np.asarray(places[off > distance])
 
 
 def _at_rim(geometry: BodyGeometry, body: int, place: Floats) -> Iterator[Site]:

@@ -1,13 +1,14 @@
 """Loads in increments on one configuration: the states on the path, and what the loads do on the way.
 
-Within a piece of the path (`path`) everything is linear in the loads, so that these are exact (trapezoidal rule):
+Within a straight piece of the path (`path`) everything is linear in the loads, so that these are exact (trapezoidal
+rule); on a bent one, where strength falls with slip, Simpson's rule takes the middle in:
 
     work        = (f_0 + f_1)/2 . (u_1 - u_0) + (m_0 + m_1)/2 . (g_1 - g_0)    of loads f and prescribed displacements g
     dissipation = int (b_0 + b_1)/2 |s_1 - s_0| + (p_n0 + p_n1)/2 (d_1 - d_0) ds    of slip s and dilation d
 
-with b the shear that the law of friction allows (its mean over the slip where strength falls with slip), and the
-strain energy is u K u / 2, with that of elastic contact. Where points jump, since bonds break or let go, friction does
-not take all that the loads and the rock give, and the rest is released.
+with b the shear that the law of friction allows (its mean over the slip), and the strain energy is u K u / 2, with that
+of elastic contact. Where points jump, since bonds break or let go, friction does not take all that the loads and the
+rock give, and the rest is released.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
-from crackgrow.run.configuration import Configuration, Gone
+from crackgrow.run.configuration import SIGNS, Configuration, Gone
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import MOST_JUMPS, Remembered, next_piece
 from crackgrow.run.result import BALANCED, Energy
@@ -40,6 +41,9 @@ ON_OLD_FACES = 1e-6
 
 MOST_PIECES = 2000
 """Pieces of an increment, after which the rest of it is taken at once."""
+
+SIMPSON = 2.0 / 3.0
+"""Of what is in the middle beyond the mean of both ends: what the mean over all of the way has beyond it."""
 
 ROUND_OFF = 1e-12
 """Of the terms that the strain energy is the sum of: what it is good to."""
@@ -203,13 +207,13 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     event: PointStates | None = None  # the states at the one that has been reached
     while not reached or at.level != end:
         if len(reached) < MOST_PIECES:
-            states, level, piece = next_piece(configuration, at.remembered, (at.level, end), in_turn, event)
-            state = _stated(configuration, at, states, level)
+            piece = next_piece(configuration, at.remembered, (at.level, end), in_turn, event)
+            state, kind = _stated(configuration, at, piece.states, piece.level, piece.middle), piece.kind
         else:
-            state, piece = _part(configuration, at, end), "jump"
-        in_turn = in_turn + 1 if piece == "jump" else 0
-        event = state.states if piece == "straight" else None
-        reached.append(state if piece == "straight" else _booked(state, at))
+            state, kind = _part(configuration, at, end), "jump"
+        in_turn = in_turn + 1 if kind == "jump" else 0
+        event = state.states if kind == "straight" else None
+        reached.append(_booked(state, at) if kind == "jump" else state)
         at = from_state(reached[-1])
     *via, last = reached
     notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], in_turn > MOST_JUMPS))
@@ -282,17 +286,27 @@ def _part(configuration: Configuration, start: Start, level: LoadLevel) -> LoadS
     return _stated(configuration, start, configuration.states(level, start.remembered.memory), level)
 
 
-def _stated(configuration: Configuration, start: Start, states: PointStates, level: LoadLevel) -> LoadState:
-    """The state with its energies, of the states of contact points."""
+def _stated(
+    configuration: Configuration,
+    start: Start,
+    states: PointStates,
+    level: LoadLevel,
+    middle: PointStates | None = None,
+) -> LoadState:
+    """The state with its energies, of the states of contact points; in the `middle` too where the way is bent."""
     was, conjugates = start.remembered, configuration.conjugates(level, states)
     none = Energy(start.energy.work, 0.0, start.energy.dissipated, start.energy.released, 0.0)
     state = LoadState(configuration, level, was.memory, states, none, 0.0, conjugates, 0.0)
-    change, mean = conjugates - start.conjugates, 0.5 * (start.conjugates + conjugates)
     shares = [configuration.shares(at) for at in (start.level, level)]
-    work = 0.5 * (shares[0] + shares[1])[:2] @ change[:2] + mean[2] * (shares[1][2] - shares[0][2])
+    change, more = conjugates - start.conjugates, shares[1] - shares[0]
+    mean = 0.5 * (start.conjugates + conjugates)
+    work = 0.5 * (shares[0] + shares[1])[:2] @ change[:2] + mean[2] * more[2]
+    if middle is not None:
+        bulge = SIMPSON * (configuration.conjugates(_halfway(start.level, level), middle) - mean)
+        work -= SIGNS * bulge @ more
     strain, terms = _strain(state)
     good_to = max(terms, start.good_to)  # work that comes back keeps the round-off of what it was
-    dissipated = none.dissipated + _dissipated(configuration, was, state)
+    dissipated = none.dissipated + _dissipated(configuration, was, state, middle)
     energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), good_to)
     return replace(state, energy=energy, good_to=good_to)
 
@@ -312,23 +326,43 @@ def _strain(state: LoadState) -> tuple[float, float]:
     return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)), ROUND_OFF * terms
 
 
-def _dissipated(configuration: Configuration, was: Remembered, state: LoadState) -> float:
-    """What friction and dilation take from what `was` to a state, by the law, J/m."""
+def _halfway(first: LoadLevel, last: LoadLevel) -> LoadLevel:
+    """The load in the middle between two."""
+    return LoadLevel(*(0.5 * (a + b) for a, b in zip(first, last, strict=True)))
+
+
+def _dissipated(configuration: Configuration, was: Remembered, state: LoadState, middle: PointStates | None) -> float:
+    """What friction and dilation take from what `was` to a state, by the law, J/m; on a bent way by its `middle`."""
     weights, law = configuration.contact.weights, configuration.contact.law
     now, states = state.remembered, state.states
-    kinds = states.state.copy()
+    closed, slides, taken = states.state != OPEN, states.state == SLIP, states.trial.taken
     if states.active is not None:  # at the end of a piece points are about to leave these branches
-        kinds[states.trial.taken] = states.active.states()
-    resisted = _resisted(law, was, now, states.trial.opened)
+        closed[taken] = states.active.closed
+        slides[taken] = (states.active.slip != 0) & (states.active.closed | states.coheres[taken])
+    bulge = np.zeros(len(weights)) if middle is None else _bulge(law, was, now, middle)
+    resisted = _resisted(law, was, now, bulge, states.trial.opened)
     by_slip = resisted * np.abs(now.memory.slip - was.memory.slip)
-    by_dilation = (was.normal + now.normal) * (now.dilation - was.dilation)
-    return 0.5 * float(weights @ (np.where(kinds == SLIP, by_slip, 0.0) + np.where(kinds != OPEN, by_dilation, 0.0)))
+    by_dilation = (was.normal + now.normal + bulge / 3.0) * (now.dilation - was.dilation)
+    return 0.5 * float(weights @ (np.where(slides, by_slip, 0.0) + np.where(closed, by_dilation, 0.0)))
 
 
-def _resisted(law: ContactLaw, was: Remembered, now: Remembered, opened: Bools) -> Floats:
-    """Twice the mean of the law's shear over slip from what `was` to what is `now` (n,) Pa, tractions taken as linear.
+def _bulge(law: ContactLaw, was: Remembered, now: Remembered, middle: PointStates) -> Floats:
+    """What normal tractions (n,) Pa on the way have beyond those that are linear in slip, over share (1 - share) of it.
 
-    Where strength falls with slip that is Simpson's rule up to where nothing is left to lose, the trapezoidal beyond.
+    Where a point does not slip it does not matter.
+    """
+    slip = now.memory.slip - was.memory.slip
+    moved = middle.slip - law.shear_compliance * middle.tangential - was.memory.slip
+    share = np.divide(moved, slip, out=np.full(len(slip), 0.5), where=slip != 0.0)
+    share = np.where(np.abs(share - 0.5) < 0.25, share, 0.5)
+    linear = was.normal + share * (now.normal - was.normal)
+    return np.asarray((middle.normal - linear) / (share * (1.0 - share)))
+
+
+def _resisted(law: ContactLaw, was: Remembered, now: Remembered, bulge: Floats, opened: Bools) -> Floats:
+    """Twice the mean of the law's shear over slip from what `was` to what is `now` (n,) Pa.
+
+    That is Simpson's rule up to where nothing is left to lose, and beyond.
     """
     worn = law.worn(now.memory.slip - was.memory.slip)
     left = np.where(law.weakens, 1.0 - was.memory.lost, 0.0)
@@ -339,10 +373,13 @@ def _resisted(law: ContactLaw, was: Remembered, now: Remembered, opened: Bools) 
         lost = np.where(law.weakens, was.memory.lost + np.minimum(share * worn, left), now.memory.lost)
         friction, cohesion = law.bound_of(lost)
         cohesion[opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
-        return np.maximum(cohesion - friction * ((1.0 - share) * was.normal + share * now.normal), 0.0)
+        normal = was.normal + share * (now.normal - was.normal) + share * (1.0 - share) * bulge
+        return np.maximum(cohesion - friction * normal, 0.0)
 
     first, fallen, last = shear(0.0), shear(falls), shear(1.0)
-    return falls * (first + 4.0 * shear(0.5 * falls) + fallen) / 3.0 + (1.0 - falls) * (fallen + last)
+    falling = first + 4.0 * shear(0.5 * falls) + fallen
+    beyond = fallen + 4.0 * shear(0.5 * (1.0 + falls)) + last
+    return (falls * falling + (1.0 - falls) * beyond) / 3.0
 
 
 def _missing(energy: Energy) -> float:

@@ -8,7 +8,7 @@ that only its bond holds opens, a sticking one comes to its limit, or slip that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -27,6 +27,15 @@ SHARES = (1.0, 1e-3, 1e-6, 1e-8)
 Where even the shortest does not lead back points jump at this load: bonds break, or several events are nearly one.
 """
 
+AT_EVENT = 1e-10
+"""Of the share of the way to an event: what its place is good to where strength falls on the way."""
+
+MOST_LOOKS = 30
+"""For such an event; three are enough but where strength falls nearly as fast as the rock unloads."""
+
+UNEVEN = 0.05
+"""A piece may take so much more than `WEAR`: slip is not quite linear in the load."""
+
 MOST_JUMPS = 8
 """In turn, each ten times as long as the one before, after which the rest of the way is one. Where pieces of rock may
 lie anywhere no branches lead back."""
@@ -36,16 +45,13 @@ ON_PATH = 1e-8
 small cells the round-off of the compliance is some 1e-8 of them."""
 
 WEAR = 0.02
-"""Of what points can lose by slip, that a piece of the way takes at most: between its ends strength falls linearly."""
+"""Of what points can lose by slip, that a piece of the way takes."""
 
 PROBE = 1e-3
 """Of the rest of the way: how fast slip wears is seen from this part of it."""
 
 BEYOND = 2.0
 """Times the gap up to which faces that cohere touch: there a point that only its bond holds has opened for certain."""
-
-Piece = Literal["straight", "bent", "jump"]
-"""Of the path: as linear in the load, with strength that falls with slip, or across a load at which points jump."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,125 +87,186 @@ class Remembered:
         return np.concatenate([self.normal, self.tangential])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A piece of the path."""
+
+    states: PointStates  # at its end
+    level: LoadLevel  # the same
+    kind: Literal["straight", "bent", "jump"]  # linear in the load; as strength falls; across a load where points jump
+    middle: PointStates | None = None  # halfway between the loads, of a bent one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Way:
+    """From what points remember at a load to another load."""
+
+    configuration: Configuration
+    was: Remembered
+    first: LoadLevel
+    last: LoadLevel
+    near: PointStates | None  # states that may be close
+
+    def level(self, share: float) -> LoadLevel:
+        """The load after a share of the way."""
+        ends = zip(self.first, self.last, strict=True)
+        return self.last if share == 1.0 else LoadLevel(*(a + share * (b - a) for a, b in ends))
+
+    def at(self, share: float) -> PointStates:
+        """The states after one increment to there."""
+        return self.configuration.states(self.level(share), self.was.memory, self.near)
+
+    def on_branch(self, like: PointStates, share: float) -> PointStates:
+        """The states there on branches of others."""
+        increment, free = self.configuration.increment(self.level(share), self.was.memory)
+        return increment.on_branch(like, free)
+
+    def on_wearing_branch(self, like: PointStates, share: float) -> PointStates:
+        """The same, with what slip on these branches takes."""
+        increment, free = self.configuration.increment(self.level(share), self.was.memory)
+        return increment.on_wearing_branch(like, free)
+
+    def moved(self, states: PointStates) -> Floats:
+        """How far (n,) m points have slipped on the way, less the elastic part."""
+        law = self.configuration.contact.law
+        return np.asarray(states.slip - law.shear_compliance * states.tangential - self.was.memory.slip)
+
+    def wear(self, states: PointStates) -> float:
+        """The largest share of what weakening points can lose, and had not lost yet, that their slip is of."""
+        law = self.configuration.contact.law
+        slips = (states.state == SLIP) & law.weakens & (self.was.memory.lost < 1.0) & states.trial.taken
+        return float(np.max(law.worn(self.moved(states))[slips], initial=0.0))
+
+
 def next_piece(
     configuration: Configuration,
     was: Remembered,
-    way: tuple[LoadLevel, LoadLevel],
+    ends: tuple[LoadLevel, LoadLevel],
     jumps: int,
     before: PointStates | None,
-) -> tuple[PointStates, LoadLevel, Piece]:
-    """States of the contact points at the end of the next piece of a way, the load there, and what the piece is.
+) -> Piece:
+    """The next piece of a way between two loads.
 
     It sets out from what `was` at the first load; `jumps` are those in turn that have led there. After an event
     `before` are the states there: few points have other branches beyond, and where one event was the next is mostly
     near. Raises SolveError where there are no states.
     """
-    (first, last), memory = way, was.memory
-
-    def level(share: float) -> LoadLevel:
-        return last if share == 1.0 else LoadLevel(*(a + share * (b - a) for a, b in zip(first, last, strict=True)))
-
-    def on_branch(like: PointStates, share: float) -> PointStates:
-        increment, free = configuration.increment(level(share), memory)
-        return increment.on_branch(like, free)
-
+    way = _Way(configuration, was, *ends, before)
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
-
-    def at(share: float) -> PointStates:
-        return configuration.states(level(share), memory, before)
-
-    if configuration.contact.law.weakens.any() and _wear(configuration, memory, at(least)) > 0.0:
+    if configuration.contact.law.weakens.any():
+        start = way.at(least)
         probe = max(PROBE, least)
-        fast = _wear(configuration, memory, at(probe)) / probe
-        if fast > 0.0:  # else that was round-off of points which the load leaves
-            share, states = _while_wearing(configuration, memory, at, (least, min(1.0, WEAR / fast)))
-            return states, level(share), "jump" if share == least else "bent"
+        if way.wear(start) > 0.0 and way.wear(way.at(probe)) > 0.0:  # else that is round-off of points left by the load
+            return _bent_piece(way, start, least) or Piece(start, way.level(least), "jump")
     shares = SHARES if before is None else SHARES[1:]
     for share in (*(share for share in shares if share > least), least):
-        states = at(share)
-        if _wear(configuration, memory, states) > 0.0:
+        states = way.at(share)
+        if way.wear(states) > 0.0:
             continue  # it begins on the way
-        begin = on_branch(states, 0.0)
-        if _leads_back(configuration, begin, states, was):
+        begin = way.on_branch(states, 0.0)
+        if not _breaks(way, states) and _leads_back(way, begin, states):
             break
     else:
-        return states, level(share), "jump"
+        return Piece(states, way.level(share), "jump")
     if share == 1.0:
-        return states, last, "straight"
-    end = on_branch(states, 1.0)
-    event = max(_first_event(configuration, begin, end), share)
-    return (end if event == 1.0 else on_branch(states, event)), level(event), "straight"
+        return Piece(states, way.last, "straight")
+    end = way.on_branch(states, 1.0)
+    event = max(_first_event(way, begin, end), share)
+    return Piece(end if event == 1.0 else way.on_branch(states, event), way.level(event), "straight")
 
 
-def _while_wearing(
-    configuration: Configuration, memory: ContactMemory, at: Callable[[float], PointStates], shares: tuple[float, float]
-) -> tuple[float, PointStates]:
-    """A share of the way on which slip takes at most `WEAR` of what points can lose, or the least, with its states.
+def _bent_piece(way: _Way, start: PointStates, least: float) -> Piece | None:
+    """The piece along which slip takes at most `WEAR` of what points can lose; None where points jump.
 
-    `shares` are the least and the first to be tried. Along such a piece strength falls with slip, so that tractions and
-    slip are not linear in the load.
+    `start` are the states after the `least` share. Strength falls with slip there, so that tractions and slip are
+    nearly linear in the load, and smooth up to the next event.
     """
-    least, share = shares
-    while True:
-        share = max(share, least)
-        states = at(share)
-        wear = _wear(configuration, memory, states)
-        if wear <= WEAR or share == least:
-            return share, states
-        share *= min(max(0.8 * WEAR / wear, 0.1), 0.5)
+    begin = way.on_wearing_branch(start, 0.0)
+    if not _leads_back(way, begin, start):
+        return None
+    share = max(PROBE, least)
+    end = way.on_wearing_branch(begin, share)
+    share = min(1.0, share * WEAR / max(way.wear(end), share * WEAR))
+    while way.wear(end := way.on_wearing_branch(begin, share)) > WEAR * (1.0 + UNEVEN):
+        if share <= least:
+            return None
+        share = max(share * min(max(0.8 * WEAR / way.wear(end), 0.1), 0.5), least)
+    event, end = _until_event(way, begin, (share, end))
+    if event < least:
+        event, end = least, way.on_wearing_branch(end, least)
+    return Piece(end, way.level(event), "bent", way.on_wearing_branch(end, 0.5 * event))
 
 
-def _wear(configuration: Configuration, memory: ContactMemory, states: PointStates) -> float:
-    """The largest share of what weakening points can lose, and have not lost yet, that their slip is of."""
-    law = configuration.contact.law
-    slips = (states.state == SLIP) & law.weakens & (memory.lost < 1.0) & states.trial.taken
-    moved = states.slip - law.shear_compliance * states.tangential - memory.slip
-    return float(np.max(law.worn(moved)[slips], initial=0.0))
+def _until_event(way: _Way, begin: PointStates, end: tuple[float, PointStates]) -> tuple[float, PointStates]:
+    """The first share of the way at which a point leaves its branch of a bent piece up to an `end`, with the states."""
+    low, high = (0.0, begin), end
+    for _ in range(MOST_LOOKS):
+        part = _first_event(way, low[1], high[1])
+        if part == 1.0:
+            return high
+        share = low[0] + part * (high[0] - low[0])
+        there = (share, way.on_wearing_branch(high[1], share))
+        if min(share - low[0], high[0] - share) <= AT_EVENT * share:
+            return there
+        if _first_event(way, begin, there[1]) < 1.0:
+            high = there
+        else:
+            low = there
+    return high
 
 
-def _leads_back(configuration: Configuration, begin: PointStates, states: PointStates, was: Remembered) -> bool:
-    """Whether the branches of some `states` lead back to what `was` at first.
+def _breaks(way: _Way, states: PointStates) -> bool:
+    """Whether points with something to lose have lost it under the states' load."""
+    return bool(((states.trial.lost > way.was.memory.lost) & way.configuration.contact.law.breakable).any())
+
+
+def _leads_back(way: _Way, begin: PointStates, states: PointStates) -> bool:
+    """Whether the branches of some `states` lead back to what was at first.
 
     `begin` are the states on these branches at the load there.
     """
-    law, memory, tractions = configuration.contact.law, was.memory, was.tractions
-    if bool(((states.trial.lost > memory.lost) & law.breakable).any()):
-        return False
+    memory, tractions = way.was.memory, way.was.tractions
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
-    length = size * float(configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
+    length = size * float(way.configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
     length = max(length, float(np.abs(memory.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
-    moved = np.where(states.trial.taken, begin.slip - law.shear_compliance * begin.tangential - memory.slip, 0.0)
+    moved = np.where(states.trial.taken, way.moved(begin), 0.0)
     off = float(np.abs(begin.tractions - tractions).max(initial=0.0))
     return off <= ON_PATH * size and float(np.abs(moved).max(initial=0.0)) <= ON_PATH * length
 
 
-def _first_event(configuration: Configuration, begin: PointStates, end: PointStates) -> float:
+def _first_event(way: _Way, begin: PointStates, end: PointStates) -> float:
     """The share of the way from one state to another on the same branches at which a point leaves its branch."""
     nearest = 1.0
-    for which, first, last in _rooms(configuration, begin, end):
+    for which, first, last in _rooms(way, begin, end):
         leaving = which & (last < 0.0) & (last < first)
         share = np.maximum(first[leaving], 0.0) / (first - last)[leaving]
         nearest = min(nearest, float(np.min(share, initial=1.0)))
     return nearest
 
 
-def _rooms(
-    configuration: Configuration, begin: PointStates, end: PointStates
-) -> Iterator[tuple[Bools, Floats, Floats]]:
+def _rooms(way: _Way, begin: PointStates, end: PointStates) -> Iterator[tuple[Bools, Floats, Floats]]:
     """What is left until points leave their branches: which it is asked of, and two times (n,), at begin and end."""
-    law, trial, n = configuration.contact.law, begin.trial, len(begin.gap)
+    law, trial, n = way.configuration.contact.law, begin.trial, len(begin.gap)
     friction, cohesion = law.bound_of(trial.lost)
     cohesion = np.where(trial.opened, 0.0, cohesion)
-    closed, sticks, sense = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros(n)
+    closed, sticks, sense, slip = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros(n), np.zeros(n)
     if begin.active is not None:
         closed[trial.taken], sticks[trial.taken] = begin.active.closed, begin.active.slip == 0
-        sense[trial.taken] = begin.active.sense
+        sense[trial.taken], slip[trial.taken] = begin.active.sense, begin.active.slip
     yield closed, -begin.normal, -end.normal
     yield ~closed, begin.gap, end.gap
     held = trial.taken & ~closed & (cohesion > 0.0)
     yield held, BEYOND * begin.touching - begin.gap, BEYOND * end.touching - end.gap
-    for way in (-1.0, 1.0):
-        left, there = (cohesion - friction * some.normal - way * some.tangential for some in (begin, end))
+    for side in (-1.0, 1.0):
+        left, there = (cohesion - friction * some.normal - side * some.tangential for some in (begin, end))
         yield sticks, left, there
-    slips = [sense * (some.slip - law.shear_compliance * some.tangential) for some in (begin, end)]
-    yield closed & ~sticks & (law.dilation > 0.0), slips[0], slips[1]
+    moved = [way.moved(some) for some in (begin, end)]
+    yield (
+        closed & ~sticks & (law.dilation > 0.0),
+        sense * (way.was.memory.slip + moved[0]),
+        sense * (way.was.memory.slip + moved[1]),
+    )
+    wears = closed & ~sticks & law.weakens & (way.was.memory.lost < 1.0)
+    yield wears, slip * moved[0], slip * moved[1]
+    left, there = (1.0 - way.was.memory.lost - law.worn(some) for some in moved)
+    yield wears, left, there

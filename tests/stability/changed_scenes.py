@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ import pandas as pd
 import shapely
 
 from crackgrow.case.units import UNITS
+from crackgrow.fracture.advance import TIE
 from tests.stability.judge.written import WrittenRun
 from tests.stability.random_scenes import Scene
 
@@ -184,11 +185,18 @@ class Deviations:
 
 
 def deviations(first: WrittenRun, other: WrittenRun, change: Change) -> Deviations:
-    """What the changed run has otherwise than the first one."""
+    """What the changed run has otherwise than the first one.
+
+    Of tips that are equally critical but for what a lattice resolves the leftmost grows. Which that is depends on how
+    the scene is turned: where such tips grow otherwise the runs are compared up to that step.
+    """
     ends = [(run.exit_code, run.summary.get("status"), run.summary.get("steps_done")) for run in (first, other)]
     ended = "" if ends[0] == ends[1] else f"{ends[0]}, {ends[1]}"
     if any(run.exit_code not in (0, 3) or "tips" not in run.tables for run in (first, other)):
         return Deviations(np.nan, np.nan, np.nan, np.nan, ended)
+    last = _tied_at(first, other, change)
+    if last is not None:
+        first, other, ended = _up_to(first, last), _up_to(other, last), ""
     K = _K_deviation(first, other, change)
     steps = [run.tables["steps"].set_index("step")["load_factor"] for run in (first, other)]
     both = steps[0].index.intersection(steps[1].index)
@@ -199,6 +207,26 @@ def deviations(first: WrittenRun, other: WrittenRun, change: Change) -> Deviatio
     return Deviations(
         float(K[K.index == 0].max()), float(K.max()), _path_deviation(first, other, change), factor, ended
     )
+
+
+def _tied_at(first: WrittenRun, other: WrittenRun, change: Change) -> int | None:
+    """The step in which the runs first let other tips grow, if these are equally critical in both; else None."""
+    tips = [run.tables["tips"].copy() for run in (first, other)]
+    if change.reverses:
+        tips[1]["tip"] = tips[1]["tip"].map({"start": "end", "end": "start"})
+    both = tips[0].merge(tips[1], on=["step", "crack", "tip"], suffixes=("", "_other"))
+    otherwise = both[both["advanced"] != both["advanced_other"]]
+    if otherwise.empty:
+        return None
+    step = int(otherwise["step"].min())
+    tied = otherwise.loc[otherwise["step"] == step, ["criticality", "criticality_other"]].to_numpy(dtype=float)
+    return step if bool(np.all(tied.min(axis=0) >= (1.0 - TIE) * tied.max(axis=0))) else None
+
+
+def _up_to(run: WrittenRun, step: int) -> WrittenRun:
+    """What a run has written of a step and those before, and of its cracks before they grew in it."""
+    tables = {name: table[table["step"] <= step] for name, table in run.tables.items() if "step" in table}
+    return replace(run, tables={**run.tables, **tables})
 
 
 def _K_deviation(first: WrittenRun, other: WrittenRun, change: Change) -> pd.Series:

@@ -16,7 +16,7 @@ from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactLaw
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.contact.jump import contact_operators, gap_and_slip
 from crackgrow.contact.mortar import mortar_faces
-from crackgrow.contact.problem import ContactSolution
+from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
@@ -394,3 +394,23 @@ def test_the_other_solver_steps_in_and_says_so(build, monkeypatch, solver: str, 
     assert expected.notes == ()
     assert [f"by {other} after {solver}: status 'limit'" in note for note in outcome.notes] == [True]
     np.testing.assert_allclose(outcome.points.normal, expected.points.normal, rtol=1e-9)
+
+
+def test_gaps_that_are_none_do_not_depend_on_how_pieces_are_held() -> None:
+    """Other supports that hold a piece just once add rigid motions, and what they give way to loads out of balance."""
+    rng = np.random.default_rng(3)
+    n, n_motions = 6, 3
+    half = rng.normal(size=(2 * n, 2 * n))
+    A, free, friction = half @ half.T + np.eye(2 * n), rng.normal(size=2 * n), np.full(n, 0.5)
+    B, F = rng.normal(size=(2 * n, n_motions)), rng.normal(size=(n_motions, 2 * n))
+    p = rng.normal(size=2 * n)
+    along, push = rng.normal(size=(n_motions, 2 * n)), 50.0 * rng.normal(size=(2 * n, n_motions))
+    motions, found = Motions(B, F, F @ p), ContactSolution(p, "solved", 0, np.full(n, STICK), np.zeros(n_motions))
+    other = A + B @ along + push @ F
+    other_free = free + B @ rng.normal(size=n_motions) + push @ (F @ p)
+    size = np.abs(other).max() + 1.0
+    shift = size * np.outer(B[:, 0], B[:, 0]) + size * F.T @ F  # so that the diagonal is positive
+    other, other_free = other + shift, other_free + size * F.T @ (F @ p)
+    problems = [ContactProblem(*each, friction, motions=motions) for each in ((A, free), (other, other_free))]
+    gaps = [module._nothing(problem, found) for problem in problems]
+    np.testing.assert_allclose(gaps[1], gaps[0], rtol=1e-8)
