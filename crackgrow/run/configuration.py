@@ -343,15 +343,22 @@ def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Flo
         f = vector(loads)
         constant += a * f
         scaled += b * f
-    single = [(scene.parts(load), np.abs(vector([load]))) for load in scene.case.loads if len(scene.case.loads) > 1]
-    for total, part in ((constant, 0), (scaled, 1)):
-        total[_taken_back(total, [abs(parts[part]) * size for parts, size in single])] = 0.0
+    sizes = np.zeros((2, cover.n_dofs))
+    for load in scene.case.loads if len(scene.case.loads) > 1 else ():
+        single = np.abs(vector([load]))
+        for size, part in zip(sizes, scene.parts(load), strict=True):
+            size += abs(part) * single
+    for total, size in zip((constant, scaled), sizes, strict=True):
+        total[_taken_back(total, size)] = 0.0
     return scaled, constant
 
 
-def _taken_back(total: Floats, sizes: Sequence[Floats]) -> Bools:
-    """Where (n_dofs,) nothing but round-off is left of forces of some `sizes` (n_dofs,) N/m whose sum is the total."""
-    size, left = np.sum([np.zeros(len(total)), *sizes], axis=0), np.abs(total)
+def _taken_back(total: Floats, size: Floats) -> Bools:
+    """Where (n_dofs,) nothing but round-off is left of forces whose sum is the total, and that of their sizes `size`.
+
+    Both are in N/m.
+    """
+    left = np.abs(total)
     nothing = left <= np.maximum(TAKEN_BACK * size, ROUND_OFF * size.max(initial=0.0))
     return np.asarray(nothing & (left <= 0.5 * size))
 
