@@ -338,16 +338,13 @@ def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Flo
     alike: dict[tuple[float, float], list[Load]] = {(0.0, 1.0): [], (1.0, 0.0): []}
     for load in scene.case.loads:
         alike.setdefault(scene.parts(load), []).append(load)
-    scaled, constant = np.zeros((2, cover.n_dofs))
-    for (a, b), loads in alike.items():
+    (constant, scaled), sizes = np.zeros((2, 2, cover.n_dofs))
+    for parts, loads in alike.items():
         f = vector(loads)
-        constant += a * f
-        scaled += b * f
-    sizes = np.zeros((2, cover.n_dofs))
-    for load in scene.case.loads if len(scene.case.loads) > 1 else ():
-        single = np.abs(vector([load]))
-        for size, part in zip(sizes, scene.parts(load), strict=True):
-            size += abs(part) * single
+        constant += parts[0] * f
+        scaled += parts[1] * f
+        for load in loads:
+            sizes += np.outer(np.abs(parts), np.abs(f if len(loads) == 1 else vector([load])))
     for total, size in zip((constant, scaled), sizes, strict=True):
         total[_taken_back(total, size)] = 0.0
     return scaled, constant

@@ -302,7 +302,7 @@ def _stated(
     mean = 0.5 * (start.conjugates + conjugates)
     work = 0.5 * (shares[0] + shares[1])[:2] @ change[:2] + mean[2] * more[2]
     if middle is not None:
-        bulge = SIMPSON * (configuration.conjugates(_halfway(start.level, level), middle) - mean)
+        bulge = SIMPSON * (configuration.conjugates(start.level.towards(level, 0.5), middle) - mean)
         work -= SIGNS * bulge @ more
     strain, terms = _strain(state)
     good_to = max(terms, start.good_to)  # work that comes back keeps the round-off of what it was
@@ -324,11 +324,6 @@ def _strain(state: LoadState) -> tuple[float, float]:
     tractions = np.tile(contact.weights, 2) * states.tractions
     terms = float(np.maximum(np.abs(loads), sizes).sum() + np.abs(tractions * jumps).sum())
     return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)), ROUND_OFF * terms
-
-
-def _halfway(first: LoadLevel, last: LoadLevel) -> LoadLevel:
-    """The load in the middle between two."""
-    return LoadLevel(*(0.5 * (a + b) for a, b in zip(first, last, strict=True)))
 
 
 def _dissipated(configuration: Configuration, was: Remembered, state: LoadState, middle: PointStates | None) -> float:

@@ -109,8 +109,7 @@ class _Way:
 
     def level(self, share: float) -> LoadLevel:
         """The load after a share of the way."""
-        ends = zip(self.first, self.last, strict=True)
-        return self.last if share == 1.0 else LoadLevel(*(a + share * (b - a) for a, b in ends))
+        return self.first.towards(self.last, share)
 
     def at(self, share: float) -> PointStates:
         """The states after one increment to there."""

@@ -126,9 +126,7 @@ class _Search:
 def _loaded(given: Configuration, factor: float) -> LoadState:
     """The scene under its loads with its strength divided by a factor. Raises SolveError where nothing holds it."""
     configuration = _reduced(given, factor)
-    configuration.check_can_hold(
-        LoadLevel(1.0)
-    )  # limit analysis, which sees at once what solvers look for in vain for long
+    configuration.check_can_hold(LoadLevel(1.0))  # sees at once what solvers look for in vain for long
     return increment(configuration, held_loads(configuration), 1.0)
 
 
