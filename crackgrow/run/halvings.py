@@ -22,6 +22,10 @@ AT_ENDS = 2
 """The same at meetings and at ends that are no tips."""
 
 
+Place = tuple[float, float, float, float, int]
+"""A straight stretch, x and y of its ends in m, and halvings of the cells along it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Halvings:
     """Of the lattice's largest cells, beside those that `numerics.refine` asks for."""
@@ -30,6 +34,7 @@ class Halvings:
     cracks: tuple[int, ...] = ()  # crack by crack, besides, at its tips
     corners: int = 0  # besides, at corners of bodies and along supports, loads and interfaces
     kinks: int = 0  # besides, at kinks of cracks
+    places: tuple[Place, ...] = ()  # besides, where faces part
 
     def at_tips(self, crack: int) -> int:
         """Of a crack, besides those everywhere."""
@@ -137,7 +142,13 @@ def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
         return tuple(math.nan if number is None else number for number in numbers)
 
     return Accuracy(
-        Halvings(record["everywhere"], tuple(record["cracks"]), record.get("corners", 0), record.get("kinks", 0)),
+        Halvings(
+            record["everywhere"],
+            tuple(record["cracks"]),
+            record.get("corners", 0),
+            record.get("kinks", 0),
+            tuple((x, y, to_x, to_y, times) for x, y, to_x, to_y, times in record.get("places", ())),
+        ),
         tuple((crack, at_end) for crack, at_end in record["ends"]),
         of_tips("bounds"),
         record["largest"],

@@ -20,6 +20,9 @@ one of them, and B the fitted bound (`run.intensity_error`):
     nor so often: all twice, or half, as large              E = 0.45 sqrt(D B)       3 E
     nothing to hold K against                               not known                B
 
+What K misses where faces part (`run.parting`) is not told by D, which that on larger cells may be most of: it is taken
+off for both kinds of cells, and half of that for these, which is at most, counts beside D and S.
+
 How often these are right: tests/benchmarks/targets.md. What the criterion says on the other cells is kept, too
 (`run.growth_error`). Cells that are the same but at kinks would cost a quarter less,
 since what is integrated elsewhere serves again, but would tell nothing of cells elsewhere: of a kinked crack beside a
@@ -43,6 +46,7 @@ from crackgrow.run.increments import LoadState
 from crackgrow.run.intensity_error import intensity_errors, largest_kink
 from crackgrow.run.judging import StepSolution, TipState, stress_fields, tip_states
 from crackgrow.run.nearby import room_at_tips
+from crackgrow.run.parting import partings
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
 
@@ -142,18 +146,25 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Differe
     if 0.6 < apart < 1.5:
         return {}
     scene, others, found = solution.scene, _tips_of(other), {}
+    missed, missed_there = partings(solution.state, solution.tips), partings(other, [*others.values()])
     for tip, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
         there = others.get(end)
         if there is not None and np.isfinite((*there.K, *tip.K)).all():
-            K, touches = tip.intensity, scene.laws[end[0]].contact is not None
-            below_zero = max(-K.K_I, 0.0) if touches else 0.0  # faces that can't overlap have none
-            spread = float(np.hypot(K.K_I_spread, K.K_II_spread))
+            touches = scene.laws[end[0]].contact is not None
             turn, criticality = _criterion_apart(tip.verdict, there.verdict)
             if other.factor != solution.state.factor:
                 criticality = abs(other.factor / solution.state.factor - 1.0)
-            apart = float(np.linalg.norm([*np.subtract(there.K, tip.K), spread, below_zero]))
-            found[end] = _Difference(apart, turn, criticality)
+            missing = (missed[end].at_most, missed_there[end].at_most)
+            found[end] = _Difference(_apart(tip, there, missing, touches=touches), turn, criticality)
     return found
+
+
+def _apart(here: TipState, there: TipState, missing: tuple[float, float], *, touches: bool) -> float:
+    """sqrt(D^2 + S^2), with what K misses where faces part on these cells and the others."""
+    K = here.intensity
+    explained = max(math.dist(there.K, here.K) - sum(missing), 0.0)
+    below_zero = max(-K.K_I, 0.0) if touches else 0.0  # faces that can't overlap have none
+    return math.hypot(explained, K.K_I_spread, K.K_II_spread, below_zero, missing[0] / AT_MOST)
 
 
 def _criterion_apart(here: Verdict | None, there: Verdict | None) -> tuple[float, float]:

@@ -21,6 +21,7 @@ from crackgrow.run.halvings import Accuracy
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.nearby import room_at_tips
 from crackgrow.run.other_cells import fitted_bounds, fitted_share, largest_K
+from crackgrow.run.parting import partings
 
 GROWN = 2.0
 """What is known of the error holds until what was added to a crack is over so many times as long, or B so much of K.
@@ -84,8 +85,15 @@ class Since:
         else:
             same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.scene.halvings
             still = same and all(self.still_known)
-        return still and fitted_share(solution, self.fitted) <= GROWN * last.fitted
+        return still and fitted_share(solution, self.fitted) <= GROWN * last.fitted and not self._part_otherwise
 
+    @property
+    def _part_otherwise(self) -> bool:
+        """Whether K of a tip misses more where faces part than the bound says that was known."""
+        missed = partings(self.solution.state, self.solution.tips)
+        return any(missed[end].at_most > bound for end, bound in zip(missed, self.carried_over.bounds, strict=True))
+
+    @cached_property
     def carried_over(self) -> Accuracy:
         """What was measured before, in the same shares of the K of this step; of other tips the fitted bound."""
         last, ends = self.last, tuple(self.solution.cover.tip_ends)

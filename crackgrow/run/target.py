@@ -40,7 +40,7 @@ def aimed(solution: StepSolution, ways: Ways, last: Accuracy | None) -> StepSolu
     if last is not None:
         since = Since(last, solution, grown)
         if since.holds:
-            return replace(solution, accuracy=since.carried_over())
+            return replace(solution, accuracy=since.carried_over)
     return _in_rounds(solution, ways, _Comparison(aim, ways, last, grown))
 
 

@@ -76,7 +76,7 @@ def test_a_crack_that_has_grown_more_than_the_others_has_the_fitted_bound() -> N
     _, solution = next(solved_steps(two))
     last = solution.accuracy
     assert last is not None
-    known = Since(replace(last, grown=(1e-3, 1e-3)), solution, (1.5e-3, 3e-3)).carried_over()
+    known = Since(replace(last, grown=(1e-3, 1e-3)), solution, (1.5e-3, 3e-3)).carried_over
     fitted = fitted_bounds(solution)
     for tip, (crack, _) in enumerate(solution.cover.tip_ends):
         assert known.bounds[tip] == (fitted[tip] if crack == 1 else last.bounds[tip])
@@ -91,7 +91,7 @@ def test_a_crack_that_has_started_since_has_the_fitted_bound_at_every_step() -> 
     first = {name: getattr(last, name)[:2] for name in ("ends", "bounds", "expected", "rooms")}
     known = replace(last, grown=(1e-3,), **first)
     for _ in range(2):
-        known = Since(known, solution, (1.5e-3, 0.2e-3)).carried_over()
+        known = Since(known, solution, (1.5e-3, 0.2e-3)).carried_over
         assert known.bounds == (*last.bounds[:2], *fitted_bounds(solution)[2:])
         assert [math.isnan(error) for error in known.expected] == [False, False, True, True]
 
@@ -104,7 +104,7 @@ def test_a_tip_with_a_third_less_room_has_the_fitted_bound() -> None:
     assert last.rooms == room_at_tips(solution.scene, solution.cover)
     assert last.rooms == pytest.approx([10e-3, 10e-3])  # the crack's length: nothing is nearer
     fitted = fitted_bounds(solution)
-    known = Since(replace(last, rooms=(14e-3, 16e-3)), solution, (0.0,)).carried_over()
+    known = Since(replace(last, rooms=(14e-3, 16e-3)), solution, (0.0,)).carried_over
     assert known.bounds == (last.bounds[0], fitted[1])
     assert [math.isnan(error) for error in known.expected] == [False, True]
     _, targeted = next(solved_steps(case("growth.steps=0", "numerics.accuracy=3 %")))
@@ -122,7 +122,7 @@ def test_it_is_measured_again_where_a_tip_has_less_room_but_not_at_once() -> Non
     crowded = replace(last, rooms=tuple(2.0 * room for room in last.rooms))
     assert [Since(replace(crowded, age=age), solution, (0.0,)).holds for age in (0, 1, 2)] == [True, True, False]
     assert Since(replace(last, age=100), solution, (0.0,)).holds
-    assert Since(crowded, solution, (0.0,)).carried_over().age == 1
+    assert Since(crowded, solution, (0.0,)).carried_over.age == 1
 
 
 def test_what_was_not_measured_is_not_carried_over() -> None:
@@ -130,7 +130,7 @@ def test_what_was_not_measured_is_not_carried_over() -> None:
     _, solution = next(solved_steps(case("growth.steps=0")))
     last = replace(accuracy_of(solution, None), grown=(0.0,), bounds=(1.0, 2.0))
     fitted = fitted_bounds(solution)
-    assert Since(last, solution, (0.0,)).carried_over().bounds == tuple(fitted)
+    assert Since(last, solution, (0.0,)).carried_over.bounds == tuple(fitted)
 
 
 def test_what_the_criterion_says_on_the_other_cells_is_kept_and_carried_over() -> None:
@@ -148,7 +148,7 @@ def test_what_the_criterion_says_on_the_other_cells_is_kept_and_carried_over() -
     assert last.turns == pytest.approx([abs(there.kink - here.kink)] * 2, rel=1e-3)
     assert result.load_factor_error >= 299.99 * last.criticalities[0]
     assert all(tip.kink_error_deg >= math.degrees(2.9999 * last.turns[0]) for tip in result.tips)
-    again = Since(last, solution, (0.0,)).carried_over()
+    again = Since(last, solution, (0.0,)).carried_over
     assert (again.turns, again.criticalities) == (last.turns, last.criticalities)
 
 
