@@ -97,7 +97,8 @@ def _where_faces_part(solution: StepSolution, found: Mapping[End, Partings]) -> 
     largest_cell = 0.5**scene.halvings.everywhere * scene.case.numerics.spacing
     for each in found.values():
         for *place, stretch, K in np.column_stack([each.places, each.stretches, each.K]).tolist():
-            size = stretch * min(allowed / (len(each.K) * K), 1.0) if NOTHING * allowed < K else np.inf
+            enough = min(allowed / (len(each.K) * K), 1.0) if NOTHING * allowed < K else np.inf
+            size = stretch * max(enough, 0.5**MOST_AT_ONCE)
             more = min(math.ceil(math.log2(max(largest_cell / size, 1.0))), MOST_LEVELS)
             x, y, to_x, to_y = place
             times[x, y, to_x, to_y] = max(more, times.get((x, y, to_x, to_y), 0))
