@@ -298,9 +298,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     with timed(seconds, "assembly"):
         stiff_before = None if before is None else before.stiffness
         stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, stiff_before)
-        matrix = stiffness.matrix
-        if cover.sizes.min(initial=1.0) < 1.0:
-            matrix = with_dependent_held(matrix)
+        matrix = with_dependent_held(stiffness.matrix)
         check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
         faces = contact_faces(scene, cover)
         operators = contact_operators(cover, faces)

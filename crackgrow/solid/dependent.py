@@ -1,9 +1,12 @@
 """Functions that depend on others, and are held.
 
 Where cells of several sizes meet, patches of several sizes have corners and edges in common. Of the rock that a crack
-cuts off there all of them see the same part, and some combination of them vanishes on it. All are small there, far
-smaller than the functions of whole patches, so they are told by the stiffness between small functions alone. What
-depends on others takes part in no field that the others don't give: held at zero it changes nothing.
+cuts off there all of them see the same part, and some combination of them vanishes on it. So it is in a sliver of rock
+between a crack and an outline: on what is thinner than some thousandth of a cell functions look alike but for what is
+linear. All are small there, far smaller than the functions of whole patches, so they are told by the stiffness between
+small functions alone. What depends on others takes part in no field that the others don't give: held at zero it changes
+nothing. Left to the factorization it would be a pivot that is replaced, or is not, by the order of the unknowns, and
+what bends the sliver would be stiffened with it.
 """
 
 from __future__ import annotations

@@ -100,8 +100,25 @@ class ConstrainedSystem:
         Refinement goes on until residuals are `good_to`, or it gains no more, in one sum of all columns with signs at
         random: products with all of them cost more than their solutions.
         """
-        u, multipliers = self._factorization.solve(loads, wanted)
-        sign, last = _signs(loads), np.inf
+        return self._corrected(self._factorization.solve(loads, wanted), loads, wanted, good_to)
+
+    def corrected(self, found: tuple[Floats, Floats], loads: Floats, given: Floats) -> tuple[Floats, Floats]:
+        """What `solve` gives for loads (n,) or (n, k) and `given` (m,) or (m, k), from what was `found` otherwise.
+
+        Nothing is changed where that misses no more than round-off.
+        """
+        u, multipliers = found
+        columns = loads.reshape(len(loads), -1)
+        wanted = given.reshape(len(given), columns.shape[1])
+        near = (u.reshape(columns.shape), multipliers.reshape(wanted.shape))
+        better = self._corrected(near, columns, wanted, ROUND_OFF)
+        return better[0].reshape(u.shape), better[1].reshape(multipliers.shape)
+
+    def _corrected(
+        self, found: tuple[Floats, Floats], loads: Floats, wanted: Floats, good_to: float
+    ) -> tuple[Floats, Floats]:
+        """Displacements (n, k) and multipliers (m, k) from those `found`, with corrections as `_refined` has them."""
+        (u, multipliers), sign, last = found, _signs(loads), np.inf
         for _ in range(REFINEMENTS):
             error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
             if error <= good_to or error > 0.5 * last:
