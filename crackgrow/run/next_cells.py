@@ -96,11 +96,11 @@ def _where_faces_part(solution: StepSolution, found: Mapping[End, Partings]) -> 
     allowed = PART_OF_PARTING * _target(solution) * largest_K(solution)
     largest_cell = 0.5**scene.halvings.everywhere * scene.case.numerics.spacing
     for each in found.values():
-        for *place, stretch, K in np.column_stack([each.places, each.stretches, each.K]).tolist():
-            enough = min(allowed / (len(each.K) * K), 1.0) if NOTHING * allowed < K else np.inf
-            size = stretch * max(enough, 0.5**MOST_AT_ONCE)
+        for x, y, to_x, to_y, stretch, K in np.column_stack([each.places, each.stretches, each.K]).tolist():
+            if not NOTHING * allowed < K:  # nor where two contact points are in one place, as at kinks
+                continue
+            size = stretch * min(max(allowed / (len(each.K) * K), 0.5**MOST_AT_ONCE), 1.0)
             more = min(math.ceil(math.log2(max(largest_cell / size, 1.0))), MOST_LEVELS)
-            x, y, to_x, to_y = place
             times[x, y, to_x, to_y] = max(more, times.get((x, y, to_x, to_y), 0))
     return tuple((x, y, to_x, to_y, more) for (x, y, to_x, to_y), more in times.items() if more)
 
