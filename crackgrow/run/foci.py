@@ -51,7 +51,7 @@ def lattice_of_cells(scene: Scene, cracks: Sequence[CrackGeometry], before: Latt
 def focus_of(scene: Scene, cracks: Sequence[CrackGeometry]) -> Focus:
     """The places that ask for cells smaller than the largest, and all of the scene where all cells are halved."""
     corners = (_at_corners(scene), _at_rims_beside_tips(scene, cracks), _beside_tips(scene, cracks))
-    asking = chain(_at_tips(scene, cracks), _at_kinks(scene, cracks), _where_faces_part(scene), *corners)
+    asking = chain(_at_tips(scene, cracks), _at_kinks(scene, cracks), _at_partings(scene), *corners)
     # sizes are those asked for where the cells that nothing is asked of have the side that the case gives
     everywhere = 0.5**scene.halvings.everywhere
     finer = everywhere * scene.lattice.spacing / scene.case.numerics.spacing
@@ -135,8 +135,8 @@ def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
         yield shapely.Point(place), _halved(scene, size, max(times[number] for number in both))
 
 
-def _where_faces_part(scene: Scene) -> Asking:
-    """Stretches between open and closed faces, as often as the step before or the last round has found to be needed."""
+def _at_partings(scene: Scene) -> Asking:
+    """Stretches between open and closed faces: cells halved there as often as `run.next_cells` has found to be needed."""
     for *ends, times in scene.halvings.places:
         yield shapely.LineString(scene.lattice.to_lattice(np.reshape(ends, (2, 2)))), _given(scene, times)
 

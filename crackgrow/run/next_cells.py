@@ -90,7 +90,7 @@ def _share_of_the_rest(crack: int, now: Accuracy, found: Mapping[End, Partings])
     return math.sqrt(max(share**2 - missed**2, 0.0))
 
 
-def _where_faces_part(solution: StepSolution, found: Mapping[End, Partings]) -> tuple[Place, ...]:
+def _places_for(solution: StepSolution, found: Mapping[End, Partings]) -> tuple[Place, ...]:
     """The stretches over which faces part, with cells small enough there for a part of the target, or as they are."""
     scene, times = solution.scene, dict[tuple[float, float, float, float], int]()
     allowed = PART_OF_PARTING * _target(solution) * largest_K(solution)
@@ -117,7 +117,7 @@ def for_K(solution: StepSolution, now: Accuracy, before: Accuracy | None) -> Wan
         more = math.ceil(math.log2(min(max(share / _target(solution), 1.0), 2.0**at_once)))
         cracks.append(min(n + more, MOST_LEVELS))
     worst = [max(known.shares()) for known in (now, before) if known is not None]
-    wanted = replace(halvings, cracks=tuple(cracks), places=_where_faces_part(solution, parting))
+    wanted = replace(halvings, cracks=tuple(cracks), places=_places_for(solution, parting))
     if not (len(worst) == 2 and worst[0] > STUCK * worst[1]) and _are_others(wanted, solution):
         return wanted, ""
     if halvings.everywhere >= MOST_LEVELS:

@@ -162,9 +162,9 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Differe
 def _apart(here: TipState, there: TipState, missing: tuple[float, float], *, touches: bool) -> float:
     """sqrt(D^2 + S^2), with what K misses where faces part on these cells and the others."""
     K = here.intensity
-    explained = max(math.dist(there.K, here.K) - sum(missing), 0.0)
+    unexplained = max(math.dist(there.K, here.K) - sum(missing), 0.0)
     below_zero = max(-K.K_I, 0.0) if touches else 0.0  # faces that can't overlap have none
-    return math.hypot(explained, K.K_I_spread, K.K_II_spread, below_zero, missing[0] / AT_MOST)
+    return math.hypot(unexplained, K.K_I_spread, K.K_II_spread, below_zero, missing[0] / AT_MOST)
 
 
 def _criterion_apart(here: Verdict | None, there: Verdict | None) -> tuple[float, float]:
