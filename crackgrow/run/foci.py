@@ -136,7 +136,7 @@ def _at_kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Asking:
 
 
 def _at_partings(scene: Scene) -> Asking:
-    """Stretches between open and closed faces: cells halved there as often as `run.next_cells` has found to be needed."""
+    """Stretches between open and closed faces, with cells as small as `run.next_cells` has found to be needed."""
     for *ends, times in scene.halvings.places:
         yield shapely.LineString(scene.lattice.to_lattice(np.reshape(ends, (2, 2)))), _given(scene, times)
 
