@@ -10,9 +10,10 @@ comes down past its limit more often than not: the difference to K on kinks halv
 the error in 46 %, to that on kinks doubled in 64 %, but to that on kinks halved three times in 93 %; halved twice, and
 times 1.5, in 79 % (140 covers of ten scenes with closed kinks).
 
-With D the difference of both K, K_I and K_II together, and what K_I is below zero where faces can't overlap, S that
-between discs of integration, each at the tip of a crack where it is largest, since an error may pass through zero at
-one of them, and B the fitted bound (`run.intensity_error`):
+With D the difference of both K, K_I and K_II together, and what K_I is below that of faces that touch up to the tip,
+tan(dilation angle) |K_II|, since they can't overlap, S that between discs of integration, each at the tip of a crack
+where it is largest, since an error may pass through zero at one of them, and B the fitted bound
+(`run.intensity_error`):
 
                                                             expected                 at most
     kinks halved three times, or cracks without kinks       E = sqrt(D^2 + S^2)      2 E
@@ -40,6 +41,7 @@ import numpy as np
 
 from crackgrow.cover.refinement import MOST_LEVELS
 from crackgrow.fracture.criteria import Verdict
+from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.run.advancing import End
 from crackgrow.run.halvings import Accuracy, half_as_large
 from crackgrow.run.increments import LoadState
@@ -48,6 +50,7 @@ from crackgrow.run.judging import StepSolution, TipState, stress_fields, tip_sta
 from crackgrow.run.nearby import room_at_tips
 from crackgrow.run.parting import partings
 from crackgrow.run.scene import Scene
+from crackgrow.run.surface_laws import SurfaceLaw
 from crackgrow.run.surface_samples import along_surfaces
 
 WORSE_AT_KINKS: Final[Mapping[int, float]] = {3: 1.0, 2: 1.5}
@@ -150,21 +153,30 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Differe
     for tip, end in zip(solution.tips, solution.cover.tip_ends, strict=True):
         there = others.get(end)
         if there is not None and np.isfinite((*there.K, *tip.K)).all():
-            touches = scene.laws[end[0]].contact is not None
             turn, criticality = _criterion_apart(tip.verdict, there.verdict)
             if other.factor != solution.state.factor:
                 criticality = abs(other.factor / solution.state.factor - 1.0)
             missing = (missed[end].at_most, missed_there[end].at_most)
-            found[end] = _Difference(_apart(tip, there, missing, touches=touches), turn, criticality)
+            found[end] = _Difference(_apart(tip, there, missing, scene.laws[end[0]]), turn, criticality)
     return found
 
 
-def _apart(here: TipState, there: TipState, missing: tuple[float, float], *, touches: bool) -> float:
+def _apart(here: TipState, there: TipState, missing: tuple[float, float], law: SurfaceLaw) -> float:
     """sqrt(D^2 + S^2), with what K misses where faces part on these cells and the others."""
     K = here.intensity
     unexplained = max(math.dist(there.K, here.K) - sum(missing), 0.0)
-    below_zero = max(-K.K_I, 0.0) if touches else 0.0  # faces that can't overlap have none
-    return math.hypot(unexplained, K.K_I_spread, K.K_II_spread, below_zero, missing[0] / AT_MOST)
+    return math.hypot(unexplained, K.K_I_spread, K.K_II_spread, _overlapping(K, law), missing[0] / AT_MOST)
+
+
+def _overlapping(K: StressIntensity, law: SurfaceLaw) -> float:
+    """What K_I (Pa sqrt(m)) is below that of faces that touch up to the tip: those that slip there open by dilation.
+
+    Elastic slip of faces with a stiffness does not dilate.
+    """
+    if law.contact is None:
+        return 0.0
+    per_slip = 0.0 if law.elastic else math.tan(math.radians(law.contact.dilation_angle))
+    return max(per_slip * abs(K.K_II) - K.K_I, 0.0)
 
 
 def _criterion_apart(here: Verdict | None, there: Verdict | None) -> tuple[float, float]:

@@ -1,0 +1,57 @@
+"""K of a flaw that slips over asperities: they open the faces by tan(psi) times the slip up to the tips.
+
+In a wide plate under the pressure p across the flaw and the shear t along the flaw, with friction mu, the opening adds
+to the pressure what a crack opened so far would carry. Slip and opening both are those of a crack under uniform stress:
+
+    K_II = (t - mu p) sqrt(pi a) / (1 + mu tan(psi)),    K_I = tan(psi) K_II
+"""
+
+from __future__ import annotations
+
+from math import pi, radians, sqrt, tan
+from pathlib import Path
+
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.run import grow
+
+HALF, PRESSURE, SHEAR, FRICTION = 0.01, 10e6, 9e6, 0.5  # m, Pa
+WIDE = 0.001
+"""What a plate 40 times as wide as the flaw is long adds to K, of itself."""
+
+PLATE = """
+title: A flaw that dilates
+units: {{length: mm, stress: MPa}}
+plane: strain
+bodies:
+  rock:
+    shape: {{rectangle: {{center: [0, 0], width: 800, height: 800}}}}
+    material: {{young: 10000, poisson: 0.2}}
+    strength: {{tension: 5, cohesion: 10, friction_angle: 30}}
+cracks:
+  flaw:
+    path: {{points: [[-10, 0], [10, 0]]}}
+    contact: {{friction: 0.5, dilation_angle: {angle}}}
+loads:
+  - {{on: {{body: rock, edge: top}}, traction: [9, -10]}}
+  - {{on: {{body: rock, edge: bottom}}, traction: [-9, 10]}}
+  - {{on: {{body: rock, edge: right}}, traction: [0, 9]}}
+  - {{on: {{body: rock, edge: left}}, traction: [0, -9]}}
+supports: minimal
+numerics: {{accuracy: {accuracy}}}
+output: {{figures: false, frames: none, report: false}}
+"""
+
+
+@pytest.mark.parametrize("angle", [10.0, 25.0])
+@pytest.mark.parametrize("accuracy", ["draft", "standard", "3 %", "1 %", "0.3 %"])
+def test_faces_that_slip_open_by_dilation_up_to_the_tips(tmp_path: Path, angle: float, accuracy: str) -> None:
+    file = tmp_path / "scene.yaml"
+    file.write_text(PLATE.format(angle=angle, accuracy=accuracy))
+    step = next(grow(load_case(file)))
+    slope = tan(radians(angle))
+    K_II = (SHEAR - FRICTION * PRESSURE) * sqrt(pi * HALF) / (1.0 + FRICTION * slope)
+    for tip in step.tips:
+        assert abs(tip.K_I - slope * K_II) <= tip.K_I_error + WIDE * K_II
+        assert abs(abs(tip.K_II) - K_II) <= tip.K_II_error + WIDE * K_II
