@@ -67,7 +67,7 @@ def _apart(law: SurfaceLaw, face: CrackFaces) -> Floats:
     closed = face.state != OPEN
     within = closed[1:-1] & closed[:-2] & closed[2:]
     elastic = law.compliance(face.cell_size) * face.normal_traction
-    risen = np.tan(np.deg2rad(law.contact.dilation_angle)) * np.abs(face.slip) + elastic
+    risen = law.dilation * np.abs(face.slip) + elastic
     apart[1:-1][within] = np.maximum(face.opening - risen, 0.0)[1:-1][within]
     return apart
 

@@ -175,8 +175,8 @@ def _overlapping(K: StressIntensity, law: SurfaceLaw) -> float:
     """
     if law.contact is None:
         return 0.0
-    per_slip = 0.0 if law.elastic else math.tan(math.radians(law.contact.dilation_angle))
-    return max(per_slip * abs(K.K_II) - K.K_I, 0.0)
+    opened = 0.0 if law.elastic else law.dilation * abs(K.K_II)
+    return max(opened - K.K_I, 0.0)
 
 
 def _criterion_apart(here: Verdict | None, there: Verdict | None) -> tuple[float, float]:

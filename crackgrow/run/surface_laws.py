@@ -37,6 +37,11 @@ class SurfaceLaw:
         """Whether closed faces give way."""
         return self.joint is not None or bool(np.isfinite(self.stiffness))
 
+    @property
+    def dilation(self) -> float:
+        """What slip opens: tan(dilation angle)."""
+        return 0.0 if self.contact is None else float(np.tan(np.deg2rad(self.contact.dilation_angle)))
+
     def compliance(self, size: Floats) -> Floats:
         """1/k (n,) m/Pa across the faces beside cells of these sizes h (n,) m; zero for rigid contact."""
         return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[0])
@@ -69,7 +74,7 @@ def laws_at_points(
         size = cover.surfaces[index].in_cells.size(faces.s[mine]) * cover.lattice.spacing
         compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
         residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
-        dilation[mine] = np.tan(np.deg2rad(law.contact.dilation_angle))
+        dilation[mine] = law.dilation
         weakening[mine] = law.contact.weakening_length
         if cover.surfaces[index].name.is_crack:
             crack = growing[index]
