@@ -24,6 +24,10 @@ where it is largest, since an error may pass through zero at one of them, and B 
 What K misses where faces part (`run.parting`) is not told by D, which that on larger cells may be most of: it is taken
 off for both kinds of cells, and half of that for these, which is at most, counts beside D and S.
 
+Where faces touch at the contact point next to a tip K_I is that of faces that touch up to the tip, and not more but by
+a stretch that no contact point sees. What K_I is beyond that comes from cells too large for the pressure along the
+faces, on other cells, too. That, G, is the error at most: E is half of G at least.
+
 How often these are right: tests/benchmarks/targets.md. What the criterion says on the other cells is kept, too
 (`run.growth_error`). Cells that are the same but at kinks would cost a quarter less,
 since what is integrated elsewhere serves again, but would tell nothing of cells elsewhere: of a kinked crack beside a
@@ -48,7 +52,7 @@ from crackgrow.run.increments import LoadState
 from crackgrow.run.intensity_error import intensity_errors, largest_kink
 from crackgrow.run.judging import StepSolution, TipState, stress_fields, tip_states
 from crackgrow.run.nearby import room_at_tips
-from crackgrow.run.parting import partings
+from crackgrow.run.parting import Partings, partings
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_laws import SurfaceLaw
 from crackgrow.run.surface_samples import along_surfaces
@@ -156,27 +160,27 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Differe
             turn, criticality = _criterion_apart(tip.verdict, there.verdict)
             if other.factor != solution.state.factor:
                 criticality = abs(other.factor / solution.state.factor - 1.0)
-            missing = (missed[end].at_most, missed_there[end].at_most)
-            found[end] = _Difference(_apart(tip, there, missing, scene.laws[end[0]]), turn, criticality)
+            apart = _apart(tip, there, (missed[end], missed_there[end]), scene.laws[end[0]])
+            found[end] = _Difference(apart, turn, criticality)
     return found
 
 
-def _apart(here: TipState, there: TipState, missing: tuple[float, float], law: SurfaceLaw) -> float:
-    """sqrt(D^2 + S^2), with what K misses where faces part on these cells and the others."""
-    K = here.intensity
-    unexplained = max(math.dist(there.K, here.K) - sum(missing), 0.0)
-    return math.hypot(unexplained, K.K_I_spread, K.K_II_spread, _overlapping(K, law), missing[0] / AT_MOST)
+def _apart(here: TipState, there: TipState, missed: tuple[Partings, Partings], law: SurfaceLaw) -> float:
+    """sqrt(D^2 + S^2), with what K misses where faces part on these cells and the others, or G if that is more."""
+    K, missing = here.intensity, [each.at_most for each in missed]
+    unexplained, beyond = max(math.dist(there.K, here.K) - sum(missing), 0.0), _beyond_touching(K, law)
+    E = math.hypot(unexplained, K.K_I_spread, K.K_II_spread, max(-beyond, 0.0), missing[0] / AT_MOST)
+    return max(E, beyond / AT_MOST) if missed[0].touches else E
 
 
-def _overlapping(K: StressIntensity, law: SurfaceLaw) -> float:
-    """What K_I (Pa sqrt(m)) is below that of faces that touch up to the tip: those that slip there open by dilation.
+def _beyond_touching(K: StressIntensity, law: SurfaceLaw) -> float:
+    """K_I less that of faces that touch up to the tip (Pa sqrt(m)): those that slip there open by dilation.
 
     Elastic slip of faces with a stiffness does not dilate.
     """
     if law.contact is None:
         return 0.0
-    opened = 0.0 if law.elastic else law.dilation * abs(K.K_II)
-    return max(opened - K.K_I, 0.0)
+    return K.K_I - (0.0 if law.elastic else law.dilation * abs(K.K_II))
 
 
 def _criterion_apart(here: Verdict | None, there: Verdict | None) -> tuple[float, float]:

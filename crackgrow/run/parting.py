@@ -40,6 +40,7 @@ class Partings:
     stretches: Floats  # (n,) m, from one to the other
     K: Floats  # (n,) Pa sqrt(m)
     unseen: float = 0.0  # Pa sqrt(m): where the tip is open more closely to itself than any contact point lies
+    touches: bool = False  # whether the faces do at the contact point next to the tip, rigidly
 
     @property
     def at_most(self) -> float:
@@ -80,4 +81,5 @@ def _seen_from(state: LoadState, tip: Tip, K_I: float) -> Partings:
         stretches=np.diff(away)[first],
         K=0.5 * np.maximum(shear[first], shear[first + 1]) * np.diff(roots)[first],
         unseen=unseen,
+        touches=not (is_open[0] or state.scene.laws[tip.crack].elastic),
     )
