@@ -166,7 +166,7 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Differe
 
 
 def _apart(here: TipState, there: TipState, missed: tuple[Partings, Partings], law: SurfaceLaw) -> float:
-    """sqrt(D^2 + S^2), with what K misses where faces part on these cells and the others, or G if that is more."""
+    """sqrt(D^2 + S^2), with what K misses where faces part on both kinds of cells; half of G at least."""
     K, missing = here.intensity, [each.at_most for each in missed]
     unexplained, beyond = max(math.dist(there.K, here.K) - sum(missing), 0.0), _beyond_touching(K, law)
     E = math.hypot(unexplained, K.K_I_spread, K.K_II_spread, max(-beyond, 0.0), missing[0] / AT_MOST)

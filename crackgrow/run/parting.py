@@ -60,14 +60,14 @@ def partings(state: LoadState, tips: Sequence[TipState]) -> dict[End, Partings]:
 
 def _seen_from(state: LoadState, tip: Tip, K_I: float) -> Partings:
     """Where the faces of the crack of a tip with `K_I` part."""
-    law, lattice, faces = state.scene.laws[tip.crack].contact, state.scene.lattice, state.configuration.faces
+    law, lattice, faces = state.scene.laws[tip.crack], state.scene.lattice, state.configuration.faces
     points = np.flatnonzero(faces.surface == tip.crack)
-    if law is None or not len(points):
+    if law.contact is None or not len(points):
         return NONE
     away = np.maximum(tip.from_start(faces.s[points]) * lattice.spacing, 0.0)
     order = np.argsort(away)
     points, away, roots = points[order], away[order], np.sqrt(HALF_INFINITE * away[order])
-    outcome, friction = state.outcome.points, min(law.friction, law.residual_friction)
+    outcome, friction = state.outcome.points, min(law.contact.friction, law.contact.residual_friction)
     pressure, is_open = -outcome.normal[points], outcome.state[points] == OPEN
     shear = np.maximum(np.abs(outcome.tangential[points]) - friction * np.maximum(pressure, 0.0), 0.0)
     unseen = 0.0
@@ -81,5 +81,5 @@ def _seen_from(state: LoadState, tip: Tip, K_I: float) -> Partings:
         stretches=np.diff(away)[first],
         K=0.5 * np.maximum(shear[first], shear[first + 1]) * np.diff(roots)[first],
         unseen=unseen,
-        touches=not (is_open[0] or state.scene.laws[tip.crack].elastic),
+        touches=not (is_open[0] or law.elastic),
     )
