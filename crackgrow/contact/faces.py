@@ -9,13 +9,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array
+from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
 from crackgrow.quadrature.lines import on_edges_with_tips
 from crackgrow.quadrature.rules import gauss
+from crackgrow.ragged import starts_of
 
 STRETCH_KINK = np.deg2rad(10.0)
 """A kink sharper than this ends a stretch: hat functions do not reach round it, since the normal turns there."""
@@ -116,13 +117,22 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
         start = np.concatenate([corners[:1], corners[0] + np.cumsum(size)[:-1]])
         s = (start[:, None] + size[:, None] * x).ravel()
         n = len(s)
-        functions = csr_array((np.ones(n), np.arange(n), np.arange(n + 1)), shape=(n, n))
+        functions = Functions(np.arange(n), np.arange(n), np.ones(n))
         stretch = np.searchsorted(ends[surface][1:-1], s, side="right")
         parts.append((points_at(cover, surface, s), (size[:, None] * w).ravel(), functions, s, stretch))
     return joined_faces(cover, ends, parts)
 
 
-Part = tuple[FacePoints, Floats, csr_array, Floats, Ints]  # integration points, lengths, N_k, s and stretch of nodes
+@dataclass(frozen=True, slots=True, eq=False)
+class Functions:
+    """What the functions N_k of the contact points of one surface are at its integration points, where they are any."""
+
+    node: Ints  # (m,) number of the contact point
+    point: Ints  # (m,) number of the integration point
+    value: Floats  # (m,)
+
+
+Part = tuple[FacePoints, Floats, Functions, Floats, Ints]  # integration points, lengths, N_k, s and stretch of nodes
 
 
 def neighbours(nodes: Floats, stretch: Ints, s: Floats, stretch_of: Ints) -> tuple[Ints, Ints, Floats]:
@@ -196,11 +206,22 @@ def joined_faces(cover: Cover, ends: dict[int, Floats], parts: list[Part]) -> Co
     return ContactFaces(
         points=joined(points),
         lengths=np.concatenate(lengths),
-        functions=csr_array(block_diag(functions, "csr")),
+        functions=_all_functions(functions, [len(s) for s in nodes], [len(some.s) for some in points]),
         nodes=joined([_nodes_at(cover, *node) for node in zip(ends, nodes, stretches, ends.values(), strict=True)]),
         stretch=np.concatenate(stretches),
         ends=ends,
     )
+
+
+def _all_functions(parts: Sequence[Functions], n_nodes: list[int], n_points: list[int]) -> csr_array:
+    """N_k (contact points, integration points) of all surfaces, which have so many of both."""
+    counts = [len(part.value) for part in parts]
+    row, column = (
+        np.concatenate(numbers) + np.repeat(starts_of(np.array(of_each))[:-1], counts)
+        for numbers, of_each in (([part.node for part in parts], n_nodes), ([part.point for part in parts], n_points))
+    )
+    values = np.concatenate([part.value for part in parts])
+    return csr_array((values, (row, column)), shape=(sum(n_nodes), sum(n_points)))
 
 
 def joined(parts: Sequence[FacePoints]) -> FacePoints:

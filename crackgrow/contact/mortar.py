@@ -16,11 +16,11 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import (
     ContactFaces,
+    Functions,
     Part,
     integration_points,
     joined_faces,
@@ -89,9 +89,12 @@ def _on_surface(cover: Cover, index: int, spacing: float, ends: Floats) -> Part:
     beside_rim = between & ((on_rim[:, 0] & (left == first)) | (on_rim[:, 1] & (right == last - 1)))
     x = np.where(beside_rim, 3.0 * x - 1.0, x)
     there = np.arange(len(points.s))
-    rows, columns = np.concatenate([left, right[between]]), np.concatenate([there, there[between]])
-    values = np.concatenate([1.0 - x, x[between]])
-    return points, lengths, csr_array((values, (rows, columns)), shape=(len(s), len(points.s))), s, stretch
+    functions = Functions(
+        node=np.concatenate([left, right[between]]),
+        point=np.concatenate([there, there[between]]),
+        value=np.concatenate([1.0 - x, x[between]]),
+    )
+    return points, lengths, functions, s, stretch
 
 
 def _kinds(cover: Cover, index: int, ends: Floats, in_cells: Floats) -> Ints:

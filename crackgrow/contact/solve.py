@@ -167,6 +167,7 @@ class ContactOutcome:
     complementarity: float  # relative
     notes: tuple[str, ...]  # what the user should know of how it was solved
     residual: float = float("nan")  # of equilibrium, relative; nan where it was not looked at
+    largest_terms: float = float("nan")  # N/m: the most that terms add up to, without signs, of a force in the rock
 
     def scaled(self, share: float) -> ContactOutcome:
         """The outcome of `share` times the loads, where states are in proportion to them."""
@@ -177,6 +178,7 @@ class ContactOutcome:
             points=self.points.scaled(share),
             memory=replace(self.memory, slip=share * self.memory.slip),
             penetration=share * self.penetration,
+            largest_terms=abs(share) * self.largest_terms,
         )
 
 

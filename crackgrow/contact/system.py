@@ -8,7 +8,7 @@ its bits do not depend on what was asked for first.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -34,9 +34,6 @@ ROUGH = 1e-8
 As good as contact itself is solved; measured: with 1e-10 K is the same to 1e-13 (200 flaws, four steps).
 """
 
-TOLD_FROM = 1e-13
-"""Residuals of the solution that tells where elimination is rough: what leaves less in them is not that."""
-
 DOUBTFUL = 0.1
 """Times what is rough: points whose jumps differ by more are solved for where those of others are rough."""
 
@@ -61,6 +58,8 @@ class ContactSystem:
     law: ContactLaw
     solver: Literal["newton", "lemke"]
     loose: RigidMotions | None = None  # of pieces that contact alone holds; `system` holds each of them just once
+    loads: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (n_dofs, l) N/m, what acts besides tractions
+    given: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (m, l) m, at supports beside each of the loads
 
     @cached_property
     def operator(self) -> csr_array:
@@ -74,15 +73,52 @@ class ContactSystem:
         """|G|, entry by entry: of |u| it makes the terms that jumps are the sums of."""
         return abs(self.operator)
 
+    @property
+    def free(self) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs, l) m and multipliers (m, l) under each of the loads, without tractions."""
+        return self._found[:2]
+
+    @cached_property
+    def _found(self) -> tuple[Floats, Floats, Floats]:
+        """What is `free`, and the jumps (2 n,) m under `_push`: solved for together, since that reads factors once."""
+        (m, n_dofs), k, pushes = self.system.constraints.shape, self.loads.shape[1], not self._few
+        loads, given = np.zeros((n_dofs, k + 1)), np.zeros((m, k + 1))
+        if k:
+            loads[:, :k], given[:, :k] = self.loads, self.given
+        if pushes:
+            loads[:, k] = self.operator.T @ self._push
+        u, multipliers = np.zeros(loads.shape), np.zeros(given.shape)
+        some = loads.any(axis=0) | given.any(axis=0)
+        if some.any():
+            u[:, some], multipliers[:, some] = self.system.solve(loads[:, some], given[:, some], with_pulls=True)
+        return u[:, :k], multipliers[:, :k], np.asarray(self.operator @ u[:, k])
+
+    @property
+    def _push(self) -> Floats:
+        """Forces (2 n,) N/m of tractions at all points at once, which tell where elimination is rough."""
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], 2 * len(self.weights))
+        return np.asarray(np.tile(self.weights, 2) * signs)
+
     @cached_property
     def rock(self) -> Floats:
         """G K0^-1 G' W (2 n, 2 n) m/Pa: gap and slip that unit tractions take away."""
-        if self._few:
-            return np.asarray(self.operator @ self._per_traction[0])
-        compliance = self.system.compliance(self.operator)
+        compliance = None if self._few else self.system.compliance(self.operator)
         if compliance is not None:  # else there are too many constraints, or fronts that could not factorize
             compliance = self._refined(compliance)
-        return np.asarray(self.operator @ self._per_traction[0] if compliance is None else compliance)
+        return self._solved_for() if compliance is None else compliance
+
+    def _solved_for(self) -> Floats:
+        """The same from the displacements per unit traction.
+
+        Raises NotSolvedError where round-off has spoilt it: it comes from a symmetric matrix (Betti).
+        """
+        rock = np.asarray(self.operator @ self._per_traction[0])
+        can_be = np.flatnonzero(np.append(np.ones(len(self.weights), dtype=bool), self.law.resists))
+        symmetric = rock[np.ix_(can_be, can_be)] / np.tile(self.weights, 2)[can_be]
+        off, largest = (float(np.abs(part).max(initial=0.0)) for part in (symmetric - symmetric.T, symmetric))
+        if off > UNSYMMETRIC * largest:
+            raise spoilt(f"unsymmetric by {off / largest:.1g} of its largest entry")
+        return rock
 
     def _refined(self, compliance: Floats) -> Floats | None:
         """G K0^-1 G' W of G K0^-1 G' by elimination; None where that is rough at too many points.
@@ -90,10 +126,8 @@ class ContactSystem:
         Mostly it is at a few, where functions nearly depend on others: their loads are solved for. That tells them from
         others, too, at which the solution for tractions at all points is what is rough.
         """
-        weights = np.tile(self.weights, 2)
-        push = weights * np.random.default_rng(0).choice([-1.0, 1.0], len(weights))
-        known = self.operator @ self.system.solve(self.operator.T @ push, good_to=TOLD_FROM)[0]
-        off, size = np.abs(compliance @ push - known), ROUGH * float(np.abs(known).max(initial=0.0))
+        known = self._found[2]
+        off, size = np.abs(compliance @ self._push - known), ROUGH * float(np.abs(known).max(initial=0.0))
         if off.max(initial=0.0) > size:
             some = np.flatnonzero(off > DOUBTFUL * size)
             if len(some) > MANY * len(off):
@@ -101,13 +135,14 @@ class ContactSystem:
             columns = self.operator @ self.system.solve(self.operator[some].T.toarray())[0]
             columns[some] = 0.5 * (columns[some] + columns[some].T)
             compliance[:, some], compliance[some] = columns, columns.T
-        return np.asarray(compliance * weights)
+        compliance *= np.tile(self.weights, 2)
+        return compliance
 
     def with_law(self, law: ContactLaw) -> ContactSystem:
         """The same rock behind another law; what is known of it stays known where the same points resist slip."""
         other = replace(self, law=law)
         if np.array_equal(law.resists, self.law.resists):
-            known = ("operator", "operator_sizes", "rock", "_per_traction", "moving")
+            known = ("operator", "operator_sizes", "_found", "rock", "_per_traction", "moving")
             other.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
         return other
 
@@ -138,8 +173,7 @@ class ContactSystem:
         """A (2 k, 2 k) of some points (k,), elastic contact included; not to be changed.
 
         Slip that nothing `resists` (k,) has a row of its own that no other knows of: the rock may hold it altogether.
-        Raises NotSolvedError where round-off has spoilt the compliance of the rock: it comes from a symmetric matrix
-        that resists (Betti).
+        Raises NotSolvedError where round-off has spoilt the compliance of the rock, which resists.
         """
         key, known = key_of((points, resists)), self.__dict__.setdefault("_compliances", {})
         if key not in known:
@@ -152,11 +186,8 @@ class ContactSystem:
         """A (2 k, 2 k) as `compliance` has it, made anew."""
         k, at = len(points), np.concatenate([points, len(self.weights) + points[resists]])
         rock: Floats = self.rock[np.ix_(at, at)]
-        symmetric = rock / np.tile(self.weights, 2)[at]
-        least, largest = float(symmetric.diagonal().min()), float(np.abs(symmetric).max())
-        off = float(np.abs(symmetric - symmetric.T).max())
-        if least <= 0.0 or off > UNSYMMETRIC * largest:
-            raise spoilt("not positive" if least <= 0.0 else f"unsymmetric by {off / largest:.1g} of its largest entry")
+        if float(rock.diagonal().min()) <= 0.0:
+            raise spoilt("not positive")
         rock[np.diag_indices_from(rock)] += self.law.compliances[at]
         if len(rock) == 2 * k:
             return rock

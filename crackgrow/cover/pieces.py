@@ -107,9 +107,11 @@ class _Parts:
         moving = np.flatnonzero(ends[rows, 0, axis] != ends[rows, 1, axis])
         part, found = part[moving], _Crossings(self.segment[part[moving]], axis[moving], at[moving])
         t, _ = found.places(self.ends)
-        inside = (self.begin[part] < t) & (t < self.end[part])
-        once = np.unique(np.column_stack([found.segment, found.axis, found.at])[inside], axis=0)
-        return _Crossings(once[:, 0].astype(np.int64), once[:, 1].astype(np.int64), once[:, 2])
+        inside = np.flatnonzero((self.begin[part] < t) & (t < self.end[part]))
+        inside = inside[np.lexsort((found.at[inside], found.axis[inside], found.segment[inside]))]
+        each = (found.segment[inside], found.axis[inside], found.at[inside])
+        once = inside[np.any([np.diff(values, prepend=-1) != 0 for values in each], axis=0)]
+        return _Crossings(found.segment[once], found.axis[once], found.at[once])
 
 
 def _crossings(ends: Floats, tiles: Squares) -> Iterator[_Crossings]:

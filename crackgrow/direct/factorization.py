@@ -57,15 +57,22 @@ class Factorization:
         self._fronts.hand_over()
         self._responses = None
 
-    def solve(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
-        """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k), unrefined."""
-        n, m = len(loads), len(wanted)
+    def solve(self, loads: Floats, wanted: Floats, with_pulls: bool = False) -> tuple[Floats, Floats]:
+        """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k), unrefined.
+
+        `with_pulls` finds the responses to unit pulls along with them, if they pay: factors are read once for both.
+        """
+        (n, k), m = loads.shape, len(wanted)
         if m == 0:
             return self._fronts.solve(loads), wanted
         push = loads + self._constraints.T @ (self._rho[:, None] * wanted)
-        solution = self._fronts.solve(np.concatenate([push, wanted]))
-        few = m <= max(FEW_CONSTRAINTS, loads.shape[1])  # else one solve each is cheaper, whatever is known already
-        responses = self._responses_of(m) if few else None
+        right, few = np.concatenate([push, wanted]), m <= max(FEW_CONSTRAINTS, k)
+        if with_pulls and few and self._responses is None:
+            both = self._fronts.solve(np.column_stack([right, self._pulls(np.eye(m))]))
+            solution, self._responses = (np.ascontiguousarray(some) for some in np.split(both, [k], axis=1))
+        else:
+            solution = self._fronts.solve(right)
+        responses = self._responses_of(m) if few else None  # else one solve each is cheaper, whatever is known already
         for _ in range(HARDENINGS):
             missing = wanted - self._constraints @ solution[:n]
             if np.all(np.abs(missing) <= SMALLEST * (self._share @ np.abs(solution[:n]) + np.abs(wanted))):
@@ -88,7 +95,9 @@ class Factorization:
         for _ in range(HARDENINGS):
             pulls -= self._yielding[:, None] * (multipliers + of_pulls @ pulls) + pulls
         taken_away = multipliers.T @ pulls
-        return np.asarray(compliance + 0.5 * (taken_away + taken_away.T))
+        compliance += 0.5 * taken_away
+        compliance += 0.5 * taken_away.T
+        return compliance
 
     def _responses_of(self, m: int) -> Floats:
         """Displacements and multipliers (n + m, m) to unit pulls at the constraints, found when they pay."""
@@ -98,7 +107,11 @@ class Factorization:
 
     def _pulled(self, missing: Floats) -> Floats:
         """Displacements and multipliers (n + m, k) that add `missing` (m, k) to C u but for the yielding."""
-        return self._fronts.solve(np.concatenate([np.zeros((self._constraints.shape[1], missing.shape[1])), missing]))
+        return self._fronts.solve(self._pulls(missing))
+
+    def _pulls(self, missing: Floats) -> Floats:
+        """Right-hand sides (n + m, k) that pull at the constraints by `missing` (m, k)."""
+        return np.concatenate([np.zeros((self._constraints.shape[1], missing.shape[1])), missing])
 
 
 def factorize(

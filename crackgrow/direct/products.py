@@ -62,7 +62,7 @@ def products(
             parent = bisect_right(ends, int(placed.coupled[0]))
             waiting.setdefault(parent, []).append(_Passed(placed, columns, key, reduced))
         else:
-            total[np.ix_(columns, columns)] += reduced.product
+            _add(total, columns, reduced.product)
     return total, kept
 
 
@@ -90,9 +90,16 @@ def _reduced(placed: Placed, rows: csr_array, columns: Ints, children: Sequence[
     for a, b in placed.signs:
         product -= 2.0 * (mine[:, a:b] @ mine[:, a:b].T)
     for child in children:
-        at = np.searchsorted(columns, child.columns)
-        product[np.ix_(at, at)] += child.reduced.product
+        _add(product, np.searchsorted(columns, child.columns), child.reduced.product)
     return Reduced(product, left)
+
+
+def _add(total: Floats, at: Ints, some: Floats) -> None:
+    """Add `some` (c, c) to the rows and columns `at` (c,), ascending, of a `total` (k, k)."""
+    if len(at) == len(total):
+        total += some
+    else:
+        total[np.ix_(at, at)] += some
 
 
 def _gathered(placed: Placed, rows: csr_array, columns: Ints, children: Sequence[_Passed]) -> Floats:

@@ -299,11 +299,14 @@ def _ahead_together(fields: Sequence[TipField]) -> Iterator[tuple[Ints, Floats, 
         angles = fields[numbers[0]].angles
         direction, width = np.array([(fields[number].direction, fields[number].half_width) for number in numbers]).T
         hoop, shear = _turned(direction[:, None] + angles, np.stack([fields[number].rays for number in numbers]))
-        ahead, same = np.unique((np.abs(angles) <= width[:, None]) & np.isfinite(hoop), axis=0, return_inverse=True)
-        for group, rays in enumerate(ahead):
-            mine = np.flatnonzero(same.ravel() == group)
+        ahead = (np.abs(angles) <= width[:, None]) & np.isfinite(hoop)
+        see_the_same: dict[bytes, list[int]] = {}
+        for row, rays in enumerate(ahead):
+            see_the_same.setdefault(rays.tobytes(), []).append(row)
+        for rows in see_the_same.values():
+            rays = ahead[rows[0]]
             if rays.any():
-                yield np.array(numbers)[mine], angles[rays], hoop[mine][:, rays], shear[mine][:, rays]
+                yield np.array(numbers)[rows], angles[rays], hoop[rows][:, rays], shear[rows][:, rays]
 
 
 def _ratio(load: Floats | float, resistance: Floats | float) -> Floats:

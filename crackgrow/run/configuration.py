@@ -145,7 +145,8 @@ class Configuration:
             a, b = self.scene.parts_of_gone(rock.body)
             constant += a * rock.forces
             scaled += b * rock.forces
-        return replace(self, scaled=scaled, constant=constant)
+        contact = replace(self.contact, loads=_each_load(scaled, constant))
+        return replace(self, contact=contact, scaled=scaled, constant=constant)
 
     def increment(self, level: LoadLevel, memory: ContactMemory) -> tuple[Increment, Floats]:
         """An increment from `memory` on, and the jumps (2 n,) m without tractions at its end."""
@@ -240,7 +241,7 @@ class Configuration:
         residual = residual_of(self.stiffness.matrix, self.contact, loads, outcome)
         if not residual.size <= WORST_RESIDUAL:
             raise NotSolvedError(residual.told(self.cover))
-        return replace(outcome, residual=residual.size)
+        return replace(outcome, residual=residual.size, largest_terms=residual.largest_terms)
 
     @property
     def _farthest(self) -> float:
@@ -268,14 +269,8 @@ class Configuration:
 
     @cached_property
     def _units(self) -> _Units:
-        """What each of the loads does without contact tractions, all of them solved for together."""
-        none, m, loose = np.zeros(len(self.scaled)), len(self.held.given), self.contact.loose
-        loads = np.stack([self.scaled, self.constant, none], axis=1)
-        given = np.stack([np.zeros(m), np.zeros(m), self.held.given], axis=1)
-        u, multipliers = np.zeros(loads.shape), np.zeros(given.shape)
-        some = loads.any(axis=0) | given.any(axis=0)
-        if some.any():
-            u[:, some], multipliers[:, some] = self.contact.system.solve(loads[:, some], given[:, some])
+        """What each of the loads does without contact tractions."""
+        loads, loose, (u, multipliers) = self.contact.loads, self.contact.loose, self.contact.free
         conjugates = np.vstack([loads[:, :2].T @ u, -self.held.given @ multipliers])
         mirrored = np.outer(SIGNS, SIGNS) * conjugates.T  # the same of reciprocal rock, but for round-off
         conjugates = 0.5 * (conjugates + mirrored)
@@ -316,11 +311,17 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing)
     solver = case.numerics.contact.solver
-    contact = ContactSystem(system, *operators, weights, law, solver, loose)
+    loads, given = _each_load(scaled, constant), np.outer(held.given, (0.0, 0.0, 1.0))
+    contact = ContactSystem(system, *operators, weights, law, solver, loose, loads, given)
     readings = Readings(cover, stiffness.named, None if before is None else before.readings)
     return Configuration(
         scene, growing, cover, stiffness, held, contact, faces, scaled, constant, sites, readings, seconds
     )
+
+
+def _each_load(scaled: Floats, constant: Floats) -> Floats:
+    """Loads (n_dofs, 3) N/m of which all that act are a sum: the scaled, the constant, none beside what is given."""
+    return np.column_stack([scaled, constant, np.zeros(len(scaled))])
 
 
 def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Floats, Floats]:

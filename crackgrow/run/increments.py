@@ -32,8 +32,9 @@ from crackgrow.cover.cover import Cover, Surface
 from crackgrow.run.configuration import SIGNS, Configuration, Gone
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import MOST_JUMPS, Remembered, next_piece
-from crackgrow.run.result import BALANCED, Energy
+from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
+from crackgrow.run.surface_samples import along_surfaces
 from crackgrow.solid.elasticity import PlaneElasticity
 
 ON_OLD_FACES = 1e-6
@@ -89,6 +90,11 @@ class LoadState:
     def outcome(self) -> ContactOutcome:
         """Displacements and tractions. Raises SolveError where they don't balance."""
         return self.formed or self.configuration.equilibrium(self.level, self.before, self.states)
+
+    @cached_property
+    def along_surfaces(self) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
+        """Contact points and samples of all surfaces."""
+        return along_surfaces(self.configuration, self.outcome)
 
     def scaled_to(self, factor: float) -> LoadState:
         """The state under another load factor, where states are in proportion to it."""

@@ -55,7 +55,6 @@ from crackgrow.run.nearby import room_at_tips
 from crackgrow.run.parting import Partings, partings
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_laws import SurfaceLaw
-from crackgrow.run.surface_samples import along_surfaces
 
 WORSE_AT_KINKS: Final[Mapping[int, float]] = {3: 1.0, 2: 1.5}
 """How often cells at kinks are halved, if they can be, and by how much more K is off than the difference."""
@@ -192,7 +191,7 @@ def _criterion_apart(here: Verdict | None, there: Verdict | None) -> tuple[float
 
 def fitted_bounds(solution: StepSolution) -> list[float]:
     """B (Pa sqrt(m)), tip by tip; nan where K is."""
-    fitted = intensity_errors(solution, along_surfaces(solution)[1])
+    fitted = intensity_errors(solution, solution.state.along_surfaces[1])
     return [float(np.max(both)) for both in fitted]
 
 

@@ -28,7 +28,6 @@ from crackgrow.run.misfit import mean_stress, misfits
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import CrackFaces, CrackPath, Frame, FrameOnDemand, StartResult, StepResult, TipResult
 from crackgrow.run.scene import Scene
-from crackgrow.run.surface_samples import along_surfaces
 from crackgrow.solid.elasticity import PlaneElasticity
 
 
@@ -41,7 +40,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     """The result of a step, of whose tips the `chosen` advance."""
     started = time.perf_counter()
     outcome, scene, paths = solution.outcome, solution.scene, paths_of(state.cracks)
-    contact, faces = along_surfaces(solution)
+    contact, faces = solution.state.along_surfaces
     errors, missed = errors_of(solution, faces), misfits(solution, faces)
     estimate = estimated_error(solution) if state.step == 0 else None
     return StepResult(

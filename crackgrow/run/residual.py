@@ -30,6 +30,7 @@ class Residual:
     size: float  # relative
     dof: int  # the unknown
     terms: float  # size of what the stress forces there are the sum of, relative as well
+    largest_terms: float  # N/m: the same where it is largest
 
     def told(self, cover: Cover) -> str:
         """What to say of it where it is too large."""
@@ -53,13 +54,13 @@ def residual_of(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, 
     tractions = contact.gap_of.T @ (contact.weights * outcome.points.normal)
     tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.points.tangential)
     parts = (internal, reactions, tractions, loads)
-    size = max(np.abs(part).max(initial=0.0) for part in parts)
-    size = max(size, UNSTRESSED * terms.max(initial=0.0))
+    size, most = max(np.abs(part).max(initial=0.0) for part in parts), float(terms.max(initial=0.0))
+    size = max(size, UNSTRESSED * most)
     left = np.abs(internal + reactions + tractions - loads)
     place = int(np.argmax(left))
     if size == 0.0:
-        return Residual(0.0, place, 0.0)
-    return Residual(float(left[place] / size), place, float(terms[place] / size))
+        return Residual(0.0, place, 0.0, most)
+    return Residual(float(left[place] / size), place, float(terms[place] / size), most)
 
 
 def _place_of(cover: Cover, function: int) -> Floats:

@@ -8,27 +8,31 @@ from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.faces import FacePoints, joined, points_at
 from crackgrow.contact.jump import gap_and_slip
+from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.geometry.tolerance import SAME_PLACE
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.configuration import Configuration
 from crackgrow.run.result import ContactPoints, CrackFaces
 
 
-def along_surfaces(solution: StepSolution) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
+def along_surfaces(
+    configuration: Configuration, outcome: ContactOutcome
+) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
     """Contact points and samples of all surfaces; opening and slip are the jump of displacement at the points."""
-    cover, nodes = solution.cover, solution.faces.nodes
-    samples = [_samples(solution, index) for index in range(len(cover.surfaces))]
-    jumps = np.stack(gap_and_slip(cover, joined([nodes, *samples]), solution.outcome.u))
+    cover, nodes = configuration.cover, configuration.faces.nodes
+    samples = [_samples(configuration, index) for index in range(len(cover.surfaces))]
+    jumps = np.stack(gap_and_slip(cover, joined([nodes, *samples]), outcome.u))
     at_nodes, *along = np.split(jumps, np.cumsum([len(part.s) for part in (nodes, *samples)])[:-1], axis=1)
-    faces = [_faces(solution, *each) for each in zip(range(len(samples)), samples, along, strict=True)]
-    return _contact(solution, at_nodes), tuple(faces)
+    each = zip(range(len(samples)), samples, along, strict=True)
+    faces = [_faces(configuration, outcome.points, *surface) for surface in each]
+    return _contact(configuration, outcome.points, at_nodes), tuple(faces)
 
 
-def _contact(solution: StepSolution, jump: Floats) -> ContactPoints:
+def _contact(configuration: Configuration, at_points: PointStates, jump: Floats) -> ContactPoints:
     """Tractions and states as solved, with the `jump` (2, n) m at the points."""
-    faces, at_points, lattice = solution.faces, solution.outcome.points, solution.cover.lattice
+    faces, cover, lattice = configuration.faces, configuration.cover, configuration.cover.lattice
     return ContactPoints(
-        crack=tuple(str(solution.cover.surfaces[index].name) for index in faces.surface.tolist()),
+        crack=tuple(str(cover.surfaces[index].name) for index in faces.surface.tolist()),
         s=faces.s * lattice.spacing,
         points=lattice.to_metres(faces.nodes.points),
         normal_traction=at_points.normal,
@@ -41,20 +45,23 @@ def _contact(solution: StepSolution, jump: Floats) -> ContactPoints:
     )
 
 
-def _samples(solution: StepSolution, index: int) -> FacePoints:
+def _samples(configuration: Configuration, index: int) -> FacePoints:
     """The ends of all edges of a surface and its contact points, each place once."""
-    cover, faces = solution.cover, solution.faces
+    cover, faces = configuration.cover, configuration.faces
     places = np.sort(np.concatenate([cover.surfaces[index].edges.s.ravel(), faces.s[faces.surface == index]]))
     return points_at(cover, index, places[np.diff(places, prepend=-np.inf) > SAME_PLACE])
 
 
-def _faces(solution: StepSolution, index: int, samples: FacePoints, jump: Floats) -> CrackFaces:
+def _faces(
+    configuration: Configuration, at_points: PointStates, index: int, samples: FacePoints, jump: Floats
+) -> CrackFaces:
     """Jump (2, n) m, tractions and state of one surface at its samples."""
-    faces, at_points, s, lattice = solution.faces, solution.outcome.points, samples.s, solution.cover.lattice
+    faces, s, surface = configuration.faces, samples.s, configuration.cover.surfaces[index]
+    lattice = configuration.cover.lattice
     nearest = nearest_contact_point(faces, index, s)
     normal, tangential = between_contact_points(faces, index, s, at_points.normal, at_points.tangential)
     return CrackFaces(
-        crack=str(solution.cover.surfaces[index].name),
+        crack=str(surface.name),
         s=s * lattice.spacing,
         points=lattice.to_metres(samples.points),
         opening=jump[0],
@@ -62,5 +69,5 @@ def _faces(solution: StepSolution, index: int, samples: FacePoints, jump: Floats
         normal_traction=normal,
         tangential_traction=tangential,
         state=np.append(at_points.state, OPEN)[nearest],  # the last entry serves the index -1
-        cell_size=solution.cover.surfaces[index].in_cells.size(s) * lattice.spacing,
+        cell_size=surface.in_cells.size(s) * lattice.spacing,
     )

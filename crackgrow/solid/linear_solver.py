@@ -64,12 +64,11 @@ class ConstrainedSystem:
         """Solve no more: the system that comes next is the last to need what is kept."""
         self._factorization.hand_over()
 
-    def solve(self, loads: Floats, given: Floats | None = None, good_to: float = ROUND_OFF) -> tuple[Floats, Floats]:
+    def solve(self, loads: Floats, given: Floats | None = None, *, with_pulls: bool = False) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
 
-        `given` (m,) or (m, k) are the prescribed values g, zero if None; (m,) are those of all loads. Residuals above
-        `good_to`, by the terms that they are sums of, are solved for in turn. Raises SolveError where constraints
-        contradict.
+        `given` (m,) or (m, k) are the prescribed values g, zero if None; (m,) are those of all loads. `with_pulls`
+        finds what all loads need of the constraints along with these. Raises SolveError where constraints contradict.
         """
         n, m = self.constraints.shape[1], self.constraints.shape[0]
         columns = loads.reshape(n, -1)
@@ -78,7 +77,7 @@ class ConstrainedSystem:
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
-            u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block], good_to)
+            u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block], with_pulls)
         if given is not None and m:
             left = np.abs(self.constraints @ u - wanted).max(axis=0)
             round_off = ROUND_OFF * (self._share @ np.abs(u)).max(axis=0)  # where loads act on what is held
@@ -94,13 +93,13 @@ class ConstrainedSystem:
         """
         return self._factorization.compliance(rows)
 
-    def _refined(self, loads: Floats, wanted: Floats, good_to: float) -> tuple[Floats, Floats]:
+    def _refined(self, loads: Floats, wanted: Floats, with_pulls: bool) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k).
 
-        Refinement goes on until residuals are `good_to`, or it gains no more, in one sum of all columns with signs at
-        random: products with all of them cost more than their solutions.
+        Refinement goes on until residuals are round-off by the terms that they are sums of, or it gains no more, in one
+        sum of all columns with signs at random: products with all of them cost more than their solutions.
         """
-        return self._corrected(self._factorization.solve(loads, wanted), loads, wanted, good_to)
+        return self._corrected(self._factorization.solve(loads, wanted, with_pulls), loads, wanted)
 
     def corrected(self, found: tuple[Floats, Floats], loads: Floats, given: Floats) -> tuple[Floats, Floats]:
         """What `solve` gives for loads (n,) or (n, k) and `given` (m,) or (m, k), from what was `found` otherwise.
@@ -111,17 +110,15 @@ class ConstrainedSystem:
         columns = loads.reshape(len(loads), -1)
         wanted = given.reshape(len(given), columns.shape[1])
         near = (u.reshape(columns.shape), multipliers.reshape(wanted.shape))
-        better = self._corrected(near, columns, wanted, ROUND_OFF)
+        better = self._corrected(near, columns, wanted)
         return better[0].reshape(u.shape), better[1].reshape(multipliers.shape)
 
-    def _corrected(
-        self, found: tuple[Floats, Floats], loads: Floats, wanted: Floats, good_to: float
-    ) -> tuple[Floats, Floats]:
+    def _corrected(self, found: tuple[Floats, Floats], loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) from those `found`, with corrections as `_refined` has them."""
         (u, multipliers), sign, last = found, _signs(loads), np.inf
         for _ in range(REFINEMENTS):
             error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
-            if error <= good_to or error > 0.5 * last:
+            if error <= ROUND_OFF or error > 0.5 * last:
                 break
             last = error
             du, dm = self._factorization.solve(self._residual(loads, u, multipliers), wanted - self.constraints @ u)
