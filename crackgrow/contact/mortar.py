@@ -8,7 +8,8 @@ f_0 d and f_1 d long at its ends:
 The functions are hats, linear in the arc length, so that a linear pressure is met. Only between a rim and the node next
 to it they are the biorthogonal pair 2 - 3 x and 3 x - 1 (x from 0 to 1 along the piece; Wohlmuth 2000, SIAM J. Numer.
 Anal. 38, 989-1012): the force of the node on the rim then acts at the rim, and a block topples when its weight passes
-over its edge. Of a hat it would act a third of d inside.
+over its edge. Of a hat it would act a third of d inside. Where interfaces end on each other, at the foot of columns
+that stand side by side, the corners of bodies are such rims, too.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ TIE = 1e-6
 """What a length may lack, in cells or pieces, and counts all the same: rounding never decides."""
 
 RIM, KINK, JUNCTION, TIP, BARE_KINK = range(5)
-"""What a stretch can end at: a bare kink is one without a node."""
+"""What a stretch can end at: a rim of rock, a bare kink is one without a node, a junction one of cracks in rock."""
 
 END_PIECE = np.array([0.0, 0.0, 0.5, 1.0, 1.0])
 """Length of the constant piece over the distance of the nodes; at junctions of cracks, unlike at tips, faces move."""
@@ -106,7 +107,7 @@ def _kinds(cover: Cover, index: int, ends: Floats, in_cells: Floats) -> Ints:
     kind = np.full(m + 1, KINK)
     kind[[0, -1]] = [TIP if at_tip else RIM for at_tip in (surface.line.tip_at_start, surface.line.tip_at_end)]
     at_junction = np.isin(ends, arc_lengths(surface.line.points)[surface.line.junctions])
-    kind[at_junction] = JUNCTION if surface.name.is_crack else TIP
+    kind[at_junction] = JUNCTION if surface.name.is_crack else RIM
     of_stretch = kind[np.arange(m)[:, None] + np.arange(2)]
     neighbour = np.concatenate([[np.inf], np.diff(in_cells), [np.inf]])[np.arange(m)[:, None] + np.array([0, 2])]
     return np.where((of_stretch == KINK) & (neighbour < KINK_ROOM - TIE), BARE_KINK, of_stretch)

@@ -302,20 +302,18 @@ output: {frames: none, figures: false}
 """
 
 
-def test_columns_that_topple_are_named_and_come_to_limit_equilibrium_with_smaller_cells(tmp_path: Path) -> None:
+def test_columns_that_topple_are_named_at_their_limit_equilibrium(tmp_path: Path) -> None:
     """The high one turns about its lower corner and pushes the top of the low one, which turns, too (Goodman, Bray
-    1976). Where three bodies meet contact ends inside of the corner: the factor comes from below.
+    1976). Forces at the foot that balance each other may let friction between the columns hold more than that.
     """
     s, c = float(np.sin(np.deg2rad(20.0))), float(np.cos(np.deg2rad(20.0)))
     push = 4.0 * (2.0 * s - 0.5 * c)  # over the weight of the low one, at a height of 1
     exact = 0.6 * push / (push + 0.5 * s - 0.5 * c)
-    factors = []
     for spacing in (0.5, 0.125):
         text = COLUMNS.replace("GRAVITY", str([-9.81 * s, -9.81 * c])).replace("SPACING", str(spacing))
         safety = run(tmp_path, text)[1].safety
         assert safety is not None
-        factors.append(safety.factor / exact)
+        assert safety.factor == pytest.approx(exact, rel=1e-3)
         assert re.search(
             r"hold up to 1\.\d+: there body 'low' \(and with it body 'high'\).* turns about", safety.mechanism
         )
-    assert 0.7 < factors[0] < 0.85 < factors[1] < 1.0

@@ -1,10 +1,13 @@
-"""Blocks that topple: a stack turns about its lower corner when its weight passes over it, at any spacing."""
+"""Blocks that topple: they turn about their lower corners when their weight passes over these, at any spacing."""
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 import pytest
 
-from crackgrow.case import load_case
+from crackgrow.case import Case, load_case
 from crackgrow.errors import SolveError
 from tests.verification.solutions import solve_case
 
@@ -46,3 +49,54 @@ def test_a_stack_topples_when_its_weight_passes_over_its_edge(tmp_path, spacing:
     path.write_text(stack(1.005 / HEIGHT, spacing), encoding="utf-8")
     with pytest.raises(SolveError, match=r"free to move|contact does not hold"):
         solve_case(load_case(path))
+
+
+COLUMN_TILT = 2.5 / 8.5
+"""Tangent at which the high column, 1 x 4, turns about its foot, pushes the top of the low one, 1 x 1, and turns it.
+
+With the push F at the height h, the weights 4 w and w, and smooth faces between them (Goodman, Bray 1976, "Toppling of
+rock slopes"): F h = 4 w (2 sin - cos / 2) of the high one, F h = w (cos - sin) / 2 of the low one.
+"""
+
+
+def columns(tilt: float, spacing: float, side: float, turn: float) -> dict[str, Any]:
+    """Two columns on a base, tilted towards the low one, which is on a side, 1 or -1; all is turned by degrees."""
+    c, s = np.cos(np.deg2rad(turn)), np.sin(np.deg2rad(turn))
+
+    def placed(*points: tuple[float, float]) -> list[list[float]]:
+        found = np.array([(side * x, y) for x, y in points]) @ np.array([[c, s], [-s, c]])
+        return (found if side > 0.0 else found[::-1]).tolist()
+
+    def body(points: list[list[float]]) -> dict[str, Any]:
+        return {"shape": {"polygon": points}, "material": {"young": 1e10, "poisson": 0.2, "density": 2500}}
+
+    def upright(x: float, height: float) -> list[list[float]]:
+        return placed((x, 0), (x + 1, 0), (x + 1, height), (x, height))
+
+    def joint(first: str, second: str, friction: float) -> dict[str, Any]:
+        return {"between": [first, second], "contact": {"friction": friction, "cohesion": 0}}
+
+    base, corners = placed((-4, -2), (6, -2), (6, 0), (-4, 0)), placed((-4, -2), (6, -2))
+    weight = (9.81 * np.array(placed((-tilt, -1)))[0] / np.hypot(tilt, 1.0)).tolist()
+    return {
+        "title": "a high column that leans on a low one",
+        "plane": "strain",
+        "bodies": {"base": body(base), "low": body(upright(0, 1)), "high": body(upright(1, 4))},
+        "interfaces": [joint("base", "low", 3), joint("base", "high", 3), joint("low", "high", 0)],
+        "supports": [{"at": corner, "displacement": {"x": 0, "y": 0}} for corner in corners],
+        "loads": [{"body": name, "gravity": weight} for name in ("low", "high")],
+        "numerics": {"spacing": spacing},
+    }
+
+
+@pytest.mark.parametrize(
+    ("spacing", "side", "turn"),
+    [(0.5, 1.0, 0.0), (0.25, 1.0, 0.0), (0.125, 1.0, 0.0), (0.25, -1.0, 0.0), (0.2, 1.0, 25.0)],
+)
+def test_columns_side_by_side_topple_about_the_corner_where_three_bodies_meet(
+    spacing: float, side: float, turn: float
+) -> None:
+    """With a constant end piece there, whose force lies inside, they fell at 0.47 to 0.90 of this tilt."""
+    solve_case(Case.from_dict(columns(0.998 * COLUMN_TILT, spacing, side, turn)))
+    with pytest.raises(SolveError, match=r"body '\w+' \(and with it body '\w+'\) is free to move"):
+        solve_case(Case.from_dict(columns(1.002 * COLUMN_TILT, spacing, side, turn)))
