@@ -151,8 +151,8 @@ def _check_codes(n_within: int, n_across: int) -> None:
     for what, n, most in (("unknowns at one place", n_within, WITHIN), ("places along an axis", n_across, ACROSS)):
         if n > most:
             raise SolveError(
-                f"{n} {what}, at most {most} can be told apart: use another numerics.spacing, or fewer "
-                "tips at one place"
+                f"{n} {what}, at most {most} can be told apart: use larger cells (numerics.spacing, "
+                "numerics.refine), or fewer tips at one place"
             )
 
 
