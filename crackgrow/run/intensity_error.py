@@ -18,7 +18,7 @@ l: at each kink of more than 20 degrees the longer of the two stretches that mee
 pressed, else 0.05. Kinks have no functions of their own.
 
 The square is of cracks below three cells. The term with d is there where something lies closer than a cell, d, to the
-tip. P is what K_II alone is off by where faces part between contact points (`run.parting`).
+tip. P is what K_II alone is off by, by cohesion, where faces part between contact points (`run.parting`).
 
 Fitted and checked in tests/verification/test_intensity_error.py: it holds for 95 % of tips; the median of bound over
 error is 3 there, and 12 on random scenes. It is no estimate for one tip.
@@ -64,7 +64,7 @@ def intensity_errors(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> l
         clear = intensity.radius / (KEPT_CLEAR * h)
         if intensity.small and clear < 1.0:
             bound += OF_CROWDING * largest / np.sqrt(clear)
-        found.append((float(intensity.K_I_spread + bound), float(intensity.K_II_spread + bound + missed[end].at_most)))
+        found.append((float(intensity.K_I_spread + bound), float(intensity.K_II_spread + bound + missed[end].lost)))
     return found
 
 

@@ -96,10 +96,15 @@ def _places_for(solution: StepSolution, found: Mapping[End, Partings]) -> tuple[
     allowed = PART_OF_PARTING * _target(solution) * largest_K(solution)
     largest_cell = 0.5**scene.halvings.everywhere * scene.case.numerics.spacing
     for each in found.values():
-        for x, y, to_x, to_y, stretch, K in np.column_stack([each.places, each.stretches, each.K]).tolist():
+        share = allowed / max(len(each.K), 1)
+        for x, y, to_x, to_y, cell, K, of_shear in np.column_stack([
+            each.places, each.cells, each.K, each.of_shear,
+        ]).tolist():  # fmt: skip
             if not NOTHING * allowed < K:  # nor where two contact points are in one place, as at kinks
                 continue
-            size = stretch * min(max(allowed / (len(each.K) * K), 0.5**MOST_AT_ONCE), 1.0)
+            # the rest of K falls with the square of the cells: a part f of them leaves f of_shear + f^2 (K - of_shear)
+            part = 2.0 * share / (of_shear + math.sqrt(of_shear**2 + 4.0 * share * (K - of_shear)))
+            size = cell * min(max(part, 0.5**MOST_AT_ONCE), 2.0)
             more = min(math.ceil(math.log2(max(largest_cell / size, 1.0))), MOST_LEVELS)
             times[x, y, to_x, to_y] = max(more, times.get((x, y, to_x, to_y), 0))
     return tuple((x, y, to_x, to_y, more) for (x, y, to_x, to_y), more in times.items() if more)

@@ -21,12 +21,14 @@ where it is largest, since an error may pass through zero at one of them, and B 
     nor so often: all twice, or half, as large              E = 0.45 sqrt(D B)       3 E
     nothing to hold K against                               not known                B
 
-What K misses where faces part (`run.parting`) is not told by D, which that on larger cells may be most of: it is taken
-off for both kinds of cells, and half of that for these, which is at most, counts beside D and S.
-
 Where faces touch at the contact point next to a tip K_I is that of faces that touch up to the tip, and not more but by
-a stretch that no contact point sees. What K_I is beyond that comes from cells too large for the pressure along the
-faces, on other cells, too. That, G, is the error at most: E is half of G at least.
+a stretch that no contact point sees. What K_I is beyond that, G, comes from cells too large for the pressure along the
+faces, on other cells, too. So does what K misses where faces part (`run.parting`): cells there can be the same for
+both. It is of K_I, by pressure, and of K_II, by the friction times that and by cohesion. All of it together is that
+error at most: half of it counts beside D and S.
+
+Where cells at partings are not the same, what is missed on larger ones may be most of D. It is taken off for both kinds
+of cells: all that is missed of cohesion, and half of what is missed of pressure, most of which is less.
 
 How often these are right: tests/benchmarks/targets.md. What the criterion says on the other cells is kept, too
 (`run.growth_error`). Cells that are the same but at kinks would cost a quarter less,
@@ -165,11 +167,13 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Differe
 
 
 def _apart(here: TipState, there: TipState, missed: tuple[Partings, Partings], law: SurfaceLaw) -> float:
-    """sqrt(D^2 + S^2), with what K misses where faces part on both kinds of cells; half of G at least."""
-    K, missing = here.intensity, [each.at_most for each in missed]
-    unexplained, beyond = max(math.dist(there.K, here.K) - sum(missing), 0.0), _beyond_touching(K, law)
-    E = math.hypot(unexplained, K.K_I_spread, K.K_II_spread, max(-beyond, 0.0), missing[0] / AT_MOST)
-    return max(E, beyond / AT_MOST) if missed[0].touches else E
+    """sqrt(D^2 + S^2), with what K misses where faces part, and what it is beyond that of faces that touch."""
+    K, mine, beyond = here.intensity, missed[0], _beyond_touching(here.intensity, law)
+    unexplained = math.dist(there.K, here.K) - sum(each.lost + each.K_I / AT_MOST for each in missed)
+    misplaced = mine.K_I + (max(beyond, 0.0) if mine.touches else 0.0)
+    most = math.hypot(misplaced, mine.lost + mine.friction * misplaced)
+    spread = (K.K_I_spread, K.K_II_spread)
+    return math.hypot(max(unexplained, 0.0), *spread, max(-beyond, 0.0), most / AT_MOST)
 
 
 def _beyond_touching(K: StressIntensity, law: SurfaceLaw) -> float:

@@ -7,12 +7,13 @@ stress, for what a fluid takes off p, f - f (x / a)^8, with a mean m by the weig
     K_II = (t - mu (p - m)) sqrt(pi a) / (1 + mu tan(psi)),    K_I = tan(psi) K_II,    m = 93 f / 128
 
 and m = 35 f / 128 for f (x / a)^8. Where cells are too large for a pressure that rises towards the tips the faces
-overlap next to them, on other cells, too, and where that falls they gape, though the next contact point is closed.
+overlap next to them, on other cells, too, and where that falls they gape, though the next contact point is closed. The
+pressure that is wrong there makes the friction wrong, too: K_I and K_II are off together.
 """
 
 from __future__ import annotations
 
-from math import pi, radians, sqrt, tan
+from math import hypot, pi, radians, sqrt, tan
 from pathlib import Path
 
 import pytest
@@ -65,5 +66,5 @@ def test_faces_that_slip_open_by_dilation_up_to_the_tips(
     slope = tan(radians(angle))
     K_II = (SHEAR - FRICTION * (PRESSURE - share * FLUID)) * sqrt(pi * HALF) / (1.0 + FRICTION * slope)
     for tip in step.tips:
-        assert abs(tip.K_I - slope * K_II) <= tip.K_I_error + WIDE * K_II
-        assert abs(abs(tip.K_II) - K_II) <= tip.K_II_error + WIDE * K_II
+        off = hypot(tip.K_I - slope * K_II, abs(tip.K_II) - K_II)
+        assert off <= max(tip.K_I_error, tip.K_II_error) + WIDE * K_II

@@ -1,5 +1,8 @@
 """K of cracks whose faces part over a stretch next to a tip, and lose the cohesion there that slip has left them.
 
+Where they part far from the tip cells are large, on other cells, too. Where they part so near to the tip that no
+contact point is open K_I is that of cells too large for the pressure, and far too large.
+
 A fluid takes the pressure off a flaw in a wide plate, more so towards its end: the faces part over the last stretch.
 With the pressure g (x0 - x) that is left, the stretch is 2 l = 4 (a - x0) / 3 long, since K_I is zero at its inner end,
 and K_I = g l sqrt(pi l) at the tip. Without friction the shear c of the cohesion is missing there alone:
@@ -35,7 +38,7 @@ bodies:
 cracks:
   flaw:
     path: {{points: [[-10, 0], [10, 0]]}}
-    contact: {{friction: 0, cohesion: 3, cohesion_after_slip: kept}}
+    contact: {{friction: 0, cohesion: {cohesion}, cohesion_after_slip: kept}}
 loads:
   - {{on: {{body: rock, edge: top}}, traction: [5, -10]}}
   - {{on: {{body: rock, edge: bottom}}, traction: [-5, 10]}}
@@ -48,10 +51,12 @@ output: {{figures: false, frames: none, report: false}}
 """
 
 
-def end_of_flaw(folder: Path, slope: float, zero: float, target: str) -> tuple[TipResult, bool]:
+def end_of_flaw(
+    folder: Path, slope: float, zero: float, target: str, cohesion: float = 1e-6 * COHESION
+) -> tuple[TipResult, bool]:
     """The end, and whether the run says that its target is missed."""
     file = folder / "scene.yaml"
-    file.write_text(PLATE.format(slope=slope, zero=zero, target=target))
+    file.write_text(PLATE.format(slope=slope, zero=zero, target=target, cohesion=cohesion))
     step = next(grow(load_case(file)))
     told = any(caution.cause is Cause.TARGET for caution in step.cautions)
     return next(tip for tip in step.tips if tip.tip == "end"), told
@@ -82,3 +87,26 @@ def test_the_bound_of_a_name_knows_of_a_stretch_that_its_cells_do_not_see(
 ) -> None:
     (tip, _), (_, K_II) = end_of_flaw(tmp_path, slope, zero, name), exact(slope, zero)
     assert abs(tip.K_II - K_II) <= tip.K_II_error
+
+
+@pytest.mark.parametrize(("slope", "zero"), [(3.0, 6.0), (5.0, 6.0), (5.0, 7.0)])
+@pytest.mark.parametrize("accuracy", ["draft", "standard", "3 %", "1 %", "0.3 %"])
+def test_the_bound_knows_of_pressure_where_faces_part_far_from_the_tip(
+    tmp_path: Path, slope: float, zero: float, accuracy: str
+) -> None:
+    (tip, told), (K_I, _) = end_of_flaw(tmp_path, slope, zero, accuracy, cohesion=0.0), exact(slope, zero)
+    K_II = SHEAR * np.sqrt(np.pi * HALF)
+    off, bound = np.hypot(tip.K_I - K_I, tip.K_II - K_II), max(tip.K_I_error, tip.K_II_error)
+    assert off <= bound + WIDE * np.hypot(K_I, K_II)
+    assert not told
+
+
+@pytest.mark.parametrize("slope", [0.5, 5.0, 50.0])
+@pytest.mark.parametrize("zero", [9.9, 9.6, 9.3])
+@pytest.mark.parametrize("accuracy", ["draft", "standard", "3 %", "1 %", "0.3 %"])
+def test_the_bound_holds_where_a_tip_opens_more_closely_than_any_contact_point_sees(
+    tmp_path: Path, slope: float, zero: float, accuracy: str
+) -> None:
+    (tip, _), (K_I, _) = end_of_flaw(tmp_path, slope, zero, accuracy, cohesion=0.0), exact(slope, zero)
+    K_II = SHEAR * np.sqrt(np.pi * HALF)
+    assert np.hypot(tip.K_I - K_I, tip.K_II - K_II) <= tip.K_I_error + WIDE * np.hypot(K_I, K_II)
