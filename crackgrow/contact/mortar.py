@@ -60,6 +60,12 @@ does not follow the faces.
 CLOSEST = 0.55
 """They are too close below this part of the distance that is asked for: then tractions say nothing for themselves."""
 
+CORNER_ROOM = 2.0
+"""Cells: a stretch has a node on a junction that is a rim if it is at least this long. Of shorter ones, as between two
+cracks that end on both sides of a third one, nodes on both ends and between them would say the same: at 0.1 cells
+their pressures were 0 to twice what is there.
+"""
+
 THREE_NODES = 1.0
 """Cells: from here on a stretch with a node on a kink has three, however close. Shorter ones are not resolved."""
 
@@ -115,12 +121,16 @@ def _kinds(surface: Surface, ends: Floats, in_cells: Floats, passed: Counter[byt
     line, m = surface.line, len(ends) - 1
     kind = np.full(m + 1, KINK)
     kind[[0, -1]] = [TIP if at_tip else RIM for at_tip in (line.tip_at_start, line.tip_at_end)]
+    at_corner = np.zeros(m + 1, dtype=bool)
     vertices = np.searchsorted(arc_lengths(line.points), ends)
     for number, vertex in enumerate(vertices.tolist()):
         if line.junctions[vertex]:
+            kind[number] = JUNCTION
             goes_on = 0 < number < m and passed[line.points[vertex].tobytes()] == 1
-            kind[number] = RIM if goes_on or not surface.name.is_crack else JUNCTION
-    of_stretch = kind[np.arange(m)[:, None] + np.arange(2)]
+            at_corner[number] = goes_on or not surface.name.is_crack
+    both = np.arange(m)[:, None] + np.arange(2)
+    has_room = np.diff(in_cells)[:, None] >= CORNER_ROOM - TIE
+    of_stretch = np.where(at_corner[both] & has_room, RIM, kind[both])
     neighbour = np.concatenate([[np.inf], np.diff(in_cells), [np.inf]])[np.arange(m)[:, None] + np.array([0, 2])]
     return np.where((of_stretch == KINK) & (neighbour < KINK_ROOM - TIE), BARE_KINK, of_stretch)
 

@@ -167,7 +167,7 @@ class ContactOutcome:
     complementarity: float  # relative
     notes: tuple[str, ...]  # what the user should know of how it was solved
     residual: float = float("nan")  # of equilibrium, relative; nan where it was not looked at
-    largest_terms: float = float("nan")  # N/m: the most that terms add up to, without signs, of a force in the rock
+    largest_terms: float = float("nan")  # N/m: the absolute terms of a force in the rock, where their sum is largest
 
     def scaled(self, share: float) -> ContactOutcome:
         """The outcome of `share` times the loads, where states are in proportion to them."""

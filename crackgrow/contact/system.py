@@ -74,13 +74,13 @@ class ContactSystem:
         return abs(self.operator)
 
     @property
-    def free(self) -> tuple[Floats, Floats]:
-        """Displacements (n_dofs, l) m and multipliers (m, l) under each of the loads, without tractions."""
-        return self._found[:2]
+    def without_tractions(self) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs, l) m and multipliers (m, l) under each of the loads alone."""
+        return self._at_once[:2]
 
     @cached_property
-    def _found(self) -> tuple[Floats, Floats, Floats]:
-        """What is `free`, and the jumps (2 n,) m under `_push`: solved for together, since that reads factors once."""
+    def _at_once(self) -> tuple[Floats, Floats, Floats]:
+        """What is `without_tractions`, and the jumps (2 n,) m under `_push`: solved together, factors are read once."""
         (m, n_dofs), k, pushes = self.system.constraints.shape, self.loads.shape[1], not self._few
         loads, given = np.zeros((n_dofs, k + 1)), np.zeros((m, k + 1))
         if k:
@@ -126,7 +126,7 @@ class ContactSystem:
         Mostly it is at a few, where functions nearly depend on others: their loads are solved for. That tells them from
         others, too, at which the solution for tractions at all points is what is rough.
         """
-        known = self._found[2]
+        known = self._at_once[2]
         off, size = np.abs(compliance @ self._push - known), ROUGH * float(np.abs(known).max(initial=0.0))
         if off.max(initial=0.0) > size:
             some = np.flatnonzero(off > DOUBTFUL * size)
@@ -140,10 +140,10 @@ class ContactSystem:
 
     def with_law(self, law: ContactLaw) -> ContactSystem:
         """The same rock behind another law; what is known of it stays known where the same points resist slip."""
-        other = replace(self, law=law)
+        other, known = replace(self, law=law), {"operator", "operator_sizes", "_at_once", "moving"}
         if np.array_equal(law.resists, self.law.resists):
-            known = ("operator", "operator_sizes", "_found", "rock", "_per_traction", "moving")
-            other.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
+            known |= {"rock", "_per_traction"}
+        other.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
         return other
 
     @property

@@ -87,11 +87,19 @@ class Configuration:
     held: Constraints  # with given displacements at load factor 1
     contact: ContactSystem
     faces: ContactFaces
-    scaled: Floats  # (n_dofs,) N/m, loads at load factor 1
-    constant: Floats  # (n_dofs,) N/m, loads that are held
     sites: tuple[Site, ...]  # the tips of the cover in their order, then places where cracks may start
     readings: Readings
     seconds: dict[str, float]
+
+    @property
+    def scaled(self) -> Floats:
+        """Loads (n_dofs,) N/m at load factor 1."""
+        return self.contact.loads[:, 0]
+
+    @property
+    def constant(self) -> Floats:
+        """Loads (n_dofs,) N/m that are held."""
+        return self.contact.loads[:, 1]
 
     def loads(self, level: LoadLevel) -> Floats:
         """Loads (n_dofs,) N/m."""
@@ -140,13 +148,14 @@ class Configuration:
 
     def with_gone(self, gone: Sequence[Gone]) -> Configuration:
         """The configuration with forces by which rock that is gone held it, as far as they are not released."""
+        if not gone:
+            return self
         scaled, constant = self.scaled.copy(), self.constant.copy()
         for rock in gone:
             a, b = self.scene.parts_of_gone(rock.body)
             constant += a * rock.forces
             scaled += b * rock.forces
-        contact = replace(self.contact, loads=_each_load(scaled, constant))
-        return replace(self, contact=contact, scaled=scaled, constant=constant)
+        return replace(self, contact=replace(self.contact, loads=_each_load(scaled, constant)))
 
     def increment(self, level: LoadLevel, memory: ContactMemory) -> tuple[Increment, Floats]:
         """An increment from `memory` on, and the jumps (2 n,) m without tractions at its end."""
@@ -270,7 +279,7 @@ class Configuration:
     @cached_property
     def _units(self) -> _Units:
         """What each of the loads does without contact tractions."""
-        loads, loose, (u, multipliers) = self.contact.loads, self.contact.loose, self.contact.free
+        loads, loose, (u, multipliers) = self.contact.loads, self.contact.loose, self.contact.without_tractions
         conjugates = np.vstack([loads[:, :2].T @ u, -self.held.given @ multipliers])
         mirrored = np.outer(SIGNS, SIGNS) * conjugates.T  # the same of reciprocal rock, but for round-off
         conjugates = 0.5 * (conjugates + mirrored)
@@ -314,14 +323,12 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     loads, given = _each_load(scaled, constant), np.outer(held.given, (0.0, 0.0, 1.0))
     contact = ContactSystem(system, *operators, weights, law, solver, loose, loads, given)
     readings = Readings(cover, stiffness.named, None if before is None else before.readings)
-    return Configuration(
-        scene, growing, cover, stiffness, held, contact, faces, scaled, constant, sites, readings, seconds
-    )
+    return Configuration(scene, growing, cover, stiffness, held, contact, faces, sites, readings, seconds)
 
 
 def _each_load(scaled: Floats, constant: Floats) -> Floats:
     """Loads (n_dofs, 3) N/m of which all that act are a sum: the scaled, the constant, none beside what is given."""
-    return np.column_stack([scaled, constant, np.zeros(len(scaled))])
+    return np.stack([scaled, constant, np.zeros(len(scaled))]).T
 
 
 def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Floats, Floats]:

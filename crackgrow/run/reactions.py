@@ -85,4 +85,4 @@ def imbalance(solution: StepSolution) -> float:
     held = [np.array(reaction.force) for reaction in external]
     size = float(np.abs(solution.loads).sum() + sum(np.hypot(*force) for force in held))
     left = float(np.abs(sum(held, start=total_load(solution))).max())
-    return left / size if size > NO_FORCES * state.outcome.largest_terms else 0.0
+    return 0.0 if size <= NO_FORCES * state.outcome.largest_terms else left / size

@@ -30,7 +30,7 @@ class Residual:
     size: float  # relative
     dof: int  # the unknown
     terms: float  # size of what the stress forces there are the sum of, relative as well
-    largest_terms: float  # N/m: the same where it is largest
+    largest_terms: float  # N/m: that size where it is largest, not relative
 
     def told(self, cover: Cover) -> str:
         """What to say of it where it is too large."""

@@ -304,16 +304,17 @@ output: {frames: none, figures: false}
 
 def test_columns_that_topple_are_named_at_their_limit_equilibrium(tmp_path: Path) -> None:
     """The high one turns about its lower corner and pushes the top of the low one, which turns, too (Goodman, Bray
-    1976). Forces at the foot that balance each other may let friction between the columns hold more than that.
+    1976). Forces at the foot that balance each other may let friction between the columns hold more than that: up to
+    1.32 times as much (linear programming with rigid columns); how much follows from the elastic rock.
     """
     s, c = float(np.sin(np.deg2rad(20.0))), float(np.cos(np.deg2rad(20.0)))
     push = 4.0 * (2.0 * s - 0.5 * c)  # over the weight of the low one, at a height of 1
     exact = 0.6 * push / (push + 0.5 * s - 0.5 * c)
-    for spacing in (0.5, 0.125):
+    for spacing, most in ((0.5, 1.001), (0.125, 1.001), (0.0625, 1.05)):
         text = COLUMNS.replace("GRAVITY", str([-9.81 * s, -9.81 * c])).replace("SPACING", str(spacing))
         safety = run(tmp_path, text)[1].safety
         assert safety is not None
-        assert safety.factor == pytest.approx(exact, rel=1e-3)
+        assert 0.999 < safety.factor / exact < most
         assert re.search(
             r"hold up to 1\.\d+: there body 'low' \(and with it body 'high'\).* turns about", safety.mechanism
         )

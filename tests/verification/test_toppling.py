@@ -114,3 +114,51 @@ def test_columns_side_by_side_topple_about_the_corner_where_three_pieces_meet(
     solve_case(Case.from_dict(columns(0.998 * COLUMN_TILT, spacing, side, turn, cracked)))
     with pytest.raises(SolveError, match=r"'\w+'.* \(and with it .* '\w+'.*\) is free to move"):
         solve_case(Case.from_dict(columns(1.002 * COLUMN_TILT, spacing, side, turn, cracked)))
+
+
+def offset_joints(offset: float, cracked: bool) -> dict[str, Any]:
+    """Four blocks under a load; the joints between the upper and the lower ones are `offset` apart, cells of 0.25 m."""
+    x = 2.0 + 0.25 * offset
+    blocks = {
+        "a": [[0, 0], [2, 0], [2, 1], [0, 1]],
+        "b": [[2, 0], [4, 0], [4, 1], [2, 1]],
+        "c": [[0, 1], [x, 1], [x, 2], [0, 2]],
+        "d": [[x, 1], [4, 1], [4, 2], [x, 2]],
+    }
+    rough, material = {"friction": 3, "cohesion": 0}, {"young": 1e10, "poisson": 0.2}
+    top, ends = [1e5, -1e6], {"left": [5e5, 0], "right": [-5e5, 0]}
+    scene: dict[str, Any] = {"title": "joints on both sides of another one", "plane": "strain"}
+    if cracked:
+        paths = {"host": [[0, 1], [4, 1]], "lower": [[2, 0], [2, 1]], "upper": [[x, 1], [x, 2]]}
+        scene["bodies"] = {"rock": {"shape": {"polygon": [[0, 0], [4, 0], [4, 2], [0, 2]]}, "material": material}}
+        scene["cracks"] = {
+            name: {"path": {"points": path}, "tips": "none", "contact": rough} for name, path in paths.items()
+        }
+        on = {"bottom": [("rock", 0)], "top": [("rock", 2)], "left": [("rock", 3)], "right": [("rock", 1)]}
+    else:
+        scene["bodies"] = {name: {"shape": {"polygon": block}, "material": material} for name, block in blocks.items()}
+        scene["interfaces"] = [{"between": list(pair), "contact": rough} for pair in ("ab", "cd", "ac", "bd", "bc")]
+        on = {
+            "bottom": [("a", 0), ("b", 0)], "top": [("c", 2), ("d", 2)],
+            "left": [("a", 3), ("c", 3)], "right": [("b", 1), ("d", 1)],
+        }  # fmt: skip
+    place = {side: [{"body": body, "edge": edge} for body, edge in edges] for side, edges in on.items()}
+    scene["supports"] = [{"on": region, "displacement": {"y": 0}} for region in place["bottom"]]
+    scene["supports"].append({"at": [0, 0], "displacement": {"x": 0}})
+    loads = {"top": top, **ends}
+    scene["loads"] = [{"on": region, "traction": load} for side, load in loads.items() for region in place[side]]
+    return scene | {"numerics": {"spacing": 0.25}}
+
+
+@pytest.mark.parametrize("cracked", [False, True])
+@pytest.mark.parametrize("offset", [0.01, 0.02, 0.08, 0.2, 0.4, 0.8, 1.6])
+def test_the_pressure_is_smooth_between_joints_that_end_on_both_sides_of_another_one(
+    offset: float, cracked: bool
+) -> None:
+    """With nodes on both corners and between them it was up to 3.9 times as large on the short stretch, or zero."""
+    solution = solve_case(Case.from_dict(offset_joints(offset, cracked))).solution
+    points, normal = solution.faces.nodes.points, solution.outcome.points.normal
+    lattice, level = solution.cover.lattice, np.abs(solution.faces.nodes.normal[:, 1]) > 0.5
+    there = level & (np.abs(lattice.to_metres(points)[:, 0] - 2.0) < 0.6)
+    assert np.count_nonzero(there) > 2
+    assert normal[there] == pytest.approx(-1e6, rel=0.2)
