@@ -8,10 +8,11 @@ f_0 d and f_1 d long at its ends:
 The functions are hats, linear in the arc length, so that a linear pressure is met. Only between a rim and the node next
 to it they are the biorthogonal pair 2 - 3 x and 3 x - 1 (x from 0 to 1 along the piece; Wohlmuth 2000, SIAM J. Numer.
 Anal. 38, 989-1012): the force of the node on the rim then acts at the rim, and a block topples when its weight passes
-over its edge. Of a hat it would act a third of d inside. Rims are the corners of bodies, too, where interfaces meet, as
-at the foot of columns that stand side by side, and those of rock where one crack ends on another, along the one that
-goes on. Nodes on all rims where cracks meet nearly repeat each other: a uniform stress comes through cracks that stick
-to 5e-4 only. So the crack that ends has none there, nor have cracks that cross, or all end.
+over its edge. Of a hat it would act a third of d inside. Rims are the corners of bodies, too, where interfaces meet or
+a crack ends on one, as at the foot of columns that stand side by side, and those of rock where one crack ends on
+another, along the one that goes on. Nodes on all rims where cracks meet nearly repeat each other: a uniform stress
+comes through cracks that stick to 5e-4 only. So the crack that ends has none there, nor have cracks that cross, or all
+end.
 """
 
 from __future__ import annotations

@@ -14,11 +14,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+import yaml
 
 from crackgrow.__main__ import main
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, FreePieceError
 from crackgrow.run.result import RunEnd, StepResult
+from tests.verification.solutions import Solved, solve_case
 from tests.whole_run import whole_run
 
 SLOPE, WEIGHT = np.deg2rad(35.0), 2500.0 * 9.81  # rad, N/m^3
@@ -302,19 +304,73 @@ output: {frames: none, figures: false}
 """
 
 
+COLUMNS_SIN, COLUMNS_COS = float(np.sin(np.deg2rad(20.0))), float(np.cos(np.deg2rad(20.0)))
+PUSH = 4.0 * (2.0 * COLUMNS_SIN - 0.5 * COLUMNS_COS)
+"""Of the high column about its lower corner, 1 m deep: push times height over the weight of the low one, m."""
+
+COLUMNS_LIMIT = 0.6 * PUSH / (PUSH + 0.5 * COLUMNS_SIN - 0.5 * COLUMNS_COS)
+"""Factor with the push on the top of the low column (Goodman, Bray 1976). Lower by h, in parts of the height, the push
+is 1 / h as large, and so is its friction: the factor is this over h."""
+
+
+def standing(spacing: float, side: float = 1.0) -> str:
+    """The columns on such cells; with a side of -1 as in a mirror."""
+    text = COLUMNS.replace("GRAVITY", str([-9.81 * COLUMNS_SIN, -9.81 * COLUMNS_COS]))
+    if side > 0.0:
+        return text.replace("SPACING", str(spacing))
+    scene = yaml.safe_load(text.replace("SPACING", str(spacing)))
+    for body in scene["bodies"].values():
+        ring = body["shape"]["polygon"]
+        body["shape"]["polygon"] = [[-ring[1 - k][0], ring[1 - k][1]] for k in range(len(ring))]  # edge 0 stays first
+    for load in scene["loads"]:
+        load["gravity"][0] *= -1.0
+    return str(yaml.safe_dump(scene))
+
+
 def test_columns_that_topple_are_named_at_their_limit_equilibrium(tmp_path: Path) -> None:
-    """The high one turns about its lower corner and pushes the top of the low one, which turns, too (Goodman, Bray
-    1976). Forces at the foot that balance each other may let friction between the columns hold more than that: up to
-    1.32 times as much (linear programming with rigid columns); how much follows from the elastic rock.
-    """
-    s, c = float(np.sin(np.deg2rad(20.0))), float(np.cos(np.deg2rad(20.0)))
-    push = 4.0 * (2.0 * s - 0.5 * c)  # over the weight of the low one, at a height of 1
-    exact = 0.6 * push / (push + 0.5 * s - 0.5 * c)
-    for spacing, most in ((0.5, 1.001), (0.125, 1.001), (0.0625, 1.05)):
-        text = COLUMNS.replace("GRAVITY", str([-9.81 * s, -9.81 * c])).replace("SPACING", str(spacing))
-        safety = run(tmp_path, text)[1].safety
+    """The high one turns about its lower corner and pushes the top of the low one, which turns, too."""
+    for spacing in (0.5, 0.125):
+        safety = run(tmp_path, standing(spacing))[1].safety
         assert safety is not None
-        assert 0.999 < safety.factor / exact < most
+        assert safety.factor == pytest.approx(COLUMNS_LIMIT, rel=1e-3)
         assert re.search(
             r"hold up to 1\.\d+: there body 'low' \(and with it body 'high'\).* turns about", safety.mechanism
         )
+
+
+@pytest.mark.parametrize(("spacing", "side"), [(0.25, 1.0), (0.1, 1.0), (0.1, -1.0), (0.0625, 1.0)])
+def test_columns_hold_by_how_high_the_push_between_them_acts(spacing: float, side: float, tmp_path: Path) -> None:
+    """Both turn by the same angle, so that they touch all along: small cells let the rock spread the push downwards."""
+    safety = run(tmp_path, standing(spacing, side))[1].safety
+    assert safety is not None
+    weaker = standing(spacing, side).replace("loading: strength_reduction\n", "")
+    for friction in (1.2, 0.6):
+        weaker = weaker.replace(f"friction: {friction}", f"friction: {friction / safety.factor}")
+    last = solve_case(load_case(written(tmp_path, weaker)))
+    forces, places, names = contact_forces(last)
+    weight = 9.81 * 2500.0 * np.array([-side * COLUMNS_SIN, -COLUMNS_COS])
+    for column, middle, heavy in (("low", (0.5, 0.5), 1.0), ("high", (1.5, 2.0), 4.0)):
+        first = np.array([float(name.startswith(column)) - float(name.endswith(column)) for name in names])
+        on_it = first[:, None] * forces
+        np.testing.assert_allclose(on_it.sum(axis=0), -heavy * weight, atol=1e-6 * WEIGHT)
+        turning = cross(places, on_it).sum() + cross(np.array([side * middle[0], middle[1]]), heavy * weight)
+        assert abs(turning) < 1e-6 * WEIGHT
+    joint = names == "low/high"
+    height = (forces[joint, 0] @ places[joint, 1]) / forces[joint, 0].sum()
+    assert safety.factor * height == pytest.approx(COLUMNS_LIMIT, rel=1e-3)
+    assert safety.factor < 1.03 * COLUMNS_LIMIT
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def contact_forces(solved: Solved) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Forces (n, 2) N/m on the first of two bodies, where they act (n, 2) m, and the names (n,) of the interfaces."""
+    contact, faces = solved.result.contact, solved.solution.faces
+    normal = faces.nodes.normal
+    along = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
+    traction = contact.normal_traction[:, None] * normal + contact.tangential_traction[:, None] * along
+    forces = -faces.weights[:, None] * solved.scene.lattice.spacing * traction
+    places = faces.functions @ (faces.lengths[:, None] * faces.points.points) / faces.weights[:, None]
+    return forces, solved.scene.lattice.to_metres(places), np.array(contact.crack)
