@@ -39,10 +39,10 @@ TIE = 1e-6
 """What a length may lack, in cells or pieces, and counts all the same: rounding never decides."""
 
 RIM, KINK, JUNCTION, TIP, BARE_KINK = range(5)
-"""What a stretch can end at: a rim of rock, a bare kink is one without a node, a junction one of cracks in rock."""
+"""What a stretch can end at. A bare kink is one without a node; a junction that is a rim, and has room, is a rim."""
 
 END_PIECE = np.array([0.0, 0.0, 0.5, 1.0, 1.0])
-"""Length of the constant piece over the distance of the nodes; at junctions of cracks, unlike at tips, faces move."""
+"""Length of the constant piece over the distance of the nodes; at junctions, unlike at tips, faces move."""
 
 KINK_ROOM = 2.0
 """Cells: a stretch has a node on its kink with a neighbour that is at least this long.

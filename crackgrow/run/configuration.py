@@ -61,8 +61,6 @@ class _Units:
     load makes.
     """
 
-    u: Floats  # (n_dofs, 3) m
-    multipliers: Floats  # (m, 3)
     jumps: Floats  # (2 n, 3) m: gaps, then slips
     conjugates: Floats  # (3, 3) m N/m: displacement along each of the loads, of each; the third: the force of supports
     pull: Floats  # (l, 3) N/m: what they do on each rigid motion that supports leave free
@@ -225,7 +223,7 @@ class Configuration:
         tractions = np.stack([states.tractions for states in solved], axis=1)
         none = np.zeros(len(self._units.pull))
         motion = np.stack([none if each.solution is None else each.solution.motion for each in solved], axis=1)
-        without = (self._units.u @ shares, self._units.multipliers @ shares)
+        without = self._without_tractions(shares)
         u, multipliers = self.contact.displacements((loads, given), without, tractions, motion)
         return list(zip(np.ascontiguousarray(u.T), np.ascontiguousarray(multipliers.T), strict=True))
 
@@ -242,7 +240,7 @@ class Configuration:
         """
         increment, free = self.increment(level, memory)
         loads, share = self.loads(level), self.shares(level)
-        without = (self._units.u @ share, self._units.multipliers @ share)
+        without = self._without_tractions(share)
         outcome = increment.formed(states, free, (loads, self.given(level)), without, known)
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
@@ -284,7 +282,12 @@ class Configuration:
         mirrored = np.outer(SIGNS, SIGNS) * conjugates.T  # the same of reciprocal rock, but for round-off
         conjugates = 0.5 * (conjugates + mirrored)
         pull = np.zeros((0, 3)) if loose is None else np.stack([loose.along(load) for load in loads.T], axis=1)
-        return _Units(u, multipliers, self.contact.operator @ u, conjugates, pull)
+        return _Units(self.contact.operator @ u, conjugates, pull)
+
+    def _without_tractions(self, shares: Floats) -> tuple[Floats, Floats]:
+        """Displacements (n_dofs,) m and multipliers (m,) under such `shares` (3,) of the loads; of k states: (3, k)."""
+        u, multipliers = self.contact.without_tractions
+        return u @ shares, multipliers @ shares
 
 
 def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:
