@@ -80,8 +80,8 @@ TIPS: Final = File(
         Column("velocity", "m/s", "of the tip, by v = v_max (K/K_c)^n; nan but with `growth.law: subcritical`"),
         Column("K_error_expected", "Pa sqrt(m)", "error of K_I and K_II together that is expected, mostly right within "
                "a factor of two; nan where it is not measured: the spacing is given, strength is reduced, "
-               "unknowns are very many, what was added to the crack is over twice what it was when K was measured, or "
-               "what lies nearest to the tip is a third nearer than it was then"),
+               "unknowns are very many, or, without a target, what was added to the crack is over twice what it was "
+               "when K was measured, or what lies nearest to the tip is a third nearer than it was then"),
         Column("criticality", "", "stress of the criterion over the strength, of the branch by which the tip grows or "
                "would: 1 and more where it is met; of two tips the one with more grows first; nan without growth"),
     ),

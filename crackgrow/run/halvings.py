@@ -114,6 +114,8 @@ class Accuracy:
     turns: tuple[float, ...] = ()  # rad, like bounds: by what the direction of growth was another there; nan: not known
     criticalities: tuple[float, ...] = ()  # the same of the criticality, of itself; of a load that bonds break at
     jumps: bool = False  # whether they do: the other cells had their own load then
+    widened: tuple[float, ...] = ()  # tip by tip: how much wider bounds are than as measured; nothing: they are not
+    coarser: tuple[int, ...] = ()  # crack by crack: how often its cells have been doubled since; nothing: never
 
     def shares(self, crack: int | None = None) -> list[float]:
         """Bounds over the largest K, of the tips of one crack or of all, where they are known; or that of the goal."""
@@ -126,7 +128,7 @@ class Accuracy:
 
 def record_of(accuracy: Accuracy) -> dict[str, Any]:
     """An accuracy as plain data, which knows no nan."""
-    names = ("ends", "largest", "grown", "fitted", "missed", "age", "jumps")
+    names = ("ends", "largest", "grown", "fitted", "missed", "age", "jumps", "widened", "coarser")
     record = {name: getattr(accuracy, name) for name in names}
     record["goal"] = None if math.isnan(accuracy.goal) else accuracy.goal if math.isfinite(accuracy.goal) else "inf"
     for name in ("bounds", "expected", "rooms", "turns", "criticalities"):
@@ -162,4 +164,6 @@ def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
         turns=of_tips("turns"),
         criticalities=of_tips("criticalities"),
         jumps=record.get("jumps", False),
+        widened=tuple(record.get("widened", ())),
+        coarser=tuple(record.get("coarser", ())),
     )

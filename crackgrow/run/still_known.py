@@ -1,9 +1,14 @@
 """For how long what was measured of the error of K holds while cracks grow.
 
 What is known of the K of a crack holds until what was added to it is over twice as long, or one of its tips more or
-less is there; of the K of a tip until what lies nearest is a third nearer. For a target all of it has to hold. A name
-chooses no cells by it: it is measured anew once what was added to all cracks together is over twice as long, or where
-it holds no more at a tip, but after a step for each tip at the soonest. Until then the fitted bound tells of such tips.
+less is there; of the K of a tip until what lies nearest is a third nearer.
+
+A name chooses no cells by it. K is measured anew once what was added to all cracks together is over twice as long, or
+where what was known holds no more at a tip, but after a step for each tip at the soonest. Until then the fitted bound
+tells of such tips.
+
+For a target bounds are widened from there on: as what was added is longer, by the square of what is nearer, as the
+fitted bound is larger, and where cells are joined. K is measured anew where they would be beyond the target.
 
 Where bonds break at a critical load the other cells have one of their own: what is known there tells nothing of steps
 at which none break, nor the other way round.
@@ -35,6 +40,9 @@ NEARER = 1.5
 Measured in a plate that a crack grows through: with two the error is 1.6 times its bound where half of it is left.
 """
 
+JOINED = 4.0
+"""Bounds are so many times as wide where cells are joined: those that K is held against are as large, but at kinks."""
+
 ROUND_OFF = 1e-9
 """Of a length: sums of increments are better."""
 
@@ -62,14 +70,42 @@ class Since:
         return fitted_bounds(self.solution)
 
     @cached_property
-    def still_known(self) -> list[bool]:
-        """Whether what was measured at it holds, tip by tip."""
+    def _changed(self) -> list[float]:
+        """By how much the bound has to be wider since its surroundings have changed, tip by tip: 1 while it holds."""
         last, solution = self.last, self.solution
         lengths = dict(enumerate(last.grown))  # a crack that has started since had nothing
         then = dict(zip(last.ends, last.rooms, strict=True))
+        found = []
+        for end, room in zip(solution.cover.tip_ends, room_at_tips(solution.scene, solution.cover), strict=True):
+            longer = _times(self.grown[end[0]], lengths.get(end[0], 0.0)) / GROWN
+            nearer = _times(then[end], room) / NEARER if end in then else math.inf
+            found.append((longer if longer > 1.0 + ROUND_OFF else 1.0) * max(nearer, 1.0) ** 2)
+        return found
+
+    @property
+    def _coarser(self) -> tuple[int, ...]:
+        """How often cells at tips have been doubled since K was measured, crack by crack."""
+        last, now = self.last, self.solution.scene.halvings
+        before = last.coarser or (0,) * len(last.halvings.cracks)
+        return tuple(n + then - here for n, then, here in zip(before, last.halvings.cracks, now.cracks, strict=False))
+
+    @cached_property
+    def widening(self) -> list[float]:
+        """By how much the bound that was measured has to be wider, tip by tip: 1 while it holds as it was.
+
+        Infinite where nothing was measured; for a name where it does not hold.
+        """
+        if self.solution.scene.case.numerics.target is None:
+            return [1.0 if times == 1.0 else math.inf for times in self._changed]
+        share, known, coarser = (
+            fitted_share(self.solution, self.fitted),
+            GROWN * self.last.fitted,
+            dict(enumerate(self._coarser)),
+        )
+        fitted = max(_times(share, known), 1.0)
+        ends = self.solution.cover.tip_ends
         return [
-            end in then and _is_like(self.grown[end[0]], lengths.get(end[0], 0.0)) and not NEARER * room < then[end]
-            for end, room in zip(solution.cover.tip_ends, room_at_tips(solution.scene, solution.cover), strict=True)
+            fitted * times * JOINED ** coarser.get(end[0], 0) for times, end in zip(self._changed, ends, strict=True)
         ]
 
     @property
@@ -81,11 +117,31 @@ class Since:
         if solution.scene.case.numerics.target is None:
             young = last.age < len(solution.cover.tip_ends)  # scenes with many tips would be measured all the time
             known = young or (not _has_lost(last) and all(self.still_known))
-            still = known and _is_like(sum(self.grown), sum(last.grown))
+            of_all = _is_like(sum(self.grown), sum(last.grown))
+            still = known and of_all and fitted_share(solution, self.fitted) <= GROWN * last.fitted
         else:
-            same = last.ends == tuple(solution.cover.tip_ends) and last.halvings == solution.scene.halvings
-            still = same and all(self.still_known)
-        return still and fitted_share(solution, self.fitted) <= GROWN * last.fitted and not self._part_otherwise
+            still = self._same_tips and (all(self.still_known) or self._within_target)
+        return still and not self._part_otherwise
+
+    @property
+    def still_known(self) -> list[bool]:
+        """Whether what was measured at it holds as it was, tip by tip."""
+        return [times == 1.0 for times in self.widening]
+
+    @property
+    def _same_tips(self) -> bool:
+        """Whether there are the same tips, on the same cells but for those that are joined."""
+        last, now = self.last, self.solution.scene.halvings
+        elsewhere = replace(last.halvings, cracks=()) == replace(now, cracks=())
+        return last.ends == tuple(self.solution.cover.tip_ends) and elsewhere and min(self._coarser, default=0) >= 0
+
+    @property
+    def _within_target(self) -> bool:
+        """Whether widened bounds are within the target of the error of K; that of another goal is not widened."""
+        target, known = self.solution.scene.case.numerics.target, self.carried_over
+        if target is None or not math.isnan(known.goal) or not all(map(math.isfinite, self.widening)):
+            return False
+        return max(known.shares(), default=0.0) <= target
 
     @property
     def _part_otherwise(self) -> bool:
@@ -95,29 +151,38 @@ class Since:
 
     @cached_property
     def carried_over(self) -> Accuracy:
-        """What was measured before, in the same shares of the K of this step; of other tips the fitted bound."""
+        """What was measured before, in the same shares of the K of this step, widened; else the fitted bound."""
         last, ends = self.last, tuple(self.solution.cover.tip_ends)
         largest, then = largest_K(self.solution), {end: number for number, end in enumerate(last.ends)}
         scale = largest / last.largest if last.largest > 0.0 else 1.0
         measured = [
-            then[end] if still and not math.isnan(last.expected[then[end]]) else None
-            for end, still in zip(ends, self.still_known, strict=True)
+            then[end] if math.isfinite(times) and not math.isnan(last.expected[then[end]]) else None
+            for end, times in zip(ends, self.widening, strict=True)
         ]
+        so_far = last.widened or (1.0,) * len(last.ends)
+        widening = [1.0 if tip is None else times for tip, times in zip(measured, self.widening, strict=True)]
+        more = [1.0 if tip is None else times / so_far[tip] for tip, times in zip(measured, widening, strict=True)]
 
         def carried(numbers: Sequence[float]) -> tuple[float, ...]:
             return tuple(math.nan if tip is None else numbers[tip] for tip in measured)
 
-        of_tips = zip(measured, self.fitted, strict=True)
+        def widened(numbers: Sequence[float]) -> tuple[float, ...]:
+            return tuple(times * number for times, number in zip(more, carried(numbers), strict=True))
+
+        of_tips = zip(measured, more, self.fitted, strict=True)
         return replace(
             last,
+            halvings=self.solution.scene.halvings,
+            coarser=self._coarser,
             age=last.age + 1,
             ends=ends,
             largest=largest,
-            bounds=tuple(bound if tip is None else scale * last.bounds[tip] for tip, bound in of_tips),
+            bounds=tuple(bound if tip is None else times * scale * last.bounds[tip] for tip, times, bound in of_tips),
+            widened=tuple(widening),
             expected=tuple(scale * error for error in carried(last.expected)),
             rooms=carried(last.rooms),
-            turns=carried(last.turns),
-            criticalities=carried(last.criticalities),
+            turns=widened(last.turns),
+            criticalities=widened(last.criticalities),
         )
 
 
@@ -125,6 +190,13 @@ def _has_lost(last: Accuracy) -> bool:
     """Whether there is a tip of which the fitted bound tells."""
     of_tips = zip(last.expected, last.bounds, strict=True)
     return any(math.isnan(error) and not math.isnan(bound) for error, bound in of_tips)
+
+
+def _times(large: float, small: float) -> float:
+    """How many times the small length the large one is; not known, and not more, where either is not."""
+    if math.isnan(large) or math.isnan(small) or large == 0.0:
+        return 1.0
+    return large / small if small > 0.0 else math.inf
 
 
 def _is_like(now: float, then: float) -> bool:

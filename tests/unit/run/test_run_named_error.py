@@ -110,8 +110,11 @@ def test_a_tip_with_a_third_less_room_has_the_fitted_bound() -> None:
     _, targeted = next(solved_steps(case("growth.steps=0", "numerics.accuracy=3 %")))
     last = targeted.accuracy
     assert last is not None
-    for rooms, still in (((14e-3, math.nan), True), ((14e-3, 16e-3), False)):
-        assert Since(replace(last, rooms=rooms), targeted, (0.0,)).holds == still
+    for rooms, wider in (((14e-3, math.nan), (1.0, 1.0)), ((14e-3, 16e-3), (1.0, (1.6 / 1.5) ** 2))):
+        since = Since(replace(last, rooms=rooms), targeted, (0.0,))
+        assert since.holds
+        assert since.carried_over.bounds == pytest.approx(np.multiply(wider, last.bounds), rel=1e-6)
+    assert not Since(replace(last, rooms=(14e-3, 160e-3)), targeted, (0.0,)).holds
 
 
 def test_it_is_measured_again_where_a_tip_has_less_room_but_not_at_once() -> None:

@@ -247,13 +247,86 @@ def test_what_is_known_of_a_step_serves_the_next_ones() -> None:
     assert sum(step.factorizations == 1 for step in steps) >= 1
 
 
-def test_what_is_known_holds_at_twice_the_length_whatever_round_off_makes_of_it() -> None:
-    """Increments are alike, so that cracks have grown by twice as much just so, but for the sum of lengths."""
+@pytest.fixture(scope="module")
+def aimed_at() -> tuple[StepSolution, Accuracy]:
+    """A step for 3 %, with what is known of it 3 mm of growth after it was measured."""
     _, solution = next(solved_steps(case("compression30", "3 %", "growth.steps=0")))
     assert solution.accuracy is not None
-    last = replace(solution.accuracy, grown=(3.0e-3,))
-    grown = [(times * 3.0e-3,) for times in (2.0 - 1e-14, 2.0, 2.0 + 1e-14, 2.01)]
-    assert [Since(last, solution, lengths).holds for lengths in grown] == [True, True, True, False]
+    return solution, replace(solution.accuracy, grown=(3.0e-3,))
+
+
+def test_what_is_known_holds_as_it_was_at_twice_the_length_whatever_round_off_makes_of_it(
+    aimed_at: tuple[StepSolution, Accuracy],
+) -> None:
+    """Increments are alike, so that cracks have grown by twice as much just so, but for the sum of lengths."""
+    solution, last = aimed_at
+    for times in (1.0, 2.0 - 1e-14, 2.0, 2.0 + 1e-14):
+        since = Since(last, solution, (times * 3.0e-3,))
+        assert since.holds
+        assert since.carried_over.bounds == last.bounds
+
+
+def test_bounds_are_widened_from_there_on_up_to_the_target(aimed_at: tuple[StepSolution, Accuracy]) -> None:
+    """As what was added is longer; the steps between make nothing of it, nor does what is most likely change."""
+    solution, last = aimed_at
+    known = last
+    for times in (3.0, 4.0, 5.0):
+        since = Since(known, solution, (times * 3.0e-3,))
+        assert since.holds
+        known = since.carried_over
+        assert known.bounds == pytest.approx([0.5 * times * bound for bound in last.bounds], rel=1e-12)
+        assert known.expected == last.expected
+    most = 2.0 * 0.03 / max(last.shares())
+    assert [Since(last, solution, (times * most * 3.0e-3,)).holds for times in (0.999, 1.001)] == [True, False]
+
+
+def test_what_the_criterion_says_otherwise_is_widened_too(aimed_at: tuple[StepSolution, Accuracy]) -> None:
+    solution, last = aimed_at
+    last = replace(last, turns=(0.01, 0.02), criticalities=(0.001, 0.002))
+    known = Since(last, solution, (9.0e-3,)).carried_over
+    assert known.turns == pytest.approx([0.015, 0.03], rel=1e-12)
+    assert known.criticalities == pytest.approx([0.0015, 0.003], rel=1e-12)
+
+
+def test_bounds_are_widened_by_what_the_fitted_one_says_more(aimed_at: tuple[StepSolution, Accuracy]) -> None:
+    solution, last = aimed_at
+    known = Since(replace(last, fitted=last.fitted / 3.0), solution, (3.0e-3,)).carried_over
+    assert known.bounds == pytest.approx([1.5 * bound for bound in last.bounds], rel=1e-9)
+
+
+def test_joined_cells_widen_bounds_by_four_and_smaller_ones_are_not_known(
+    aimed_at: tuple[StepSolution, Accuracy],
+) -> None:
+    """K was held against cells twice as large: it is off by half of the bound more there, and more at kinks."""
+    solution, last = aimed_at
+    last = replace(last, bounds=tuple(0.1 * bound for bound in last.bounds))
+    (times,) = last.halvings.cracks
+    finer, coarser = (replace(last, halvings=replace(last.halvings, cracks=(n,))) for n in (times + 1, times - 1))
+    since = Since(finer, solution, (3.0e-3,))
+    assert since.holds
+    known = since.carried_over
+    assert (known.halvings, known.coarser) == (solution.scene.halvings, (1,))
+    assert known.bounds == pytest.approx([4.0 * bound for bound in last.bounds], rel=1e-12)
+    again = Since(known, solution, (3.0e-3,)).carried_over
+    assert (again.coarser, again.bounds) == ((1,), known.bounds)
+    assert not Since(coarser, solution, (3.0e-3,)).holds
+    elsewhere = replace(last.halvings, everywhere=last.halvings.everywhere + 1)
+    assert not Since(replace(last, halvings=elsewhere), solution, (3.0e-3,)).holds
+
+
+def test_what_was_known_of_a_crack_without_growth_does_not_hold_once_it_has_grown(
+    aimed_at: tuple[StepSolution, Accuracy],
+) -> None:
+    """However small the fitted bound is: that is not measured."""
+    solution, last = aimed_at
+    assert not Since(replace(last, grown=(0.0,)), solution, (1.0e-6,)).holds
+    assert Since(replace(last, grown=(0.0,)), solution, (0.0,)).holds
+
+
+def test_the_bound_of_another_goal_is_not_widened(aimed_at: tuple[StepSolution, Accuracy]) -> None:
+    solution, last = aimed_at
+    last = replace(last, goal=1e-3)
+    assert [Since(last, solution, (times * 3.0e-3,)).holds for times in (2.0, 2.01)] == [True, False]
 
 
 @pytest.mark.parametrize(
@@ -398,12 +471,13 @@ def test_a_target_that_cells_halved_to_the_least_miss_ends_and_says_so() -> None
 def test_what_is_known_comes_back_from_plain_data() -> None:
     known = Accuracy(
         Halvings(1, (3, 0), 2, 1), ((0, False), (1, True)), (2.5, math.nan), 7.0, (0.1, 0.0), 0.2, "why",
-        expected=(1.5, math.nan), rooms=(0.25, math.nan), age=3,
+        expected=(1.5, math.nan), rooms=(0.25, math.nan), age=3, widened=(1.7, 1.0), coarser=(2, 0),
     )  # fmt: skip
     again = accuracy_of_record(json.loads(json.dumps(record_of(known), allow_nan=False)))
     assert (again.halvings, again.ends, again.largest) == (known.halvings, known.ends, known.largest)
     assert (again.grown, again.fitted, again.missed, again.bounds[0]) == (known.grown, 0.2, "why", 2.5)
     assert (again.expected[0], again.rooms[0], again.age) == (1.5, 0.25, 3)
+    assert (again.widened, again.coarser) == ((1.7, 1.0), (2, 0))
     assert math.isnan(again.bounds[1])
     assert math.isnan(again.expected[1])
     assert (again.shares(), again.shares(1)) == ([2.5 / 7.0], [])
