@@ -55,9 +55,9 @@ that are held out.
 """
 REASONS = """
 Cost: K is held against a solve of 0.7 times the cost where cracks have no kinks (in all 1.7 in the median), of 1 to 1.5
-times where they have (2.2). It was measured beside two to three other processes on two cores. Where the first cells miss the target they are halved; what K was held against is used
-again while its cells at kinks are still a quarter at most. In plates two hundred times as wide as the crack kinks are
-at the least size then, and the bound is wider.
+times where they have (2.2). It was measured beside other processes on two cores. Where the first cells miss the
+target they are halved; what K was held against is used again while its cells at kinks are still a quarter at
+most. In plates two hundred times as wide as the crack kinks are at the least size then, and the bound is wider.
 """
 JUDGED = 3.0  # times what the truth is good to: smaller errors say nothing of the bound
 

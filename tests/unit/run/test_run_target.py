@@ -294,10 +294,10 @@ def test_bounds_are_widened_by_what_the_fitted_one_says_more(aimed_at: tuple[Ste
     assert known.bounds == pytest.approx([1.5 * bound for bound in last.bounds], rel=1e-9)
 
 
-def test_joined_cells_widen_bounds_by_four_and_smaller_ones_are_not_known(
+def test_joined_cells_widen_bounds_by_eight_and_smaller_ones_are_not_known(
     aimed_at: tuple[StepSolution, Accuracy],
 ) -> None:
-    """K was held against cells twice as large: it is off by half of the bound more there, and more at kinks."""
+    """Those of the crack are as large as those that K was held against, but at kinks."""
     solution, last = aimed_at
     last = replace(last, bounds=tuple(0.1 * bound for bound in last.bounds))
     (times,) = last.halvings.cracks
@@ -306,7 +306,7 @@ def test_joined_cells_widen_bounds_by_four_and_smaller_ones_are_not_known(
     assert since.holds
     known = since.carried_over
     assert (known.halvings, known.coarser) == (solution.scene.halvings, (1,))
-    assert known.bounds == pytest.approx([4.0 * bound for bound in last.bounds], rel=1e-12)
+    assert known.bounds == pytest.approx([8.0 * bound for bound in last.bounds], rel=1e-12)
     again = Since(known, solution, (3.0e-3,)).carried_over
     assert (again.coarser, again.bounds) == ((1,), known.bounds)
     assert not Since(coarser, solution, (3.0e-3,)).holds
