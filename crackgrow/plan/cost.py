@@ -22,8 +22,10 @@ from typing import Final
 import numpy as np
 
 from crackgrow.blas import single_threaded
+from crackgrow.case.accuracy import AUTO, preset_of
 from crackgrow.case.features import line_length
-from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
+from crackgrow.case.model import Case, Crack, CriticalLoad, LoadHistory, Stages
+from crackgrow.cover.gathered import RADIUS
 from crackgrow.plan.overview import estimated_nodes
 from crackgrow.plan.sizes import Sizes
 from crackgrow.results.units import duration, memory_text
@@ -34,6 +36,7 @@ from crackgrow.run.scene import make_scene
 
 TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact", "held N",
          "halved")  # fmt: skip
+LATER_TERMS: Final = (*TERMS, "advancing", "advancing, halved")
 MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R", "held N")
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
@@ -46,6 +49,7 @@ CONTAINER_MEMORY = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memo
 CROWDING = 0.6  # power of the pairs that seconds grow with: supports of 1.5 to 3 in compression30 and two_flaws
 
 CARRIERS_AT_A_TIP: Final = (16, 3)  # of its functions: one for each patch, or gathered
+CELLS_TO_GATHER: Final = RADIUS + np.sqrt(2.0)  # that a crack is long: functions reach so far round each of its tips
 SPACINGS_OF_A_POINT: Final = 2.0  # along a crack, of contact points
 CUT_MORE: Final = 0.3  # of elements, where cells of several sizes meet
 MEET_MORE: Final = 0.6  # of pairs of patches on an element there
@@ -92,28 +96,30 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
     static = case.growth is None and isinstance(case.loading, LoadHistory | Stages)
     history = case.last_step + 1 if static else 1
     share = 1.0 if isinstance(case.loading, Stages) else STATIC_SHARE
-    first, later = (slower * float(terms @ table[key]) for key in ("first", "later"))
-    by_name = sizes.n_tips > 0 and measures_by_name(case, sizes.n_dofs)
-    held = HELD_WITH_OTHER if by_name or case.numerics.target is not None else 1.0
-    if by_name:
-        first, later = MEASURED * first, _now_and_then(case) * later
+    plain, later = slower * float(terms @ table["first"]), slower * float(later_terms_of(case, sizes) @ table["later"])
+    held_first, held_later = held_against(case, sizes)
+    first, later = (1.0 + held_first) * plain, later + held_later * plain
     return Cost(
         first_step=first,
         later_step=share * first if case.growth is None else solves * later,
         n_later=case.growth.steps if case.growth is not None else history - 1,
-        memory=_memory(np.array(table["memory"]) * memory_terms_of(case, sizes), sizes, held),
+        memory=float(memory_terms_of(case, sizes) @ table["memory"]),
     )
 
 
-def _now_and_then(case: Case) -> float:
-    """What later steps take where their error is measured each time that what has grown is twice as long."""
+def _by_name(case: Case, sizes: Sizes) -> bool:
+    """Whether K of the cells of a name is held against that of others."""
+    return sizes.n_tips > 0 and measures_by_name(case, sizes.n_dofs)
+
+
+def held_against(case: Case, sizes: Sizes) -> tuple[float, float]:
+    """What it takes to hold K against that of other cells: in the first step, and in each later one in the mean.
+
+    In parts of the first step without it. It is done each time that what has grown is twice as long.
+    """
     n = 0 if case.growth is None else case.growth.steps
-    return 1.0 + (MEASURED - 1.0) * ((n + 1).bit_length() - 1) / max(n, 1)
-
-
-def _memory(parts: np.ndarray[tuple[int], np.dtype[np.float64]], sizes: Sizes, held: float) -> float:
-    """MiB, of the parts (6,) that a support of 2 takes; the first one is the program itself, the others are `held`."""
-    return float(parts[0] + held * parts[1:].sum() * sizes.n_pairs / (sizes.n_elements * USUAL_PAIRS_HERE))
+    more = MEASURED - 1.0 if _by_name(case, sizes) else 0.0
+    return more, more * ((n + 1).bit_length() - 1) / max(n, 1)
 
 
 def terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -125,10 +131,20 @@ def terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.flo
     return crowding * np.array([1.0, n, n**1.5, s, s**2 / (n - s), *touching, sizes.n_halved / 1e4])
 
 
+def later_terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """The values (13,) of LATER_TERMS: each tip that advances leaves a kink, with small cells round it or not."""
+    one = case.growth is None or case.growth.advance != "all"
+    advancing = (min(sizes.n_tips, 1) if one else sizes.n_tips) / 10
+    return np.append(terms_of(case, sizes), [advancing, advancing * (sizes.n_halved > 0)])
+
+
 def memory_terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """The values (6,) of MEMORY_TERMS."""
+    """The values (6,) of MEMORY_TERMS: the first one is the program itself, the others grow with what patches make."""
     n, s = sizes.n_dofs / 1e4, _singular(sizes)
-    return np.array([1.0, n, n**1.25, s, s**2 / (n - s), _held_first(case) * n])
+    parts = np.array([n, n**1.25, s, s**2 / (n - s), _held_first(case) * n])
+    other = _by_name(case, sizes) or case.numerics.target is not None
+    held = HELD_WITH_OTHER if other else 1.0
+    return np.append(1.0, held * parts * sizes.n_pairs / (sizes.n_elements * USUAL_PAIRS_HERE))
 
 
 def _held_first(case: Case) -> bool:
@@ -199,7 +215,7 @@ def outlook(case: Case) -> Outlook:
     tiles = 1 if support % 1.0 == 0.0 else 4 if support % 0.5 == 0.0 else 9  # of a cell, cut by the edges of patches
     elements = round(nodes * tiles * (1.0 + CUT_MORE * share))
     pairs = round(elements * (2.0 * support) ** 4 * (1.0 + MEET_MORE * share))
-    singular = CARRIERS_AT_A_TIP[case.numerics.gathers_tip_functions] * tips
+    singular = sum(_carriers(case, crack) for crack in case.cracks)
     lines = [crack.points for crack in case.cracks if crack.contact is not None]
     lines += [line for interface in case.interfaces for line in interface.lines]
     length = sum(map(line_length, lines))
@@ -208,6 +224,19 @@ def outlook(case: Case) -> Outlook:
     cells = ((spacing, uniform), (0.5 * spacing, more))
     sizes = Sizes(n_dofs, nodes, singular, tips, elements, pairs, points, 0, (), (), cells=cells)
     return Outlook(n_dofs, estimated_cost(case, sizes))
+
+
+def _carriers(case: Case, crack: Crack) -> int:
+    """Of the functions of a crack's tips."""
+    numerics, cells = case.numerics, line_length(crack.points) / case.numerics.spacing
+    if numerics.refine.tips != AUTO:
+        cells *= 2.0**numerics.refine.tips
+    elif numerics.target is None:
+        cells *= 2.0 ** max(np.ceil(np.log2(preset_of(numerics.accuracy).per_crack / cells)), 0.0)
+    else:
+        cells = np.inf  # small ones are chosen
+    gathers = numerics.gathers_tip_functions and bool(cells >= CELLS_TO_GATHER)
+    return CARRIERS_AT_A_TIP[gathers] * (crack.tip_at_start + crack.tip_at_end)
 
 
 def _n_halved(case: Case) -> int:

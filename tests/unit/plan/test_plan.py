@@ -182,7 +182,7 @@ def test_larger_supports_cost_more() -> None:
         case = load_case(CASES / "compression30.yaml", ["numerics.spacing=0.8", f"numerics.support={support}"])
         costs.append(estimated_cost(case, sizes_of(case)))
     assert costs[1].first_step / costs[0].first_step > 2.0  # measured: 3.7, within the noise of the probe
-    assert 1.4 < costs[1].memory / costs[0].memory < 2.0  # measured: 1.6
+    assert 1.15 < costs[1].memory / costs[0].memory < 1.8  # measured: 1.43, of 217 MiB
     far = plan_text(coarse("compression30", "numerics.support=4"))
     assert "a tenth of it perhaps" in far
 
