@@ -307,8 +307,9 @@ def test_joined_cells_widen_bounds_by_eight_and_smaller_ones_are_not_known(
     known = since.carried_over
     assert (known.halvings, known.coarser) == (solution.scene.halvings, (1,))
     assert known.bounds == pytest.approx([8.0 * bound for bound in last.bounds], rel=1e-12)
+    assert known.expected == pytest.approx([4.0 * error for error in last.expected], rel=1e-12)
     again = Since(known, solution, (3.0e-3,)).carried_over
-    assert (again.coarser, again.bounds) == ((1,), known.bounds)
+    assert (again.coarser, again.bounds, again.expected) == ((1,), known.bounds, known.expected)
     assert not Since(coarser, solution, (3.0e-3,)).holds
     elsewhere = replace(last.halvings, everywhere=last.halvings.everywhere + 1)
     assert not Since(replace(last, halvings=elsewhere), solution, (3.0e-3,)).holds
