@@ -324,6 +324,22 @@ def test_what_was_known_of_a_crack_without_growth_does_not_hold_once_it_has_grow
     assert Since(replace(last, grown=(0.0,)), solution, (0.0,)).holds
 
 
+def test_a_run_goes_on_from_widened_bounds_to_the_same_bits() -> None:
+    """K is measured at the first step of growth: at the third one it has grown by three times as much."""
+    wings = case("compression30", "1 %", "growth.steps=4")
+    steps = list(solved_steps(wings))
+    result, solution = steps[3]
+    assert solution.accuracy is not None
+    assert solution.accuracy.widened == pytest.approx((1.5, 1.5))
+    again = list(grow(wings, result.checkpoint))
+    assert [tip_numbers(step) for step in again] == [tip_numbers(step) for step, _ in steps[3:]]
+
+
+def tip_numbers(step: StepResult) -> list[tuple[float, ...]]:
+    """K of the tips, and what is stated of it."""
+    return [(tip.K_I, tip.K_II, tip.K_I_error, tip.K_error_expected, tip.kink_error_deg) for tip in step.tips]
+
+
 def test_the_bound_of_another_goal_is_not_widened(aimed_at: tuple[StepSolution, Accuracy]) -> None:
     solution, last = aimed_at
     last = replace(last, goal=1e-3)
