@@ -8,7 +8,8 @@ where what was known holds no more at a tip, but after a step for each tip at th
 tells of such tips.
 
 For a target bounds are widened from there on: as what was added is longer, by the square of what is nearer, as the
-fitted bound is larger, and where cells are joined. K is measured anew where they would be beyond the target.
+fitted bound is larger, and where cells are joined. K is measured anew where they would be beyond the target. What the
+criterion says otherwise on other cells does not grow with the cracks, and stays as it was.
 
 Where bonds break at a critical load the other cells have one of their own: what is known there tells nothing of steps
 at which none break, nor the other way round.
@@ -166,9 +167,6 @@ class Since:
         def carried(numbers: Sequence[float]) -> tuple[float, ...]:
             return tuple(math.nan if tip is None else numbers[tip] for tip in measured)
 
-        def widened(numbers: Sequence[float]) -> tuple[float, ...]:
-            return tuple(times * number for times, number in zip(more, carried(numbers), strict=True))
-
         of_tips = zip(measured, more, self.fitted, strict=True)
         return replace(
             last,
@@ -181,8 +179,8 @@ class Since:
             widened=tuple(widening),
             expected=tuple(EXPECTED_OF_JOINED**joined * scale * error for error in carried(last.expected)),
             rooms=carried(last.rooms),
-            turns=widened(last.turns),
-            criticalities=widened(last.criticalities),
+            turns=carried(last.turns),
+            criticalities=carried(last.criticalities),
         )
 
 
