@@ -280,14 +280,17 @@ def test_bounds_are_widened_from_there_on_up_to_the_target(aimed_at: tuple[StepS
     assert [Since(last, solution, (times * most * 3.0e-3,)).holds for times in (0.999, 1.001)] == [True, False]
 
 
-def test_what_the_criterion_says_otherwise_is_kept_while_bounds_are_widened(
+def test_both_tips_of_a_crack_that_has_grown_have_what_the_criterion_says_otherwise_at_the_worse_one(
     aimed_at: tuple[StepSolution, Accuracy],
 ) -> None:
+    """That of one alone can be next to nothing by chance. Wider it is not."""
     solution, last = aimed_at
-    last = replace(last, turns=(0.01, 0.02), criticalities=(0.001, 0.002))
+    last = replace(last, turns=(0.01, 0.02), criticalities=(0.002, 0.001))
     known = Since(last, solution, (9.0e-3,)).carried_over
     assert known.widened == pytest.approx((1.5, 1.5))
-    assert (known.turns, known.criticalities) == (last.turns, last.criticalities)
+    assert (known.turns, known.criticalities) == ((0.02, 0.02), (0.002, 0.002))
+    unknown = Since(replace(last, turns=(0.01, math.nan)), solution, (9.0e-3,)).carried_over
+    assert unknown.turns == pytest.approx((0.01, math.nan), nan_ok=True)
 
 
 def test_bounds_are_widened_by_what_the_fitted_one_says_more(aimed_at: tuple[StepSolution, Accuracy]) -> None:
@@ -317,6 +320,35 @@ def test_joined_cells_widen_bounds_by_eight_and_smaller_ones_are_not_known(
     assert not Since(replace(last, halvings=elsewhere), solution, (3.0e-3,)).holds
 
 
+def test_cells_that_are_joined_at_several_cracks_count_where_they_are_most_often() -> None:
+    widened = []
+    scene = make_scene(case("two_flaws", "3 %", "growth.steps=0"))
+    _, solution = next(solved_steps(scene.case))
+    last = solution.accuracy
+    assert last is not None
+    for more in ((1, 0), (1, 1), (2, 0)):
+        cracks = tuple(n + times for n, times in zip(solution.scene.halvings.cracks, more, strict=True))
+        finer = replace(last, halvings=replace(solution.scene.halvings, cracks=cracks))
+        widened.append(Since(finer, solution, last.grown).carried_over.widened)
+    assert widened == [pytest.approx((times,) * 4) for times in (8.0, 8.0, 64.0)]
+
+
+def test_nothing_is_known_on_once_a_crack_has_started_without_a_tip(aimed_at: tuple[StepSolution, Accuracy]) -> None:
+    """It has run into a hole at once: tips are the same, but not what is near them."""
+    solution, last = aimed_at
+    assert Since(last, solution, (3.0e-3,)).holds
+    assert not Since(replace(last, halvings=replace(last.halvings, cracks=())), solution, (3.0e-3,)).holds
+
+
+def test_what_is_nearest_is_remembered_where_K_is_not_known(aimed_at: tuple[StepSolution, Accuracy]) -> None:
+    """Of another goal nothing is expected of K: still a tip that comes near something has it measured anew."""
+    solution, last = aimed_at
+    unknown = replace(last, expected=(math.nan, math.nan))
+    again = Since(unknown, solution, (3.0e-3,)).carried_over
+    assert again.rooms == last.rooms
+    assert not all(Since(replace(again, rooms=(1.6 * last.rooms[0], math.nan)), solution, (3.0e-3,)).still_known)
+
+
 def test_what_was_known_of_a_crack_without_growth_does_not_hold_once_it_has_grown(
     aimed_at: tuple[StepSolution, Accuracy],
 ) -> None:
@@ -343,9 +375,16 @@ def tip_numbers(step: StepResult) -> list[tuple[float, ...]]:
 
 
 def test_the_bound_of_another_goal_is_not_widened(aimed_at: tuple[StepSolution, Accuracy]) -> None:
+    """Neither where there was no solution on the other cells: what the fit says of K tells nothing of it."""
     solution, last = aimed_at
-    last = replace(last, goal=1e-3)
-    assert [Since(last, solution, (times * 3.0e-3,)).holds for times in (2.0, 2.01)] == [True, False]
+    numerics = replace(solution.scene.case.numerics, goal="slip")
+    scene = replace(solution.scene, case=replace(solution.scene.case, numerics=numerics))
+    configuration = replace(solution.state.configuration, scene=scene)
+    of_slip = replace(solution, state=replace(solution.state, configuration=configuration))
+    assert of_slip.scene.case.numerics.measured_of == "slip"
+    for goal in (1e-3, math.nan):
+        known = replace(last, goal=goal)
+        assert [Since(known, of_slip, (times * 3.0e-3,)).holds for times in (2.0, 2.01)] == [True, False]
 
 
 @pytest.mark.parametrize(
