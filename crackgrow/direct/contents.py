@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.direct.assembly import HalfMatrix
 from crackgrow.direct.fronts import MULTIPLIER, Fronts
 from crackgrow.direct.matrix import Blocks, EqualElements, SymmetricMatrix
 from crackgrow.ragged import Ragged, by_row, distinct, spans, starts_of
@@ -86,13 +85,38 @@ class Contents:
             numbers = functions.astype(np.int64)
             places.append(_places(numbers[:, part.first], numbers[:, part.second], p, b).ravel())
             terms.append(part.terms[part.kind[part.starts[front] : part.starts[front + 1]]].ravel())
+        at, of_blocks = self._taken_of_blocks(front, p)
+        places.append(at)
+        terms.append(of_blocks)
         at, total = np.concatenate(places), np.zeros((p + b) * p + b * b)
         if len(at):  # else the sums would be whole numbers
             total = np.bincount(at, np.concatenate(terms), len(total)).astype(np.float64, copy=False)
-        own = total[: (p + b) * p].copy()  # it is kept, the rest is not
-        for block, local in zip(self._blocks.of_front.of(front).tolist(), self._of_blocks[front], strict=True):
-            _add_block(own, self._blocks.blocks.halves[block], local, p)
-        return own.reshape(p + b, p), total[(p + b) * p :].reshape(b, b)
+        own = total[: (p + b) * p].reshape(p + b, p).copy()  # it is kept, the rest is not
+        return own, total[(p + b) * p :].reshape(b, b)
+
+    def _taken_of_blocks(self, front: int, p: int) -> tuple[Ints, Floats]:
+        """What a front takes of blocks to the rows of its own p columns: places in them (q,), and terms (q,).
+
+        It takes the pairs of functions of which it eliminates the first one, to the lower triangle; a function with
+        itself has both. Raises ValueError where it has no place for the second one.
+        """
+        pairs, entries = [np.empty((2, 0), dtype=np.int32)], [np.empty((2, 0, 2))]
+        for block, numbers in zip(self._blocks.of_front.of(front).tolist(), self._of_blocks[front], strict=True):
+            half = self._blocks.blocks.halves[block]
+            role = np.where(numbers == EARLIER, -2, (numbers >= 0) & (numbers < p)).astype(np.int8)
+            mine = np.flatnonzero(role.repeat(half.counts) + role[half.second] > 0)
+            pairs.append(np.stack([numbers.repeat(half.counts)[mine], numbers[half.second[mine]]]))
+            entries.append(half.entries.take(mine, axis=1))
+        one, other = np.concatenate(pairs, axis=1).astype(np.int64)
+        if min(one.min(initial=0), other.min(initial=0)) < 0:
+            raise ValueError(FAR_APART)
+        terms = np.concatenate(entries, axis=1)
+        terms[:, np.flatnonzero(one == other)] *= 2.0
+        lower = one >= other
+        at = np.where(lower, one * p + other, other * p + one)
+        by_first, by_second = np.where(lower, p, 1), np.where(lower, 1, p)
+        places = np.stack([at, at + by_second, at + by_first, at + (p + 1)], axis=1).reshape(-1, 2, 2)
+        return places.transpose(1, 0, 2).ravel(), terms.ravel()
 
     def keys(self) -> list[bytes]:
         """The key of every front."""
@@ -163,28 +187,6 @@ def _at_fronts(blocks: Blocks, fronts: Fronts) -> _Blocks:
     n = len(counts)
     at, block = np.divmod(distinct(front * n + np.repeat(np.arange(n), counts)), n)
     return _Blocks(blocks, tuple(np.split(position, np.cumsum(counts)[:-1])), by_row(at, block, fronts.n))
-
-
-def _add_block(own: Floats, half: HalfMatrix, numbers: Int32s, p: int) -> None:
-    """Add to the p columns of a front (its rows times p,) what it takes of a block; `numbers` (k,) are those in it.
-
-    It takes the pairs of functions of which it eliminates the first one, to the lower triangle; a function with itself
-    has both. Raises ValueError where it has no place for the second one.
-    """
-    role = np.where(numbers == EARLIER, -2, (numbers >= 0) & (numbers < p)).astype(np.int8)
-    mine = np.flatnonzero(role.repeat(half.counts) + role[half.second] > 0)
-    one, other = numbers.repeat(half.counts)[mine].astype(np.int64), numbers[half.second[mine]]
-    if len(mine) and min(one.min(), other.min()) == OUTSIDE:
-        raise ValueError(FAR_APART)
-    lower = one >= other
-    at = np.where(lower, one * p + other, other * p + one)
-    by_first, by_second = np.where(lower, p, 1), np.where(lower, 1, p)
-    entries = half.entries.take(mine, axis=1)
-    entries[:, np.flatnonzero(one == other)] *= 2.0
-    own[at] += entries[0, :, 0]
-    own[at + by_second] += entries[0, :, 1]
-    own[at + by_first] += entries[1, :, 0]
-    own[at + (p + 1)] += entries[1, :, 1]
 
 
 def _sorted(elements: Sequence[EqualElements], fronts: Fronts) -> list[_Elements]:
