@@ -95,7 +95,7 @@ def stated(seed: int) -> Iterator[Stated]:
     for setting, (critical, step) in others.items():
         if not any(tip.criticality - 1.0 > Cause.JUMP.limit for tip in truth.tips):  # elsewhere bonds hold at that load
             yield from (Stated(name, setting, "K", *of) for of in of_K(step, truth))
-        yield from (Stated(name, setting, "direction", *of) for of in _of_directions(critical, truth))
+        yield from (Stated(name, setting, "direction", *of) for of in of_directions(critical, truth))
         bounds = (critical.load_factor_error, truth.load_factor_error)
         if np.isfinite(bounds).all():
             yield Stated(name, setting, "load", 100.0 * abs(critical.load_factor / truth.load_factor - 1.0), *bounds)
@@ -114,7 +114,7 @@ def of_K(step: StepResult, truth: StepResult) -> Errors:
             yield 100.0 * error / largest, 100.0 * bound / largest, 100.0 * own / largest
 
 
-def _of_directions(step: StepResult, truth: StepResult) -> Errors:
+def of_directions(step: StepResult, truth: StepResult) -> Errors:
     """Of each tip that is near to growth by the same branch, degrees."""
     for tip, true in zip(step.tips, truth.tips, strict=True):
         if tip.criticality > NEAR and true.criterion == tip.criterion:

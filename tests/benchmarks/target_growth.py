@@ -22,7 +22,7 @@ from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from tests.benchmarks.paths import HERE, ROOT
-from tests.benchmarks.random_errors import QUIET, TRUTH, of_K
+from tests.benchmarks.random_errors import QUIET, TRUTH, of_directions, of_K
 from tests.benchmarks.tables import number, table
 
 SCENES: Final = {"compression30": 22, "brazilian_disk": 10, "flaw_and_hole": 12, "two_flaws": 12, "en_echelon": 8}
@@ -41,9 +41,11 @@ step in {EVERY}, in percent of the largest K; the truth is K of the same cracks 
 errors beyond the bound and what the truth states of itself. Bound over error is of errors that the truth is good enough
 to tell.
 
-To hold K against that on other cells takes as long as one and a half to two steps in growth, which make anew only what
-has changed. Young wings are measured at the first step and once they are five or six times as long; where flaws come
-near each other, or cells are joined, sooner. So a cost of 1.3 is met by long runs of one flaw alone.
+Directions: the same of the kinks, in degrees, where the criterion sees a tip grow.
+
+To hold K against that on other cells takes as long as some steps in growth, which make anew only what has changed: one
+measuring, over one step. Young wings are measured at the first step and once they are five or six times as long; where
+flaws come near each other, or cells are joined, sooner.
 """
 
 
@@ -100,34 +102,46 @@ def on_known_cells(case: Case, known: Sequence[Accuracy]) -> Grown:
         return grown(case)
 
 
-def errors(name: str, run: Grown) -> Iterator[tuple[float, float, float]]:
-    """Of each tip of some steps: its error, the bound, and that of the truth."""
+def beside_truth(name: str, run: Grown) -> Iterator[tuple[StepResult, StepResult]]:
+    """Some steps, each with the truth."""
     for result, step in list(zip(run.results, run.steps, strict=True))[EVERY - 1 :: EVERY]:
         loaded = f"loading={{history: [{step.state.factor!r}]}}"
         case = case_of(name, f"numerics.accuracy={TRUTH}", "growth.steps=0", loaded)
         truth, _ = next(solved_steps(case, packed(RunState(0, step.cracks))))
-        yield from of_K(result, truth)
+        yield result, truth
 
 
-def row_of(name: str, steps: int) -> list[str]:
+def row_of(name: str, n_steps: int) -> list[str]:
     """A row of the table."""
-    case = case_of(name, f"numerics.accuracy={TARGET}", f"growth.steps={steps}")
+    case = case_of(name, f"numerics.accuracy={TARGET}", f"growth.steps={n_steps}")
     run = grown(case)
     pairs = [(grown(case).seconds, on_known_cells(case, run.known).seconds) for _ in range(REPEATS)]
     whole, alone = np.median(pairs, axis=0).tolist()
-    found = list(errors(name, run))
-    told = [bound / error for error, bound, own in found if error > 3.0 * own]
+    steps = list(beside_truth(name, run))
+    of_tips = [each for step, truth in steps for each in of_K(step, truth)]
+    turned = [each for step, truth in steps for each in of_directions(step, truth)]
+    told = [bound / error for error, bound, own in of_tips if error > 3.0 * own]
+    measured = [step for step, known in enumerate(run.known) if known.age == 0]
     return [
         name,
-        str(len(run.steps) - 1),
-        ", ".join(str(step) for step, known in enumerate(run.known) if known.age == 0),
+        str(n := len(run.steps) - 1),
+        ", ".join(map(str, measured)),
         number(whole / alone),
-        str(len(found)),
-        str(sum(error > bound + own for error, bound, own in found)),
-        number(max(error for error, *_ in found)),
-        number(max(bound for _, bound, _ in found)),
+        number((whole / alone - 1.0) * n / max(sum(step > 0 for step in measured), 1)),
+        str(len(of_tips)),
+        str(n_beyond(of_tips)),
+        number(max(error for error, *_ in of_tips)),
+        number(max(bound for _, bound, _ in of_tips)),
         number(float(np.median(told))) if told else "",
+        str(len(turned)),
+        str(n_beyond(turned)),
+        number(max((error for error, *_ in turned), default=np.nan)),
     ]
+
+
+def n_beyond(found: Sequence[tuple[float, float, float]]) -> int:
+    """How many errors are beyond their bound, and what the truth states of itself."""
+    return sum(error > bound + own for error, bound, own in found)
 
 
 def main() -> None:
@@ -137,8 +151,8 @@ def main() -> None:
         rows.append(row_of(name, steps))
         print(*rows[-1], sep=", ", flush=True)
     header = (
-        "scene", "steps", "measured", "cost", "errors", "beyond", "largest error, %", "largest bound, %",
-        "bound over error in the median",
+        "scene", "steps", "measured", "cost", "one measuring, over one step", "errors", "beyond", "largest error, %",
+        "largest bound, %", "bound over error in the median", "directions", "beyond", "largest error, degrees",
     )  # fmt: skip
     (HERE / "target_growth.md").write_text(f"{WORDS}\n{table(header, rows)}")
 
