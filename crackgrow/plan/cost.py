@@ -32,7 +32,7 @@ from crackgrow.results.units import duration, memory_text
 from crackgrow.run.aim import measures_by_name
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cells_of
-from crackgrow.run.scene import make_scene
+from crackgrow.run.scene import halvings_at_first, make_scene
 
 TERMS: Final = ("1", "N", "N^1.5", "S", "S^2/R", "contact", "contact N^0.5", "tips", "critical contact", "held N",
          "halved")  # fmt: skip
@@ -40,7 +40,11 @@ LATER_TERMS: Final = (*TERMS, "advancing", "advancing, halved")
 MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R", "held N")
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
-HELD_WITH_OTHER: Final = 1.5  # of memory: the cells that K is held against are there, too
+WITH_OTHER: Final = 1.5  # of memory: the cells of a name, and those that K is held against
+WITH_OTHER_OF_TARGET: Final = (
+    4.0,
+    6.0,
+)  # of memory, over the first cells: those of all rounds; and in growth, at kinks
 MEASURED: Final = 1.9  # of the CPU of a step: with K held against other cells (tests/benchmarks/names.md)
 PROBE_SIZE, PROBE_REPEATS = 260, 7
 USUAL_PAIRS = 115.0  # of patches on an element, by the dofs of the patches, at a support of 2
@@ -49,7 +53,7 @@ CONTAINER_MEMORY = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memo
 CROWDING = 0.6  # power of the pairs that seconds grow with: supports of 1.5 to 3 in compression30 and two_flaws
 
 CARRIERS_AT_A_TIP: Final = (16, 3)  # of its functions: one for each patch, or gathered
-CELLS_TO_GATHER: Final = RADIUS + np.sqrt(2.0)  # that a crack is long: functions reach so far round each of its tips
+CELLS_TO_GATHER: Final = RADIUS + 4.0  # that a crack is long: so far round each of its tips patches reach, about
 SPACINGS_OF_A_POINT: Final = 2.0  # along a crack, of contact points
 CUT_MORE: Final = 0.3  # of elements, where cells of several sizes meet
 MEET_MORE: Final = 0.6  # of pairs of patches on an element there
@@ -92,7 +96,6 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
     """What a run of the case will take on this machine; measures the machine for a moment."""
     table = json.loads((files("crackgrow.plan") / "cost.json").read_text(encoding="utf-8"))
     slower, terms = probe() / table["probe"], terms_of(case, sizes)
-    solves = IMPLICIT_SOLVES if case.growth is not None and case.growth.direction == "implicit" else 1.0
     static = case.growth is None and isinstance(case.loading, LoadHistory | Stages)
     history = case.last_step + 1 if static else 1
     share = 1.0 if isinstance(case.loading, Stages) else STATIC_SHARE
@@ -101,15 +104,15 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
     first, later = (1.0 + held_first) * plain, later + held_later * plain
     return Cost(
         first_step=first,
-        later_step=share * first if case.growth is None else solves * later,
+        later_step=share * first if case.growth is None else later,
         n_later=case.growth.steps if case.growth is not None else history - 1,
         memory=float(memory_terms_of(case, sizes) @ table["memory"]),
     )
 
 
-def _by_name(case: Case, sizes: Sizes) -> bool:
-    """Whether K of the cells of a name is held against that of others."""
-    return sizes.n_tips > 0 and measures_by_name(case, sizes.n_dofs)
+def _is_held(case: Case, sizes: Sizes) -> bool:
+    """Whether K is held against that of other cells."""
+    return sizes.n_tips > 0 and (case.numerics.target is not None or measures_by_name(case, sizes.n_dofs))
 
 
 def held_against(case: Case, sizes: Sizes) -> tuple[float, float]:
@@ -118,7 +121,7 @@ def held_against(case: Case, sizes: Sizes) -> tuple[float, float]:
     In parts of the first step without it. It is done each time that what has grown is twice as long.
     """
     n = 0 if case.growth is None else case.growth.steps
-    more = MEASURED - 1.0 if _by_name(case, sizes) else 0.0
+    more = MEASURED - 1.0 if _is_held(case, sizes) else 0.0
     return more, more * ((n + 1).bit_length() - 1) / max(n, 1)
 
 
@@ -133,18 +136,26 @@ def terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.flo
 
 def later_terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """The values (13,) of LATER_TERMS: each tip that advances leaves a kink, with small cells round it or not."""
-    one = case.growth is None or case.growth.advance != "all"
+    growth = case.growth
+    one, implicit = growth is None or growth.advance != "all", growth is not None and growth.direction == "implicit"
     advancing = (min(sizes.n_tips, 1) if one else sizes.n_tips) / 10
-    return np.append(terms_of(case, sizes), [advancing, advancing * (sizes.n_halved > 0)])
+    solves = IMPLICIT_SOLVES if implicit else 1.0
+    return solves * np.append(terms_of(case, sizes), [advancing, advancing * (sizes.n_halved > 0)])
 
 
 def memory_terms_of(case: Case, sizes: Sizes) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """The values (6,) of MEMORY_TERMS: the first one is the program itself, the others grow with what patches make."""
     n, s = sizes.n_dofs / 1e4, _singular(sizes)
     parts = np.array([n, n**1.25, s, s**2 / (n - s), _held_first(case) * n])
-    other = _by_name(case, sizes) or case.numerics.target is not None
-    held = HELD_WITH_OTHER if other else 1.0
-    return np.append(1.0, held * parts * sizes.n_pairs / (sizes.n_elements * USUAL_PAIRS_HERE))
+    return np.append(1.0, _with_other(case, sizes) * parts * sizes.n_pairs / (sizes.n_elements * USUAL_PAIRS_HERE))
+
+
+def _with_other(case: Case, sizes: Sizes) -> float:
+    """How many times the memory of the first cells is taken, as K is held against that of others."""
+    if not _is_held(case, sizes):
+        return 1.0
+    grows = case.growth is not None and case.growth.steps > 0
+    return WITH_OTHER if case.numerics.target is None else WITH_OTHER_OF_TARGET[grows]
 
 
 def _held_first(case: Case) -> bool:
@@ -215,7 +226,8 @@ def outlook(case: Case) -> Outlook:
     tiles = 1 if support % 1.0 == 0.0 else 4 if support % 0.5 == 0.0 else 9  # of a cell, cut by the edges of patches
     elements = round(nodes * tiles * (1.0 + CUT_MORE * share))
     pairs = round(elements * (2.0 * support) ** 4 * (1.0 + MEET_MORE * share))
-    singular = sum(_carriers(case, crack) for crack in case.cracks)
+    halvings = halvings_at_first(case)
+    singular = sum(_carriers(case, crack, halvings.at_tips(number)) for number, crack in enumerate(case.cracks))
     lines = [crack.points for crack in case.cracks if crack.contact is not None]
     lines += [line for interface in case.interfaces for line in interface.lines]
     length = sum(map(line_length, lines))
@@ -226,15 +238,14 @@ def outlook(case: Case) -> Outlook:
     return Outlook(n_dofs, estimated_cost(case, sizes))
 
 
-def _carriers(case: Case, crack: Crack) -> int:
-    """Of the functions of a crack's tips."""
+def _carriers(case: Case, crack: Crack, halvings: int) -> int:
+    """Of the functions of a crack's tips, at which cells are halved so often for a target."""
     numerics, cells = case.numerics, line_length(crack.points) / case.numerics.spacing
     if numerics.refine.tips != AUTO:
-        cells *= 2.0**numerics.refine.tips
+        halvings = max(halvings, numerics.refine.tips)
     elif numerics.target is None:
-        cells *= 2.0 ** max(np.ceil(np.log2(preset_of(numerics.accuracy).per_crack / cells)), 0.0)
-    else:
-        cells = np.inf  # small ones are chosen
+        halvings = max(int(np.ceil(np.log2(preset_of(numerics.accuracy).per_crack / cells))), 0)
+    cells *= 2.0**halvings
     gathers = numerics.gathers_tip_functions and bool(cells >= CELLS_TO_GATHER)
     return CARRIERS_AT_A_TIP[gathers] * (crack.tip_at_start + crack.tip_at_end)
 

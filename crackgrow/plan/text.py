@@ -87,7 +87,7 @@ def _cost(case: Case, cost: Cost) -> list[str]:
         f"estimated cost, {sure}: {cost.words}{total}, without files and pictures; {memory_text(cost.memory)} of memory"
     ]
     if case.numerics.target is not None:
-        found.append("that is of one solve on these cells: the first step takes two to six, later ones one or two")
+        found.append("where cells have to be halved again for the target, the first step takes up to three times that")
     return found
 
 

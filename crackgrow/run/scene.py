@@ -234,15 +234,20 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     twice as large on the same lattice.
     """
     corners = np.concatenate([body.outline for body in case.bodies])
-    numerics, box = case.numerics, (corners.min(axis=0), corners.max(axis=0))
-    halvings = AS_GIVEN
-    if numerics.target is not None:
-        cracks = [(line_length(crack.points), len(stretches(crack.points)[0]) > 0) for crack in case.cracks]
-        straight = case.growth is None and not any(kinked for _, kinked in cracks)
-        halvings = first_halvings(begun_with(numerics.target, straight), numerics.spacing, cracks)
+    numerics, box, halvings = case.numerics, (corners.min(axis=0), corners.max(axis=0)), halvings_at_first(case)
     lattice = place_lattice(*box, numerics.spacing * 2**halvings.everywhere, numerics.support, offset)
     scene = replace(_scene_on(case, lattice), halvings=halvings)
     return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, Stages) else scene
+
+
+def halvings_at_first(case: Case) -> Halvings:
+    """The halvings that a run of a case begins with."""
+    target = case.numerics.target
+    if target is None:
+        return AS_GIVEN
+    cracks = [(line_length(crack.points), len(stretches(crack.points)[0]) > 0) for crack in case.cracks]
+    straight = case.growth is None and not any(kinked for _, kinked in cracks)
+    return first_halvings(begun_with(target, straight), case.numerics.spacing, cracks)
 
 
 def scene_of_stage(scene: Scene, number: int) -> Scene:

@@ -41,6 +41,8 @@ FIELDS = {f"{n} flaws": n for n in FLAWS}
 
 STEPS_OF_A_FIELD = 2
 
+TARGET = ("numerics.spacing=auto", "numerics.accuracy=1 %")
+
 SCENES: tuple[tuple[str, tuple[str, ...]], ...] = (
     *(("compression30", (f"numerics.spacing={h}", "growth.steps=3")) for h in (3, 1.5, 0.75, 0.4, 0.2, 0.1)),
     *(("two_flaws", (f"numerics.spacing={h}", "growth.steps=2")) for h in (4, 2, 1)),
@@ -58,6 +60,12 @@ SCENES: tuple[tuple[str, tuple[str, ...]], ...] = (
     *((name, ()) for name in ("edge_tension", "junction_static")),
     ("random_flaws", ("numerics.spacing=auto", "numerics.accuracy=draft", "growth.steps=1")),
     *((name, ("numerics.accuracy=draft",)) for name in FIELDS),
+    *((name, (*TARGET, "growth.steps=3")) for name in ("compression30", "two_flaws", "en_echelon", "brazilian_disk")),
+    *((name, TARGET) for name in ("edge_tension", "junction_static")),
+    *(
+        ("random_flaws", ("numerics.spacing=auto", f"numerics.accuracy={target}", "growth.steps=0"))
+        for target in ("3 %", "1 %")
+    ),
 )
 
 VALUES = ("first", "later", "memory")
