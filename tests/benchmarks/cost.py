@@ -41,7 +41,7 @@ FIELDS = {f"{n} flaws": n for n in FLAWS}
 
 STEPS_OF_A_FIELD = 2
 
-TARGET = ("numerics.spacing=auto", "numerics.accuracy=1 %")
+TARGET, LOWER_TARGET = (("numerics.spacing=auto", f"numerics.accuracy={target}") for target in ("1 %", "3 %"))
 
 SCENES: tuple[tuple[str, tuple[str, ...]], ...] = (
     *(("compression30", (f"numerics.spacing={h}", "growth.steps=3")) for h in (3, 1.5, 0.75, 0.4, 0.2, 0.1)),
