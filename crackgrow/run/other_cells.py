@@ -12,8 +12,8 @@ times 1.5, in 79 % (140 covers of ten scenes with closed kinks).
 
 With D the difference of both K, K_I and K_II together, and what K_I is below that of faces that touch up to the tip,
 tan(dilation angle) |K_II|, since they can't overlap, S that between discs of integration, each at the tip of a crack
-where it is largest, since an error may pass through zero at one of them, and B the fitted bound
-(`run.intensity_error`):
+where it is largest, since an error may pass through zero at one of them (what the criterion says otherwise, too), and B
+the fitted bound (`run.intensity_error`):
 
                                                             expected                 at most
     kinks halved three times, or cracks without kinks       E = sqrt(D^2 + S^2)      2 E
@@ -40,8 +40,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -81,10 +80,10 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
     Where there is none B alone is known.
     """
     scene, cover = solution.scene, solution.cover
-    off = {} if other is None else _differences(solution, other)
+    off = {} if other is None else _of_cracks(_differences(solution, other))
     expected, bounds, all_fitted = [], [], fitted_bounds(solution)
     for tip, end, fitted in zip(cover.tips, cover.tip_ends, all_fitted, strict=True):
-        worst = max((off[each].K for each in off if each[0] == end[0]), default=np.nan)
+        worst = off.get(end[0], UNKNOWN).K
         more = 0 if other is None else _more_at_kinks(solution, other, end[0])
         if np.isnan(worst) or np.isnan(fitted):
             error, most = np.nan, fitted
@@ -97,7 +96,7 @@ def accuracy_of(solution: StepSolution, other: LoadState | None) -> Accuracy:
         expected.append(error)
         bounds.append(most)
     keep = scene.case.numerics.target is not None  # a name's error is measured too seldom for that
-    each = [off.get(end, _Difference()) for end in cover.tip_ends]
+    each = [off.get(crack, UNKNOWN) for crack, _ in cover.tip_ends]
     return Accuracy(
         scene.halvings,
         tuple(cover.tip_ends),
@@ -136,13 +135,15 @@ def _more_at_kinks(solution: StepSolution, other: LoadState, crack: int) -> int:
     return others.finer_at_kinks(crack, mine)
 
 
-@dataclass(frozen=True, slots=True)
-class _Difference:
+class _Difference(NamedTuple):
     """Of a tip on two kinds of cells."""
 
     K: float = np.nan  # Pa sqrt(m), sqrt(D^2 + S^2)
     turn: float = np.nan  # rad, of the direction of growth; nan without growth
     criticality: float = np.nan  # of itself; of the load factor where both have their own
+
+
+UNKNOWN: Final = _Difference()
 
 
 def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Difference]:
@@ -163,6 +164,14 @@ def _differences(solution: StepSolution, other: LoadState) -> dict[End, _Differe
                 criticality = abs(other.factor / solution.state.factor - 1.0)
             apart = _apart(tip, there, (missed[end], missed_there[end]), scene.laws[end[0]])
             found[end] = _Difference(apart, turn, criticality)
+    return found
+
+
+def _of_cracks(differences: Mapping[End, _Difference]) -> dict[int, _Difference]:
+    """Those of each crack: the larger one of its tips, each by itself."""
+    found: dict[int, _Difference] = {}
+    for (crack, _), one in differences.items():
+        found[crack] = _Difference(*np.fmax(found.get(crack, UNKNOWN), one).tolist())
     return found
 
 

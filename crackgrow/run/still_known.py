@@ -10,8 +10,7 @@ tells of such tips.
 For a target bounds are widened from there on: as what was added is longer, by the square of what is nearer, as the
 fitted bound is larger, and where cells are joined. K is measured anew where they would be beyond the target.
 
-What the criterion says otherwise on other cells does not grow with the cracks. How large it is where it was measured is
-a matter of chance, of how cells lie there: once cracks have grown both tips of a crack have that of the worse of them.
+What the criterion says otherwise on other cells does not grow with the cracks, and stays as it was.
 
 Where bonds break at a critical load the other cells have one of their own: what is known there tells nothing of steps
 at which none break, nor the other way round.
@@ -25,7 +24,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.run.advancing import End
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.nearby import room_at_tips
@@ -182,18 +180,9 @@ class Since:
             widened=tuple(widening),
             expected=tuple(EXPECTED_OF_JOINED**joined * scale * error for error in carried(last.expected)),
             rooms=tuple(last.rooms[then[end]] if end in then else math.nan for end in ends),
-            turns=_of_worse_tips(ends, carried(last.turns)),
-            criticalities=_of_worse_tips(ends, carried(last.criticalities)),
+            turns=carried(last.turns),
+            criticalities=carried(last.criticalities),
         )
-
-
-def _of_worse_tips(ends: Sequence[End], numbers: Sequence[float]) -> tuple[float, ...]:
-    """The larger one of both tips of its crack, tip by tip; nan stays."""
-    largest: dict[int, float] = {}
-    for (crack, _), number in zip(ends, numbers, strict=True):
-        largest[crack] = max(largest.get(crack, 0.0), 0.0 if math.isnan(number) else number)
-    of_tips = zip(ends, numbers, strict=True)
-    return tuple(number if math.isnan(number) else largest[crack] for (crack, _), number in of_tips)
 
 
 def _has_lost(last: Accuracy) -> bool:

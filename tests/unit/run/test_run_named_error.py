@@ -152,7 +152,21 @@ def test_what_the_criterion_says_on_the_other_cells_is_kept_and_carried_over() -
     assert result.load_factor_error >= 299.99 * last.criticalities[0]
     assert all(tip.kink_error_deg >= math.degrees(2.9999 * last.turns[0]) for tip in result.tips)
     again = Since(last, solution, (0.0,)).carried_over
-    assert (again.turns, again.criticalities) == ((max(last.turns),) * 2, (max(last.criticalities),) * 2)
+    assert (again.turns, again.criticalities) == (last.turns, last.criticalities)
+
+
+def test_both_tips_of_a_crack_have_the_larger_of_their_differences() -> None:
+    """That of one tip may pass through zero."""
+    _, solution = next(solved_steps(case("growth.steps=0", "cracks.flaw.path.center=[7 mm, 3 mm]")))
+    last = solution.accuracy
+    assert last is not None
+    other = load(compared(solution), solution.cracks)
+    verdicts = [[tip.verdict for tip in each.tips] for each in (solution, other)]
+    turns = [abs(here.kink - there.kink) for here, there in zip(*verdicts, strict=True) if here and there]
+    criticalities = [abs(there.criticality / here.criticality - 1.0) for here, there in zip(*verdicts, strict=True)]
+    assert min(turns) < 0.9 * max(turns)
+    assert last.turns == pytest.approx([max(turns)] * 2, rel=1e-6)
+    assert last.criticalities == pytest.approx([max(criticalities)] * 2, rel=1e-2)
 
 
 def test_a_direction_is_off_by_half_a_turn_at_most() -> None:
