@@ -366,6 +366,19 @@ def test_a_run_goes_on_from_widened_bounds_to_the_same_bits() -> None:
     assert [tip_numbers(step) for step in again] == [tip_numbers(step) for step, _ in steps[3:]]
 
 
+def test_a_run_goes_on_from_joined_cells_to_the_same_bits() -> None:
+    """Wings of all flaws are long enough for larger cells at the second step."""
+    wings = case("en_echelon", "1 %", "growth.steps=3")
+    steps = list(solved_steps(wings))
+    known = [solution.accuracy for _, solution in steps]
+    assert known[2] is not None
+    assert known[2].coarser == (1, 1, 1)
+    assert min(known[2].widened) >= 8.0
+    for number in (1, 2):
+        again = list(grow(wings, steps[number][0].checkpoint))
+        assert [tip_numbers(step) for step in again] == [tip_numbers(step) for step, _ in steps[number:]]
+
+
 def tip_numbers(step: StepResult) -> list[tuple[float, ...]]:
     """K of the tips, and what is stated of it."""
     return [(tip.K_I, tip.K_II, tip.K_I_error, tip.K_error_expected, tip.kink_error_deg) for tip in step.tips]
