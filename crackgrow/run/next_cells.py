@@ -19,6 +19,7 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.layout import cells_of
 from crackgrow.run.other_cells import largest_K
 from crackgrow.run.parting import Partings, partings
+from crackgrow.run.still_known import JOINED
 
 Wanted = tuple[Halvings | None, str]
 """The cells to try for a step that misses its target; None and why, where there are none."""
@@ -26,8 +27,8 @@ Wanted = tuple[Halvings | None, str]
 MOST_AT_ONCE = 3
 """Halvings in one round."""
 
-FAR_BELOW = 1.0 / 6.0
-"""Of the target: cells of a crack with less are joined, once a step."""
+FAR_BELOW = 1.0 / JOINED
+"""Of the target: cells of a crack with less are joined, once a step. So wide its bound is within the target still."""
 
 PART_OF_PARTING = 1.0 / 2.0
 """Of the target: what K may be off by where faces part."""
