@@ -85,20 +85,20 @@ class Contents:
             numbers = functions.astype(np.int64)
             places.append(_places(numbers[:, part.first], numbers[:, part.second], p, b).ravel())
             terms.append(part.terms[part.kind[part.starts[front] : part.starts[front + 1]]].ravel())
-        at, of_blocks = self._taken_of_blocks(front, p)
-        places.append(at)
-        terms.append(of_blocks)
+        first, second, of_blocks = self._taken_of_blocks(front, p)
+        places.append(_places(first, second, p, b).transpose(1, 0, 2).ravel())
+        terms.append(of_blocks.ravel())
         at, total = np.concatenate(places), np.zeros((p + b) * p + b * b)
         if len(at):  # else the sums would be whole numbers
             total = np.bincount(at, np.concatenate(terms), len(total)).astype(np.float64, copy=False)
         own = total[: (p + b) * p].reshape(p + b, p).copy()  # it is kept, the rest is not
         return own, total[(p + b) * p :].reshape(b, b)
 
-    def _taken_of_blocks(self, front: int, p: int) -> tuple[Ints, Floats]:
-        """What a front takes of blocks to the rows of its own p columns: places in them (q,), and terms (q,).
+    def _taken_of_blocks(self, front: int, p: int) -> tuple[Ints, Ints, Floats]:
+        """What a front with p columns takes of blocks: numbers in it of pairs of functions (q,), and terms (2, q, 2).
 
-        It takes the pairs of functions of which it eliminates the first one, to the lower triangle; a function with
-        itself has both. Raises ValueError where it has no place for the second one.
+        It takes the pairs of which it eliminates the first one; a function with itself has both halves. Raises
+        ValueError where it has no place for the second one.
         """
         pairs, entries = [np.empty((2, 0), dtype=np.int32)], [np.empty((2, 0, 2))]
         for block, numbers in zip(self._blocks.of_front.of(front).tolist(), self._of_blocks[front], strict=True):
@@ -112,11 +112,7 @@ class Contents:
             raise ValueError(FAR_APART)
         terms = np.concatenate(entries, axis=1)
         terms[:, np.flatnonzero(one == other)] *= 2.0
-        lower = one >= other
-        at = np.where(lower, one * p + other, other * p + one)
-        by_first, by_second = np.where(lower, p, 1), np.where(lower, 1, p)
-        places = np.stack([at, at + by_second, at + by_first, at + (p + 1)], axis=1).reshape(-1, 2, 2)
-        return places.transpose(1, 0, 2).ravel(), terms.ravel()
+        return one, other, terms
 
     def keys(self) -> list[bytes]:
         """The key of every front."""

@@ -41,10 +41,7 @@ MEMORY_TERMS: Final = ("1", "N", "N^1.25", "S", "S^2/R", "held N")
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
 WITH_OTHER: Final = 1.5  # of memory: the cells of a name, and those that K is held against
-WITH_OTHER_OF_TARGET: Final = (
-    4.0,
-    6.0,
-)  # of memory, over the first cells: those of all rounds; and in growth, at kinks
+WITH_OTHER_OF_TARGET: Final = (4.0, 6.0)  # over that of a target's first cells: those of all rounds; kinks in growth
 MEASURED: Final = 1.9  # of the CPU of a step: with K held against other cells (tests/benchmarks/names.md)
 PROBE_SIZE, PROBE_REPEATS = 260, 7
 USUAL_PAIRS = 115.0  # of patches on an element, by the dofs of the patches, at a support of 2

@@ -22,7 +22,7 @@ from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from tests.benchmarks.paths import HERE, ROOT
-from tests.benchmarks.random_errors import QUIET, TRUTH, of_directions, of_K
+from tests.benchmarks.random_errors import QUIET, TRUTH, Stated, of_directions, of_K
 from tests.benchmarks.tables import number, table
 
 SCENES: Final = {"compression30": 22, "brazilian_disk": 10, "flaw_and_hole": 12, "two_flaws": 12, "en_echelon": 8}
@@ -118,30 +118,25 @@ def row_of(name: str, n_steps: int) -> list[str]:
     pairs = [(grown(case).seconds, on_known_cells(case, run.known).seconds) for _ in range(REPEATS)]
     whole, alone = np.median(pairs, axis=0).tolist()
     steps = list(beside_truth(name, run))
-    of_tips = [each for step, truth in steps for each in of_K(step, truth)]
-    turned = [each for step, truth in steps for each in of_directions(step, truth)]
-    told = [bound / error for error, bound, own in of_tips if error > 3.0 * own]
-    measured = [step for step, known in enumerate(run.known) if known.age == 0]
+    of_tips = [Stated(name, TARGET, "K", *each) for step, truth in steps for each in of_K(step, truth)]
+    turned = [Stated(name, TARGET, "direction", *each) for step, truth in steps for each in of_directions(step, truth)]
+    told = [tip.bound / tip.error for tip in of_tips if tip.error > 3.0 * tip.own]
+    n, measured = len(run.steps) - 1, [step for step, known in enumerate(run.known) if known.age == 0]
     return [
         name,
-        str(n := len(run.steps) - 1),
+        str(n),
         ", ".join(map(str, measured)),
         number(whole / alone),
         number((whole / alone - 1.0) * n / max(sum(step > 0 for step in measured), 1)),
         str(len(of_tips)),
-        str(n_beyond(of_tips)),
-        number(max(error for error, *_ in of_tips)),
-        number(max(bound for _, bound, _ in of_tips)),
+        str(sum(not tip.holds for tip in of_tips)),
+        number(max(tip.error for tip in of_tips)),
+        number(max(tip.bound for tip in of_tips)),
         number(float(np.median(told))) if told else "",
         str(len(turned)),
-        str(n_beyond(turned)),
-        number(max((error for error, *_ in turned), default=np.nan)),
+        str(sum(not tip.holds for tip in turned)),
+        number(max((tip.error for tip in turned), default=np.nan)),
     ]
-
-
-def n_beyond(found: Sequence[tuple[float, float, float]]) -> int:
-    """How many errors are beyond their bound, and what the truth states of itself."""
-    return sum(error > bound + own for error, bound, own in found)
 
 
 def main() -> None:

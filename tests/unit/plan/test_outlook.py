@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from pathlib import Path
 
@@ -49,7 +48,7 @@ def test_a_scene_that_takes_minutes_to_lay_out_is_guessed_at_once_and_warned_of(
     assert "of CPU for the first step" in found.words
     assert " each of 22 more" in found.words
     monkeypatch.setattr(cost, "machine_memory", lambda: 8.0 * 1024.0)
-    assert re.match(r"the run needs about 1\d GiB of memory, and this machine has 8 GiB: ", outlook(case).warning)
+    assert outlook(case).warning.startswith("the run needs about 13 GiB of memory, and this machine has 8 GiB: ")
     monkeypatch.setattr(cost, "machine_memory", lambda: 64.0 * 1024.0)
     assert outlook(case).warning == ""
 
@@ -59,8 +58,8 @@ def test_tip_functions_of_short_cracks_are_guessed_not_to_be_gathered() -> None:
 
     For 3 % there are five to nine, for 1 % more than are needed.
     """
-    for accuracy in ("draft", "3 %", "1 %"):
+    for accuracy, within in (("draft", 0.05), ("3 %", 0.05), ("1 %", 0.1)):
         flaws = load_case(CASES / "random_flaws.yaml", [f"numerics.accuracy={accuracy}", "numerics.spacing=auto"])
-        assert outlook(flaws).n_dofs == pytest.approx(sizes_of(flaws).n_dofs, rel=0.1)
+        assert outlook(flaws).n_dofs == pytest.approx(sizes_of(flaws).n_dofs, rel=within)
     fine = load_case(CASES / "compression30.yaml", ["numerics.accuracy=fine", "numerics.spacing=auto"])
     assert outlook(fine).n_dofs == pytest.approx(sizes_of(fine).n_dofs, rel=0.1)

@@ -319,8 +319,7 @@ def test_joined_cells_widen_bounds_by_eight_and_smaller_ones_are_not_known(
 
 def test_cells_that_are_joined_at_several_cracks_count_where_they_are_most_often() -> None:
     widened = []
-    scene = make_scene(case("two_flaws", "3 %", "growth.steps=0"))
-    _, solution = next(solved_steps(scene.case))
+    _, solution = next(solved_steps(case("two_flaws", "3 %", "growth.steps=0")))
     last = solution.accuracy
     assert last is not None
     for more in ((1, 0), (1, 1), (2, 0)):
