@@ -15,6 +15,7 @@ import os
 import resource
 import time
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Final
@@ -90,9 +91,9 @@ class Cost:
 
 
 def estimated_cost(case: Case, sizes: Sizes) -> Cost:
-    """What a run of the case will take on this machine; measures the machine for a moment."""
+    """What a run of the case will take on this machine; measures the machine for a moment, the first time."""
     table = json.loads((files("crackgrow.plan") / "cost.json").read_text(encoding="utf-8"))
-    slower, terms = probe() / table["probe"], terms_of(case, sizes)
+    slower, terms = _probe_here() / table["probe"], terms_of(case, sizes)
     static = case.growth is None and isinstance(case.loading, LoadHistory | Stages)
     history = case.last_step + 1 if static else 1
     share = 1.0 if isinstance(case.loading, Stages) else STATIC_SHARE
@@ -188,6 +189,12 @@ def probe() -> float:
             sum(k * k for k in range(20_000))
             found.append(time.process_time() - start)
     return min(found)
+
+
+@cache
+def _probe_here() -> float:
+    """That of this machine, measured once: estimates of one process differ by what is estimated, not by noise."""
+    return probe()
 
 
 @dataclass(frozen=True, slots=True)
