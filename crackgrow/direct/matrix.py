@@ -10,12 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Generic, TypeVar
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.direct.assembly import HalfMatrix, half, half_sum_of, mirrored, sum_of
+
+Answer = TypeVar("Answer")
 
 AT_ONCE = 4_000_000
 """Numbers that a product or a sum holds at once."""
@@ -39,12 +42,12 @@ class EqualElements:
 
 
 @dataclass(slots=True, eq=False)
-class _Last:
+class _Last(Generic[Answer]):
     """The last answer, which is given again while the question is the same; not to be changed."""
 
-    last: tuple[Floats, tuple[Floats, ...]] | None = None  # the question (k,) and what it was answered
+    last: tuple[Floats | Ints, Answer] | None = None  # the question (k,) and what it was answered
 
-    def to(self, question: Floats, find: Callable[[], tuple[Floats, ...]]) -> tuple[Floats, ...]:
+    def to(self, question: Floats | Ints, find: Callable[[], Answer]) -> Answer:
         """The answer to a question, which `find` finds."""
         last = self.last
         if last is None or not np.array_equal(last[0], question):
@@ -57,7 +60,8 @@ class Summed:
     """A symmetric matrix (k, k) by its half, and what is asked of it again and again."""
 
     half: csr_array  # H (k, k) with H + H' the matrix
-    _met: _Last = field(default_factory=_Last, init=False, repr=False)
+    _met: _Last[Floats] = field(default_factory=_Last, init=False, repr=False)
+    _among: _Last[tuple[Floats, Ints, Ints]] = field(default_factory=_Last, init=False, repr=False)
 
     @cached_property
     def transposed(self) -> csc_array:
@@ -79,8 +83,7 @@ class Summed:
 
         An unknown meets those that it has an entry with. Not to be changed: what was found last is kept.
         """
-        (found,) = self._met.to(np.append(sizes, share), lambda: (self._largest_met(sizes, share),))
-        return found
+        return self._met.to(np.append(sizes, share), lambda: self._largest_met(sizes, share))
 
     def _largest_met(self, sizes: Floats, share: float) -> Floats:
         found, some = np.zeros(len(sizes)), sizes < share * sizes.max()
@@ -90,6 +93,17 @@ class Summed:
                 at = np.flatnonzero(some[one])
                 np.maximum.at(found, one[at], sizes[other[at]])
         return found
+
+    def among(self, some: Ints) -> tuple[Floats, Ints, Ints]:
+        """Entries (e,) of H between `some` (m,) of the unknowns, their rows and columns among these.
+
+        Not to be changed: what was found last is kept.
+        """
+        return self._among.to(some, lambda: self._entries_among(some))
+
+    def _entries_among(self, some: Ints) -> tuple[Floats, Ints, Ints]:
+        found = self.half[some][:, some].tocoo()
+        return found.data, found.row, found.col
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product with vectors (k,) or (k, m)."""
@@ -122,15 +136,14 @@ class Blocks:
     functions: tuple[Ints, ...] = ()  # block by block (k,)
     halves: tuple[HalfMatrix, ...] = ()  # block by block
     parts: tuple[Part, ...] = ()  # the sum, in parts
-    _weighed: _Last = field(default_factory=_Last, init=False, repr=False)
+    _weighed: _Last[tuple[Floats, Floats]] = field(default_factory=_Last, init=False, repr=False)
 
     def weighed(self, vector: Floats) -> tuple[Floats, Floats]:
         """The product of the sum with a vector (n,), and that of absolute values; not to be changed.
 
         Those of the last vector are kept: a solution is held against its loads by the solver and by the step.
         """
-        product, sizes = self._weighed.to(vector, lambda: (self @ vector, self.sizes(np.abs(vector))))
-        return product, sizes
+        return self._weighed.to(vector, lambda: (self @ vector, self.sizes(np.abs(vector))))
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product of the sum with vectors (n,) or (n, m)."""

@@ -12,18 +12,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.blas import dtrsm
+from scipy.linalg.blas import dsyrk, dtrsm
 from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.direct.factor import Placed, runs
+from crackgrow.direct.tiles import lower_tiles, mirror
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reduced:
     """What elimination in a subtree makes of the right-hand sides (c,) that are at work there."""
 
-    product: Floats  # (c, c) Y' D Y of the rows of Y that are eliminated in it
+    product: Floats  # (c, c) Y' D Y of the rows of Y that are eliminated in it: its lower triangle
     left: Floats  # (c, b) what it leaves to the later unknowns that it is coupled to
 
 
@@ -63,6 +64,7 @@ def products(
             waiting.setdefault(parent, []).append(_Passed(placed, columns, key, reduced))
         else:
             _add(total, columns, reduced.product)
+    mirror(total)
     return total, kept
 
 
@@ -86,20 +88,18 @@ def _reduced(placed: Placed, rows: csr_array, columns: Ints, children: Sequence[
     dtrsm(1.0, factor.diagonal.T, mine.T, lower=0, trans_a=1, overwrite_b=1)
     left = y[:, p:] - mine @ factor.below.T
     del y
-    product = mine @ mine.T
+    product = dsyrk(1.0, mine.T, trans=1).T
     for a, b in placed.signs:
-        product -= 2.0 * (mine[:, a:b] @ mine[:, a:b].T)
+        product = dsyrk(-2.0, np.ascontiguousarray(mine[:, a:b]).T, 1.0, product.T, trans=1, overwrite_c=1).T
     for child in children:
         _add(product, np.searchsorted(columns, child.columns), child.reduced.product)
     return Reduced(product, left)
 
 
 def _add(total: Floats, at: Ints, some: Floats) -> None:
-    """Add `some` (c, c) to the rows and columns `at` (c,), ascending, of a `total` (k, k)."""
-    if len(at) == len(total):
-        total += some
-    else:
-        total[np.ix_(at, at)] += some
+    """Add `some` (c, c) to the rows and columns `at` (c,), ascending, of a `total` (k, k): lower triangles of both."""
+    for rows, columns in lower_tiles(len(at)):
+        total[np.ix_(at[rows], at[columns])] += some[rows, columns]
 
 
 def _gathered(placed: Placed, rows: csr_array, columns: Ints, children: Sequence[_Passed]) -> Floats:

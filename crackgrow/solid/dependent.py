@@ -52,12 +52,17 @@ def _among(matrix: SymmetricMatrix, some: Ints) -> csc_array:
     """What the blocks of a matrix (n, n) have between some unknowns (k,): (k, k)."""
     number = np.full(matrix.shape[0], -1)
     number[some] = np.arange(len(some))
-    total = csr_array((len(some), len(some)))
+    entries, rows, columns = [np.empty(0)], [some[:0]], [some[:0]]
     for part in matrix.blocks.parts:
-        local = np.flatnonzero(number[part.dofs] >= 0)
-        entries, mine = part.half[local][:, local].tocoo(), number[part.dofs[local]]
-        total = total + csr_array((entries.data, (mine[entries.row], mine[entries.col])), shape=total.shape)
-    return mirrored(csr_array(total))
+        mine = number[part.dofs]
+        local = np.flatnonzero(mine >= 0)
+        if len(local):
+            found, row, column = part.sum.among(local)
+            entries.append(found)
+            rows.append(mine[local[row]])
+            columns.append(mine[local[column]])
+    places = (np.concatenate(rows), np.concatenate(columns))
+    return mirrored(csr_array((np.concatenate(entries), places), shape=(len(some), len(some))))
 
 
 def _dependent(block: csc_array, scale: Floats) -> Ints:
