@@ -6,10 +6,13 @@ scene is point symmetric; the stored K of its two cracks differ by 0.4 %, their 
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import shapely
 
+from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
@@ -53,14 +56,38 @@ def steps(tmp_path_factory: pytest.TempPathFactory) -> list[StepResult]:
     return list(grow(load_case(path)))
 
 
-@pytest.mark.parametrize("crack", [0, 1])
-def test_the_path_round_the_hole(steps: list[StepResult], crack: int) -> None:
-    """Measured over all 20 steps: 0.041 mm from the right path; from the left 0.034, at its end in the hole 0.063."""
+def from_stored_path(step: StepResult, crack: int) -> Floats:
+    """Distances (n,) mm of a crack's vertices from the stored path, from its mouth on."""
     path = table("two_holes_path.csv")
     mine = path[path["crack"] == crack]
-    line, found = shapely.LineString(np.column_stack([mine["x"], mine["y"]])), 1e3 * steps[-1].cracks[crack].points
+    line, found = shapely.LineString(np.column_stack([mine["x"], mine["y"]])), 1e3 * step.cracks[crack].points
+    return np.asarray(shapely.distance(line, shapely.points(found[:: 1 if crack == 0 else -1])))
+
+
+@pytest.mark.parametrize("crack", [0, 1])
+def test_the_path_round_the_hole(steps: list[StepResult], crack: int) -> None:
+    found = from_stored_path(steps[-1], crack)
     assert len(found) == 5
-    assert shapely.distance(line, shapely.points(found)).max() < 0.05
+    assert found.max() < 0.05
+
+
+@pytest.mark.slow
+def test_the_path_up_to_the_other_hole(tmp_path: Path) -> None:
+    """Within 0.05 mm, and at the last step whose K is stored within 0.07 mm: 1 mm from the hole, where K falls fast.
+
+    There the stored cracks are 0.02 mm apart, and have K_II / K_I of 0.005 and 0.011 left at the ends of the last two
+    steps, by which directions are off by 0.6 and 1.3 degrees. Here it is below 1e-3, and `fine` moves the last vertex
+    by 0.003 mm.
+    """
+    file = tmp_path / "two_holes.yaml"
+    file.write_text(PLATE.replace("steps: 3", "steps: 20"), encoding="utf-8")
+    *_, last = grow(load_case(file))
+    for crack in (0, 1):
+        found = from_stored_path(last, crack)
+        assert len(found) == 22
+        assert found[:-1].max() < 0.05
+        assert found[-1] < 0.07
+    assert all(abs(tip.K_II) < 1e-3 * tip.K_I for tip in last.tips)
 
 
 @pytest.mark.parametrize("step", [0, 1, 2])
