@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints, key_of
@@ -37,7 +39,7 @@ class Reading:
     """What is read off at a place."""
 
     rows: Floats  # (q, k) of a component of the displacement, by the coefficients (k,) of some functions
-    more: tuple[Floats, ...]  # that goes with it
+    more: tuple[NDArray[Any], ...]  # that goes with it
 
     def of(self, u: Floats) -> Floats:
         """What is read off (q, 2), by component, of the coefficients (k, 2) of its functions."""
