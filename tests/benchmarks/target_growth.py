@@ -14,7 +14,8 @@ from unittest import mock
 import numpy as np
 
 from crackgrow.case import Case, load_case
-from crackgrow.run import loop
+from crackgrow.case.model import CriticalLoad
+from crackgrow.run import grow, loop
 from crackgrow.run.checkpoint import RunState, packed
 from crackgrow.run.halvings import Accuracy
 from crackgrow.run.judging import StepSolution
@@ -25,7 +26,10 @@ from tests.benchmarks.paths import HERE, ROOT
 from tests.benchmarks.random_errors import QUIET, TRUTH, Stated, of_directions, of_K
 from tests.benchmarks.tables import number, table
 
-SCENES: Final = {"compression30": 22, "brazilian_disk": 10, "flaw_and_hole": 12, "two_flaws": 12, "en_echelon": 8}
+SCENES: Final = {
+    "compression30": 22, "brazilian_disk": 10, "flaw_and_hole": 12, "two_flaws": 12, "two_flaws_overlapping": 10,
+    "en_echelon": 8,
+}  # fmt: skip
 """Steps of growth."""
 
 TARGET: Final = "1 %"
@@ -41,7 +45,8 @@ step in {EVERY}, in percent of the largest K; the truth is K of the same cracks 
 errors beyond the bound and what the truth states of itself. Bound over error is of errors that the truth is good enough
 to tell.
 
-Directions: the same of the kinks, in degrees, where the criterion sees a tip grow.
+Directions: the same of the kinks, in degrees, where the criterion sees a tip grow. Loads: the same of every step's
+critical load, in percent, where the case asks for it.
 
 To hold K against that on other cells takes as long as some steps in growth, which make anew only what has changed: one
 measuring, over one step. Young wings are measured at the first step and once they are five or six times as long; where
@@ -102,13 +107,25 @@ def on_known_cells(case: Case, known: Sequence[Accuracy]) -> Grown:
         return grown(case)
 
 
+def true(name: str, step: StepSolution, *settings: str) -> StepResult:
+    """The truth for the cracks of a step."""
+    case = case_of(name, f"numerics.accuracy={TRUTH}", "growth.steps=0", *settings)
+    return next(grow(case, packed(RunState(0, step.cracks))))
+
+
 def beside_truth(name: str, run: Grown) -> Iterator[tuple[StepResult, StepResult]]:
     """Some steps, each with the truth."""
     for result, step in list(zip(run.results, run.steps, strict=True))[EVERY - 1 :: EVERY]:
-        loaded = f"loading={{history: [{step.state.factor!r}]}}"
-        case = case_of(name, f"numerics.accuracy={TRUTH}", "growth.steps=0", loaded)
-        truth, _ = next(solved_steps(case, packed(RunState(0, step.cracks))))
-        yield result, truth
+        yield result, true(name, step, f"loading={{history: [{step.state.factor!r}]}}")
+
+
+def of_loads(name: str, run: Grown) -> Iterator[Stated]:
+    """The critical load of each step, if there is any."""
+    for result, step in zip(run.results, run.steps, strict=True):
+        if isinstance(step.scene.case.loading, CriticalLoad):
+            truth = true(name, step)
+            error = 100.0 * abs(result.load_factor / truth.load_factor - 1.0)
+            yield Stated(name, TARGET, "load", error, result.load_factor_error, truth.load_factor_error)
 
 
 def row_of(name: str, n_steps: int) -> list[str]:
@@ -120,6 +137,7 @@ def row_of(name: str, n_steps: int) -> list[str]:
     steps = list(beside_truth(name, run))
     of_tips = [Stated(name, TARGET, "K", *each) for step, truth in steps for each in of_K(step, truth)]
     turned = [Stated(name, TARGET, "direction", *each) for step, truth in steps for each in of_directions(step, truth)]
+    loads = list(of_loads(name, run))
     told = [tip.bound / tip.error for tip in of_tips if tip.error > 3.0 * tip.own]
     n, measured = len(run.steps) - 1, [step for step, known in enumerate(run.known) if known.age == 0]
     return [
@@ -136,6 +154,9 @@ def row_of(name: str, n_steps: int) -> list[str]:
         str(len(turned)),
         str(sum(not tip.holds for tip in turned)),
         number(max((tip.error for tip in turned), default=np.nan)),
+        str(len(loads)),
+        str(sum(not load.holds for load in loads)),
+        number(max((load.error for load in loads), default=np.nan)),
     ]
 
 
@@ -148,6 +169,7 @@ def main() -> None:
     header = (
         "scene", "steps", "measured", "cost", "one measuring, over one step", "errors", "beyond", "largest error, %",
         "largest bound, %", "bound over error in the median", "directions", "beyond", "largest error, degrees",
+        "loads", "beyond", "largest error, %",
     )  # fmt: skip
     (HERE / "target_growth.md").write_text(f"{WORDS}\n{table(header, rows)}")
 
