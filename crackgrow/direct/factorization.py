@@ -19,7 +19,7 @@ from crackgrow.direct.dissection import Places
 from crackgrow.direct.fronts import fronts_of
 from crackgrow.direct.matrix import SymmetricMatrix, bordered
 from crackgrow.direct.multifrontal import NOTHING, Kept, Multifrontal
-from crackgrow.direct.tiles import lower_tiles, mirror
+from crackgrow.direct.panels import fill_upper, lower_panels
 from crackgrow.errors import SolveError
 
 YIELDING = 1e-7
@@ -95,7 +95,7 @@ class Factorization:
         pulls = np.zeros((m, k))
         for _ in range(HARDENINGS):
             pulls -= self._yielding[:, None] * (multipliers + of_pulls @ pulls) + pulls
-        _take_away(compliance, multipliers, pulls)
+        _add_symmetric_part(compliance, multipliers, pulls)
         return compliance
 
     def _responses_of(self, m: int) -> Floats:
@@ -113,12 +113,12 @@ class Factorization:
         return np.concatenate([np.zeros((self._constraints.shape[1], missing.shape[1])), missing])
 
 
-def _take_away(compliance: Floats, multipliers: Floats, pulls: Floats) -> None:
+def _add_symmetric_part(compliance: Floats, multipliers: Floats, pulls: Floats) -> None:
     """Add the mean of M' P and its transpose to a matrix (k, k), M and P (m, k), that is symmetric to the last bit."""
-    for rows, columns in lower_tiles(len(compliance)):
+    for rows, columns in lower_panels(len(compliance)):
         more = multipliers[:, rows].T @ pulls[:, columns] + (multipliers[:, columns].T @ pulls[:, rows]).T
         compliance[rows, columns] += 0.5 * more
-    mirror(compliance)
+    fill_upper(compliance)
 
 
 def factorize(

@@ -17,14 +17,14 @@ from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.direct.factor import Placed, runs
-from crackgrow.direct.tiles import lower_tiles, mirror
+from crackgrow.direct.panels import fill_upper, lower_panels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reduced:
     """What elimination in a subtree makes of the right-hand sides (c,) that are at work there."""
 
-    product: Floats  # (c, c) Y' D Y of the rows of Y that are eliminated in it: its lower triangle
+    product: Floats  # (c, c) Y' D Y of the rows of Y that are eliminated in it: the lower triangle alone is to be read
     left: Floats  # (c, b) what it leaves to the later unknowns that it is coupled to
 
 
@@ -64,7 +64,7 @@ def products(
             waiting.setdefault(parent, []).append(_Passed(placed, columns, key, reduced))
         else:
             _add(total, columns, reduced.product)
-    mirror(total)
+    fill_upper(total)
     return total, kept
 
 
@@ -98,7 +98,7 @@ def _reduced(placed: Placed, rows: csr_array, columns: Ints, children: Sequence[
 
 def _add(total: Floats, at: Ints, some: Floats) -> None:
     """Add `some` (c, c) to the rows and columns `at` (c,), ascending, of a `total` (k, k): lower triangles of both."""
-    for rows, columns in lower_tiles(len(at)):
+    for rows, columns in lower_panels(len(at)):
         total[np.ix_(at[rows], at[columns])] += some[rows, columns]
 
 

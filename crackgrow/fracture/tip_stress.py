@@ -4,8 +4,9 @@ sigma(tip) = sum w_q sigma_q / sum w_q with w_q = A_q / r_q, A_q the quadrature 
 point (Shepard 1968). The points are a polar rule of the disc, so the value does not depend on where the lattice's own
 points happen to lie. Each ray ends on the rim of the body; what lies behind a crack counts for the disc, not for the
 ray. The rule of a ray is one up to what it meets first, and another one from there on: where a rule for the whole of it
-lost points to a hole, the stress was 36 % and the direction 9 degrees off. The radius is a material length: for the
-singular field <s_yy> = 1.5279 K_I / sqrt(2 pi R) and <s_xy> = 1.0186 K_II / sqrt(2 pi R).
+lost points to a hole, a stress was 36 % and a direction 9 degrees off (tests/verification/test_beside_a_hole.py). The
+radius is a material length: for the singular field <s_yy> = 1.5279 K_I / sqrt(2 pi R) and
+<s_xy> = 1.0186 K_II / sqrt(2 pi R).
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.readings import Made, Place, Reading, Readings
 from crackgrow.fracture.sites import LARGEST_KINK, Site
+from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.quadrature.rules import gauss
 from crackgrow.ragged import distinct, starts_of
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -30,14 +32,14 @@ from crackgrow.solid.elasticity import PlaneElasticity
 N_RAYS = 72
 """Rays of the polar rule, 5 degrees apart."""
 
-NEXT_TO_SITE = 1e-6
-"""What a ray meets nearer than this fraction of the radius is what the site itself lies on: its crack, or a rim."""
+NEXT_TO_SITE = 2.0 * SAME_PLACE
+"""Spacings: what a ray meets nearer than this is what the site itself lies on, its crack or a rim."""
 
 N_RADIAL = 6
 """Points on a ray, or on each of its parts."""
 
 ON_SEGMENT = 1e-12
-"""Parts of a segment of a crack: a ray that passes its end by less than this meets it."""
+"""Parts of a segment of a crack or a rim: a ray that passes its end by less than this meets it."""
 
 SITES_AT_ONCE = 8
 """Sites whose points are evaluated together: a call costs as much as some hundred points."""
@@ -49,7 +51,7 @@ class TipField:
 
     direction: float  # rad from +x: outward direction of a tip
     angles: Floats  # (n,) rad, of the rays
-    rays: Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray, as far as no crack crosses it (nan for none)
+    rays: Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray up to what it meets, times the root of that part
     mean: Floats  # (3,) Pa: Shepard average over the disc
     half_width: float = LARGEST_KINK  # rad: no crack goes further to either side
     radius: float | None = None  # m, of the average; None: that of the criterion
@@ -147,16 +149,20 @@ def _rule(cover: Cover, site: Site, radius: float) -> Rule:
 
 def _place(cover: Cover, site: Site, rule: Rule) -> Place:
     """Where the field of a site is read off, and all that it depends on besides the elements there."""
-    low, high = site.point - rule.reach, site.point + rule.reach
-    paths = _paths_near(cover, low, high)
+    paths = _paths_near(cover, site, rule)
     lengths = np.array([len(path) for path in paths], dtype=np.float64)
     own = np.concatenate([[site.direction, site.body, rule.reach], site.point, lengths, *map(np.ravel, paths)])
-    return Place(low, high, own.tobytes())
+    return Place(site.point - rule.reach, site.point + rule.reach, own.tobytes())
 
 
-def _paths_near(cover: Cover, low: Floats, high: Floats) -> list[Floats]:
-    """The cracks whose boxes reach into that from `low` to `high` (2,)."""
-    near = np.sort(cover.crack_tree.query(shapely.box(*low, *high))).tolist()
+def _box(site: Site, rule: Rule) -> shapely.Polygon:
+    """The box round the disc of a site."""
+    return shapely.box(*(site.point - rule.reach), *(site.point + rule.reach))
+
+
+def _paths_near(cover: Cover, site: Site, rule: Rule) -> list[Floats]:
+    """The cracks whose boxes reach into that of a site."""
+    near = np.sort(cover.crack_tree.query(_box(site, rule))).tolist()
     return [cover.cracks[number].points for number in near]
 
 
@@ -200,9 +206,8 @@ def _on_rays(cover: Cover, site: Site, rule: Rule) -> _Points:
 
 def _met(cover: Cover, site: Site, rule: Rule) -> tuple[Floats, Floats]:
     """How far (rays,) it is to a rim, and to a crack, in parts of the reach; 1 where a ray meets none within it."""
-    low, high = site.point - rule.reach, site.point + rule.reach
-    rims = cover.elements.outlines.points[cover.outline_tree.query(shapely.box(*low, *high))]
-    paths = _paths_near(cover, low, high)
+    rims = cover.elements.outlines.points[cover.outline_tree.query(_box(site, rule))]
+    paths = _paths_near(cover, site, rule)
     cracks = np.concatenate([np.empty((0, 2, 2)), *(np.stack([path[:-1], path[1:]], axis=1) for path in paths)])
     on_rims, on_cracks = (_crossings(segments - site.point, rule) for segments in (rims, cracks))
     return on_rims.min(axis=1, initial=1.0), on_cracks.min(axis=1, initial=1.0)
@@ -211,14 +216,14 @@ def _met(cover: Cover, site: Site, rule: Rule) -> tuple[Floats, Floats]:
 def _crossings(segments: Floats, rule: Rule) -> Floats:
     """How far (rays, n) it is to `segments` (n, 2, 2), as seen from the site, in parts of the reach.
 
-    It is infinite where a ray passes one, where both are side by side, and where the site lies on it.
+    It is infinite where one is passed or lies behind, is side by side with the ray, or is what the site lies on.
     """
     (x, y), (step_x, step_y) = (segments[:, 0] / rule.reach).T, (np.diff(segments, axis=1)[:, 0] / rule.reach).T
     toward_x, toward_y = rule.toward.T[:, :, None]
     across = toward_x * step_y - toward_y * step_x
     across[across == 0.0] = np.nan
     distance, part = (x * step_y - y * step_x) / across, (x * toward_y - y * toward_x) / across
-    meets = (np.abs(part - 0.5) <= 0.5 + ON_SEGMENT) & (distance >= NEXT_TO_SITE)
+    meets = (np.abs(part - 0.5) <= 0.5 + ON_SEGMENT) & (rule.reach * distance >= NEXT_TO_SITE)
     return np.where(meets, distance, np.inf)
 
 

@@ -193,7 +193,7 @@ def probe() -> float:
 
 @cache
 def _probe_here() -> float:
-    """That of this machine, measured once: estimates of one process differ by what is estimated, not by noise."""
+    """The probe of this machine, taken once: estimates of one process differ by what is estimated, not by noise."""
     return probe()
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -252,14 +252,15 @@ def link(paths: Sequence[CrackPath], modes: Mapping[str, list[str]]) -> str:
     graph = coo_array(([length for length, _ in edges.values()], (rows, columns)), shape=2 * (len(numbers),))
     first, last = (numbers[tuple(np.round(_given(paths, name) / JOINED).tolist())] for name in ("lower", "upper"))
     _, before = dijkstra(graph.tocsr(), directed=False, indices=first, return_predecessors=True)
-    lengths, at = Counter[str](), last
+    lengths, at = defaultdict[str, float](float), last
     while at != first and before[at] >= 0:
         length, mode = edges.get((at, before[at])) or edges[before[at], at]
-        lengths[mode] += length  # type: ignore[assignment]
+        lengths[mode] += length if mode != "given" else 0.0
         at = int(before[at])
     if at != first:
         return ""
-    seen = {mode for mode, length in lengths.items() if length > 1e-3 * INCREMENT - JOINED} - {"given"}
+    least = min(1e-3 * INCREMENT - JOINED, max(lengths.values()))
+    seen = {mode for mode, length in lengths.items() if length >= least} - {"given"}
     return {frozenset({"shear"}): "S", frozenset({"tension"}): "W"}.get(frozenset(seen), "M")
 
 

@@ -49,6 +49,8 @@ def test_readings_taken_over_are_those_found_alone(steps: tuple[Configuration, .
     for number, field in later.fields.items():
         np.testing.assert_array_equal(field.functions, alone.fields[number].functions)
         np.testing.assert_array_equal(field.reading.rows, alone.fields[number].reading.rows)
+        for mine, other in zip(field.reading.more, alone.fields[number].reading.more, strict=True):
+            np.testing.assert_array_equal(mine, other)
 
 
 def test_only_tips_near_what_has_changed_are_read_anew(steps: tuple[Configuration, ...]) -> None:

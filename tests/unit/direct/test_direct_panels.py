@@ -1,27 +1,27 @@
-"""Tiles of matrices that are symmetric."""
+"""Panels of matrices that are symmetric."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from crackgrow.direct.tiles import TILE, lower_tiles, mirror
+from crackgrow.direct.panels import PANEL, fill_upper, lower_panels
 
-SIZES = (0, 1, TILE - 1, TILE, TILE + 1, 2 * TILE + 7)
+SIZES = (0, 1, PANEL - 1, PANEL, PANEL + 1, 2 * PANEL + 7)
 
 
 @pytest.mark.parametrize("k", SIZES)
-def test_tiles_hold_the_lower_triangle_once(k: int) -> None:
+def test_panels_hold_the_lower_triangle_once(k: int) -> None:
     times = np.zeros((k, k))
-    for tile in lower_tiles(k):
-        times[tile] += 1.0
+    for panel in lower_panels(k):
+        times[panel] += 1.0
     assert times.max(initial=0.0) <= 1.0
     assert (times[np.tril_indices(k)] == 1.0).all()
 
 
 @pytest.mark.parametrize("k", SIZES)
-def test_what_is_mirrored_is_the_lower_triangle(k: int) -> None:
+def test_the_upper_triangle_is_that_below(k: int) -> None:
     values = np.random.default_rng(k).normal(size=(k, k))
     lower = values.copy()
-    mirror(lower)
+    fill_upper(lower)
     np.testing.assert_array_equal(lower, np.tril(values) + np.tril(values, -1).T)
