@@ -2,8 +2,8 @@
 
 Strength: tension cut-off sigma_1 >= T0, else Mohr-Coulomb shear |tau| >= c - tan(phi) sigma_n (paper, section 3).
 `strength` applies it to the averaged stress of the tip, `directional_strength` to hoop tension and shear on every ray,
-averaged from the tip with the same weights, up to the same radius or to what the ray meets. (The stress at the ray's
-end alone would follow the direction of K less well: the stress parallel to the crack weighs more there.)
+averaged from the tip with the same weights. (The stress at the ray's end alone would follow the direction of K less
+well: the stress parallel to the crack weighs more there.)
 
 Maximum hoop stress (Erdogan, Sih 1963): the hoop stress of K_I and K_II alone, at the radius, against T0.
 

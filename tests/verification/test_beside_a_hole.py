@@ -43,3 +43,9 @@ def test_smaller_cells_say_the_same() -> None:
     coarse, fine = tip_beside_the_hole("standard"), tip_beside_the_hole("fine")
     assert coarse.criticality == pytest.approx(fine.criticality, rel=0.01)
     assert abs(coarse.kink_deg - fine.kink_deg) < coarse.kink_error_deg
+
+
+def test_the_tip_grows_by_its_K() -> None:
+    """As in the other steps, which are at 0.217 to 0.219 MPa sqrt(m) where the wing advances."""
+    found = tip_beside_the_hole("standard")
+    assert found.K_I / found.criticality == pytest.approx(0.218e6, rel=0.03)
