@@ -51,6 +51,10 @@ critical load, in percent, where the case asks for it.
 To hold K against that on other cells takes as long as some steps in growth, which make anew only what has changed: one
 measuring, over one step. Young wings are measured at the first step and once they are five or six times as long; where
 flaws come near each other, or cells are joined, sooner.
+
+Directions beyond their bounds are at tips that something lies closer to than the averaging radius, or of some tenths of
+a degree: far outside of the cells at a tip both kinds of cells are as large by their distance from the tip, so that the
+difference tells too little of the stress there.
 """
 
 
